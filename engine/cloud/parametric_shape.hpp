@@ -1,0 +1,141 @@
+// A shape from a formula with derivatives: closest points by Newton's method, even sampling by a table of its area
+// density.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <glm/common.hpp>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/area_table.hpp"
+#include "engine/cloud/jet.hpp"
+#include "engine/cloud/point_tree.hpp"
+
+namespace palpate {
+
+/// How finely a form is looked at, rows by columns over its unit square.
+struct GridSize {
+  std::size_t rows, columns;
+};
+
+/// A `Form` is a closed surface in its own units, written as
+///   Site                          a place on it, a vector of GLM
+///   Site site(DVec2)              the place at a point of the unit square, which covers the form
+///   JetVec3 at(Site)              the point there, with its derivatives in a chart (u, v) around the site, u x v
+///   outward Site moved(Site, DVec2)       the site at (u, v) of that chart double areaDensity(DVec2)     area per area
+///   of the unit square kSeeds, kTable                GridSize: of the starts for Newton (finer than a quarter of the
+///   smallest detail), and
+///                                 of the area table
+template <class Form>
+class ParametricShape final : public AnalyticShape {
+ public:
+  using Site = typename Form::Site;
+
+  ParametricShape(double size, const DVec3& center) : AnalyticShape(size, center) {
+    const GridSize grid = Form::kSeeds;
+    for (std::size_t k = 0; k < grid.rows * grid.columns; ++k) {
+      const DVec2 square((static_cast<double>(k / grid.columns) + 0.5) / static_cast<double>(grid.rows),
+                         (static_cast<double>(k % grid.columns) + 0.5) / static_cast<double>(grid.columns));
+      seeds_.push_back(form_.site(square));
+      seedPositions_.push_back(Vec3(form_.at(seeds_.back()).value()));
+    }
+    Bounds box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] = extreme(axis, -1);
+      box.max[axis] = extreme(axis, 1);
+    }
+    middle_ = box.center();
+    scale_ = size / box.longestSide();
+    tree_ = std::make_unique<PointTree>(seedPositions_);
+  }
+
+  /// The best of Newton's method from the nearest seeds.
+  SurfacePoint closest(const DVec3& p) const override {
+    constexpr std::size_t kStarts = 8;
+    const DVec3 local = (p - center()) / scale_ + middle_;
+    std::array<std::uint32_t, kStarts> nearest{};
+    std::array<double, kStarts> squaredDistances{};
+    const std::size_t starts = tree_->nearest(Vec3(local), nearest, squaredDistances);
+    Site best = seeds_[nearest[0]];
+    double bestSquared = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < starts; ++k) {
+      const auto [site, squared] = descend(seeds_[nearest[k]], local);
+      if (squared < bestSquared) best = site, bestSquared = squared;
+    }
+    return place(form_.at(best));
+  }
+
+  AreaMap areaMap(unsigned threads) const override {
+    const auto density = [this](const DVec2& square) { return form_.areaDensity(square); };
+    auto table = std::make_shared<const AreaTable>(Form::kTable.rows, Form::kTable.columns, density, threads);
+    return [this, table](const DVec2& uniform) { return place(form_.at(form_.site((*table)(uniform)))); };
+  }
+
+ private:
+  SurfacePoint place(const JetVec3& surface) const {
+    return {(surface.value() - middle_) * scale_ + center(), glm::normalize(glm::cross(surface.u(), surface.v()))};
+  }
+
+  /// The least (side -1) or greatest (side 1) coordinate of the form: the point closest to one far out, from the best
+  /// seed.
+  double extreme(int axis, double side) const {
+    constexpr double kFar = 100;  // form units
+    const auto further = [&](const Vec3& a, const Vec3& b) { return side * a[axis] < side * b[axis]; };
+    const auto best = std::max_element(seedPositions_.begin(), seedPositions_.end(), further);
+    DVec3 farOut(*best);
+    farOut[axis] += side * kFar;
+    return form_.at(descend(seeds_[static_cast<std::size_t>(best - seedPositions_.begin())], farOut).site)
+        .value()[axis];
+  }
+
+  struct Descent {
+    Site site;
+    double squaredDistance;
+  };
+  /// Newton's method on half the squared distance to `p`, halving a step that does not lead down. Where the Hessian is
+  /// not positive (p lies beyond a centre of curvature) the metric alone takes its place, which still leads down.
+  Descent descend(Site site, const DVec3& p) const {
+    constexpr int kMostSteps = 60;
+    JetVec3 surface = form_.at(site);
+    double squared = glm::dot(surface.value() - p, surface.value() - p);
+    for (int step = 0; step < kMostSteps; ++step) {
+      DVec2 change = newtonStep(surface, p);
+      bool lower = false;
+      for (int halving = 0; halving < 12 && !lower; ++halving, change *= 0.5) {
+        const Site next = form_.moved(site, change);
+        const JetVec3 there = form_.at(next);
+        const double squaredThere = glm::dot(there.value() - p, there.value() - p);
+        lower = squaredThere < squared;
+        if (lower) site = next, surface = there, squared = squaredThere;
+      }
+      if (!lower) break;  // as low as double precision can tell
+    }
+    // The squared distance is flat to rounding near its minimum; one more step gives the place itself all its digits.
+    const DVec2 last = newtonStep(surface, p);
+    if (glm::dot(last, last) < 1e-10) site = form_.moved(site, last);
+    return {site, squared};
+  }
+
+  static DVec2 newtonStep(const JetVec3& surface, const DVec3& p) {
+    const DVec3 offset = surface.value() - p, u = surface.u(), v = surface.v();
+    const DVec2 gradient(glm::dot(offset, u), glm::dot(offset, v));
+    const DVec3 metric(glm::dot(u, u), glm::dot(u, v), glm::dot(v, v));
+    const DVec3 bend(glm::dot(offset, surface.uu()), glm::dot(offset, surface.uv()), glm::dot(offset, surface.vv()));
+    DVec3 h = metric + bend;
+    if (h.x <= 0 || h.x * h.z - h.y * h.y <= 1e-3 * (metric.x * metric.z - metric.y * metric.y)) h = metric;
+    const double determinant = h.x * h.z - h.y * h.y;
+    return -DVec2(h.z * gradient.x - h.y * gradient.y, h.x * gradient.y - h.y * gradient.x) / determinant;
+  }
+
+  Form form_;
+  std::vector<Site> seeds_;
+  std::vector<Vec3> seedPositions_;  // in the form's units
+  std::unique_ptr<PointTree> tree_;
+  DVec3 middle_{0};   // of the form's box, in its units
+  double scale_ = 1;  // model units per unit of the form
+};
+
+}  // namespace palpate

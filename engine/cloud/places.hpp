@@ -1,0 +1,21 @@
+// Coincident points as one place. Real scans hold duplicates by the thousand; a neighbourhood of equal points says
+// nothing about the surface, and a k-d tree degenerates to a list among them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+struct Places {
+  std::vector<Vec3> positions;         ///< each once, ordered by x, y, z
+  std::vector<std::uint32_t> placeOf;  ///< for each point, its place
+};
+
+/// O(N log N). Fewer than 2^32 points.
+Places distinctPlaces(std::span<const Vec3> points);
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+#include "engine/cloud/ply_reader.hpp"
+
+#include <bit>
+#include <optional>
+
+#include "engine/cloud/ply_body.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+namespace {
+
+std::string namesOf(const std::vector<PlyElement>& elements) {
+  std::string names;
+  for (const PlyElement& element : elements) names += (names.empty() ? "" : ", ") + element.name;
+  return names.empty() ? "none" : names;
+}
+
+/// Says when something follows the last element; blank lines do not count.
+void remarkOnRest(ChunkedFile& file, Log* log) {
+  const std::uint64_t offset = file.offset();
+  const auto rest = file.peek(1);
+  for (const std::byte b : rest) {
+    if (b == std::byte{'\n'} || b == std::byte{'\r'} || b == std::byte{' '}) continue;
+    log->say("{}: what follows the last element, from byte {} on, is ignored", file.path().filename().string(), offset);
+    return;
+  }
+}
+
+}  // namespace
+
+PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions options) {
+  ChunkedFile file(path);
+  const PlyInfo info = readPlyHeader(file);
+  const PlyElement* vertex = info.find("vertex");
+  if (!vertex) {
+    throw FileError::atLine(path, file.line(),
+                            fmt::format("no element 'vertex'; elements: {}", namesOf(info.elements)));
+  }
+  const bool ascii = info.format == PlyFormat::ascii;
+  const bool littleEndian = info.format == PlyFormat::binaryLittleEndian;
+  const bool swapBytes = littleEndian != (std::endian::native == std::endian::little);
+
+  PlyVertices vertices(path, *vertex, log);
+  std::optional<PlyFaces> faces;
+  if (options.normalsFromFaces) faces.emplace(vertex->count);
+  PlyFaces* const wanted = faces ? &*faces : nullptr;
+  for (const PlyElement& element : info.elements) {
+    const bool isVertex = &element == vertex;
+    if (ascii)
+      isVertex ? readAsciiVertices(file, element, vertices) : passAsciiElement(file, element, wanted);
+    else
+      isVertex ? readBinaryVertices(file, element, swapBytes, vertices)
+               : passBinaryElement(file, element, swapBytes, wanted);
+  }
+  if (log) remarkOnRest(file, log);
+
+  PointCloud cloud = vertices.finish(log);
+  cloud.storedAs.comments = info.comments;
+  if (faces) faces->applyTo(cloud, path, log);
+  return cloud;
+}
+
+}  // namespace palpate

@@ -1,0 +1,151 @@
+#include "engine/cloud/ply_writer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <functional>
+#include <iterator>
+#include <string>
+
+#include "engine/core/atomic_file.hpp"
+#include "engine/core/check.hpp"
+
+namespace palpate {
+namespace {
+
+/// Collects bytes and hands them to the file in large pieces.
+class Output {
+ public:
+  Output(const std::filesystem::path& path, bool ascii) : file_(path), ascii_(ascii) {}
+
+  template <class T>
+  void value(T number) {
+    if (ascii_) {
+      if (!atLineStart_) text_.push_back(' ');
+      atLineStart_ = false;
+      fmt::format_to(std::back_inserter(text_), "{}", number);
+      return;
+    }
+    auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(number);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+    text_.append(bytes.data(), bytes.data() + bytes.size());
+  }
+  /// A value given as double, stored as `type`.
+  void real(ScalarType type, double number) {
+    if (type == ScalarType::f64)
+      value(number);
+    else
+      value(static_cast<float>(number));
+  }
+  void endRow() {
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    if (ascii_) text_.push_back('\n');
+    atLineStart_ = true;
+    if (text_.size() >= kPiece) flush();
+  }
+  void headerLine(std::string_view line) {
+    text_.append(line);
+    text_.push_back('\n');
+  }
+  void finish() {
+    flush();
+    file_.commit();
+  }
+
+ private:
+  void flush() {
+    file_.write(std::string_view(text_.data(), text_.size()));
+    text_.clear();
+  }
+
+  AtomicFile file_;
+  fmt::memory_buffer text_;
+  bool ascii_;
+  bool atLineStart_ = true;
+};
+
+constexpr std::array<const char*, 4> kColorNames{"red", "green", "blue", "alpha"};
+
+/// The types that a cloud is written in.
+struct Layout {
+  ScalarType position, normal, color;
+  std::size_t colorChannels;
+  std::vector<const Attribute*> extra;
+};
+
+Layout layoutOf(const PointCloud& cloud) {
+  const StoredAs& stored = cloud.storedAs;
+  const bool wide = stored.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
+  Layout layout{wide ? ScalarType::f64 : ScalarType::f32, stored.normal, stored.color, stored.alpha ? 4u : 3u, {}};
+  // A lone nx of the input became an attribute; it gives way once the cloud has real normals.
+  const auto taken = [&](const std::string& name) {
+    const bool isNormal = name == "nx" || name == "ny" || name == "nz";
+    const auto* color = std::find(kColorNames.begin(), kColorNames.begin() + layout.colorChannels, name);
+    return (cloud.hasNormals() && isNormal) ||
+           (cloud.hasColors() && color != kColorNames.begin() + layout.colorChannels);
+  };
+  for (const Attribute& attribute : cloud.extra)
+    if (!taken(attribute.name)) layout.extra.push_back(&attribute);
+  return layout;
+}
+
+void writeHeader(Output& out, const PointCloud& cloud, const Layout& layout, bool ascii) {
+  const auto property = [&](ScalarType type, std::string_view name) {
+    out.headerLine(fmt::format("property {} {}", plyName(type), name));
+  };
+  out.headerLine("ply");
+  out.headerLine(ascii ? "format ascii 1.0" : "format binary_little_endian 1.0");
+  for (const std::string& comment : cloud.storedAs.comments) out.headerLine(comment);
+  out.headerLine(fmt::format("element vertex {}", cloud.size()));
+  for (const char* name : {"x", "y", "z"}) property(layout.position, name);
+  if (cloud.hasNormals())
+    for (const char* name : {"nx", "ny", "nz"}) property(layout.normal, name);
+  if (cloud.hasColors())
+    for (std::size_t k = 0; k < layout.colorChannels; ++k) property(layout.color, kColorNames[k]);
+  for (const Attribute* attribute : layout.extra) property(attribute->type, attribute->name);
+  out.headerLine("end_header");
+}
+
+void writeColor(Output& out, ScalarType type, std::uint8_t channel) {
+  if (type == ScalarType::u8)
+    out.value(channel);
+  else if (type == ScalarType::u16)
+    out.value(static_cast<std::uint16_t>(channel * 257));
+  else
+    out.real(type, channel / 255.0);
+}
+
+void checkSizes(const PointCloud& cloud) {
+  PALPATE_CHECK(!cloud.hasNormals() || cloud.normals.size() == cloud.size());
+  PALPATE_CHECK(!cloud.hasColors() || cloud.colors.size() == cloud.size());
+  PALPATE_CHECK(cloud.exactPositions.empty() || cloud.exactPositions.size() == cloud.size());
+  for (const Attribute& attribute : cloud.extra)
+    PALPATE_CHECK_EQ(attribute.data.size(), cloud.size() * sizeOf(attribute.type));
+}
+
+}  // namespace
+
+void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWriteOptions options) {
+  checkSizes(cloud);
+  const Layout layout = layoutOf(cloud);
+  Output out(path, options.ascii);
+  writeHeader(out, cloud, layout, options.ascii);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 position = cloud.fileCoordinates(i);
+    for (int k = 0; k < 3; ++k) out.real(layout.position, position[k]);
+    if (cloud.hasNormals())
+      for (int k = 0; k < 3; ++k) out.real(layout.normal, cloud.normals[i][k]);
+    if (cloud.hasColors())
+      for (std::size_t k = 0; k < layout.colorChannels; ++k) writeColor(out, layout.color, cloud.colors[i][k]);
+    for (const Attribute* attribute : layout.extra) {
+      visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
+        out.value(loadScalar<T>(attribute->data.data() + i * sizeof(T)));
+      });
+    }
+    out.endRow();
+  }
+  out.finish();
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+#include "engine/cloud/spacing.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/places.hpp"
+#include "engine/cloud/point_tree.hpp"
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kMostProbes = 2000;
+// The neighbour counts whose discs are averaged. On a lattice neighbours come in rings, so that the disc to any one of
+// them is up to a tenth too large or too small; over this range the spacing comes out within two per cent on square,
+// hexagonal, Fibonacci and random samplings alike.
+constexpr std::size_t kFirst = 8, kLast = 32;
+// A k-d tree over more points than this would take longer than a second.
+constexpr std::size_t kLargestTree = 1'000'000;
+
+/// Each place stays with the same probability, decided by its coordinates so that coincident points stay or go
+/// together.
+std::vector<Vec3> thinned(const std::vector<Vec3>& points, double keep) {
+  std::vector<Vec3> part;
+  part.reserve(kLargestTree + kLargestTree / 50);
+  for (const Vec3& p : points) {
+    const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v + 0.0f)}; };  // -0 is 0
+    if (randomUnit(bits(p.x) << 32 | bits(p.y), bits(p.z)) < keep) part.push_back(p);
+  }
+  return part;
+}
+
+/// Area per place around one place. The disc to its k-th neighbour holds on average k areas where points lie at random
+/// and, half of the outermost point belonging to it, k + 1/2 where they lie on a lattice; 1/4 serves both.
+double areaPerPlace(const PointTree& tree, const Vec3& place) {
+  std::array<std::uint32_t, kLast + 1> indices;
+  std::array<double, kLast + 1> squaredDistances;
+  const std::size_t neighbours = tree.nearest(place, indices, squaredDistances) - 1;  // the first is the place itself
+  const std::size_t first = std::min(kFirst, neighbours);
+  double sum = 0;
+  for (std::size_t k = first; k <= neighbours; ++k)
+    sum += std::numbers::pi * squaredDistances[k] / (static_cast<double>(k) + 0.25);
+  return sum / static_cast<double>(neighbours - first + 1);
+}
+
+}  // namespace
+
+double meanSpacing(const PointCloud& cloud, unsigned threads) {
+  const double keep = std::min(1.0, static_cast<double>(kLargestTree) / static_cast<double>(cloud.size()));
+  const Places places = distinctPlaces(keep < 1 ? thinned(cloud.positions, keep) : cloud.positions);
+  if (places.positions.size() < 2) return 0;
+  const PointTree tree(places.positions);
+  std::vector<double> areas(std::min(kMostProbes, places.positions.size()));
+  parallelFor(areas.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n)
+      areas[n] = areaPerPlace(tree, places.positions[n * places.positions.size() / areas.size()]);
+  });
+  const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+  std::nth_element(areas.begin(), middle, areas.end());
+  // Thinning to a part makes the area per place grow by 1 / keep.
+  return std::sqrt(*middle * keep);
+}
+
+}  // namespace palpate

@@ -1,0 +1,34 @@
+// Output files appear under their name only when they are whole.
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+/// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
+/// commit, the temporary file is removed and an older file of that name stays as it was. Throws FileError.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::filesystem::path target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(std::span<const std::byte> bytes);
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+  void commit();
+
+  /// For libraries that want to open the file themselves; still renamed by commit().
+  const std::filesystem::path& temporaryPath() const { return temporary_; }
+
+ private:
+  std::filesystem::path target_;
+  std::filesystem::path temporary_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace palpate

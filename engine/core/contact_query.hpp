@@ -1,0 +1,37 @@
+// The seam between the servo loop, which knows no GPU, and whatever answers its question: "the stylus is here; where is
+// the surface?"
+#pragma once
+
+#include <cstdint>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// Where the device is, in model units.
+struct Pose {
+  double time_s = 0;
+  DVec3 hip{0};  ///< haptic interface point
+};
+
+/// What the surface answers to one pose. Positions in model units.
+struct Contact {
+  DVec3 proxy{0};    ///< surface contact point; equals the HIP when there is no contact
+  DVec3 normal{0};   ///< unit, outward, at the proxy; zero where no surface was in reach
+  bool touching = false;
+  bool fresh = false;            ///< from this tick's own query
+  bool valid = false;            ///< false: a fault; the force must be zero
+  std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
+  std::uint32_t movedPoints = 0; ///< points that this tick's edit moved
+  double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
+};
+
+/// Answers poses in order. query() never blocks past `budget_us` (0: as long as it takes, for virtual time), throws
+/// nothing, and says valid = false on any fault.
+class ContactQuery {
+ public:
+  virtual ~ContactQuery() = default;
+  virtual Contact query(const Pose& pose, double budget_us) noexcept = 0;
+};
+
+}  // namespace palpate

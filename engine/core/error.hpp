@@ -1,0 +1,45 @@
+// Errors that are the user's or the machine's fault. They are thrown where they are found, carry what happened, where,
+// and what to do, and are caught once, in main(). A bug of ours stops in check.hpp instead.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace palpate {
+
+/// Could not do what was asked: exit code 1. The text reads "where: what; what to do".
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  template <class... Args>
+  explicit Error(fmt::format_string<Args...> text, Args&&... args)
+      : std::runtime_error(fmt::format(text, std::forward<Args>(args)...)) {}
+};
+
+/// Wrong usage of the command line: exit code 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// A file that cannot be read or written. `line` is 1-based.
+class FileError : public Error {
+ public:
+  FileError(const std::filesystem::path& file, std::string_view what) : Error("{}: {}", file.string(), what) {}
+  static FileError atLine(const std::filesystem::path& file, std::uint64_t line, std::string_view what) {
+    return FileError(fmt::format("{}:{}: {}", file.string(), line, what));
+  }
+  static FileError atByte(const std::filesystem::path& file, std::uint64_t offset, std::string_view what) {
+    return FileError(fmt::format("{}: byte {}: {}", file.string(), offset, what));
+  }
+
+ private:
+  explicit FileError(const std::string& text) : Error("{}", text) {}
+};
+
+}  // namespace palpate

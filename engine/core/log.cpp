@@ -1,0 +1,39 @@
+#include "engine/core/log.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace palpate {
+
+Log::Log(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
+
+void Log::write(std::string_view line) {
+  if (quiet_) return;
+  clearBar();
+  fmt::print(stderr, "{}\n", line);
+}
+
+void Log::clearBar() {
+  if (barShown_) fmt::print(stderr, "\r\033[K");
+  barShown_ = false;
+}
+
+void Log::progress(std::string_view what, double fraction) {
+  if (quiet_) return;
+  const int percent = static_cast<int>(fraction * 100);
+  const int step = terminal_ ? percent : percent / 25;
+  if (step == lastTenth_) return;
+  lastTenth_ = step;
+  if (fraction >= 1) lastTenth_ = -1;
+  if (!terminal_) {
+    fmt::print(stderr, "{}: {} %\n", what, percent);
+    return;
+  }
+  const int filled = percent * 30 / 100;
+  fmt::print(stderr, "\r\033[K{} [{:=<{}}{: <{}}] {} %", what, "", filled, "", 30 - filled, percent);
+  barShown_ = true;
+  if (fraction >= 1) clearBar();
+}
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+// Vector types of the whole program: GLM's, under short names. Single precision is what the GPU sees; double precision
+// is for file coordinates, analytic truth and the reference implementations.
+#pragma once
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+namespace palpate {
+
+using Vec2 = glm::vec2;
+using Vec3 = glm::vec3;
+using Vec4 = glm::vec4;
+using Mat4 = glm::mat4;
+using DVec2 = glm::dvec2;
+using DVec3 = glm::dvec3;
+using IVec3 = glm::ivec3;
+using UVec2 = glm::uvec2;
+using UVec3 = glm::uvec3;
+
+template <class V>
+bool isFinite(const V& v) {
+  for (int k = 0; k < V::length(); ++k)
+    if (!std::isfinite(v[k])) return false;
+  return true;
+}
+
+/// Two unit vectors that complete the unit vector `n` to a right-handed frame (Duff et al. 2017).
+struct Frame3 {
+  DVec3 u, v, n;
+};
+inline Frame3 frameAround(const DVec3& n) {
+  const double sign = std::copysign(1.0, n.z);
+  const double a = -1.0 / (sign + n.z);
+  const double b = n.x * n.y * a;
+  return {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "engine/edit/edit_log.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/gpu/transfer.hpp"
+
+namespace palpate {
+
+namespace {
+constexpr std::uint64_t kSmallestCapacity = 1024;
+}
+
+EditLog::EditLog(Device& device, std::uint64_t points)
+    : capacity_(std::bit_ceil(std::max(2 * points, kSmallestCapacity))),
+      entries_(Buffer::of<shared::EditEntry>(device, capacity_, Memory::device, "edit log")),
+      head_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "edit log head")) {
+  upload(device, head_, std::vector<std::uint32_t>{0});
+}
+
+void EditLog::publish(std::uint32_t head) {
+  const std::uint64_t before = published_.load(std::memory_order_relaxed);
+  const std::uint32_t grown = head - static_cast<std::uint32_t>(before);
+  published_.store(before + grown, std::memory_order_release);
+}
+
+std::uint64_t EditLog::room() const {
+  if (!hasReader_.load(std::memory_order_acquire)) return capacity_;
+  return capacity_ - (published_.load(std::memory_order_relaxed) - consumed_.load(std::memory_order_acquire));
+}
+
+void EditLog::attachReader() {
+  consumed_.store(published_.load(std::memory_order_acquire), std::memory_order_release);
+  hasReader_.store(true, std::memory_order_release);
+}
+
+EditLog::Range EditLog::unread() const {
+  return {consumed_.load(std::memory_order_relaxed), published_.load(std::memory_order_acquire)};
+}
+
+void EditLog::consume(std::uint64_t upTo) {
+  PALPATE_CHECK_LE(upTo, published_.load(std::memory_order_acquire));
+  consumed_.store(upTo, std::memory_order_release);
+}
+
+}  // namespace palpate

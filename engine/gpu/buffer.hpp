@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "engine/core/check.hpp"
+#include "engine/gpu/vulkan.hpp"
+
+namespace palpate {
+
+class Device;
+
+/// What a buffer is for; the memory type follows from it.
+enum class Memory {
+  device,    ///< only the GPU touches it
+  upload,    ///< the host writes, the GPU reads; in the GPU's own memory where the host can reach that
+  staging,   ///< the host writes in order, the GPU copies from it; in the host's memory
+  readback,  ///< the GPU writes, the host reads; cached on the host
+};
+
+/// A range of GPU memory that shaders reach by its address. Mapped for as long as it lives when the host may touch it.
+/// Zero bytes are allowed and give a valid address. Throws OutOfGpuMemory.
+class Buffer {
+ public:
+  Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name);
+  template <class T>
+  static Buffer of(Device& device, std::uint64_t count, Memory memory, std::string name) {
+    return Buffer(device, count * sizeof(T), memory, std::move(name));
+  }
+  ~Buffer();
+  Buffer(Buffer&& other) noexcept;
+  Buffer& operator=(Buffer&& other) noexcept;
+
+  VkBuffer handle() const { return buffer_; }
+  DeviceAddress address() const { return address_; }
+  /// The size that was asked for.
+  std::uint64_t bytes() const { return bytes_; }
+  const std::string& name() const { return name_; }
+
+  /// The host's view; only for upload, staging and readback buffers.
+  template <class T>
+  std::span<T> mapped() const {
+    PALPATE_CHECK(mapped_ != nullptr);
+    return {reinterpret_cast<T*>(mapped_), static_cast<std::size_t>(bytes_ / sizeof(T))};
+  }
+
+ private:
+  void release() noexcept;
+
+  Device* device_ = nullptr;
+  std::uint64_t bytes_ = 0;
+  std::string name_;
+  VkBuffer buffer_ = VK_NULL_HANDLE;
+  VkDeviceMemory memory_ = VK_NULL_HANDLE;
+  DeviceAddress address_ = 0;
+  std::byte* mapped_ = nullptr;
+};
+
+}  // namespace palpate

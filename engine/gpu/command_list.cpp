@@ -1,0 +1,175 @@
+#include "engine/gpu/command_list.hpp"
+
+#include <algorithm>
+
+#include "engine/gpu/device.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr VkPipelineStageFlags2 kWork = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags2 kReads =
+    VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+
+void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 to, VkAccessFlags2 access) {
+  const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                 .pNext = nullptr,
+                                 .srcStageMask = kWork,
+                                 .srcAccessMask = kWrites,
+                                 .dstStageMask = to,
+                                 .dstAccessMask = access};
+  const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .pNext = nullptr,
+                              .dependencyFlags = 0,
+                              .memoryBarrierCount = 1,
+                              .pMemoryBarriers = &barrier,
+                              .bufferMemoryBarrierCount = 0,
+                              .pBufferMemoryBarriers = nullptr,
+                              .imageMemoryBarrierCount = 0,
+                              .pImageMemoryBarriers = nullptr};
+  device.vk().vkCmdPipelineBarrier2(commands, &info);
+}
+
+}  // namespace
+
+GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
+  if (groups <= largestAxis) return {static_cast<std::uint32_t>(groups), 1};
+  const std::uint64_t rows = (groups + largestAxis - 1) / largestAxis;
+  if (rows > largestAxis) throw GpuError("a pass of {} workgroups is more than a GPU grid holds", groups);
+  return {static_cast<std::uint32_t>((groups + rows - 1) / rows), static_cast<std::uint32_t>(rows)};
+}
+
+CommandList::CommandList(Device& device, const Queue& queue, std::string name, Timing timing)
+    : device_(device), name_(std::move(name)), timing_(timing) {
+  const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                         .pNext = nullptr,
+                                         .flags = 0,
+                                         .queueFamilyIndex = queue.family()};
+  device.check(device.vk().vkCreateCommandPool(device.handle(), &poolInfo, nullptr, &pool_), "vkCreateCommandPool");
+  const VkCommandBufferAllocateInfo info{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                         .pNext = nullptr,
+                                         .commandPool = pool_,
+                                         .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                         .commandBufferCount = 1};
+  device.check(device.vk().vkAllocateCommandBuffers(device.handle(), &info, &commands_), "vkAllocateCommandBuffers");
+  device.nameObject(VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<std::uint64_t>(commands_), name_);
+  if (timing_ != Timing::none) timer_ = std::make_unique<GpuTimer>(device);
+}
+
+CommandList::~CommandList() { device_.vk().vkDestroyCommandPool(device_.handle(), pool_, nullptr); }
+
+void CommandList::begin() {
+  device_.check(device_.vk().vkResetCommandPool(device_.handle(), pool_, 0), "vkResetCommandPool");
+  const VkCommandBufferBeginInfo info{
+      .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .pNext = nullptr, .flags = 0, .pInheritanceInfo = nullptr};
+  device_.check(device_.vk().vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
+  sectionTimers_.clear();
+  passes_.clear();
+  passTimers_.clear();
+  if (timer_) timer_->reset(commands_);
+  openLabel(name_);
+}
+
+void CommandList::end() {
+  memoryBarrier(device_, commands_, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  closeLabel();
+  device_.check(device_.vk().vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
+}
+
+void CommandList::orderAfterPrevious() {
+  if (independent_ == Overlap::yes) return;
+  if (independent_ == Overlap::first) independent_ = Overlap::yes;
+  memoryBarrier(device_, commands_, kWork | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, kReads | kWrites);
+}
+
+void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads,
+                                std::span<const std::byte> args) {
+  PALPATE_CHECK_EQ(args.size(), pipeline.pushBytes());
+  if (threads == 0) return;
+  const std::uint64_t size = pipeline.workgroupSize();
+  const GroupGrid grid =
+      groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
+  orderAfterPrevious();
+  openPass(pipeline.name(), threads, args.size());
+  device_.vk().vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+  device_.vk().vkCmdPushConstants(commands_, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, pipeline.pushBytes(),
+                                  args.data());
+  device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
+  closePass();
+}
+
+void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset,
+                       std::uint64_t toOffset) {
+  if (bytes == 0) return;
+  PALPATE_CHECK_LE(fromOffset + bytes, from.bytes());
+  PALPATE_CHECK_LE(toOffset + bytes, to.bytes());
+  orderAfterPrevious();
+  openPass("copy " + from.name(), 0, bytes);
+  const VkBufferCopy region{fromOffset, toOffset, bytes};
+  device_.vk().vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
+  closePass();
+}
+
+void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {
+  if (bytes == 0) return;
+  PALPATE_CHECK_LE(offset + bytes, buffer.bytes());
+  orderAfterPrevious();
+  openPass("fill " + buffer.name(), 0, bytes);
+  device_.vk().vkCmdFillBuffer(commands_, buffer.handle(), offset, bytes, pattern);
+  closePass();
+}
+
+void CommandList::openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes) {
+  passes_.push_back({section_, name, threads, bytes});
+  openLabel(name);
+  if (timing_ == Timing::passes) passTimers_.push_back(timer_->open(commands_));
+}
+
+void CommandList::closePass() {
+  if (timing_ == Timing::passes) timer_->close(commands_, passTimers_.back());
+  closeLabel();
+}
+
+void CommandList::openLabel(const std::string& name) {
+  if (!device_.instance().hasDebugUtils()) return;
+  const VkDebugUtilsLabelEXT label{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
+                                   .pNext = nullptr,
+                                   .pLabelName = name.c_str(),
+                                   .color = {0, 0, 0, 0}};
+  vkCmdBeginDebugUtilsLabelEXT(commands_, &label);
+}
+
+void CommandList::closeLabel() {
+  if (device_.instance().hasDebugUtils()) vkCmdEndDebugUtilsLabelEXT(commands_);
+}
+
+CommandList::Section::Section(CommandList& list, std::string name) : list_(list), outer_(list.section_) {
+  list_.section_ = outer_.empty() ? name : outer_ + "/" + name;
+  list_.openLabel(name);
+  if (list_.timer_) {
+    timer_ = list_.timer_->open(list_.commands_);
+    list_.sectionTimers_.emplace_back(list_.section_, timer_);
+  }
+}
+
+CommandList::Section::~Section() {
+  if (list_.timer_) list_.timer_->close(list_.commands_, timer_);
+  list_.closeLabel();
+  list_.section_ = outer_;
+}
+
+double CommandList::sectionTime_us(std::string_view name) const {
+  for (const auto& [section, timer] : sectionTimers_)
+    if (section == name) return timer_->time_us(timer);
+  return 0;
+}
+
+std::vector<PassRecord> CommandList::passes() const {
+  std::vector<PassRecord> passes = passes_;
+  for (std::size_t i = 0; i < passTimers_.size(); ++i) passes[i].gpu_us = timer_->time_us(passTimers_[i]);
+  return passes;
+}
+
+}  // namespace palpate

@@ -1,0 +1,119 @@
+// Recording of GPU work: the only file with raw barriers.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "engine/gpu/buffer.hpp"
+#include "engine/gpu/compute_pipeline.hpp"
+#include "engine/gpu/gpu_timer.hpp"
+
+namespace palpate {
+
+class Device;
+class Queue;
+
+/// One recorded command, for --print-frame.
+struct PassRecord {
+  std::string section;
+  std::string name;
+  std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills
+  std::uint64_t bytes = 0;    ///< bytes of the arguments, or moved by a copy or fill
+  double gpu_us = 0;          ///< last measured time; 0 unless every pass is timed
+};
+
+/// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in lists
+/// submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another.
+/// Record once between begin() and end(), submit as often as wanted, but never while it is still running.
+class CommandList {
+ public:
+  enum class Timing { none, sections, passes };
+
+  CommandList(Device& device, const Queue& queue, std::string name, Timing timing = Timing::none);
+  ~CommandList();
+  CommandList(const CommandList&) = delete;
+  CommandList& operator=(const CommandList&) = delete;
+
+  void begin();
+  void end();
+
+  /// Runs at least `threads` invocations; `args` become the push constants. Zero threads record nothing.
+  template <class Args>
+  void dispatch(const ComputePipeline& pipeline, std::uint64_t threads, const Args& args) {
+    static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
+    dispatchBytes(pipeline, threads, std::as_bytes(std::span(&args, 1)));
+  }
+  void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
+            std::uint64_t toOffset = 0);
+  /// Fills with a 32-bit pattern; `bytes` is a multiple of 4.
+  void fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
+
+  /// A named part of the list: a debug label and, with timing, a time.
+  class Section {
+   public:
+    Section(CommandList& list, std::string name);
+    ~Section();
+    Section(const Section&) = delete;
+    Section& operator=(const Section&) = delete;
+
+   private:
+    CommandList& list_;
+    std::string outer_;
+    std::uint32_t timer_ = 0;
+  };
+  [[nodiscard]] Section section(std::string name) { return Section(*this, std::move(name)); }
+
+  /// While it lives, commands after the first do not wait for one another.
+  class Independent {
+   public:
+    explicit Independent(CommandList& list) : list_(list) { list_.independent_ = Overlap::first; }
+    ~Independent() { list_.independent_ = Overlap::no; }
+    Independent(const Independent&) = delete;
+    Independent& operator=(const Independent&) = delete;
+
+   private:
+    CommandList& list_;
+  };
+  [[nodiscard]] Independent independent() { return Independent(*this); }
+
+  VkCommandBuffer handle() const { return commands_; }
+  /// Time of a section in the last completed run, us; 0 when it was not timed.
+  double sectionTime_us(std::string_view name) const;
+  /// What was recorded, in order, with the times of the last completed run.
+  std::vector<PassRecord> passes() const;
+
+ private:
+  enum class Overlap { no, first, yes };
+
+  void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args);
+  void orderAfterPrevious();
+  void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
+  void closePass();
+  void openLabel(const std::string& name);
+  void closeLabel();
+
+  Device& device_;
+  std::string name_;
+  Timing timing_;
+  VkCommandPool pool_ = VK_NULL_HANDLE;
+  VkCommandBuffer commands_ = VK_NULL_HANDLE;
+  std::unique_ptr<GpuTimer> timer_;
+  Overlap independent_ = Overlap::no;
+  std::string section_;
+  std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
+  std::vector<PassRecord> passes_;
+  std::vector<std::uint32_t> passTimers_;
+};
+
+/// Grid of workgroups for `groups` of them: more than one axis may hold go to a second one. Shaders undo this with
+/// workgroupIndex() of lib/index.glsl. Throws GpuError past what two axes hold.
+struct GroupGrid {
+  std::uint32_t x, y;
+};
+GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis);
+
+}  // namespace palpate

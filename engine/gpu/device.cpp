@@ -1,0 +1,161 @@
+#include "engine/gpu/device.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <thread>
+
+namespace palpate {
+
+namespace {
+
+std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  return families;
+}
+
+bool hasExtension(VkPhysicalDevice device, const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+  return std::ranges::any_of(extensions, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+}  // namespace
+
+std::vector<GpuDescription> describeGpus(const Instance& instance) {
+  std::vector<GpuDescription> gpus;
+  for (const VkPhysicalDevice device : instance.physicalDevices()) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(device, &properties);
+    gpus.push_back({properties.deviceName, properties.deviceType});
+  }
+  return gpus;
+}
+
+Device::Device(const DeviceOptions& options) : instance_(std::make_unique<Instance>(options.validate)) {
+  std::string selector = options.gpu;
+  if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
+  const auto gpus = describeGpus(*instance_);
+  const std::size_t chosen = chooseGpu(gpus, selector);
+  physical_ = instance_->physicalDevices()[chosen];
+  name_ = gpus[chosen].name;
+  requireFeatures(requiredFeatures(physical_), name_);
+
+  VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+                                              .pNext = &v13};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+  vkGetPhysicalDeviceProperties2(physical_, &properties);
+  properties_ = properties.properties;
+  subgroupSize_ = subgroup.subgroupSize;
+  largestBuffer_ = v13.maxBufferSize;
+  vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
+  createLogicalDevice();
+}
+
+void Device::createLogicalDevice() {
+  const auto roles = chooseQueues(queueFamilies(physical_));
+  if (!roles) throw GpuError("{} has no queue that computes; choose another GPU with --gpu", name_);
+  roles_ = *roles;
+
+  // Within a family the first queue is the sight side's; touch goes first wherever the driver weighs them.
+  constexpr std::array kSightThenTouch{0.5f, 1.0f};
+  constexpr float kTouchPriority = 1.0f;
+  const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
+  const VkDeviceQueueGlobalPriorityCreateInfoKHR high{
+      .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_GLOBAL_PRIORITY_CREATE_INFO_KHR,
+      .pNext = nullptr,
+      .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
+  const bool oneFamily = roles_.touch.family == roles_.sight.family;
+  std::vector<VkDeviceQueueCreateInfo> queues{{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                               .pNext = nullptr,
+                                               .flags = 0,
+                                               .queueFamilyIndex = roles_.sight.family,
+                                               .queueCount = oneFamily && !roles_.shared() ? 2u : 1u,
+                                               .pQueuePriorities = kSightThenTouch.data()}};
+  if (!oneFamily)
+    queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                      .pNext = globalPriority ? &high : nullptr,
+                      .flags = 0,
+                      .queueFamilyIndex = roles_.touch.family,
+                      .queueCount = 1,
+                      .pQueuePriorities = &kTouchPriority});
+
+  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  v13.synchronization2 = VK_TRUE;
+  v13.computeFullSubgroups = VK_TRUE;
+  VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
+  v12.bufferDeviceAddress = VK_TRUE;
+  v12.scalarBlockLayout = VK_TRUE;
+  VkPhysicalDeviceFeatures available;
+  vkGetPhysicalDeviceFeatures(physical_, &available);
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+  if (instance_->validates()) {
+    // GPU-assisted validation instruments the shaders and needs these itself.
+    features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
+    features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
+    features.features.shaderInt64 = available.shaderInt64;
+  }
+
+  std::vector<const char*> extensions;
+  if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
+  const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                .pNext = &features,
+                                .flags = 0,
+                                .queueCreateInfoCount = static_cast<std::uint32_t>(queues.size()),
+                                .pQueueCreateInfos = queues.data(),
+                                .enabledLayerCount = 0,
+                                .ppEnabledLayerNames = nullptr,
+                                .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                                .ppEnabledExtensionNames = extensions.data(),
+                                .pEnabledFeatures = nullptr};
+  VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_);
+  if (result == VK_ERROR_NOT_PERMITTED_KHR) {  // high priority wants a right that this user lacks: go without
+    queues.back().pNext = nullptr;
+    result = vkCreateDevice(physical_, &info, nullptr, &device_);
+  }
+  check(result, "vkCreateDevice");
+  volkLoadDeviceTable(&table_, device_);
+
+  const auto queue = [&](const QueueChoice& choice) {
+    auto shared = std::make_shared<SharedQueue>();
+    table_.vkGetDeviceQueue(device_, choice.family, choice.index, &shared->handle);
+    return shared;
+  };
+  const auto sight = queue(roles_.sight);
+  const auto touch = roles_.shared() ? sight : queue(roles_.touch);
+  sight_ = std::make_unique<Queue>(*this, sight, roles_.sight.family);
+  touch_ = std::make_unique<Queue>(*this, touch, roles_.touch.family);
+}
+
+Device::~Device() {
+  if (!device_) return;
+  table_.vkDeviceWaitIdle(device_);
+  touch_.reset();
+  sight_.reset();
+  table_.vkDestroyDevice(device_, nullptr);
+}
+
+void Device::waitIdle() const { check(table_.vkDeviceWaitIdle(device_), "vkDeviceWaitIdle"); }
+
+Wait Device::defaultWait() const {
+  return isCpu() || std::thread::hardware_concurrency() <= 2 ? Wait::block : Wait::spin;
+}
+
+void Device::nameObject(VkObjectType type, std::uint64_t object, const std::string& name) const {
+  if (!instance_->hasDebugUtils()) return;
+  const VkDebugUtilsObjectNameInfoEXT info{.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,
+                                           .pNext = nullptr,
+                                           .objectType = type,
+                                           .objectHandle = object,
+                                           .pObjectName = name.c_str()};
+  vkSetDebugUtilsObjectNameEXT(device_, &info);
+}
+
+}  // namespace palpate

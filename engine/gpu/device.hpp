@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "engine/gpu/device_choice.hpp"
+#include "engine/gpu/instance.hpp"
+#include "engine/gpu/queue.hpp"
+
+namespace palpate {
+
+struct DeviceOptions {
+  std::string gpu;        ///< number or part of a name; empty: PALPATE_GPU, else the best there is
+  bool validate = false;  ///< core, synchronisation and GPU-assisted validation
+};
+
+/// A GPU in use: its logical device, its two queue roles and its limits. Everything made from it must go before it.
+class Device {
+ public:
+  explicit Device(const DeviceOptions& options);
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  VkDevice handle() const { return device_; }
+  VkPhysicalDevice physical() const { return physical_; }
+  const VolkDeviceTable& vk() const { return table_; }
+  const std::string& name() const { return name_; }
+  Instance& instance() { return *instance_; }
+
+  /// The touch side's queue: compute-only and of high priority where the device has such a family.
+  Queue& touch() { return *touch_; }
+  /// The sight side's queue.
+  Queue& sight() { return *sight_; }
+  const QueueRoles& roles() const { return roles_; }
+
+  bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
+  const VkPhysicalDeviceProperties& properties() const { return properties_; }
+  std::uint32_t subgroupSize() const { return subgroupSize_; }
+  /// Bytes that one buffer may have.
+  std::uint64_t largestBuffer() const { return largestBuffer_; }
+  /// Nanoseconds per tick of the GPU's clock.
+  double timestampPeriod_ns() const { return properties_.limits.timestampPeriod; }
+  const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
+  /// Spinning where the driver has cores of its own, blocking where it shares ours.
+  Wait defaultWait() const;
+
+  void check(VkResult result, std::string_view call) const { checkVk(result, call, name_); }
+  void waitIdle() const;
+  /// Names a Vulkan object for debuggers and validation messages.
+  void nameObject(VkObjectType type, std::uint64_t handle, const std::string& name) const;
+
+ private:
+  void createLogicalDevice();
+
+  std::unique_ptr<Instance> instance_;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  std::string name_;
+  VkPhysicalDeviceProperties properties_{};
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint32_t subgroupSize_ = 0;
+  std::uint64_t largestBuffer_ = 0;
+  QueueRoles roles_;
+  VkDevice device_ = VK_NULL_HANDLE;
+  VolkDeviceTable table_{};
+  std::unique_ptr<Queue> touch_, sight_;
+};
+
+/// The GPUs of this machine, in the loader's order.
+std::vector<GpuDescription> describeGpus(const Instance& instance);
+
+}  // namespace palpate

@@ -1,0 +1,104 @@
+#include "engine/gpu/device_choice.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+
+namespace palpate {
+
+namespace {
+
+std::string lowered(std::string text) {
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+std::string listOf(std::span<const GpuDescription> gpus) {
+  std::string list;
+  for (std::size_t i = 0; i < gpus.size(); ++i) list += fmt::format("{}{}: {}", i ? ", " : "", i, gpus[i].name);
+  return list;
+}
+
+int rank(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
+    default: return 4;
+  }
+}
+
+}  // namespace
+
+std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& selector) {
+  if (gpus.empty())
+    throw GpuError("no Vulkan GPU was found; install a driver (the software driver is mesa-vulkan-drivers)");
+  if (selector.empty()) {
+    const auto best = std::ranges::min_element(
+        gpus, [](const auto& a, const auto& b) { return rank(a.type) < rank(b.type); });
+    return static_cast<std::size_t>(best - gpus.begin());
+  }
+  std::size_t number = 0;
+  const char* end = selector.data() + selector.size();
+  if (const auto [last, error] = std::from_chars(selector.data(), end, number); error == std::errc() && last == end) {
+    if (number < gpus.size()) return number;
+    throw GpuError("there is no GPU number {}; there are {}", number, listOf(gpus));
+  }
+  for (std::size_t i = 0; i < gpus.size(); ++i)
+    if (lowered(gpus[i].name).find(lowered(selector)) != std::string::npos) return i;
+  throw GpuError("no GPU has '{}' in its name; there are {}", selector, listOf(gpus));
+}
+
+std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families) {
+  std::optional<std::uint32_t> graphics, computeOnly, anyCompute;
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    const auto flags = families[i].queueFlags;
+    if (!(flags & VK_QUEUE_COMPUTE_BIT) || families[i].queueCount == 0) continue;
+    if (!anyCompute) anyCompute = i;
+    if (flags & VK_QUEUE_GRAPHICS_BIT) {
+      if (!graphics) graphics = i;
+    } else if (!computeOnly) {
+      computeOnly = i;
+    }
+  }
+  if (!anyCompute) return std::nullopt;
+  const std::uint32_t sight = graphics.value_or(*anyCompute);
+  if (computeOnly && *computeOnly != sight) return QueueRoles{{*computeOnly, 0}, {sight, 0}};
+  const std::uint32_t second = families[sight].queueCount > 1 ? 1 : 0;
+  return QueueRoles{{sight, second}, {sight, 0}};
+}
+
+std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
+  VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+  VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  const bool has13 = properties.properties.apiVersion >= VK_API_VERSION_1_3;
+  if (has13) vkGetPhysicalDeviceFeatures2(device, &features);
+
+  constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                               VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
+                                               VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+  return {{"Vulkan 1.3", has13},
+          {"bufferDeviceAddress", v12.bufferDeviceAddress == VK_TRUE},
+          {"scalarBlockLayout", v12.scalarBlockLayout == VK_TRUE},
+          {"synchronization2", v13.synchronization2 == VK_TRUE},
+          {"computeFullSubgroups", v13.computeFullSubgroups == VK_TRUE},
+          {"subgroup basic, vote, arithmetic, ballot and shuffle in compute shaders",
+           (subgroup.supportedOperations & kSubgroup) == kSubgroup &&
+               (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0}};
+}
+
+void requireFeatures(std::span<const FeatureState> features, const std::string& deviceName) {
+  std::string missing;
+  for (const auto& feature : features)
+    if (!feature.present) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", feature.name);
+  if (!missing.empty())
+    throw GpuError("{} lacks {}; update its driver, or choose another GPU with --gpu", deviceName, missing);
+}
+
+}  // namespace palpate

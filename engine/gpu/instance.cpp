@@ -1,0 +1,94 @@
+#include "engine/gpu/instance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kLoader = "Vulkan loader";
+
+bool hasLayer(const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceLayerProperties(&count, nullptr);
+  std::vector<VkLayerProperties> layers(count);
+  vkEnumerateInstanceLayerProperties(&count, layers.data());
+  return std::ranges::any_of(layers, [&](const auto& layer) { return std::strcmp(layer.layerName, name) == 0; });
+}
+
+bool hasExtension(const char* layer, const char* name) {
+  std::uint32_t count = 0;
+  vkEnumerateInstanceExtensionProperties(layer, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateInstanceExtensionProperties(layer, &count, extensions.data());
+  return std::ranges::any_of(extensions,
+                             [&](const auto& extension) { return std::strcmp(extension.extensionName, name) == 0; });
+}
+
+}  // namespace
+
+Instance::Instance(bool validate) : validates_(validate) {
+  if (volkInitialize() != VK_SUCCESS)
+    throw GpuError("no Vulkan loader (libvulkan.so.1) was found; install the package libvulkan1");
+  if (validate && !hasLayer(kValidationLayer))
+    throw GpuError("--validate: {} was not found; install the package vulkan-validationlayers", kValidationLayer);
+
+  std::vector<const char*> layers, extensions;
+  if (validate) {
+    layers.push_back(kValidationLayer);
+    extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);
+  }
+  hasDebugUtils_ = hasExtension(nullptr, VK_EXT_DEBUG_UTILS_EXTENSION_NAME) ||
+                   (validate && hasExtension(kValidationLayer, VK_EXT_DEBUG_UTILS_EXTENSION_NAME));
+  if (hasDebugUtils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+
+  constexpr std::array kEnabled{VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+                                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT,
+                                VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  VkDebugUtilsMessengerCreateInfoEXT messenger = messages_.messengerInfo();
+  const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                         .pNext = &messenger,
+                                         .enabledValidationFeatureCount = kEnabled.size(),
+                                         .pEnabledValidationFeatures = kEnabled.data(),
+                                         .disabledValidationFeatureCount = 0,
+                                         .pDisabledValidationFeatures = nullptr};
+  const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                      .pNext = nullptr,
+                                      .pApplicationName = "palpate",
+                                      .applicationVersion = 1,
+                                      .pEngineName = "palpate",
+                                      .engineVersion = 1,
+                                      .apiVersion = VK_API_VERSION_1_3};
+  const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                  .pNext = validate ? &features : nullptr,
+                                  .flags = 0,
+                                  .pApplicationInfo = &application,
+                                  .enabledLayerCount = static_cast<std::uint32_t>(layers.size()),
+                                  .ppEnabledLayerNames = layers.data(),
+                                  .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                                  .ppEnabledExtensionNames = extensions.data()};
+  checkVk(vkCreateInstance(&info, nullptr, &instance_), "vkCreateInstance", kLoader);
+  volkLoadInstanceOnly(instance_);
+  if (validate)
+    checkVk(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),
+            "vkCreateDebugUtilsMessengerEXT", kLoader);
+}
+
+Instance::~Instance() {
+  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+std::vector<VkPhysicalDevice> Instance::physicalDevices() const {
+  std::uint32_t count = 0;
+  checkVk(vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices", kLoader);
+  std::vector<VkPhysicalDevice> devices(count);
+  checkVk(vkEnumeratePhysicalDevices(instance_, &count, devices.data()), "vkEnumeratePhysicalDevices", kLoader);
+  devices.resize(count);
+  return devices;
+}
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+// Vulkan as this room sees it: volk's function pointers, and errors that name the call and the device.
+#pragma once
+
+#include <volk.h>
+
+#include <string>
+#include <string_view>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+using DeviceAddress = VkDeviceAddress;
+
+/// A Vulkan call that failed, or a device that cannot do what is needed.
+class GpuError : public Error {
+ public:
+  using Error::Error;
+};
+/// The device is gone; nothing on it can be used any more.
+class DeviceLost : public GpuError {
+ public:
+  using GpuError::GpuError;
+};
+class OutOfGpuMemory : public GpuError {
+ public:
+  using GpuError::GpuError;
+};
+
+std::string_view resultName(VkResult result);
+
+/// Throws DeviceLost, OutOfGpuMemory or GpuError, as fits, when `result` is an error. `call` is the Vulkan function.
+void checkVk(VkResult result, std::string_view call, std::string_view deviceName);
+
+}  // namespace palpate

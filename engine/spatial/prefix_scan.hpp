@@ -1,0 +1,24 @@
+#pragma once
+
+#include "engine/gpu/command_list.hpp"
+
+namespace palpate {
+
+/// Exclusive prefix sum of 32-bit values in place, modulo 2^32: reduce, then scan (Merrill and Grimshaw 2009, section 3).
+/// No workgroup waits for another, so it runs on every driver.
+class PrefixScan {
+ public:
+  explicit PrefixScan(Device& device);
+
+  struct Io {
+    DeviceAddress values;   ///< `count` uint32
+    DeviceAddress scratch;  ///< scratchBytes(count)
+  };
+  static std::uint64_t scratchBytes(std::uint64_t count);
+  void record(CommandList& list, const Io& io, std::uint32_t count) const;
+
+ private:
+  ComputePipeline reduce_, scan_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#include "engine/spatial/radix_sort.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/gpu/device.hpp"
+#include "shaders/compiled.hpp"
+#include "shaders/shared/radix_sort.h"
+
+namespace palpate {
+
+namespace {
+
+// A histogram per subgroup lies in shared memory: at most 16 of them, 16 KiB, beside the keys of the partition.
+std::uint32_t workgroupFor(const Device& device) { return std::clamp(16 * device.subgroupSize(), 64u, 256u); }
+
+PipelineOptions options(std::uint32_t workgroup, std::vector<std::uint32_t> constants = {}) {
+  return {.workgroupSize = workgroup, .pushBytes = sizeof(shared::RadixSortArgs), .constants = std::move(constants)};
+}
+
+}  // namespace
+
+RadixSort::RadixSort(Device& device)
+    : workgroup_(workgroupFor(device)),
+      scan_(device),
+      count_(device, shader_code::spatial_radix_sort_count, options(workgroup_)),
+      scatter_(device, shader_code::spatial_radix_sort_scatter,
+               options(workgroup_, {std::max(1u, workgroup_ / device.subgroupSize())})) {}
+
+std::uint64_t RadixSort::partitionsFor(std::uint64_t count) const {
+  const std::uint64_t partition = std::uint64_t{workgroup_} * shared::kSortItems;
+  return (count + partition - 1) / partition;
+}
+
+std::uint64_t RadixSort::scratchBytes(std::uint64_t count) const {
+  const std::uint64_t counters = partitionsFor(count) * shared::kSortRadix;
+  return counters * sizeof(std::uint32_t) + PrefixScan::scratchBytes(counters);
+}
+
+RadixSort::Sorted RadixSort::record(CommandList& list, const Io& io, std::uint32_t count, std::uint32_t keyBits) const {
+  PALPATE_CHECK_LE(keyBits, 32u);
+  const auto partitions = static_cast<std::uint32_t>(partitionsFor(count));
+  const std::uint32_t passes = (keyBits + shared::kSortMaxDigitBits - 1) / shared::kSortMaxDigitBits;
+  const DeviceAddress scanScratch = io.scratch + std::uint64_t{partitions} * shared::kSortRadix * sizeof(std::uint32_t);
+  Sorted from{io.keys, io.values}, to{io.keysAlt, io.valuesAlt};
+  std::uint32_t shift = 0;
+  for (std::uint32_t pass = 0; pass < passes; ++pass) {
+    // Digits as even as can be: 20 bits make 7 + 7 + 6.
+    const std::uint32_t bits = (keyBits - shift + passes - pass - 1) / (passes - pass);
+    const shared::RadixSortArgs args{.keysIn = from.keys,
+                                     .valuesIn = from.values,
+                                     .keysOut = to.keys,
+                                     .valuesOut = to.values,
+                                     .counts = io.scratch,
+                                     .count = count,
+                                     .partitions = partitions,
+                                     .shift = shift,
+                                     .digitBits = bits};
+    list.dispatch(count_, std::uint64_t{partitions} * workgroup_, args);
+    scan_.record(list, {io.scratch, scanScratch}, partitions << bits);
+    list.dispatch(scatter_, std::uint64_t{partitions} * workgroup_, args);
+    std::swap(from, to);
+    shift += bits;
+  }
+  return from;
+}
+
+}  // namespace palpate

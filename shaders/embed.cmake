@@ -1,0 +1,13 @@
+# Writes the words of ${SPIRV} into ${SOURCE} as the ShaderCode ${SYMBOL}.
+file(READ ${SPIRV} hex HEX)
+string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${hex}")
+string(REGEX REPLACE "(0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,0x[0-9a-f]+,)"
+       "\\1\n" words "${words}")
+file(WRITE ${SOURCE} "#include \"engine/gpu/shader_code.hpp\"
+namespace palpate::shader_code {
+static constexpr std::uint32_t kWords[] = {
+${words}};
+extern const ShaderCode ${SYMBOL};
+const ShaderCode ${SYMBOL}{\"${SYMBOL}\", kWords};
+}
+")

@@ -1,0 +1,32 @@
+// Sums and prefix sums over a workgroup, for any subgroup size. Every invocation of the workgroup must call them together.
+#ifndef PALPATE_LIB_WORKGROUP_SCAN_GLSL
+#define PALPATE_LIB_WORKGROUP_SCAN_GLSL
+
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+
+const uint kMaxSubgroups = 64;  // 256 invocations in subgroups of 4
+shared uint subgroupSums[kMaxSubgroups];
+
+// Sum of `value` over the invocations before this one; `total` over all. Invocations count in the order of
+// (gl_SubgroupID, gl_SubgroupInvocationID), which is what the callers index their data by.
+uint workgroupExclusiveScan(uint value, out uint total) {
+  const uint inSubgroup = subgroupExclusiveAdd(value);
+  const uint subgroupTotal = subgroupAdd(value);
+  if (subgroupElect()) subgroupSums[gl_SubgroupID] = subgroupTotal;
+  barrier();
+  uint before = 0;
+  total = 0;
+  for (uint s = 0; s < gl_NumSubgroups; ++s) {
+    const uint sum = subgroupSums[s];
+    before += s < gl_SubgroupID ? sum : 0;
+    total += sum;
+  }
+  barrier();
+  return before + inSubgroup;
+}
+
+// This invocation's place in that order.
+uint scanIndex() { return gl_SubgroupID * gl_SubgroupSize + gl_SubgroupInvocationID; }
+
+#endif

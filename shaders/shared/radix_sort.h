@@ -1,0 +1,25 @@
+#ifndef PALPATE_SHARED_RADIX_SORT_H
+#define PALPATE_SHARED_RADIX_SORT_H
+#include "shaders/shared/types.h"
+
+PALPATE_SHARED_BEGIN
+
+const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to its power
+const uint kSortRadix = 1 << kSortMaxDigitBits;
+const uint kSortItems = 16;  // keys per invocation; more hides latency, too many spill registers and shared memory
+
+struct RadixSortArgs {
+  PALPATE_ADDRESS(Uints) keysIn;
+  PALPATE_ADDRESS(Uints) valuesIn;
+  PALPATE_ADDRESS(Uints) keysOut;
+  PALPATE_ADDRESS(Uints) valuesOut;
+  PALPATE_ADDRESS(Uints) counts;  // [digit][partition]; after the scan, where that partition's keys of that digit go
+  uint count;
+  uint partitions;
+  uint shift;
+  uint digitBits;
+};
+PALPATE_SIZE(RadixSortArgs, 56);
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,40 @@
+// What lets C++ and GLSL read the same struct. Everything that crosses has scalar layout: a vec3 takes 12 bytes and
+// aligns to 4, an address takes 8 and aligns to 8. Each struct is followed by PALPATE_SIZE with its bytes, so that
+// a C++ compiler stops when the two sides would part.
+#ifndef PALPATE_SHARED_TYPES_H
+#define PALPATE_SHARED_TYPES_H
+
+#ifdef __cplusplus
+#include <cstdint>
+
+#include "engine/core/vec.hpp"
+
+#define PALPATE_SHARED_BEGIN namespace palpate::shared {
+#define PALPATE_SHARED_END }
+#define PALPATE_SIZE(type, bytes) static_assert(sizeof(type) == (bytes))
+#define PALPATE_ADDRESS(reference) std::uint64_t
+
+namespace palpate::shared {
+using uint = std::uint32_t;
+using vec2 = Vec2;
+using vec3 = Vec3;
+using vec4 = Vec4;
+using uvec2 = UVec2;
+using mat4 = Mat4;
+}  // namespace palpate::shared
+#else
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+
+#define PALPATE_SHARED_BEGIN
+#define PALPATE_SHARED_END
+#define PALPATE_SIZE(type, bytes)
+#define PALPATE_ADDRESS(reference) reference
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer UVec2s { uvec2 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };
+#endif
+
+#endif

@@ -1,0 +1,14 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The bucket of every point, and the points' numbers in their present order, ready to be sorted by it.
+#include "shaders/lib/hash_grid.glsl"
+#include "shaders/lib/index.glsl"
+
+layout(push_constant, scalar) uniform Push { HashKeysArgs args; };
+
+void main() {
+  const uint i = threadIndex();
+  if (i >= args.count) return;
+  args.keys.at[i] = bucketOf(args.grid, cellOf(args.grid, args.positions.at[i].xyz));
+  args.order.at[i] = i;
+}

@@ -1,0 +1,65 @@
+#include "engine/cloud/normals.hpp"
+
+#include <doctest/doctest.h>
+
+#include <string>
+
+#include "engine/cloud/analytic_shape.hpp"
+
+namespace palpate::test {
+namespace {
+
+/// Cosine of the worst angle between the estimated normals and the true ones; below zero when any is turned round.
+float worstCosine(PointCloud cloud, unsigned threads = 0) {
+  const std::vector<Vec3> truth = cloud.normals;
+  estimateNormals(cloud, 16, threads);
+  float worst = 1;
+  for (std::size_t i = 0; i < cloud.size(); ++i) worst = std::min(worst, glm::dot(truth[i], cloud.normals[i]));
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE("estimated normals are true within degrees and look outwards") {
+  CHECK(worstCosine(sampleShape(*makeShape("torus"), {.count = 50'000})) > std::cos(0.03));
+  CHECK(worstCosine(sampleShape(*makeShape("bumpy-sphere"), {.count = 50'000})) > std::cos(0.05));
+  CHECK(worstCosine(sampleShape(*makeShape("torus"), {.count = 50'000, .noise = 0.1})) > std::cos(0.35));
+  CHECK(worstCosine(sampleShape(*makeShape("plane", 1e-4), {.count = 1000})) > 0.9999f);
+}
+
+TEST_CASE("each connected part looks outwards for itself") {
+  PointCloud cloud = sampleShape(*makeShape("sphere", 10), {.count = 5000});
+  const PointCloud other = sampleShape(*makeShape("torus", 10, DVec3(30, 0, -7)), {.count = 5000});
+  cloud.positions.insert(cloud.positions.end(), other.positions.begin(), other.positions.end());
+  cloud.normals.insert(cloud.normals.end(), other.normals.begin(), other.normals.end());
+  CHECK(worstCosine(cloud) > std::cos(0.1));
+}
+
+TEST_CASE("duplicates and thread counts change nothing") {
+  PointCloud cloud = sampleShape(*makeShape("torus"), {.count = 5000});
+  PointCloud doubled = cloud;
+  for (int copy = 0; copy < 20; ++copy)
+    doubled.positions.insert(doubled.positions.end(), cloud.positions.begin(), cloud.positions.end());
+  estimateNormals(cloud, 16, 1);
+  estimateNormals(doubled, 16, 3);
+  for (std::size_t i = 0; i < doubled.size(); ++i) REQUIRE(doubled.normals[i] == cloud.normals[i % cloud.size()]);
+}
+
+TEST_CASE("degenerate clouds still get unit normals") {
+  PointCloud cloud;
+  estimateNormals(cloud);
+  CHECK_FALSE(cloud.hasNormals());
+  std::vector<std::vector<Vec3>> clouds{
+      {Vec3(1)}, {Vec3(0), Vec3(1, 2, 3)}, {Vec3(0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, std::vector<Vec3>(20'000, Vec3(4))};
+  clouds.emplace_back();
+  for (int i = 0; i < 100; ++i) clouds.back().emplace_back(static_cast<float>(i), 0.0f, 0.0f);
+  for (const auto& positions : clouds) {
+    cloud.positions = positions;
+    estimateNormals(cloud);
+    REQUIRE(cloud.normals.size() == positions.size());
+    for (const Vec3& normal : cloud.normals) CHECK(std::abs(glm::length(normal) - 1) < 1e-5f);
+  }
+  CHECK(std::abs(cloud.normals[50].x) < 1e-5f);  // across the line
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,62 @@
+#include "engine/cloud/spacing.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/counter_random.hpp"
+
+namespace palpate::test {
+namespace {
+
+PointCloud randomSquare(std::size_t count) {
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i)
+    cloud.positions.emplace_back(static_cast<float>(randomUnit(1, i)), static_cast<float>(randomUnit(2, i)), 0.0f);
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("the spacing is the root of the area per point") {
+  const PointCloud sphere = sampleShape(*makeShape("sphere"), {.count = 200'000});
+  CHECK(meanSpacing(sphere) == doctest::Approx(0.396).epsilon(0.03));
+  const PointCloud plane = sampleShape(*makeShape("plane", 1), {.count = 10'000});
+  CHECK(meanSpacing(plane) == doctest::Approx(0.01).epsilon(0.03));
+  CHECK(meanSpacing(randomSquare(40'000)) == doctest::Approx(0.005).epsilon(0.03));
+}
+
+TEST_CASE("neither one far point nor duplicates change the spacing") {
+  PointCloud cloud = sampleShape(*makeShape("sphere"), {.count = 50'000});
+  const double spacing = meanSpacing(cloud);
+  cloud.positions.emplace_back(1e9f, 0.0f, 0.0f);
+  CHECK(meanSpacing(cloud) == doctest::Approx(spacing).epsilon(0.01));
+  const std::vector<Vec3> once = cloud.positions;
+  for (int copy = 0; copy < 3; ++copy) cloud.positions.insert(cloud.positions.end(), once.begin(), once.end());
+  CHECK(meanSpacing(cloud) == doctest::Approx(spacing).epsilon(0.01));
+}
+
+TEST_CASE("a cloud of millions is measured by a part of it") {
+  const PointCloud cloud = sampleShape(*makeShape("torus"), {.count = 2'500'000});
+  const double area = 4 * std::numbers::pi * std::numbers::pi * 35 * 15;
+  CHECK(meanSpacing(cloud) == doctest::Approx(std::sqrt(area / 2.5e6)).epsilon(0.04));
+}
+
+TEST_CASE("no spacing where there are no two places") {
+  PointCloud cloud;
+  CHECK(meanSpacing(cloud) == 0);
+  cloud.positions = {Vec3(1)};
+  CHECK(meanSpacing(cloud) == 0);
+  cloud.positions.assign(10'000, Vec3(1, 2, 3));
+  CHECK(meanSpacing(cloud) == 0);
+  cloud.positions = {Vec3(0), Vec3(1, 0, 0)};
+  CHECK(meanSpacing(cloud) > 0);
+}
+
+TEST_CASE("the spacing does not depend on the number of threads") {
+  const PointCloud cloud = randomSquare(20'000);
+  CHECK(meanSpacing(cloud, 1) == meanSpacing(cloud, 5));
+}
+
+}  // namespace palpate::test

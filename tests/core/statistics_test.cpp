@@ -1,0 +1,27 @@
+#include "engine/core/statistics.hpp"
+
+#include <doctest/doctest.h>
+
+namespace palpate {
+
+TEST_CASE("quantiles are nearest-rank samples") {
+  std::vector<double> samples;
+  for (int i = 1000; i >= 1; --i) samples.push_back(i);
+  const Summary summary = summarize(samples);
+  CHECK(summary.count == 1000);
+  CHECK(summary.min == 1);
+  CHECK(summary.p50 == 500);
+  CHECK(summary.p99 == 990);
+  CHECK(summary.p999 == 999);
+  CHECK(summary.max == 1000);
+  CHECK(summary.mean == doctest::Approx(500.5));
+}
+
+TEST_CASE("no samples and one sample have a summary too") {
+  CHECK(summarize({}).count == 0);
+  CHECK(summarize({}).p999 == 0);
+  CHECK(summarize({7}).p50 == 7);
+  CHECK(summarize({7}).p999 == 7);
+}
+
+}  // namespace palpate

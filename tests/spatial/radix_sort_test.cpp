@@ -1,0 +1,98 @@
+#include "engine/spatial/radix_sort.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "engine/gpu/transfer.hpp"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+class RadixSortFixture : public GpuFixture {
+ protected:
+  struct Pairs {
+    std::vector<std::uint32_t> keys, values;
+  };
+
+  Pairs sortOnGpu(const std::vector<std::uint32_t>& keys, std::uint32_t keyBits) {
+    const auto count = static_cast<std::uint32_t>(keys.size());
+    std::vector<std::uint32_t> values(count);
+    std::iota(values.begin(), values.end(), 0u);
+    const auto words = [&](std::uint64_t n, const char* name) {
+      return Buffer::of<std::uint32_t>(device, n, Memory::device, name);
+    };
+    const Buffer k = words(count, "keys"), v = words(count, "values");
+    const Buffer ka = words(count, "keys alt"), va = words(count, "values alt");
+    const Buffer scratch(device, sort.scratchBytes(count), Memory::device, "scratch");
+    upload(device, k, keys);
+    upload(device, v, values);
+    CommandList list(device, device.touch(), "sort");
+    list.begin();
+    const auto sorted =
+        sort.record(list, {k.address(), v.address(), ka.address(), va.address(), scratch.address()}, count, keyBits);
+    list.end();
+    device.touch().run(list);
+    return {download<std::uint32_t>(device, sorted.keys == k.address() ? k : ka, count),
+            download<std::uint32_t>(device, sorted.values == v.address() ? v : va, count)};
+  }
+
+  // The pairs come out by the low bits of the key, and equal ones in the order they had.
+  void checkSorts(const std::vector<std::uint32_t>& keys, std::uint32_t keyBits) {
+    const std::uint64_t mask = (std::uint64_t{1} << keyBits) - 1;
+    std::vector<std::uint32_t> expected(keys.size());
+    std::iota(expected.begin(), expected.end(), 0u);
+    std::ranges::stable_sort(expected, {}, [&](std::uint32_t i) { return keys[i] & mask; });
+    const Pairs sorted = sortOnGpu(keys, keyBits);
+    CHECK(sorted.values == expected);
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      if (sorted.keys[i] == keys[expected[i]]) continue;
+      FAIL("key " << i << " of " << keys.size() << " is " << sorted.keys[i]);
+    }
+  }
+
+  RadixSort sort{device};
+};
+
+std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<std::uint32_t> words(count);
+  for (auto& word : words) word = static_cast<std::uint32_t>(random());
+  return words;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted") {
+  for (const std::size_t count : {0, 1, 2, 31, 32, 33, 255, 256, 257, 2047, 2048, 2049, 4095, 4096, 4097, 65'537}) {
+    CAPTURE(count);
+    checkSorts(randomWords(count, static_cast<std::uint32_t>(count)), 32);
+  }
+}
+
+TEST_CASE_FIXTURE(RadixSortFixture, "only the wanted key bits count") {
+  const auto keys = randomWords(10'007, 7);
+  for (const std::uint32_t bits : {1u, 7u, 8u, 9u, 16u, 17u, 20u, 21u, 24u, 25u, 31u, 32u}) {
+    CAPTURE(bits);
+    checkSorts(keys, bits);
+  }
+}
+
+TEST_CASE_FIXTURE(RadixSortFixture, "zero key bits leave the pairs as they are") { checkSorts(randomWords(1000, 3), 0); }
+
+TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys") {
+  std::vector<std::uint32_t> keys(65'537, 42u);
+  checkSorts(keys, 21);
+  keys.assign(65'537, 0xFFFFFFFFu);
+  checkSorts(keys, 32);
+  std::iota(keys.begin(), keys.end(), 0u);
+  checkSorts(keys, 17);
+  std::ranges::reverse(keys);
+  checkSorts(keys, 17);
+}
+
+TEST_CASE_FIXTURE(RadixSortFixture, "a million pairs") { checkSorts(randomWords(1'000'003, 1), 21); }
+
+}  // namespace palpate
