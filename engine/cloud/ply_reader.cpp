@@ -15,6 +15,15 @@ std::string namesOf(const std::vector<PlyElement>& elements) {
   return names.empty() ? "none" : names;
 }
 
+void remarkOnLostElements(const PlyInfo& info, const std::filesystem::path& path, Log* log) {
+  std::string lost;
+  for (const PlyElement& element : info.elements) {
+    if (element.name == "vertex" || element.count == 0) continue;
+    lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", element.count, element.name);
+  }
+  if (!lost.empty()) log->say("{}: only the points are kept, not: {}", path.filename().string(), lost);
+}
+
 /// Says when something follows the last element; blank lines do not count.
 void remarkOnRest(ChunkedFile& file, Log* log) {
   const std::uint64_t offset = file.offset();
@@ -52,7 +61,10 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
       isVertex ? readBinaryVertices(file, element, swapBytes, vertices)
                : passBinaryElement(file, element, swapBytes, wanted);
   }
-  if (log) remarkOnRest(file, log);
+  if (log) {
+    remarkOnLostElements(info, path, log);
+    remarkOnRest(file, log);
+  }
 
   PointCloud cloud = vertices.finish(log);
   cloud.storedAs.comments = info.comments;

@@ -21,7 +21,7 @@ class PlyVertices {
 
   std::size_t rowBytes() const { return rowBytes_; }
   /// For a number of rows that is known to be in the file.
-  void reserve(std::size_t rows);
+  void reserve(std::uint64_t promised);
 
   struct BadRow {
     std::size_t row;  ///< within the rows given

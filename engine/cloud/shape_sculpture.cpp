@@ -63,7 +63,7 @@ class Sculpture {
     const Jet along = t + 0.08 * sin(3.0 * t);  // about the length of the knot, so that scales are equally long
     const Jet right = kAround * a + kAlong * along, left = kAround * a - kAlong * along;
     const Jet skewedRight = right + kSkew * cos(right), skewedLeft = left - kSkew * cos(left);
-    const Jet onBack = 0.66 - 0.34 * cos(a);  // the inner side of a bend is a smoother belly
+    const Jet onBack = 0.58 - 0.42 * cos(a);  // the inner side of a bend is a smoother belly
     return onBack * exp(1.1 * (cos(skewedRight) + cos(skewedLeft) - 2.0));
   }
 
@@ -74,7 +74,7 @@ class Sculpture {
   }
 
   static Jet radius(const Jet& t, const Jet& a) {
-    constexpr double kScaleHeight = 0.08, kFluteHeight = 0.085;
+    constexpr double kScaleHeight = 0.084, kFluteHeight = 0.085;
     const Jet body = 0.60 + 0.13 * cos(t - 1.2) + 0.02 * cos(6.0 * t);
     const Jet scaled = plateau(t, 1.2, 0.35, 9.0), fluted = plateau(t, 3.7, 0.60, 14.0);
     return body + kScaleHeight * (scaled * scales(t, a)) + kFluteHeight * (fluted * flutes(t, a));

@@ -28,6 +28,11 @@ bool isFinite(const V& v) {
   return true;
 }
 
+/// Angle between two vectors, degrees; accurate for small angles too.
+inline double angleBetween_deg(const DVec3& a, const DVec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * (180.0 / 3.14159265358979323846);
+}
+
 /// Two unit vectors that complete the unit vector `n` to a right-handed frame (Duff et al. 2017).
 struct Frame3 {
   DVec3 u, v, n;

@@ -1,0 +1,217 @@
+#include "engine/render/camera.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <glm/trigonometric.hpp>
+#include <limits>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kFrontElevation_deg = 12;  // of the fitted eye above the horizon
+constexpr double kFill = 0.9;               // of the picture, by the model
+constexpr double kClosest = 1e-2;           // of the box: the fitted eye stays this far before the nearest point
+constexpr double kNearestShare = 1e-3;      // of the box: no near plane is closer than this
+constexpr double kDirectionTolerance = 1e-9;
+
+std::array<DVec3, 8> cornersOf(const Bounds& box) {
+  std::array<DVec3, 8> corners;
+  for (unsigned k = 0; k < 8; ++k)
+    corners[k] = {k & 1 ? box.max.x : box.min.x, k & 2 ? box.max.y : box.min.y, k & 4 ? box.max.z : box.min.z};
+  return corners;
+}
+
+/// A length to measure by, also for a box without extent.
+double sizeOf(const Bounds& box) {
+  const double size = glm::length(box.max - box.min);
+  return size > 0 ? size : 1.0;
+}
+
+/// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A point
+/// at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the field of
+/// view; so each border is one linear bound, and the two of a pair give ex and D at once.
+template <class Points>
+Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect) {
+  const Camera::Axes axes = camera.axes();
+  const double ty = kFill * std::tan(glm::radians(camera.fov_deg) / 2), tx = ty * aspect;
+  const DVec3 center = bounds.center();
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  double right = kNone, left = kNone, top = kNone, bottom = kNone, nearest = kNone;
+  for (const auto& point : points) {
+    const DVec3 p = DVec3(point) - center;
+    const double x = glm::dot(p, axes.right), y = glm::dot(p, axes.up), z = glm::dot(p, axes.forward);
+    right = std::max(right, x - tx * z);
+    left = std::max(left, -x - tx * z);
+    top = std::max(top, y - ty * z);
+    bottom = std::max(bottom, -y - ty * z);
+    nearest = std::max(nearest, -z);
+  }
+  const bool any = nearest > kNone;
+  const double x = any ? (right - left) / 2 : 0, y = any ? (top - bottom) / 2 : 0;
+  const double wanted = any ? std::max((right + left) / (2 * tx), (top + bottom) / (2 * ty)) : 0;
+  const double distance = std::max(wanted, (any ? nearest : 0) + kClosest * sizeOf(bounds));
+  camera.target = center + x * axes.right + y * axes.up;
+  camera.eye = camera.target - distance * axes.forward;
+  camera.setDepthRange(bounds);
+  return camera;
+}
+
+/// At the origin, looking from the front and a little above.
+Camera frontCamera(double fov_deg) {
+  const double elevation = glm::radians(kFrontElevation_deg);
+  return {.eye = {0, std::sin(elevation), std::cos(elevation)}, .fov_deg = fov_deg};
+}
+
+bool parallel(const DVec3& a, const DVec3& b) {
+  return glm::length(glm::cross(a, b)) <= kDirectionTolerance * glm::length(a) * glm::length(b);
+}
+
+double parseNumber(std::string_view text, std::string_view word) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    throw UsageError("--camera: '{}' in '{}' is not a number", text, word);
+  return value;
+}
+
+DVec3 parseVector(std::string_view text, std::string_view word) {
+  DVec3 v;
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t comma = text.find(',');
+    if ((comma == std::string_view::npos) != (k == 2))
+      throw UsageError("--camera: '{}' needs three numbers, as in eye=0,0,10", word);
+    v[k] = parseNumber(text.substr(0, comma), word);
+    text.remove_prefix(k == 2 ? text.size() : comma + 1);
+  }
+  return v;
+}
+
+struct Wishes {
+  std::optional<DVec3> eye, target, up;
+  std::optional<double> fov_deg;
+};
+
+template <class T>
+void setOnce(std::optional<T>& wish, T value, std::string_view key) {
+  if (wish) throw UsageError("--camera: '{}' is given twice", key);
+  wish = value;
+}
+
+Wishes parseWishes(std::string_view text) {
+  Wishes wishes;
+  while (true) {
+    const std::size_t begin = text.find_first_not_of(" \t");
+    if (begin == std::string_view::npos) return wishes;
+    text.remove_prefix(begin);
+    const std::string_view word = text.substr(0, text.find_first_of(" \t"));
+    text.remove_prefix(word.size());
+    const std::size_t equals = word.find('=');
+    const std::string_view key = word.substr(0, equals);
+    const std::string_view value = equals == std::string_view::npos ? "" : word.substr(equals + 1);
+    if (key == "eye") {
+      setOnce(wishes.eye, parseVector(value, word), key);
+    } else if (key == "target") {
+      setOnce(wishes.target, parseVector(value, word), key);
+    } else if (key == "up") {
+      setOnce(wishes.up, parseVector(value, word), key);
+    } else if (key == "fov") {
+      setOnce(wishes.fov_deg, parseNumber(value, word), key);
+    } else {
+      throw UsageError("--camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees", word);
+    }
+  }
+}
+
+}  // namespace
+
+Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg) {
+  return fitted(frontCamera(fov_deg), bounds, cornersOf(bounds), aspect);
+}
+
+Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg) {
+  return fitted(frontCamera(fov_deg), boundsOf(cloud), cloud.positions, aspect);
+}
+
+Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect) {
+  const Wishes wishes = parseWishes(text);
+  const double fov_deg = wishes.fov_deg.value_or(45);
+  if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("--camera: fov={} is not between 1 and 170 degrees", fov_deg);
+  Camera camera = fitting(cloud, aspect, fov_deg);
+  const DVec3 fittedOffset = camera.eye - camera.target;
+  if (wishes.target) camera.target = *wishes.target - cloud.origin;
+  camera.eye = wishes.eye ? *wishes.eye - cloud.origin : camera.target + fittedOffset;
+  const DVec3 direction = camera.target - camera.eye;
+  if (glm::length(direction) == 0) throw UsageError("--camera: eye and target are the same point");
+  if (wishes.up) {
+    camera.up = *wishes.up;
+    if (glm::length(camera.up) == 0 || parallel(camera.up, direction))
+      throw UsageError("--camera: up must be a direction that is not along the view");
+  } else if (parallel(camera.up, direction)) {
+    camera.up = {0, 0, -1};  // looking straight down or up: the front of the model is at the bottom
+  }
+  camera.setDepthRange(boundsOf(cloud));
+  return camera;
+}
+
+void Camera::setDepthRange(const Bounds& bounds) {
+  const DVec2 range = depthRangeOf(*this, bounds);
+  const double least = kNearestShare * sizeOf(bounds);
+  nearDepth = std::max(0.5 * range.x, least);
+  farDepth = std::max(2 * range.y, nearDepth + sizeOf(bounds));
+}
+
+Camera::Axes Camera::axes() const {
+  const DVec3 forward = glm::normalize(target - eye);
+  const DVec3 right = glm::normalize(glm::cross(forward, up));
+  return {right, glm::cross(right, forward), forward};
+}
+
+double Camera::focal_px(double height_px) const { return 0.5 * height_px / std::tan(glm::radians(fov_deg) / 2); }
+
+std::optional<DVec3> Camera::project(const DVec3& position, const DVec2& size_px) const {
+  const Axes a = axes();
+  const DVec3 p = position - eye;
+  const double depth = glm::dot(p, a.forward);
+  if (depth < nearDepth) return std::nullopt;
+  const double scale = focal_px(size_px.y) / depth;
+  return DVec3(size_px.x / 2 + scale * glm::dot(p, a.right), size_px.y / 2 - scale * glm::dot(p, a.up), depth);
+}
+
+Mat4 Camera::view() const {
+  const Axes a = axes();
+  const DVec3 rows[3] = {a.right, a.up, -a.forward};
+  Mat4 m(1);
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) m[column][row] = static_cast<float>(rows[row][column]);
+    m[3][row] = static_cast<float>(-glm::dot(rows[row], eye));
+  }
+  return m;
+}
+
+Mat4 Camera::projection(double aspect) const {
+  const double f = focal_px(2.0);
+  const double range = farDepth - nearDepth;
+  Mat4 m(0);
+  m[0][0] = static_cast<float>(f / aspect);
+  m[1][1] = static_cast<float>(-f);
+  m[2][2] = static_cast<float>(-farDepth / range);
+  m[2][3] = -1;
+  m[3][2] = static_cast<float>(-farDepth * nearDepth / range);
+  return m;
+}
+
+DVec2 depthRangeOf(const Camera& camera, const Bounds& bounds) {
+  const DVec3 forward = camera.axes().forward;
+  DVec2 range(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+  for (const DVec3& corner : cornersOf(bounds)) {
+    const double depth = glm::dot(corner - camera.eye, forward);
+    range = {std::min(range.x, depth), std::max(range.y, depth)};
+  }
+  return range;
+}
+
+}  // namespace palpate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// A pinhole camera. Positions are model units relative to the cloud's origin, as in PointCloud::positions.
+/// Eye space: x right, y up, depth along the view direction. Pictures have pixel (0, 0) at the top left.
+struct Camera {
+  DVec3 eye{0, 0, 1};
+  DVec3 target{0};
+  DVec3 up{0, 1, 0};     ///< need not be perpendicular to the view, only not along it
+  double fov_deg = 45;   ///< vertical
+  double nearDepth = 0.01;  ///< nothing closer is drawn
+  double farDepth = 100;    ///< for projection() only
+
+  /// Sees everything from the front (+z), a little above, in a picture of width / height `aspect`: all of a box, or all
+  /// points of a cloud, which fills the picture better. The target is at the depth of the box's middle.
+  static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45);
+  static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45);
+
+  /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is missing
+  /// comes from fitting(). `eye` and `target` are in file coordinates. Throws UsageError.
+  static Camera parse(std::string_view text, const PointCloud& cloud, double aspect);
+
+  /// Sets near and far so that `bounds` lies between them as far as it lies before the eye.
+  void setDepthRange(const Bounds& bounds);
+
+  /// Unit vectors: right, up, and forward (from the eye to the target).
+  struct Axes {
+    DVec3 right, up, forward;
+  };
+  Axes axes() const;
+
+  /// Pixels that one unit covers at depth 1.
+  double focal_px(double height_px) const;
+  /// Where a point appears: x and y in pixels from the top left corner, z its depth. Nothing when it is closer than near.
+  std::optional<DVec3> project(const DVec3& position, const DVec2& size_px) const;
+
+  /// OpenGL's eye space (looking down -z) and Vulkan's clip space (y downwards, depth 0 to 1).
+  Mat4 view() const;
+  Mat4 projection(double aspect) const;
+};
+
+/// Depths of the nearest and the farthest corner of a box, before or behind the eye.
+DVec2 depthRangeOf(const Camera& camera, const Bounds& bounds);
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/edit/edit_log.hpp"
+#include "engine/gpu/command_list.hpp"
+
+namespace palpate {
+
+/// The cloud that is seen, on the GPU: the sight side's own copy, in the order of the file, so that a point's id is its
+/// place. It follows the touched cloud through the edit log alone.
+class DrawnCloud {
+ public:
+  /// Normals and colours are optional. Throws OutOfGpuMemory.
+  DrawnCloud(Device& device, const PointCloud& cloud);
+
+  /// Applies everything that is unread in `log`, in order, on the sight queue, waits for it, and consumes it; says how
+  /// many entries there were. Whoever made the log has attached a reader to it before the first edit.
+  std::uint64_t catchUp(EditLog& log);
+
+  std::uint32_t count() const { return count_; }
+  bool hasColors() const { return hasColors_; }
+  /// Of the cloud as it was loaded; edits move points by little.
+  const Bounds& bounds() const { return bounds_; }
+  const Buffer& positions() const { return positions_; }  ///< count vec4: xyz relative to the cloud's origin, w 0
+  const Buffer& normals() const { return normals_; }      ///< count vec4: xyz unit, or zero when unknown; w 0
+  const Buffer& colors() const { return colors_; }        ///< count RGBA8; empty when the cloud has none
+
+ private:
+  Device& device_;
+  std::uint32_t count_;
+  bool hasColors_;
+  Bounds bounds_;
+  Buffer positions_, normals_, colors_;
+  Buffer latest_;  // count uint32, zero between calls
+  ComputePipeline claim_, apply_;
+  CommandList list_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,127 @@
+#include "engine/render/frame.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/render/frame_constants.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kLargestSide_px = 16'384;
+// Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
+constexpr std::uint32_t kSplatWorkgroup = 64;
+
+std::uint32_t checkedSide(std::uint32_t side) {
+  if (side < 1 || side > kLargestSide_px)
+    throw UsageError("--size: {} pixels is not between 1 and {}", side, kLargestSide_px);
+  return side;
+}
+
+Buffer words(Device& device, std::uint64_t count, const char* name) {
+  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
+}
+
+}  // namespace
+
+Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample)
+    : device_(device),
+      width_(checkedSide(width)),
+      height_(checkedSide(height)),
+      supersample_(std::clamp(supersample, 1u, 2u)),
+      splatDepth_(device, shader_code::render_splat_depth,
+                  {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+      splatAttributes_(device, shader_code::render_splat_attributes,
+                       {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+      shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
+      resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs)}),
+      constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
+      depth_(words(device, samples(), "frame depth")),
+      normalSums_(words(device, 4 * samples(), "frame normal sums")),
+      colorSums_(words(device, 3 * samples(), "frame color sums")),
+      shaded_(words(device, 2 * samples(), "frame shaded")),
+      image_(words(device, std::uint64_t{width_} * height_, "frame image")),
+      depthImage_(words(device, std::uint64_t{width_} * height_, "frame depth image")) {}
+
+void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
+  const UVec2 size_px(width_ * supersample_, height_ * supersample_);
+  const std::uint32_t tiles = splatTiles(cloud, camera, options.splatRadius, size_px.y);
+  const DeviceAddress constants = writeConstants(cloud, camera, options, tiles);
+  const std::uint64_t splats = std::uint64_t{cloud.count()} * tiles * tiles;
+  const shared::SplatArgs splatArgs{.frame = constants,
+                                    .positions = cloud.positions().address(),
+                                    .normals = cloud.normals().address(),
+                                    .colors = cloud.colors().address(),
+                                    .depth = depth_.address(),
+                                    .normalSums = normalSums_.address(),
+                                    .colorSums = colorSums_.address()};
+  const auto frame = list.section("frame");
+  {
+    const auto section = list.section("clear");
+    const auto overlap = list.independent();
+    list.fill(depth_, shared::kNoDepth, depth_.bytes());
+    list.fill(normalSums_, 0, normalSums_.bytes());
+    if (cloud.hasColors()) list.fill(colorSums_, 0, colorSums_.bytes());
+  }
+  {
+    const auto section = list.section("splat");
+    list.dispatch(splatDepth_, splats, splatArgs);
+    list.dispatch(splatAttributes_, splats, splatArgs);
+  }
+  {
+    const auto section = list.section("shade");
+    list.dispatch(shade_, samples(),
+                  shared::ShadeArgs{.frame = constants,
+                                    .depth = depth_.address(),
+                                    .normalSums = normalSums_.address(),
+                                    .colorSums = colorSums_.address(),
+                                    .shaded = shaded_.address()});
+    list.dispatch(resolve_, std::uint64_t{width_} * height_,
+                  shared::ResolveArgs{.frame = constants,
+                                      .depth = depth_.address(),
+                                      .shaded = shaded_.address(),
+                                      .image = image_.address(),
+                                      .depthImage = depthImage_.address()});
+  }
+}
+
+DeviceAddress Frame::writeConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
+                                    std::uint32_t tiles) {
+  const std::uint32_t slot = recordings_++ % kInFlight;
+  constants_.mapped<shared::RenderFrame>()[slot] =
+      frameConstants(cloud, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, tiles);
+  return constants_.address() + slot * sizeof(shared::RenderFrame);
+}
+
+void Frame::readBack(const Buffer& from, std::span<std::byte> to) const {
+  const Buffer staging(device_, to.size(), Memory::readback, "read back " + from.name());
+  CommandList list(device_, device_.sight(), "read back " + from.name());
+  list.begin();
+  list.copy(from, staging, to.size());
+  list.end();
+  device_.sight().run(list);
+  std::memcpy(to.data(), staging.mapped<std::byte>().data(), to.size());
+}
+
+Image Frame::readColor() const {
+  Image image{width_, height_, {}};
+  image.rgba.resize(std::size_t{width_} * height_);
+  readBack(image_, std::as_writable_bytes(std::span(image.rgba)));
+  return image;
+}
+
+DepthImage Frame::readDepth() const {
+  DepthImage image{width_, height_, {}};
+  image.depth.resize(std::size_t{width_} * height_);
+  readBack(depthImage_, std::as_writable_bytes(std::span(image.depth)));
+  return image;
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/render/camera.hpp"
+#include "engine/render/drawn_cloud.hpp"
+#include "engine/render/frame_options.hpp"
+#include "engine/render/image.hpp"
+
+namespace palpate {
+
+/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001): the passes and the images between
+/// them. The same input gives the same bytes on the same device. Belongs to the sight side.
+class Frame {
+ public:
+  /// Recordings that may be under way at a time: each keeps its own constants.
+  static constexpr std::uint32_t kInFlight = 3;
+
+  /// `supersample` (1 or 2): samples along each side of a pixel. Throws UsageError for a size that cannot be drawn.
+  Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2);
+
+  void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
+
+  /// The last completed frame; waits for the sight queue.
+  Image readColor() const;
+  DepthImage readDepth() const;
+
+  std::uint32_t width() const { return width_; }
+  std::uint32_t height() const { return height_; }
+  /// width x height RGBA8, for whoever shows it.
+  const Buffer& image() const { return image_; }
+
+ private:
+  std::uint64_t samples() const { return std::uint64_t{width_} * height_ * supersample_ * supersample_; }
+  DeviceAddress writeConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
+                               std::uint32_t splatTiles);
+  void readBack(const Buffer& from, std::span<std::byte> to) const;
+
+  Device& device_;
+  std::uint32_t width_, height_, supersample_;
+  ComputePipeline splatDepth_, splatAttributes_, shade_, resolve_;
+  Buffer constants_;
+  std::uint32_t recordings_ = 0;
+  Buffer depth_, normalSums_, colorSums_, shaded_, image_, depthImage_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,103 @@
+#include "engine/render/frame_constants.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace palpate {
+
+namespace {
+
+const Vec3 kClay(0.58f, 0.40f, 0.29f);  // linear light
+const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
+const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
+constexpr double kDiscThickness = 0.12;  // of its radius
+constexpr double kOcclusionRadius = 0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
+constexpr double kDepthBand = 2.0;  // of the splat radius: stray points that stand out less than this are blended away
+constexpr std::uint32_t kFinestSum = 1u << 16;
+
+float linearFromSrgb(std::uint8_t encoded) {
+  const double x = encoded / 255.0;
+  return static_cast<float>(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4));
+}
+
+shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
+  const UVec2 size_px(size.width * size.supersample, size.height * size.supersample);
+  const Camera::Axes axes = camera.axes();
+  return {.eye = Vec3(camera.eye),
+          .focal_px = static_cast<float>(camera.focal_px(size_px.y)),
+          .right = Vec3(axes.right),
+          .nearDepth = static_cast<float>(camera.nearDepth),
+          .up = Vec3(axes.up),
+          .supersample = size.supersample,
+          .forward = Vec3(axes.forward),
+          .unused = 0,
+          .center_px = 0.5f * Vec2(size_px),
+          .size_px = size_px};
+}
+
+shared::RenderOverlays overlaysOf(const Overlays& wanted) {
+  shared::RenderOverlays overlays{};
+  if (wanted.hip) {
+    overlays.ballCenter = Vec3(wanted.hip->center);
+    overlays.ballRadius = static_cast<float>(wanted.hip->radius);
+  }
+  if (wanted.proxy) {
+    overlays.discCenter = Vec3(wanted.proxy->center);
+    overlays.discRadius = static_cast<float>(wanted.proxy->radius);
+    overlays.discNormal = Vec3(wanted.proxy->normal);
+    overlays.discHalfThickness = static_cast<float>(0.5 * kDiscThickness * wanted.proxy->radius);
+  }
+  const double length = wanted.force ? glm::length(wanted.force->along) : 0.0;
+  if (length > 0) {
+    overlays.arrowFrom = Vec3(wanted.force->from);
+    overlays.arrowRadius = static_cast<float>(wanted.force->shaftRadius);
+    overlays.arrowDirection = Vec3(wanted.force->along / length);
+    overlays.arrowLength = static_cast<float>(length);
+  }
+  return overlays;
+}
+
+}  // namespace
+
+std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px) {
+  const double nearest = std::max(depthRangeOf(camera, cloud.bounds()).x, camera.nearDepth);
+  const double side_px = 2 * splatRadius * camera.focal_px(height_px) / nearest + 2;
+  const double affordable = std::sqrt(double{shared::kMaxSplatInvocations} / std::max(cloud.count(), 1u));
+  const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxSplatTiles});
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kSplatTile), 1.0, most));
+}
+
+shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
+                                   const FrameSize& size, std::uint32_t splatTiles) {
+  const DVec2 depths = depthRangeOf(camera, cloud.bounds());
+  shared::RenderFrame frame{.view = viewOf(camera, size),
+                            .boundsMin = Vec3(cloud.bounds().min),
+                            .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
+                            .boundsMax = Vec3(cloud.bounds().max),
+                            .depthMax = static_cast<float>(depths.y),
+                            .splatRadius = static_cast<float>(options.splatRadius),
+                            .depthBand = static_cast<float>(kDepthBand * options.splatRadius),
+                            .sumScale = 0,
+                            .count = cloud.count(),
+                            .splatTiles = splatTiles,
+                            .imagePass = static_cast<std::uint32_t>(options.pass),
+                            .colorBy = static_cast<std::uint32_t>(options.color),
+                            .hasColors = cloud.hasColors(),
+                            .material = kClay,
+                            .hasOverlays = options.overlays.any(),
+                            .backgroundTop = kBackgroundTop,
+                            .occlusionRadius = static_cast<float>(kOcclusionRadius * cloud.bounds().longestSide()),
+                            .backgroundBottom = kBackgroundBottom,
+                            .unused = 0,
+                            .overlays = overlaysOf(options.overlays)};
+  // No sum may reach 2^31, even with every point in one sample (splat_attributes.comp).
+  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(cloud.count(), 1u);
+  frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));
+  if (options.background)
+    for (int k = 0; k < 3; ++k)
+      frame.backgroundTop[k] = frame.backgroundBottom[k] = linearFromSrgb((*options.background)[static_cast<std::size_t>(k)]);
+  return frame;
+}
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+// What a frame shows and how.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "engine/core/vec.hpp"
+#include "shaders/shared/render.h"
+
+namespace palpate {
+
+/// The picture, or one of the images on the way to it.
+enum class ImagePass : std::uint32_t {
+  final = shared::kPassFinal,
+  depth = shared::kPassDepth,        ///< near is bright
+  normal = shared::kPassNormal,      ///< 0.5 + 0.5 n, model axes, towards the eye
+  color = shared::kPassColor,        ///< the surface's own colour, unlit
+  position = shared::kPassPosition,  ///< 0 to 1 along each side of the model's box
+};
+
+/// Where the surface's own colour comes from.
+enum class ColorBy : std::uint32_t {
+  rgb = shared::kColorByFile,  ///< the file's, or one material where it has none
+  normal = shared::kColorByNormal,
+  depth = shared::kColorByDepth,
+  height = shared::kColorByHeight,  ///< along y
+};
+
+/// By the names of the command line. Throw UsageError with the names there are.
+ImagePass imagePassNamed(std::string_view name);
+ColorBy colorByNamed(std::string_view name);
+
+/// Drawn over the surface; what lies behind it shines through. Model units relative to the cloud's origin.
+struct Overlays {
+  struct Ball {
+    DVec3 center{0};
+    double radius = 0;
+  };
+  struct Disc {
+    DVec3 center{0};
+    DVec3 normal{0, 1, 0};  ///< unit
+    double radius = 0;
+  };
+  struct Arrow {
+    DVec3 from{0};
+    DVec3 along{0};            ///< the force times a length per newton; its tip is at from + along
+    double shaftRadius = 0;
+  };
+  std::optional<Ball> hip;
+  std::optional<Disc> proxy;
+  std::optional<Arrow> force;
+
+  bool any() const { return hip || proxy || force; }
+};
+
+struct FrameOptions {
+  ImagePass pass = ImagePass::final;
+  ColorBy color = ColorBy::rgb;
+  double splatRadius = 0;  ///< model units; automaticSplatRadius() of the cloud's spacing is a good one
+  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
+  Overlays overlays;
+};
+
+/// A radius at which the discs of an unevenly sampled surface leave no holes, for a mean spacing (meanSpacing()).
+double automaticSplatRadius(double spacing);
+
+}  // namespace palpate

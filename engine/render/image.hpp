@@ -1,0 +1,35 @@
+// Pictures on the host and the files they become.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// Rows from the top; one RGBA8 word per pixel, red in the lowest byte.
+struct Image {
+  std::uint32_t width = 0, height = 0;
+  std::vector<std::array<std::uint8_t, 4>> rgba;
+
+  const std::array<std::uint8_t, 4>& at(std::uint32_t x, std::uint32_t y) const {
+    return rgba[std::size_t{y} * width + x];
+  }
+};
+
+/// Eye-space depth, rows from the top, model units; 0 where nothing is.
+struct DepthImage {
+  std::uint32_t width = 0, height = 0;
+  std::vector<float> depth;
+
+  float at(std::uint32_t x, std::uint32_t y) const { return depth[std::size_t{y} * width + x]; }
+};
+
+/// The same picture gives the same bytes. Throws FileError.
+void writePng(const std::filesystem::path& path, const Image& image);
+/// Portable float map, one channel, little-endian. Throws FileError.
+void writePfm(const std::filesystem::path& path, const DepthImage& image);
+
+}  // namespace palpate

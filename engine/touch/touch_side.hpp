@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <exception>
+#include <memory>
+#include <optional>
+
+#include "engine/contact/contact_step.hpp"
+#include "engine/core/contact_query.hpp"
+#include "engine/edit/edit_log.hpp"
+#include "engine/edit/push_brush.hpp"
+#include "engine/gpu/queue.hpp"
+
+namespace palpate {
+
+struct TouchOptions {
+  double radius = 0;                ///< support radius, model units
+  double cell = 0;                  ///< edge of a hash cell, model units; 0: the support radius
+  std::optional<PushOptions> push;  ///< edit while touching
+  std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
+  CommandList::Timing timing = CommandList::Timing::sections;
+};
+
+/// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded ahead
+/// (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one edits the points
+/// and builds the index anew in the same tick, while the force is already on its way.
+class TouchSide final : public ContactQuery {
+ public:
+  /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
+  /// the cloud cannot fit.
+  TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
+  ~TouchSide() override;
+
+  Contact query(const Pose& pose, double budget_us) noexcept override;
+  /// Waits for the last edit, and publishes it. Throws what a query could not.
+  void finish();
+
+  EditLog& editLog() { return log_; }
+  const LiveCloud& live() const { return live_; }
+  const SpatialHash& hash() const { return hash_; }
+  const ContactStep& contact() const { return contact_; }
+  /// GPU time of the first build of the index, us.
+  double buildTime_us() const { return buildTime_us_; }
+  /// GPU time of each edit so far, us.
+  const std::vector<double>& editTimes_us() const { return editTimes_us_; }
+  /// Ticks whose edit was left out because the reader of the log had fallen behind.
+  std::uint64_t skippedEdits() const { return skippedEdits_; }
+  /// The passes of a tick in order, edit included, with their last times.
+  std::vector<PassRecord> passes() const;
+
+ private:
+  void recordQuery(std::uint32_t parity);
+  void recordEdit(std::uint32_t parity);
+  void editIfYielding(const shared::ContactSample& sample);
+  void collectEdit();
+
+  Device& device_;
+  TouchOptions options_;
+  Wait wait_;
+  DVec3 origin_;
+  LiveCloud live_;
+  SpatialHash hash_;
+  ContactStep contact_;
+  EditLog log_;
+  std::optional<PushBrush> push_;
+  RefitNormals refit_;
+  std::array<std::unique_ptr<CommandList>, 2> queries_, edits_;  // one for each side of the live cloud
+  std::uint32_t tick_ = 0;
+  double buildTime_us_ = 0;
+  std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
+  std::vector<double> editTimes_us_;
+  std::uint64_t skippedEdits_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace palpate

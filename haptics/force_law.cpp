@@ -1,0 +1,72 @@
+#include "haptics/force_law.hpp"
+
+#include <algorithm>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+namespace {
+
+/// A tick that comes late must not make up for the lost time in one jump: the rise counts no more time than this.
+constexpr double kLongestRise_s = 0.002;
+
+void checkOption(double value, const char* name, bool mayBeInfinite) {
+  if (!(value >= 0) || (!mayBeInfinite && !std::isfinite(value)))
+    throw UsageError("{} is {}; it must be {}zero or more", name, value, mayBeInfinite ? "" : "finite and ");
+}
+
+}  // namespace
+
+ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : options_(options), scale_(scale) {
+  checkOption(options.stiffness_N_per_mm, "stiffness (N/mm)", false);
+  checkOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
+  checkOption(options.maxForce_N, "the largest force (N)", true);
+  checkOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
+}
+
+void ForceLaw::limitTo(double peakForce_N) noexcept {
+  // Written so that a peak that is not a number allows no force at all.
+  options_.maxForce_N = peakForce_N >= 0 ? std::min(options_.maxForce_N, peakForce_N) : 0;
+}
+
+void ForceLaw::reset() noexcept {
+  touching_ = false;
+  stretch_mm_ = DVec3(0);
+  force_N_ = 0;
+}
+
+// F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
+// backward difference, so it needs two ticks of contact.
+DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) noexcept {
+  if (!contact.valid || !contact.touching) {
+    reset();
+    return DVec3(0);
+  }
+  const DVec3 stretch_mm = (contact.proxy - pose.hip) * scale_.mm_per_unit;
+  const bool moving = touching_ && dt_s > 0;
+  const DVec3 rate_mm_per_s = moving ? (stretch_mm - stretch_mm_) / dt_s : DVec3(0);
+  const DVec3 force_N = options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
+  if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
+    reset();
+    return DVec3(0);
+  }
+
+  touching_ = true;
+  stretch_mm_ = stretch_mm;
+  // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
+  const bool pushes = glm::dot(force_N, contact.normal) > 0;
+  const DVec3 result = pushes ? limited(force_N, dt_s) : DVec3(0);
+  force_N_ = glm::length(result);
+  return result;
+}
+
+DVec3 ForceLaw::limited(const DVec3& force_N, double dt_s) const noexcept {
+  const double magnitude_N = glm::length(force_N);
+  const double rise_N = dt_s > 0 ? options_.maxRise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
+  const double allowed_N = std::min(options_.maxForce_N, force_N_ + rise_N);
+  if (magnitude_N <= allowed_N) return force_N;
+  if (!std::isfinite(magnitude_N)) return DVec3(0);  // the squares overflowed
+  return force_N * (allowed_N / magnitude_N);
+}
+
+}  // namespace palpate

@@ -1,0 +1,45 @@
+// From contact to force: a spring and a damper between the HIP and the proxy, and the limits that keep it safe.
+#pragma once
+
+#include "engine/core/contact_query.hpp"
+#include "engine/core/units.hpp"
+
+namespace palpate {
+
+struct ForceOptions {
+  double stiffness_N_per_mm = 0.8;
+  double damping_N_s_per_mm = 0.002;
+  double maxForce_N = kTouchPeakForce_N;
+  double maxRise_N_per_s = 600;  ///< how fast the magnitude may grow; it may always fall at once
+};
+
+/// Remembers the last tick; one per session.
+class ForceLaw {
+ public:
+  /// Throws UsageError for an option that is negative or not finite (maxForce_N and maxRise_N_per_s may be infinite).
+  ForceLaw(const ForceOptions& options, const ModelScale& scale);
+
+  const ForceOptions& options() const { return options_; }
+  const ModelScale& scale() const { return scale_; }
+
+  /// Lowers maxForce_N to what a device can bear.
+  void limitTo(double peakForce_N) noexcept;
+
+  /// The force on the hand, N, for a tick that comes `dt_s` after the one before. Exactly zero when nothing is touched,
+  /// on any fault or number that is not finite, and when spring and damper together would pull into the surface.
+  DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
+
+  /// Forgets the contact, as if nothing had been touched yet.
+  void reset() noexcept;
+
+ private:
+  DVec3 limited(const DVec3& force_N, double dt_s) const noexcept;
+
+  ForceOptions options_;
+  ModelScale scale_;
+  bool touching_ = false;
+  DVec3 stretch_mm_{0};  ///< from HIP to proxy, at the last tick
+  double force_N_ = 0;   ///< magnitude, at the last tick
+};
+
+}  // namespace palpate

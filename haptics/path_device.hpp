@@ -1,0 +1,29 @@
+// A device without a hand: it plays a path and remembers the force.
+#pragma once
+
+#include "haptics/haptic_device.hpp"
+#include "haptics/path.hpp"
+
+namespace palpate {
+
+/// Its own unit is the model's, so the workspace map is the identity.
+class PathDevice final : public HapticDevice {
+ public:
+  explicit PathDevice(Path path) : path_(std::move(path)) {}
+
+  std::string_view name() const override { return "path"; }
+  /// No motor can be harmed: what the user asks for is what the trace shows.
+  DeviceLimits limits() const override;
+  DeviceState read(double time_s) noexcept override;
+  bool write(const DVec3& force_N) noexcept override;
+  std::string faultText() const override { return {}; }
+
+  const Path& path() const { return path_; }
+  DVec3 lastForce_N() const { return lastForce_N_; }
+
+ private:
+  Path path_;
+  DVec3 lastForce_N_{0};
+};
+
+}  // namespace palpate

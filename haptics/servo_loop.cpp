@@ -1,0 +1,130 @@
+#include "haptics/servo_loop.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
+#include "haptics/tick_pacer.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kHighestRate_Hz = 100'000;
+constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
+constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
+
+class ZeroForceAtExit {
+ public:
+  explicit ZeroForceAtExit(HapticDevice& device) : device_(device) {}
+  ~ZeroForceAtExit() { device_.write(DVec3(0)); }
+  ZeroForceAtExit(const ZeroForceAtExit&) = delete;
+  ZeroForceAtExit& operator=(const ZeroForceAtExit&) = delete;
+
+ private:
+  HapticDevice& device_;
+};
+
+/// The answer as it is, or, when it is a fault or holds numbers that are not finite, "nothing touched, not valid".
+Contact trusted(const Contact& contact, const DVec3& hip) {
+  const bool sane = contact.valid && isFinite(contact.proxy) && isFinite(contact.normal);
+  return sane ? contact : Contact{.proxy = hip};
+}
+
+std::uint64_t ticksFor(const ServoOptions& options) {
+  if (!(options.rate_Hz > 0 && options.rate_Hz <= kHighestRate_Hz))
+    throw UsageError("rate {} Hz: it must be above 0 and at most {}", options.rate_Hz, kHighestRate_Hz);
+  const double ticks = options.duration_s * options.rate_Hz;
+  if (!(options.duration_s >= 0 && ticks <= kMostTicks))
+    throw UsageError("{} s at {} Hz: a session has at most {} ticks; make it shorter", options.duration_s,
+                     options.rate_Hz, kMostTicks);
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
+}
+
+}  // namespace
+
+ServoLoop::ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options)
+    : device_(device), query_(query), law_(std::move(law)), options_(options), plannedTicks_(ticksFor(options)) {
+  law_.limitTo(device_.limits().peakForce_N);
+}
+
+ServoResult ServoLoop::run(const TickObserver& observer) {
+  ServoResult result;
+  result.trace.virtualTime = !options_.realtime;
+  result.trace.rows.resize(plannedTicks_);  // written here, so that no tick waits for a page of memory
+  law_.reset();
+  const std::size_t done = play(observer, result);
+  result.trace.rows.resize(done);
+  if (result.deviceFailed) {
+    result.fault = device_.faultText();
+    if (result.fault.empty()) result.fault = fmt::format("{}: the device failed without saying why", device_.name());
+  }
+  return result;
+}
+
+std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
+  std::optional<RealtimePriority> priority;
+  std::optional<TickPacer> pacer;
+  if (options_.realtime) {
+    priority.emplace();
+    pacer.emplace(options_.rate_Hz);
+    result.realtimePriority = priority->granted();
+  }
+  const ZeroForceAtExit zero(device_);  // goes first, still under the raised priority
+
+  std::size_t done = 0;
+  double lastTime_s = -1 / options_.rate_Hz;
+  for (std::uint64_t index = 0; index < plannedTicks_; ++index) {
+    if (options_.stop && options_.stop->load(std::memory_order_relaxed)) break;
+    double budget_us = 0;
+    if (pacer) {
+      const std::uint64_t due = std::min(pacer->waitFor(index), plannedTicks_);
+      result.trace.missedTicks += due - index;
+      index = due;
+      if (index == plannedTicks_) break;
+      budget_us = std::max(pacer->remaining_us(index + 1) - options_.reserve_us, kSmallestBudget_us);
+    }
+    const double time_s = static_cast<double>(index) / options_.rate_Hz;
+    TraceRow& row = result.trace.rows[done];
+    if (done > 0) row.hip = result.trace.rows[done - 1].hip;  // where the hand was last, should the device fail now
+    result.deviceFailed = !tick(time_s, time_s - lastTime_s, budget_us, row);
+    ++done;
+    if (result.deviceFailed) break;
+    lastTime_s = time_s;
+    if (observer && !pacer) observer(row);
+  }
+  return done;
+}
+
+bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept {
+  const Stopwatch watch;
+  row.time_s = time_s;
+  row.proxy = row.hip;
+  const DeviceState state = device_.read(time_s);
+  const DVec3 hip = options_.map.toModel(state.position);
+  if (!state.ok || !isFinite(hip)) {
+    law_.reset();
+    return false;
+  }
+  const Pose pose{.time_s = time_s, .hip = hip};
+  const Contact contact = trusted(query_.query(pose, budget_us), hip);
+  const DVec3 force_N = law_.update(contact, pose, dt_s);
+  const double step_us = watch.elapsed_us();
+  const bool written = device_.write(force_N);
+
+  row.hip = hip;
+  row.proxy = contact.proxy;
+  row.normal = contact.normal;
+  row.force_N = written ? force_N : DVec3(0);
+  row.penetration_mm = contact.touching ? law_.scale().toMm(glm::length(contact.proxy - hip)) : 0;
+  row.contact = contact.touching;
+  row.fresh = contact.fresh;
+  row.valid = contact.valid && written;
+  row.neighbours = contact.neighbours;
+  row.movedPoints = contact.movedPoints;
+  row.gpu_us = contact.gpu_us;
+  row.step_us = step_us;
+  return written;
+}
+
+}  // namespace palpate

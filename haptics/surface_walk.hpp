@@ -1,0 +1,25 @@
+// Walking over a cloud: steps in the tangent plane, back onto the surface after each.
+#pragma once
+
+#include <vector>
+
+#include "haptics/surface_sample.hpp"
+
+namespace palpate {
+
+/// Model units, relative to the cloud's origin.
+struct SurfaceSpot {
+  DVec3 position{0};
+  DVec3 normal{0};        ///< unit, outward
+  bool supported = true;  ///< false: beyond the border of the points; the last plane was carried on
+};
+
+/// Puts `p` onto the surface near it that faces the same way as `facing`.
+SurfaceSpot settle(const SurfaceSample& sample, const DVec3& p, const DVec3& facing);
+
+/// From `start` in the tangent direction `direction`, which turns with the surface: `steps` spots, each `step` after
+/// the one before it, without the start.
+std::vector<SurfaceSpot> walk(const SurfaceSample& sample, const SurfaceSpot& start, const DVec3& direction,
+                              double step, std::size_t steps);
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+// Wall-clock pacing for the servo loop.
+#pragma once
+
+#include <sched.h>
+
+#include <cstdint>
+
+namespace palpate {
+
+/// Asks for SCHED_FIFO for the calling thread and gives its old scheduling back when it goes. Destroy it on the thread
+/// that made it.
+class RealtimePriority {
+ public:
+  RealtimePriority() noexcept;
+  ~RealtimePriority();
+  RealtimePriority(const RealtimePriority&) = delete;
+  RealtimePriority& operator=(const RealtimePriority&) = delete;
+
+  /// False when the machine does not let this user have it; ticks then come as the normal scheduler likes.
+  bool granted() const { return granted_; }
+
+ private:
+  int oldPolicy_ = 0;
+  sched_param oldParameters_{};
+  bool granted_ = false;
+};
+
+/// Tick i is due exactly i periods after the pacer was made, however long the ticks before it took.
+class TickPacer {
+ public:
+  explicit TickPacer(double rate_Hz) noexcept;
+
+  /// Sleeps until tick `index` is due and returns the tick to do now: `index`, or a later one when more than a whole
+  /// period went by unused. Ticks between are lost; they are never made up for in a burst.
+  std::uint64_t waitFor(std::uint64_t index) const noexcept;
+
+  /// Time until tick `index` is due; negative once it is.
+  double remaining_us(std::uint64_t index) const noexcept;
+
+ private:
+  std::int64_t due_ns(std::uint64_t index) const noexcept;
+
+  double period_ns_;
+  std::int64_t start_ns_;  ///< CLOCK_MONOTONIC
+};
+
+}  // namespace palpate

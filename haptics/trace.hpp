@@ -1,0 +1,55 @@
+// What a session did, tick by tick.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "engine/core/statistics.hpp"
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// One tick. Positions in model units, in the coordinates of the model's file.
+struct TraceRow {
+  double time_s = 0;
+  DVec3 hip{0};
+  DVec3 proxy{0};   ///< the HIP where nothing is touched
+  DVec3 normal{0};  ///< unit, outward; zero where no surface was in reach
+  DVec3 force_N{0};
+  double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
+  bool contact = false;
+  bool fresh = false;  ///< from this tick's own query
+  bool valid = false;  ///< false: the query or the device failed at this tick
+  std::uint32_t neighbours = 0;
+  std::uint32_t movedPoints = 0;  ///< by this tick's edit
+  double gpu_us = 0;              ///< 0 where it was not measured
+  double step_us = 0;             ///< from pose read to force ready
+};
+
+struct Trace {
+  std::vector<TraceRow> rows;
+  bool virtualTime = true;
+  std::uint64_t missedTicks = 0;  ///< left out because their time had passed
+};
+
+struct TraceSummary {
+  std::uint64_t ticks = 0;
+  std::uint64_t contactTicks = 0;
+  std::uint64_t missedTicks = 0;
+  std::uint64_t faultTicks = 0;   ///< at which the query or the device failed
+  std::uint64_t movedPoints = 0;  ///< a point counts at every tick that moved it
+  Summary step_us;
+  Summary gpu_us;  ///< of the ticks at which it was measured
+  double freshFraction = 0;
+  double peakForce_N = 0;
+};
+
+TraceSummary summarize(const Trace& trace);
+
+/// One row per tick, numbers in the shortest form that reads back to the same double. In virtual time gpu_us and
+/// step_us are written as 0, so that the same input gives the same bytes; their statistics are in the summary. Throws
+/// FileError.
+void writeTraceCsv(const std::filesystem::path& file, const Trace& trace);
+
+}  // namespace palpate

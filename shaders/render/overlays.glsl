@@ -1,0 +1,101 @@
+// The ball at the HIP, the disc at the proxy and the force arrow, each a closed form along a ray. Rays start at the eye
+// with depth 1 per unit, so a ray's parameter is the depth.
+#ifndef PALPATE_RENDER_OVERLAYS_GLSL
+#define PALPATE_RENDER_OVERLAYS_GLSL
+#include "shaders/render/color.glsl"
+#include "shaders/render/lighting.glsl"
+
+const vec3 kBallColor = vec3(1.00, 0.52, 0.10);   // sRGB
+const vec3 kDiscColor = vec3(0.10, 0.78, 0.92);
+const vec3 kArrowColor = vec3(0.92, 0.10, 0.36);
+const float kHiddenAlpha = 0.4;  // of what lies behind the surface
+const float kHeadWidth = 2.4;    // of the arrow, in radii of the shaft
+const float kHeadLength = 6.0;   // in radii of the shaft; at most half the arrow
+
+struct Hit {
+  float depth;  // kMiss: a miss
+  vec3 normal;  // model space, unit, outward
+};
+const float kMiss = 3.0e38;
+
+Hit nearer(Hit a, Hit b) { return a.depth <= b.depth ? a : b; }
+
+Hit hitBall(vec3 eye, vec3 ray, vec3 center, float radius) {
+  const vec3 toCenter = center - eye;
+  const float along = dot(ray, toCenter) / dot(ray, ray);
+  const vec3 offset = along * ray - toCenter;  // from the centre to the ray; small, so nothing cancels
+  const float rest = (radius * radius - dot(offset, offset)) / dot(ray, ray);
+  if (!(rest >= 0)) return Hit(kMiss, vec3(0));
+  const float depth = along - sqrt(rest);
+  return Hit(depth > 0 ? depth : kMiss, (depth * ray - toCenter) / radius);
+}
+
+// A disc of no thickness across `axis`.
+Hit hitDisc(vec3 eye, vec3 ray, vec3 center, vec3 axis, float radius) {
+  const float depth = dot(axis, center - eye) / dot(axis, ray);
+  const vec3 offset = eye + depth * ray - center;
+  const bool inside = depth > 0 && dot(offset, offset) <= radius * radius;
+  return Hit(inside ? depth : kMiss, dot(axis, ray) < 0 ? axis : -axis);
+}
+
+// The side of a cone frustum that runs from radius r0 at `base` to r1 at base + length * axis; r0 = r1: a cylinder.
+Hit hitFrustum(vec3 eye, vec3 ray, vec3 base, vec3 axis, float length, float r0, float r1) {
+  const float slope = (r1 - r0) / length;
+  // Start at the ray's closest approach to the base: squares of large distances would cancel.
+  const float start = dot(base - eye, ray) / dot(ray, ray);
+  const vec3 from = eye + start * ray - base;
+  const float h0 = dot(from, axis), dh = dot(ray, axis);
+  const vec3 p = from - h0 * axis, d = ray - dh * axis;
+  const float radius0 = r0 + slope * h0, dr = slope * dh;
+  const float a = dot(d, d) - dr * dr, b = dot(p, d) - radius0 * dr, c = dot(p, p) - radius0 * radius0;
+  const float discriminant = b * b - a * c;
+  if (!(discriminant >= 0) || a == 0) return Hit(kMiss, vec3(0));
+  const float root = sqrt(discriminant) * sign(a);
+  for (uint k = 0; k < 2; ++k) {
+    const float t = (-b + (k == 0 ? -root : root)) / a;
+    const float h = h0 + t * dh;
+    if (start + t <= 0 || h < 0 || h > length || r0 + slope * h < 0) continue;
+    return Hit(start + t, normalize(normalize(p + t * d) - slope * axis));
+  }
+  return Hit(kMiss, vec3(0));
+}
+
+Hit hitThickDisc(vec3 eye, vec3 ray, RenderOverlays o) {
+  const vec3 half_ = o.discHalfThickness * o.discNormal;
+  Hit hit = hitFrustum(eye, ray, o.discCenter - half_, o.discNormal, 2 * o.discHalfThickness, o.discRadius, o.discRadius);
+  hit = nearer(hit, hitDisc(eye, ray, o.discCenter + half_, o.discNormal, o.discRadius));
+  return nearer(hit, hitDisc(eye, ray, o.discCenter - half_, o.discNormal, o.discRadius));
+}
+
+Hit hitArrow(vec3 eye, vec3 ray, RenderOverlays o) {
+  const float head = min(kHeadLength * o.arrowRadius, 0.5 * o.arrowLength);
+  const float shaft = o.arrowLength - head;
+  const vec3 neck = o.arrowFrom + shaft * o.arrowDirection;
+  const float headRadius = kHeadWidth * o.arrowRadius;
+  Hit hit = hitFrustum(eye, ray, o.arrowFrom, o.arrowDirection, shaft, o.arrowRadius, o.arrowRadius);
+  hit = nearer(hit, hitFrustum(eye, ray, neck, o.arrowDirection, head, headRadius, 0));
+  hit = nearer(hit, hitDisc(eye, ray, neck, o.arrowDirection, headRadius));
+  return nearer(hit, hitDisc(eye, ray, o.arrowFrom, o.arrowDirection, o.arrowRadius));
+}
+
+// Lays the overlays over `behind`, farthest first; what lies behind the surface at `surfaceDepth` shines through it.
+vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth, vec3 behind) {
+  const vec3 ray = fromEye(view, inEye);
+  Hit hits[3] = Hit[3](Hit(kMiss, vec3(0)), Hit(kMiss, vec3(0)), Hit(kMiss, vec3(0)));
+  if (o.ballRadius > 0) hits[0] = hitBall(view.eye, ray, o.ballCenter, o.ballRadius);
+  if (o.discRadius > 0) hits[1] = hitThickDisc(view.eye, ray, o);
+  if (o.arrowLength > 0) hits[2] = hitArrow(view.eye, ray, o);
+  const vec3 colors[3] = vec3[3](kBallColor, kDiscColor, kArrowColor);
+  for (uint layer = 0; layer < 3; ++layer) {
+    uint farthest = 3;
+    for (uint k = 0; k < 3; ++k)
+      if (hits[k].depth < kMiss && (farthest == 3 || hits[k].depth > hits[farthest].depth)) farthest = k;
+    if (farthest == 3) break;
+    const vec3 color = lit(toLinear(colors[farthest]), toEye(view, hits[farthest].normal), -normalize(inEye), 1.0);
+    behind = mix(behind, color, hits[farthest].depth <= surfaceDepth ? 1.0 : kHiddenAlpha);
+    hits[farthest].depth = kMiss;
+  }
+  return behind;
+}
+
+#endif

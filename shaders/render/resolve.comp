@@ -1,0 +1,34 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The picture: lays the overlays over every sample, averages the samples of a pixel in linear light and encodes the
+// result. Overlays get at least four samples per pixel even where the surface has one.
+#include "shaders/lib/index.glsl"
+#include "shaders/render/overlays.glsl"
+
+layout(push_constant, scalar) uniform Push { ResolveArgs args; };
+
+void main() {
+  const RenderView view = args.frame.at[0].view;
+  const uvec2 size = view.size_px / view.supersample;
+  const uint place = threadIndex();
+  if (place >= size.x * size.y) return;
+  const uvec2 pixel = uvec2(place % size.x, place / size.x);
+  const uint split = max(view.supersample, 2);  // samples along each side of a pixel
+  const bool overlays = args.frame.at[0].hasOverlays != 0;
+
+  vec3 sum = vec3(0);
+  uint nearest = kNoDepth;
+  for (uint k = 0; k < split * split; ++k) {
+    const vec2 place_px = (vec2(pixel) + (vec2(k % split, k / split) + 0.5) / float(split)) * float(view.supersample);
+    const uint at = uint(place_px.y) * view.size_px.x + uint(place_px.x);
+    const uvec2 packed = args.shaded.at[at];
+    const uint depth = args.depth.at[at];
+    vec3 light = vec3(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y).x);
+    if (overlays)
+      light = overlaid(view, args.frame.at[0].overlays, rayThrough(view, place_px), uintBitsToFloat(depth), light);
+    sum += clamp(light, 0, 1);
+    nearest = min(nearest, depth);
+  }
+  args.image.at[place] = packUnorm4x8(vec4(toEncoded(sum / float(split * split)), 1));
+  args.depthImage.at[place] = nearest == kNoDepth ? 0 : uintBitsToFloat(nearest);
+}

@@ -1,0 +1,55 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Turns what the splats left in every sample into light, or into the intermediate image that was asked for.
+#include "shaders/lib/index.glsl"
+#include "shaders/render/color.glsl"
+#include "shaders/render/lighting.glsl"
+#include "shaders/render/occlusion.glsl"
+
+layout(push_constant, scalar) uniform Push { ShadeArgs args; };
+
+vec3 sumAt(Uints sums, uint first) { return vec3(int(sums.at[first]), int(sums.at[first + 1]), int(sums.at[first + 2])); }
+
+// The surface's own colour, linear light.
+vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
+  const uint colorBy = args.frame.at[0].colorBy;
+  const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
+  const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
+  if (colorBy == kColorByNormal) return toLinear(0.5 + 0.5 * normal);
+  if (colorBy == kColorByDepth) return ramp((far - depth) / max(far - near, 1e-30));
+  if (colorBy == kColorByHeight) return ramp((position.y - low.y) / max(high.y - low.y, 1e-30));
+  if (args.frame.at[0].hasColors == 0) return args.frame.at[0].material;
+  const float weight = float(args.normalSums.at[4 * place + 3]);
+  return toLinear(sumAt(args.colorSums, 3 * place) / max(weight, 1));
+}
+
+vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
+  const uint imagePass = args.frame.at[0].imagePass;
+  const vec3 inEye = depth * rayThrough(view, place_px);
+  const vec3 position = view.eye + fromEye(view, inEye);
+  vec3 normal = sumAt(args.normalSums, 4 * place);
+  normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(position - view.eye);
+
+  const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
+  const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
+  if (imagePass == kPassDepth) return toLinear(vec3(mix(0.15, 1, clamp((far - depth) / max(far - near, 1e-30), 0, 1))));
+  if (imagePass == kPassNormal) return toLinear(0.5 + 0.5 * normal);
+  if (imagePass == kPassPosition) return toLinear(clamp((position - low) / max(high - low, vec3(1e-30)), 0, 1));
+  const vec3 albedo = albedoAt(place, normal, position, depth);
+  if (imagePass == kPassColor) return albedo;
+  const float openness = opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
+                                    args.frame.at[0].occlusionRadius, args.frame.at[0].splatRadius);
+  return lit(albedo, toEye(view, normal), -normalize(inEye), openness);
+}
+
+void main() {
+  const RenderView view = args.frame.at[0].view;
+  const uint place = threadIndex();
+  if (place >= view.size_px.x * view.size_px.y) return;
+  const vec2 place_px = vec2(place % view.size_px.x, place / view.size_px.x) + 0.5;
+  const uint bits = args.depth.at[place];
+  const vec3 light = bits == kNoDepth ? mix(args.frame.at[0].backgroundTop, args.frame.at[0].backgroundBottom,
+                                            place_px.y / float(view.size_px.y))
+                                      : surfaceAt(view, place, place_px, uintBitsToFloat(bits));
+  args.shaded.at[place] = uvec2(packHalf2x16(light.rg), packHalf2x16(vec2(light.b, 1)));
+}

@@ -1,0 +1,23 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 1: the nearest depth
+// of every sample. Bits of positive floats order like the floats, so an integer minimum serves.
+#include "shaders/render/splat.glsl"
+
+void main() {
+  const RenderView view = args.frame.at[0].view;
+  Splat splat;
+  if (!loadSplat(view, splat)) return;
+  const float radius = args.frame.at[0].splatRadius;
+  const float inverseRadiusSquared = 1 / (radius * radius);
+  for (int y = splat.first.y; y <= splat.last.y; ++y) {
+    for (int x = splat.first.x; x <= splat.last.x; ++x) {
+      Fragment fragment;
+      if (!coverPixel(view, splat, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
+      const uint place = uint(y) * view.size_px.x + uint(x);
+      const uint bits = floatBitsToUint(fragment.depth);
+      // The plain read may be stale, but depths only fall, so it never skips the nearest.
+      if (bits < args.depth.at[place]) atomicMin(args.depth.at[place], bits);
+    }
+  }
+}

@@ -1,0 +1,80 @@
+#ifndef PALPATE_SHARED_CONTACT_H
+#define PALPATE_SHARED_CONTACT_H
+#include "shaders/shared/spatial_hash.h"
+
+PALPATE_SHARED_BEGIN
+
+// One workgroup answers one probe.
+const uint kContactWorkgroup = 256;
+
+// The patch: points within (1 + kPatchSlack) support radii of its centre, gathered once and evaluated many times. More
+// slack means fewer gathers when the proxy travels, and more points to look at each time.
+const float kPatchSlack = 0.5f;
+const uint kSharedPatch = 768;          // points kept in shared memory; the rest spill to a buffer
+const uint kPatchRoundCandidates = 16384;  // looked at for every kContactWorkgroup cells; denser places are thinned evenly
+const uint kPatchMaxCells = 2048;       // visited by one gather; SpatialHash cells must not be smaller than allows
+const uint kMostPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
+
+const uint kMinNeighbours = 3;          // fewer points than this within the support radius are no surface
+const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no side, so no surface
+
+// Tangent-plane tracking (Salisbury and Tarr 1997).
+const uint kMaxTrackingSteps = 32;
+const float kConvergence = 1e-5f;       // of the support radius: largest step of a proxy that has arrived
+const float kLongestStep = 0.5f;        // of the support radius: for the proxy and for the sub-steps of the HIP
+const uint kMaxSubsteps = 16;           // a HIP that jumps further than these reach may pass a thin sheet unseen
+
+// Loop rounds of one invocation, kept far below the 65,535 after which one software driver stops a shader silently.
+const uint kContactWorkBudget = 40000;
+
+// Where the HIP was last, as far as the surface can tell.
+const uint kSideUnknown = 0;  // nothing in reach
+const uint kSideOutside = 1;
+const uint kSideInside = 2;
+
+struct ContactPose {
+  vec3 hip;  // model units relative to the cloud's origin
+  uint tick;
+};
+PALPATE_SIZE(ContactPose, 16);
+
+// What one tick leaves to the next, on the GPU.
+struct ContactState {
+  vec3 proxy;
+  uint touching;
+  vec3 lastHip;
+  uint side;
+  vec3 normal;
+  uint started;  // 0 before the first tick
+  vec3 spring;   // from HIP to proxy
+  uint unused;
+};
+PALPATE_SIZE(ContactState, 64);
+
+// What the host reads after a tick.
+struct ContactSample {
+  vec3 spring;  // from HIP to proxy, model units; zero when free
+  uint touching;
+  vec3 normal;  // unit, outward, at the proxy (at the HIP when free); zero where there is no surface
+  uint neighbours;
+  uint tick;
+  uint trackingSteps;
+  uint logHead;  // entries of the edit log complete before this tick
+  uint truncated;  // 1 when the work budget was spent before the proxy arrived
+};
+PALPATE_SIZE(ContactSample, 48);
+
+struct ContactStepArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(ContactPoses) pose;
+  PALPATE_ADDRESS(ContactStates) state;
+  PALPATE_ADDRESS(ContactSamples) result;
+  PALPATE_ADDRESS(SpilledPoints) spill;  // 2 per point: place relative to the patch's centre, normal
+  PALPATE_ADDRESS(Uints) logHead;
+  float radius;  // support radius, model units
+  uint unused;
+};
+PALPATE_SIZE(ContactStepArgs, 96);
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,127 @@
+#ifndef PALPATE_SHARED_RENDER_H
+#define PALPATE_SHARED_RENDER_H
+#include "shaders/shared/types.h"
+
+PALPATE_SHARED_BEGIN
+
+// Side of the square of pixels that one invocation walks for one splat. Larger lets a few invocations hold their
+// workgroup, and with it the touch side, for long; smaller gives splats seen from close by more invocations.
+const uint kSplatTile = 32;
+// Invocations of one splat pass at most, whatever the number of points; bounds how large a splat may become on screen.
+const uint kMaxSplatInvocations = 1u << 26;
+// Tiles along one side of a splat at most: 1024 pixels.
+const uint kMaxSplatTiles = 32;
+// Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight 1.
+// Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
+const float kCenterPixelWeight = 0.25;
+// Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at least
+// one fixed-point unit for up to 2^31 times this many points.
+const float kRimWeight = 1.0f / 32;
+// Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
+const uint kNoDepth = 0x7F800000u;
+
+// What a picture shows.
+const uint kPassFinal = 0;
+const uint kPassDepth = 1;
+const uint kPassNormal = 2;
+const uint kPassColor = 3;
+const uint kPassPosition = 4;
+
+// Where the colour of the surface comes from.
+const uint kColorByFile = 0;
+const uint kColorByNormal = 1;
+const uint kColorByDepth = 2;
+const uint kColorByHeight = 3;
+
+// A pinhole camera. Eye space: x right, y up, depth along `forward`; pixel (x, y) has its centre at (x + 0.5, y + 0.5),
+// y downwards. Positions are model units relative to the cloud's origin.
+struct RenderView {
+  vec3 eye;
+  float focal_px;  // pixels that one unit covers at depth 1
+  vec3 right;
+  float nearDepth;  // nothing closer is drawn
+  vec3 up;
+  uint supersample;  // samples along each side of a pixel of the picture
+  vec3 forward;
+  uint unused;
+  vec2 center_px;
+  uvec2 size_px;  // in samples
+};
+PALPATE_SIZE(RenderView, 80);
+
+// What is drawn over the surface; a radius of zero leaves a part out. Model units relative to the cloud's origin.
+struct RenderOverlays {
+  vec3 ballCenter;
+  float ballRadius;
+  vec3 discCenter;
+  float discRadius;
+  vec3 discNormal;
+  float discHalfThickness;
+  vec3 arrowFrom;
+  float arrowRadius;  // of the shaft
+  vec3 arrowDirection;  // unit
+  float arrowLength;  // with its head
+};
+PALPATE_SIZE(RenderOverlays, 80);
+
+// One frame's constants.
+struct RenderFrame {
+  RenderView view;
+  vec3 boundsMin;  // of the cloud
+  float depthMin;  // of the bounds, for the ramps
+  vec3 boundsMax;
+  float depthMax;
+  float splatRadius;  // model units
+  float depthBand;    // how far behind the nearest splat others still blend with it, model units
+  float sumScale;     // fixed-point unit of the sums
+  uint count;
+  uint splatTiles;  // tiles along each side of the largest splat
+  uint imagePass;
+  uint colorBy;
+  uint hasColors;
+  vec3 material;  // of points without colour, linear light
+  uint hasOverlays;
+  vec3 backgroundTop;  // linear light
+  float occlusionRadius;  // model units; 0: none
+  vec3 backgroundBottom;
+  uint unused;
+  RenderOverlays overlays;
+};
+PALPATE_SIZE(RenderFrame, 80 + 32 + 32 + 48 + 80);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RenderFrames { RenderFrame at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+#endif
+
+struct SplatArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Vec4s) positions;
+  PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(Uints) colors;      // RGBA8
+  PALPATE_ADDRESS(Uints) depth;       // one per sample: bits of the nearest depth
+  PALPATE_ADDRESS(Uints) normalSums;  // four per sample: weighted normal, weight; fixed point, two's complement
+  PALPATE_ADDRESS(Uints) colorSums;   // three per sample
+};
+PALPATE_SIZE(SplatArgs, 56);
+
+struct ShadeArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) depth;
+  PALPATE_ADDRESS(Uints) normalSums;
+  PALPATE_ADDRESS(Uints) colorSums;
+  PALPATE_ADDRESS(UVec2s) shaded;  // one per sample: linear light as four half floats
+};
+PALPATE_SIZE(ShadeArgs, 40);
+
+struct ResolveArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) depth;
+  PALPATE_ADDRESS(UVec2s) shaded;
+  PALPATE_ADDRESS(Uints) image;       // one per pixel: RGBA8
+  PALPATE_ADDRESS(Floats) depthImage;  // one per pixel: the nearest sample's depth, 0 where there is none
+};
+PALPATE_SIZE(ResolveArgs, 40);
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,169 @@
+#include "engine/contact/contact_step.hpp"
+
+#include "engine/contact/contact_reference.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+class ContactFixture : public GpuFixture {
+ protected:
+  // Plays a path to the GPU and to the reference; both must tell the same story.
+  struct Story {
+    std::size_t ticks = 0, touched = 0, disagreed = 0, neighboursDiffer = 0;
+    double worstProxy = 0;   // distance of the proxies, support radii
+    double worstNormal_deg = 0;
+  };
+  Story compare(const Scene& scene, const std::vector<DVec3>& path, double cell = 0) {
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .cell = cell});
+    ContactReference reference(scene.cloud, scene.radius);
+    Story story;
+    for (const DVec3& hip : path) {
+      const Pose pose{.hip = hip};
+      const Contact gpu = touch.query(pose, 0), cpu = reference.query(pose, 0);
+      REQUIRE(gpu.valid);
+      ++story.ticks;
+      story.touched += cpu.touching;
+      story.neighboursDiffer += gpu.neighbours != cpu.neighbours;
+      if (gpu.touching != cpu.touching) {
+        ++story.disagreed;
+        continue;
+      }
+      if (!cpu.touching) CHECK(gpu.proxy == hip);
+      story.worstProxy = std::max(story.worstProxy, glm::distance(gpu.proxy, cpu.proxy) / scene.radius);
+      if (glm::length(cpu.normal) > 0 && glm::length(gpu.normal) > 0)
+        story.worstNormal_deg = std::max(story.worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
+    }
+    touch.finish();
+    return story;
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(ContactFixture, "GPU and reference agree over random paths on every shape") {
+  for (const std::string_view name : shapeNames()) {
+    CAPTURE(name);
+    const Scene scene = makeScene(name, 20'000);
+    for (const std::uint32_t seed : {1u, 2u, 3u}) {
+      CAPTURE(seed);
+      const Story story = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, seed));
+      CHECK(story.touched > 30);
+      CHECK(story.touched < story.ticks);
+      CHECK(story.disagreed == 0);
+      CHECK(story.worstProxy < 1e-4);
+      CHECK(story.worstNormal_deg < 0.1);
+      CHECK(story.neighboursDiffer < story.ticks / 20);  // points within rounding of the support radius
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "they agree far from the origin, and at negative coordinates") {
+  for (const DVec3 center : {DVec3(1e6, -2e6, 3e6), DVec3(-700, -700, -700)}) {
+    const Scene scene = makeScene("torus", 10'000, center);
+    const Story story = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 5));
+    CHECK(story.touched > 30);
+    CHECK(story.disagreed == 0);
+    CHECK(story.worstProxy < 1e-4);
+    CHECK(story.worstNormal_deg < 0.1);
+  }
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "they agree whatever the cell, down to the smallest one allowed") {
+  const Scene scene = makeScene("bumpy-sphere", 10'000);
+  const auto path = wanderingPath(scene, 100, 0.5 * scene.radius, 4);
+  for (const double cell : {smallestCell(scene.radius), 0.5 * scene.radius, 3 * scene.radius, 1000.0}) {
+    CAPTURE(cell);
+    const Story story = compare(scene, path, cell);
+    CHECK(story.disagreed == 0);
+    CHECK(story.worstProxy < 1e-4);
+    CHECK(story.worstNormal_deg < 0.1);
+  }
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "a support radius that holds thousands of points spills from shared memory unharmed") {
+  Scene scene = makeScene("sphere", 20'000);
+  scene.radius = 16 * scene.spacing;
+  const Story story = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
+  CHECK(story.touched > 10);
+  CHECK(story.disagreed == 0);
+  CHECK(story.worstProxy < 1e-4);
+  CHECK(story.worstNormal_deg < 0.1);
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "clouds without a surface never touch") {
+  const auto cloudOf = [](std::size_t count, const Vec3& at) {
+    PointCloud cloud;
+    cloud.positions.assign(count, at);
+    cloud.normals.assign(count, Vec3(0, 0, 1));
+    return cloud;
+  };
+  for (const std::size_t count : {0, 1, 2}) {
+    CAPTURE(count);
+    const PointCloud cloud = cloudOf(count, Vec3(1, 2, 3));
+    TouchSide touch(device, cloud, {.radius = 1});
+    for (const double z : {5.0, 3.5, 3.1, 2.9, 2.0}) {
+      const Contact contact = touch.query({.hip = {1, 2, z}}, 0);
+      CHECK(contact.valid);
+      CHECK_FALSE(contact.touching);
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "a hundred thousand points in one place are a surface that can be touched") {
+  PointCloud cloud;
+  cloud.positions.assign(100'000, Vec3(1, 2, 3));
+  cloud.normals.assign(100'000, Vec3(0, 0, 1));
+  TouchSide touch(device, cloud, {.radius = 1});
+  CHECK_FALSE(touch.query({.hip = {1, 2, 3.5}}, 0).touching);
+  const Contact contact = touch.query({.hip = {1, 2, 2.8}}, 0);
+  CHECK(contact.valid);
+  CHECK(contact.touching);
+  CHECK(contact.proxy.z == doctest::Approx(3));
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "a HIP that starts inside, or comes out from inside, is not caught") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  for (double r = 48; r < 54; r += 0.5) CHECK_FALSE(touch.query({.hip = {0, 0, r}}, 0).touching);
+  CHECK(touch.query({.hip = {0, 0, 49}}, 0).touching);
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "a fast HIP does not pass the surface between two ticks") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  CHECK_FALSE(touch.query({.hip = {0, 0, 70}}, 0).touching);
+  const Contact contact = touch.query({.hip = {0, 0, 40}}, 0);
+  CHECK(contact.touching);
+  CHECK(contact.proxy.z == doctest::Approx(50).epsilon(0.01));
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "a HIP that is not a number is answered with an invalid contact, and nothing breaks") {
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);
+  CHECK(touch.query({.hip = {0, 0, 60}}, 0).valid);
+}
+
+TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere lies where theory puts it") {
+  const Scene scene = makeScene("sphere", 50'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  const double expected = averageSurfaceBias(scene.radius, 50);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 50; ++i) {
+    const DVec3 direction = glm::normalize(DVec3(normal(random), normal(random), normal(random)));
+    touch.query({.hip = 53.0 * direction}, 0);
+    const Contact contact = touch.query({.hip = 49.0 * direction}, 0);
+    REQUIRE(contact.touching);
+    CHECK(50.0 - glm::length(contact.proxy) == doctest::Approx(expected).epsilon(0.1));
+    CHECK(angleBetween_deg(contact.normal, direction) < 0.5);
+    for (const double far : {53.0, 500.0}) touch.query({.hip = far * direction}, 0);  // let go, and out of every reach
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,125 @@
+#include "engine/spatial/spatial_hash.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "engine/gpu/transfer.hpp"
+#include "engine/spatial/cpu_hash.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+PointCloud cloudOf(std::vector<Vec3> positions) {
+  PointCloud cloud;
+  cloud.normals.assign(positions.size(), Vec3(0, 0, 1));
+  cloud.positions = std::move(positions);
+  return cloud;
+}
+
+std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float extent) {
+  std::mt19937 random(static_cast<std::uint32_t>(count));
+  std::uniform_real_distribution<float> uniform(-extent, extent);
+  std::vector<Vec3> positions(count);
+  for (auto& position : positions) position = center + Vec3(uniform(random), uniform(random), uniform(random));
+  return positions;
+}
+
+class SpatialHashFixture : public GpuFixture {
+ protected:
+  // Order, ranges and carried attributes on the GPU equal those of the CPU, after one build and after a second.
+  void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
+    LiveCloud live(device, cloud);
+    const SpatialHash hash(device, grid, live.count());
+    const CpuHash reference(cloud.positions, grid);
+    build(live, hash);
+    checkSide(live, hash, reference, cloud, std::vector(reference.order().begin(), reference.order().end()));
+    build(live, hash);  // from bucket order to bucket order: nothing may change
+    checkSide(live, hash, reference, cloud, std::vector(reference.order().begin(), reference.order().end()));
+  }
+
+ private:
+  void build(LiveCloud& live, const SpatialHash& hash) {
+    CommandList list(device, device.touch(), "build");
+    list.begin();
+    hash.recordBuild(list, live.side(), live.otherSide(), live.count());
+    list.end();
+    device.touch().run(list);
+    live.flip();
+  }
+
+  void checkSide(const LiveCloud& live, const SpatialHash& hash, const CpuHash& reference, const PointCloud& cloud,
+                 const std::vector<std::uint32_t>& order) {
+    const auto positions = download<Vec4>(device, live.side().positions, live.count());
+    const auto normals = download<Vec4>(device, live.side().normals, live.count());
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const std::uint32_t id = order[i];
+      wrong += std::bit_cast<std::uint32_t>(positions[i].w) != id || Vec3(positions[i]) != cloud.positions[id] ||
+               Vec3(normals[i]) != cloud.normals[id];
+    }
+    CHECK(wrong == 0);
+    const auto ranges = download<UVec2>(device, hash.ranges(), std::size_t{hash.grid().bucketMask} + 1);
+    std::size_t wrongRanges = 0;
+    for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
+      const UVec2 expected = reference.range(bucket);
+      const bool empty = expected.x == expected.y;
+      wrongRanges += empty ? ranges[bucket].x != ranges[bucket].y : ranges[bucket] != expected;
+    }
+    CHECK(wrongRanges == 0);
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "order and ranges equal the reference at awkward counts") {
+  for (const std::size_t count : {0, 1, 2, 255, 256, 257, 4095, 4096, 4097, 65'537}) {
+    CAPTURE(count);
+    checkBuild(cloudOf(randomPositions(count, Vec3(0), 50)), makeHashGrid(Vec3(-50), 1.5, count));
+  }
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "a million points") {
+  checkBuild(cloudOf(randomPositions(1'000'003, Vec3(0), 50)), makeHashGrid(Vec3(-50), 0.5, 1'000'003));
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "all points equal fall into one bucket, in order") {
+  checkBuild(cloudOf(std::vector<Vec3>(10'007, Vec3(3, -4, 5))), makeHashGrid(Vec3(0), 1, 10'007));
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "negative and far coordinates") {
+  checkBuild(cloudOf(randomPositions(5000, Vec3(-1e6f, 2e6f, -3e6f), 100)), makeHashGrid(Vec3(0), 2, 5000));
+  checkBuild(cloudOf(randomPositions(5000, Vec3(-40, -40, -40), 10)), makeHashGrid(Vec3(0), 0.7, 5000));
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "one outlier a million units away costs no memory and disturbs nobody") {
+  auto positions = randomPositions(20'000, Vec3(0), 1);
+  positions.push_back(Vec3(1e6f, -1e6f, 1e6f));
+  positions.push_back(Vec3(3e38f, -3e38f, 3e38f));  // past every cell: held at the border
+  const auto cloud = cloudOf(positions);
+  const HashGrid grid = makeHashGrid(Vec3(0), 0.1, cloud.size());
+  const SpatialHash hash(device, grid, static_cast<std::uint32_t>(cloud.size()));
+  CHECK(hash.bytes() < 40 * cloud.size() + (1 << 16));
+  checkBuild(cloud, grid);
+}
+
+TEST_CASE("the CPU hash finds the neighbours that brute force finds, each once") {
+  // 256 buckets for some thousands of cells: collisions everywhere.
+  const auto positions = randomPositions(1000, Vec3(7, -3, 2), 5);
+  const CpuHash hash(positions, makeHashGrid(Vec3(0), 0.6, positions.size()));
+  for (const double radius : {0.3, 0.6, 1.7}) {
+    for (const DVec3 center : {DVec3(7, -3, 2), DVec3(2.01, -7.9, 6.9), DVec3(100, 0, 0)}) {
+      std::vector<std::uint32_t> found;
+      hash.forEachNear(center, radius, [&](std::uint32_t i) { found.push_back(i); });
+      std::vector<std::uint32_t> expected;
+      for (std::uint32_t i = 0; i < positions.size(); ++i)
+        if (glm::distance(DVec3(positions[i]), center) < radius) expected.push_back(i);
+      std::ranges::sort(found);
+      CHECK(found == expected);
+    }
+  }
+}
+
+}  // namespace palpate
