@@ -40,12 +40,14 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
                   {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       splatAttributes_(device, shader_code::render_splat_attributes,
                        {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+      closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
       resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs)}),
       constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
       depth_(words(device, samples(), "frame depth")),
       normalSums_(words(device, 4 * samples(), "frame normal sums")),
       colorSums_(words(device, 3 * samples(), "frame color sums")),
+      source_(words(device, samples(), "frame source")),
       shaded_(words(device, 2 * samples(), "frame shaded")),
       image_(words(device, std::uint64_t{width_} * height_, "frame image")),
       depthImage_(words(device, std::uint64_t{width_} * height_, "frame depth image")) {}
@@ -74,17 +76,22 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
     const auto section = list.section("splat");
     list.dispatch(splatDepth_, splats, splatArgs);
     list.dispatch(splatAttributes_, splats, splatArgs);
+    list.dispatch(closeHoles_, samples(),
+                  shared::CloseHolesArgs{
+                      .frame = constants, .depth = depth_.address(), .source = source_.address()});
   }
   {
     const auto section = list.section("shade");
     list.dispatch(shade_, samples(),
                   shared::ShadeArgs{.frame = constants,
+                                    .source = source_.address(),
                                     .depth = depth_.address(),
                                     .normalSums = normalSums_.address(),
                                     .colorSums = colorSums_.address(),
                                     .shaded = shaded_.address()});
     list.dispatch(resolve_, std::uint64_t{width_} * height_,
                   shared::ResolveArgs{.frame = constants,
+                                      .source = source_.address(),
                                       .depth = depth_.address(),
                                       .shaded = shaded_.address(),
                                       .image = image_.address(),

@@ -14,6 +14,7 @@ const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
 constexpr double kOcclusionRadius = 0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
 constexpr double kDepthBand = 2.0;  // of the splat radius: stray points that stand out less than this are blended away
+constexpr double kHoleReach = 2.0;  // in splat radii, across a gap from any place in it
 constexpr std::uint32_t kFinestSum = 1u << 16;
 
 float linearFromSrgb(std::uint8_t encoded) {
@@ -89,8 +90,12 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * cloud.bounds().longestSide()),
                             .backgroundBottom = kBackgroundBottom,
-                            .unused = 0,
+                            .holeReach_px = 0,
                             .overlays = overlaysOf(options.overlays)};
+  if (options.closeHoles) {
+    const double radius_px = options.splatRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
+    frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
+  }
   // No sum may reach 2^31, even with every point in one sample (splat_attributes.comp).
   const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(cloud.count(), 1u);
   frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));

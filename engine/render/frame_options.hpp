@@ -59,6 +59,7 @@ struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorBy::rgb;
   double splatRadius = 0;  ///< model units; automaticSplatRadius() of the cloud's spacing is a good one
+  bool closeHoles = true;  ///< gaps up to two splat radii wide take the surface around them, also in depth
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
 };

@@ -5,7 +5,7 @@
 #include "shaders/render/color.glsl"
 #include "shaders/render/lighting.glsl"
 
-const vec3 kBallColor = vec3(1.00, 0.52, 0.10);   // sRGB
+const vec3 kBallColor = vec3(1.00, 0.44, 0.02);   // sRGB
 const vec3 kDiscColor = vec3(0.10, 0.78, 0.92);
 const vec3 kArrowColor = vec3(0.92, 0.10, 0.36);
 const float kHiddenAlpha = 0.4;  // of what lies behind the surface

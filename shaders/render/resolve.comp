@@ -7,6 +7,14 @@
 
 layout(push_constant, scalar) uniform Push { ResolveArgs args; };
 
+// Less than half a step of eight bits either way (Bayer 1973): breaks the bands of dark gradients, and leaves colours that
+// eight bits hold exactly as they are.
+float ditherAt(uvec2 pixel) {
+  const uint x = pixel.x ^ pixel.y, y = pixel.y;
+  const uint rank = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;
+  return 0.9 / 255 * ((float(rank) + 0.5) / 16 - 0.5);
+}
+
 void main() {
   const RenderView view = args.frame.at[0].view;
   const uvec2 size = view.size_px / view.supersample;
@@ -22,13 +30,14 @@ void main() {
     const vec2 place_px = (vec2(pixel) + (vec2(k % split, k / split) + 0.5) / float(split)) * float(view.supersample);
     const uint at = uint(place_px.y) * view.size_px.x + uint(place_px.x);
     const uvec2 packed = args.shaded.at[at];
-    const uint depth = args.depth.at[at];
+    const uint depth = args.depth.at[args.source.at[at]];
     vec3 light = vec3(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y).x);
     if (overlays)
       light = overlaid(view, args.frame.at[0].overlays, rayThrough(view, place_px), uintBitsToFloat(depth), light);
     sum += clamp(light, 0, 1);
     nearest = min(nearest, depth);
   }
-  args.image.at[place] = packUnorm4x8(vec4(toEncoded(sum / float(split * split)), 1));
+  const float dither = args.frame.at[0].imagePass == kPassFinal ? ditherAt(pixel) : 0;
+  args.image.at[place] = packUnorm4x8(vec4(toEncoded(sum / float(split * split)) + dither, 1));
   args.depthImage.at[place] = nearest == kNoDepth ? 0 : uintBitsToFloat(nearest);
 }

@@ -10,6 +10,8 @@ layout(push_constant, scalar) uniform Push { ShadeArgs args; };
 
 vec3 sumAt(Uints sums, uint first) { return vec3(int(sums.at[first]), int(sums.at[first + 1]), int(sums.at[first + 2])); }
 
+// `place` below is the sample whose sums count, `place_px` where the sample that is shown lies.
+
 // The surface's own colour, linear light.
 vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   const uint colorBy = args.frame.at[0].colorBy;
@@ -47,9 +49,10 @@ void main() {
   const uint place = threadIndex();
   if (place >= view.size_px.x * view.size_px.y) return;
   const vec2 place_px = vec2(place % view.size_px.x, place / view.size_px.x) + 0.5;
-  const uint bits = args.depth.at[place];
+  const uint source = args.source.at[place];
+  const uint bits = args.depth.at[source];
   const vec3 light = bits == kNoDepth ? mix(args.frame.at[0].backgroundTop, args.frame.at[0].backgroundBottom,
                                             place_px.y / float(view.size_px.y))
-                                      : surfaceAt(view, place, place_px, uintBitsToFloat(bits));
+                                      : surfaceAt(view, source, place_px, uintBitsToFloat(bits));
   args.shaded.at[place] = uvec2(packHalf2x16(light.rg), packHalf2x16(vec2(light.b, 1)));
 }

@@ -17,6 +17,8 @@ const float kCenterPixelWeight = 0.25;
 // Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at least
 // one fixed-point unit for up to 2^31 times this many points.
 const float kRimWeight = 1.0f / 32;
+// Largest gap that is closed: the trip count of an invocation is eight times this.
+const uint kMaxHoleReach_px = 24;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
 const uint kNoDepth = 0x7F800000u;
 
@@ -84,7 +86,7 @@ struct RenderFrame {
   vec3 backgroundTop;  // linear light
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
-  uint unused;
+  uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
   RenderOverlays overlays;
 };
 PALPATE_SIZE(RenderFrame, 80 + 32 + 32 + 48 + 80);
@@ -105,23 +107,32 @@ struct SplatArgs {
 };
 PALPATE_SIZE(SplatArgs, 56);
 
+struct CloseHolesArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) depth;
+  PALPATE_ADDRESS(Uints) source;  // one per sample: the sample whose surface it shows, mostly itself
+};
+PALPATE_SIZE(CloseHolesArgs, 24);
+
 struct ShadeArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(Uints) normalSums;
   PALPATE_ADDRESS(Uints) colorSums;
   PALPATE_ADDRESS(UVec2s) shaded;  // one per sample: linear light as four half floats
 };
-PALPATE_SIZE(ShadeArgs, 40);
+PALPATE_SIZE(ShadeArgs, 48);
 
 struct ResolveArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) source;
   PALPATE_ADDRESS(Uints) depth;
   PALPATE_ADDRESS(UVec2s) shaded;
   PALPATE_ADDRESS(Uints) image;       // one per pixel: RGBA8
   PALPATE_ADDRESS(Floats) depthImage;  // one per pixel: the nearest sample's depth, 0 where there is none
 };
-PALPATE_SIZE(ResolveArgs, 40);
+PALPATE_SIZE(ResolveArgs, 48);
 
 PALPATE_SHARED_END
 #endif

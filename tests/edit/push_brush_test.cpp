@@ -1,0 +1,217 @@
+#include "engine/edit/push_brush.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <set>
+
+#include "engine/cloud/eigen3.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/spatial/cpu_hash.hpp"
+#include "engine/contact/surface_reference.hpp"
+#include "shaders/shared/edit.h"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Where the push sends a point: shaders/edit/push.comp in double precision.
+DVec3 pushed(const DVec3& p, const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove) {
+  const double depth = glm::length(spring);
+  if (depth <= options.tau) return p;
+  const DVec3 outward = spring / depth;
+  const DVec3 center = hip + (options.tau + options.toolRadius) * outward;
+  const double distance = glm::distance(p, center);
+  if (distance >= options.toolRadius) return p;
+  const DVec3 away = distance > 0 ? (p - center) / distance : -outward;
+  return p + std::min(options.beta * (options.toolRadius - distance), longestMove) * away;
+}
+
+struct FittedNormal {
+  DVec3 normal{0};
+  double flatness = 0;  // smallest over middle eigenvalue: near 1 the direction means nothing
+};
+
+FittedNormal fitted(const CpuHash& hash, std::span<const Vec3> positions, const DVec3& center, const DVec3& old,
+                    double radius) {
+  double weights = 0;
+  DVec3 mean(0);
+  SymmetricMatrix3 moment{};
+  std::size_t neighbours = 0;
+  hash.forEachNear(center, radius, [&](std::uint32_t i) {
+    const DVec3 d = DVec3(positions[i]) - center;
+    const double w = wendland(glm::length(d) / radius);
+    weights += w;
+    mean += w * d;
+    moment.xx += w * d.x * d.x;
+    moment.xy += w * d.x * d.y;
+    moment.xz += w * d.x * d.z;
+    moment.yy += w * d.y * d.y;
+    moment.yz += w * d.y * d.z;
+    moment.zz += w * d.z * d.z;
+    ++neighbours;
+  });
+  if (neighbours < shared::kMinNeighbours) return {old, 0};
+  mean /= weights;
+  SymmetricMatrix3 covariance = moment;
+  for (double* entry : {&covariance.xx, &covariance.xy, &covariance.xz, &covariance.yy, &covariance.yz, &covariance.zz})
+    *entry /= weights;
+  covariance.xx -= mean.x * mean.x;
+  covariance.xy -= mean.x * mean.y;
+  covariance.xz -= mean.x * mean.z;
+  covariance.yy -= mean.y * mean.y;
+  covariance.yz -= mean.y * mean.z;
+  covariance.zz -= mean.z * mean.z;
+  const Eigen3 eigen = eigenSymmetric(covariance);
+  const DVec3 normal = eigen.vectors[0];
+  return {glm::dot(normal, old) < 0 ? -normal : normal, eigen.values[0] / eigen.values[1]};
+}
+
+class PushFixture : public GpuFixture {
+ protected:
+  struct Moved {
+    std::vector<Vec4> positions, normals;           // in id order
+    std::vector<shared::EditEntry> entries;         // as they stand in the log
+  };
+
+  // One edited tick: push, rebuild, refit, for a contact state that we choose.
+  Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const PushOptions& options,
+             double radius) {
+    LiveCloud live(device, cloud);
+    const SpatialHash hash(device, makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
+    const EditLog log(device, cloud.size());
+    const PushBrush brush(device, options);
+    const RefitNormals refit(device);
+    const Buffer state = Buffer::of<shared::ContactState>(device, 1, Memory::device, "state");
+    upload(device, state,
+           std::vector<shared::ContactState>{
+               {.proxy = Vec3(hip + spring), .touching = 1, .lastHip = Vec3(hip), .started = 1, .spring = Vec3(spring)}});
+    CommandList list(device, device.touch(), "edit");
+    list.begin();
+    brush.record(list, live.side(), live.count(), state, kLongestMove * radius);
+    hash.recordBuild(list, live.side(), live.otherSide(), live.count());
+    refit.record(list, hash.view(live.otherSide(), live.count()), log, radius);
+    list.end();
+    device.touch().run(list);
+    live.flip();
+
+    Moved moved;
+    moved.positions.resize(cloud.size());
+    moved.normals.resize(cloud.size());
+    const auto positions = download<Vec4>(device, live.side().positions, cloud.size());
+    const auto normals = download<Vec4>(device, live.side().normals, cloud.size());
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
+      moved.positions[id] = positions[i];
+      moved.normals[id] = normals[i];
+    }
+    const auto head = download<std::uint32_t>(device, log.headBuffer(), 1)[0];
+    moved.entries = download<shared::EditEntry>(device, log.entriesBuffer(), head);
+    return moved;
+  }
+
+  static constexpr double kLongestMove = 0.25;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the others stay bit by bit") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
+  for (const PushOptions options : {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6},
+                                    PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+    const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
+    const double longestMove = kLongestMove * scene.radius;
+    const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
+      const DVec3 before(scene.cloud.positions[i]);
+      const DVec3 expected = pushed(before, hip, spring, options, longestMove);
+      if (expected == before) {
+        // A point within rounding of the tool's border may go either way; by less than that.
+        CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);
+        continue;
+      }
+      ++count;
+      CHECK(glm::distance(DVec3(moved.positions[i]), expected) < 1e-4);
+    }
+    CHECK(count > 40);
+    CHECK(moved.entries.size() >= count);
+    CHECK(moved.entries.size() < count + 5);
+  }
+}
+
+TEST_CASE_FIXTURE(PushFixture, "the log holds exactly the points that moved, once each, as they are now") {
+  const Scene scene = makeScene("torus", 20'000);
+  const DVec3 hip(48, 0, 0), spring(2, 0, 0);
+  const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .toolRadius = 8}, scene.radius);
+  std::set<std::uint32_t> ids;
+  for (const auto& entry : moved.entries) {
+    CHECK(ids.insert(entry.id).second);
+    CHECK(entry.position == Vec3(moved.positions[entry.id]));
+    CHECK(entry.normal == Vec3(moved.normals[entry.id]));
+  }
+  for (std::uint32_t i = 0; i < scene.cloud.size(); ++i) {
+    CHECK(moved.normals[i].w == 0);
+    if (!ids.contains(i)) {
+      CHECK(Vec3(moved.positions[i]) == scene.cloud.positions[i]);
+      CHECK(Vec3(moved.normals[i]) == scene.cloud.normals[i]);
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(PushFixture, "normals of moved points are those of the new shape, on their old side") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const DVec3 outward(0, 0, 1);
+  const Moved moved =
+      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .toolRadius = 12}, scene.radius);
+  std::vector<Vec3> positions;
+  for (const Vec4& position : moved.positions) positions.emplace_back(position);
+  const CpuHash hash(positions, makeHashGrid(Vec3(0), scene.radius, positions.size()));
+  double worst_deg = 0;
+  std::size_t clear = 0;
+  for (const auto& entry : moved.entries) {
+    const DVec3 old(scene.cloud.normals[entry.id]);
+    const FittedNormal expected = fitted(hash, positions, DVec3(entry.position), old, scene.radius);
+    CHECK(glm::dot(DVec3(entry.normal), old) > -1e-5);
+    if (expected.flatness < 0.5 && glm::dot(expected.normal, old) > 0.01) {
+      ++clear;
+      worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(entry.normal), expected.normal));
+    }
+    CHECK(std::abs(glm::length(DVec3(entry.normal)) - 1) < 1e-5);
+  }
+  CHECK(moved.entries.size() > 100);
+  CHECK(clear > moved.entries.size() * 3 / 4);
+  CHECK(worst_deg < 0.1);
+}
+
+TEST_CASE_FIXTURE(PushFixture, "a spring no longer than tau moves nothing") {
+  const Scene scene = makeScene("plane", 5'000);
+  const Moved moved =
+      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .toolRadius = 5}, scene.radius);
+  CHECK(moved.entries.empty());
+}
+
+TEST_CASE_FIXTURE(PushFixture, "points all in one place, and points on a line, keep a unit normal") {
+  PointCloud cloud;
+  cloud.positions.assign(3000, Vec3(0, 0, 0));
+  for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
+  cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
+  const Moved moved =
+      push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
+  CHECK(moved.entries.size() > 3000);
+  for (const Vec4& normal : moved.normals) {
+    CHECK(isFinite(normal));
+    CHECK(glm::length(Vec3(normal)) == doctest::Approx(1));
+  }
+}
+
+TEST_CASE_FIXTURE(PushFixture, "a tool larger than the model moves every point and the log holds them all") {
+  const Scene scene = makeScene("sphere", 4'097);
+  const Moved moved = push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150),
+                           {.tau = 1, .beta = 0.01, .toolRadius = 1000}, scene.radius);
+  CHECK(moved.entries.size() == scene.cloud.size());
+}
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "haptics/force_law.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kTick_s = 0.001;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const ForceOptions kSpringOnly{.damping_N_s_per_mm = 0, .maxRise_N_per_s = kInfinity};
+
+/// The plane z = 0, with the HIP below it.
+Pose below(double depth) { return {.hip = {1, 2, -depth}}; }
+Contact onPlane(const Pose& pose) {
+  return {.proxy = {pose.hip.x, pose.hip.y, 0}, .normal = {0, 0, 1}, .touching = true, .fresh = true, .valid = true};
+}
+double pushed_N(ForceLaw& law, double depth) { return law.update(onPlane(below(depth)), below(depth), kTick_s).z; }
+
+}  // namespace
+
+TEST_CASE("the spring pushes along the normal with stiffness times depth in millimetres") {
+  ForceLaw law(kSpringOnly, ModelScale{10});
+  const DVec3 force_N = law.update(onPlane(below(0.2)), below(0.2), kTick_s);
+  CHECK(force_N.x == 0);
+  CHECK(force_N.y == 0);
+  CHECK(force_N.z == doctest::Approx(0.8 * 2));
+}
+
+TEST_CASE("without contact or with a fault the force is exactly zero") {
+  ForceLaw law({}, ModelScale{});
+  const Pose pose = below(1);
+  Contact contact = onPlane(pose);
+  SUBCASE("not touching") { contact.touching = false; }
+  SUBCASE("not valid") { contact.valid = false; }
+  SUBCASE("proxy is no number") { contact.proxy.y = kNaN; }
+  SUBCASE("proxy is infinite") { contact.proxy.z = kInfinity; }
+  SUBCASE("proxy is so far that its square overflows") { contact.proxy.z = 1e200; }
+  SUBCASE("normal is no number") { contact.normal.x = kNaN; }
+  SUBCASE("normal is missing") { contact.normal = DVec3(0); }
+  CHECK(law.update(contact, pose, kTick_s) == DVec3(0));
+}
+
+TEST_CASE("a pose or a time that is no number gives no force, and the next good tick starts afresh") {
+  ForceLaw law({}, ModelScale{});
+  pushed_N(law, 1);
+  Pose broken = below(1);
+  SUBCASE("pose") {
+    broken.hip.x = kNaN;
+    CHECK(law.update(onPlane(below(1)), broken, kTick_s) == DVec3(0));
+  }
+  SUBCASE("time") { CHECK(law.update(onPlane(broken), broken, kNaN) == DVec3(0)); }
+  CHECK(pushed_N(law, 1) == doctest::Approx(0.6));  // the slew limit counts from zero again
+}
+
+TEST_CASE("the magnitude is clamped and the direction kept") {
+  ForceLaw law({.damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = kInfinity}, ModelScale{});
+  const Pose pose{.hip = {-30, 0, -40}};
+  Contact contact = onPlane(pose);
+  contact.proxy = DVec3(0);
+  const DVec3 force_N = law.update(contact, pose, kTick_s);
+  CHECK(glm::length(force_N) == doctest::Approx(2));
+  CHECK(force_N.x / force_N.z == doctest::Approx(0.75));
+  law.limitTo(0.5);
+  CHECK(glm::length(law.update(contact, pose, kTick_s)) == doctest::Approx(0.5));
+  law.limitTo(kNaN);
+  CHECK(law.update(contact, pose, kTick_s) == DVec3(0));
+}
+
+TEST_CASE("the force grows no faster than the slew limit and falls at once") {
+  ForceLaw law({.damping_N_s_per_mm = 0, .maxRise_N_per_s = 100}, ModelScale{});
+  for (int tick = 1; tick <= 8; ++tick) CHECK(pushed_N(law, 1) == doctest::Approx(std::min(0.1 * tick, 0.8)));
+  CHECK(pushed_N(law, 0.1) == doctest::Approx(0.08));
+  CHECK(pushed_N(law, 1) == doctest::Approx(0.18));
+}
+
+TEST_CASE("a late tick does not make up for lost time in one jump") {
+  ForceLaw law({.damping_N_s_per_mm = 0, .maxRise_N_per_s = 100}, ModelScale{});
+  CHECK(law.update(onPlane(below(4)), below(4), 1.0).z == doctest::Approx(0.2));
+  CHECK(law.update(onPlane(below(4)), below(4), 0).z == doctest::Approx(0.2));
+  CHECK(law.update(onPlane(below(4)), below(4), -1).z == doctest::Approx(0.2));
+}
+
+TEST_CASE("damping resists the motion and starts with the second tick of contact") {
+  ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{});
+  CHECK(pushed_N(law, 1) == doctest::Approx(0.8));
+  CHECK(pushed_N(law, 1.05) == doctest::Approx(0.8 * 1.05 + 0.002 * 50));
+  CHECK(pushed_N(law, 1) == doctest::Approx(0.8 - 0.002 * 50));
+  law.update({.valid = true}, below(-1), kTick_s);
+  CHECK(pushed_N(law, 1) == doctest::Approx(0.8));
+}
+
+TEST_CASE("the damper never pulls into the surface") {
+  ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{});
+  pushed_N(law, 1);
+  const Pose sideways{.hip = {5, 2, -0.01}};
+  CHECK(law.update(onPlane(sideways), sideways, kTick_s) == DVec3(0));
+}
+
+TEST_CASE("options out of range are refused") {
+  CHECK_THROWS_AS(ForceLaw({.stiffness_N_per_mm = -1}, {}), UsageError);
+  CHECK_THROWS_AS(ForceLaw({.stiffness_N_per_mm = kInfinity}, {}), UsageError);
+  CHECK_THROWS_AS(ForceLaw({.damping_N_s_per_mm = kNaN}, {}), UsageError);
+  CHECK_THROWS_AS(ForceLaw({.maxForce_N = kNaN}, {}), UsageError);
+  CHECK_THROWS_AS(ForceLaw({.maxRise_N_per_s = -600}, {}), UsageError);
+}
+
+}  // namespace palpate

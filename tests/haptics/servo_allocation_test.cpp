@@ -1,0 +1,70 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "haptics/path_device.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+
+namespace {
+
+std::atomic<bool> counting = false;
+std::atomic<int> allocations = 0;
+
+}  // namespace
+
+// For the whole test program; counts only while a test says so.
+void* operator new(std::size_t size) {
+  if (counting) ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace palpate {
+namespace {
+
+/// Counts from the first read to the last write, with everything that happens between ticks.
+class CountingDevice final : public HapticDevice {
+ public:
+  CountingDevice(Path path, double lastTick_s) : play_(std::move(path)), lastTick_s_(lastTick_s) {}
+  std::string_view name() const override { return "counting"; }
+  DeviceLimits limits() const override { return {}; }
+  DeviceState read(double time_s) noexcept override {
+    counting = time_s < lastTick_s_;
+    return play_.read(time_s);
+  }
+  bool write(const DVec3& force_N) noexcept override { return play_.write(force_N); }
+  std::string faultText() const override { return {}; }
+
+ private:
+  PathDevice play_;
+  double lastTick_s_;
+};
+
+}  // namespace
+
+TEST_CASE("no tick allocates memory") {
+  CountingDevice device(Path({{0, {0, 0, 52}}, {0.05, {0, 0, 48}}, {0.1, {3, 0, 52}}}), 0.095);
+  SphereContact sphere(50);
+  bool realtime = true;
+  SUBCASE("in real time") {}
+  SUBCASE("in virtual time") { realtime = false; }
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.1, .realtime = realtime});
+  allocations = 0;
+  const ServoResult result = loop.run();
+  counting = false;
+  CHECK(allocations == 0);
+  CHECK(summarize(result.trace).contactTicks > 0);
+
+  counting = true;
+  int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out
+  delete kept;
+  counting = false;
+  CHECK(allocations == 1);  // the counter counts
+}
+
+}  // namespace palpate

@@ -1,0 +1,277 @@
+#include "haptics/servo_loop.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
+#include "haptics/path_device.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kRadius = 50;
+
+/// Down onto the sphere's pole, along its surface 1 unit deep, and out again.
+Path touchAndGo() {
+  return Path({{0, {0, 0, 53}}, {0.1, {0, 0, 49}}, {0.3, {5, 3, 48.7}}, {0.4, {5, 3, 49.3}}, {0.5, {5, 3, 53}}});
+}
+
+const ForceOptions kSpringOnly{.damping_N_s_per_mm = 0, .maxRise_N_per_s = std::numeric_limits<double>::infinity()};
+
+ServoOptions lasting(double duration_s, bool realtime = false) {
+  return {.duration_s = duration_s, .realtime = realtime};
+}
+
+/// Plays a path and fails on command.
+class FaultyDevice : public HapticDevice {
+ public:
+  explicit FaultyDevice(Path path) : play_(std::move(path)) {}
+
+  std::string_view name() const override { return "faulty"; }
+  DeviceLimits limits() const override { return {.peakForce_N = 1}; }
+  DeviceState read(double time_s) noexcept override {
+    DeviceState state = play_.read(time_s);
+    if (time_s >= failsReadAt_s) state.ok = false;
+    if (time_s >= losesPositionAt_s) state.position.y = std::numeric_limits<double>::quiet_NaN();
+    now_s_ = time_s;
+    return state;
+  }
+  bool write(const DVec3& force_N) noexcept override {
+    last_N = force_N;
+    return now_s_ < failsWriteAt_s;
+  }
+  std::string faultText() const override { return text; }
+
+  double failsReadAt_s = 1e9, failsWriteAt_s = 1e9, losesPositionAt_s = 1e9;
+  std::string text = "faulty: the cable is out; put it back";
+  DVec3 last_N{9};
+
+ private:
+  PathDevice play_;
+  double now_s_ = 0;
+};
+
+std::string csvOf(const Trace& trace) {
+  const ScratchFolder folder;
+  writeTraceCsv(folder / "trace.csv", trace);
+  std::ifstream in(folder / "trace.csv", std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+TEST_CASE("on a sphere the force is zero outside and stiffness times depth along the normal inside") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  const ModelScale scale{1.5};
+  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, scale), lasting(0.5));
+  const ServoResult result = loop.run();
+  CHECK_FALSE(result.deviceFailed);
+  CHECK(result.fault.empty());
+  REQUIRE(result.trace.rows.size() == 500);
+  std::size_t touching = 0;
+  for (std::size_t i = 0; i < 500; ++i) {
+    const TraceRow& row = result.trace.rows[i];
+    CHECK(row.time_s == static_cast<double>(i) / 1000);
+    CHECK(row.hip == device.path().at(row.time_s));
+    CHECK(row.valid);
+    const double depth_mm = scale.toMm(kRadius - glm::length(row.hip));
+    if (depth_mm <= 0) {
+      CHECK(row.force_N == DVec3(0));
+      CHECK(row.penetration_mm == 0);
+      CHECK_FALSE(row.contact);
+      continue;
+    }
+    ++touching;
+    CHECK(row.contact);
+    CHECK(row.penetration_mm == doctest::Approx(depth_mm));
+    CHECK(glm::length(row.force_N) == doctest::Approx(0.8 * depth_mm));
+    CHECK(glm::dot(row.force_N, row.normal) == doctest::Approx(glm::length(row.force_N)));
+    CHECK(glm::dot(row.normal, glm::normalize(row.hip)) == doctest::Approx(1));
+  }
+  CHECK(touching > 200);
+  CHECK(device.lastForce_N() == DVec3(0));
+  CHECK(sphere.largestBudget_us == 0);  // virtual time waits for the answer
+}
+
+TEST_CASE("in virtual time two runs give the same bytes") {
+  std::string first;
+  for (int run = 0; run < 2; ++run) {
+    PathDevice device(touchAndGo());
+    SphereContact sphere(kRadius);
+    ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.5));
+    if (run == 0) first = csvOf(loop.run().trace);
+    CHECK(csvOf(loop.run().trace) == first);  // also the second run of one loop
+  }
+}
+
+TEST_CASE("the workspace map places the device in the model") {
+  PathDevice device(touchAndGo());
+  const DVec3 center(1e6, 0, 5);
+  SphereContact sphere(2 * kRadius, center);
+  ServoOptions options = lasting(0.2);
+  options.map = {.scale = 2, .offset = center};
+  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), options);
+  const Trace trace = loop.run().trace;
+  CHECK(trace.rows[0].hip == center + DVec3(0, 0, 106));
+  CHECK(trace.rows[100].penetration_mm == doctest::Approx(2));
+}
+
+TEST_CASE("the device's peak force is never exceeded") {
+  FaultyDevice device(Path({{0, {0, 0, 30}}}));
+  SphereContact sphere(kRadius);
+  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.01));
+  for (const TraceRow& row : loop.run().trace.rows) CHECK(glm::length(row.force_N) == doctest::Approx(1));
+}
+
+TEST_CASE("a fault of the device ends the session with zero force from that tick on and says why") {
+  FaultyDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  SUBCASE("reading") { device.failsReadAt_s = 0.2; }
+  SUBCASE("writing") { device.failsWriteAt_s = 0.2; }
+  SUBCASE("a position that is no number") { device.losesPositionAt_s = 0.2; }
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.5));
+  const ServoResult result = loop.run();
+  CHECK(result.deviceFailed);
+  CHECK(result.fault == device.text);
+  REQUIRE(result.trace.rows.size() == 201);
+  CHECK(glm::length(result.trace.rows[199].force_N) > 0.5);
+  CHECK(result.trace.rows[200].force_N == DVec3(0));
+  CHECK_FALSE(result.trace.rows[200].valid);
+  CHECK(glm::distance(result.trace.rows[200].hip, result.trace.rows[199].hip) < 0.1);
+  CHECK(device.last_N == DVec3(0));
+  CHECK(summarize(result.trace).faultTicks == 1);
+}
+
+TEST_CASE("a device that fails without words is still named") {
+  FaultyDevice device(touchAndGo());
+  device.failsReadAt_s = 0;
+  device.text.clear();
+  SphereContact sphere(kRadius);
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(0.5)).run();
+  CHECK(result.fault == "faulty: the device failed without saying why");
+  CHECK(result.trace.rows.size() == 1);
+  CHECK(device.last_N == DVec3(0));
+}
+
+TEST_CASE("a fault of the query means zero force at its ticks, and the session goes on") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  bool withNaN = false;
+  double until_s = 0.25;
+  SUBCASE("not valid") {}
+  SUBCASE("no number") { withNaN = true; }
+  SUBCASE("to the end") { until_s = 1; }
+  sphere.failBetween(0.2, until_s, withNaN);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.3));
+  const ServoResult result = loop.run();
+  CHECK_FALSE(result.deviceFailed);
+  REQUIRE(result.trace.rows.size() == 300);
+  for (const TraceRow& row : result.trace.rows) {
+    const bool faulty = row.time_s >= 0.2 && row.time_s < until_s;
+    CHECK(row.valid == !faulty);
+    CHECK(isFinite(row.proxy));
+    if (faulty) CHECK(row.force_N == DVec3(0));
+  }
+  CHECK(glm::length(result.trace.rows[199].force_N) > 0.5);
+  CHECK((glm::length(result.trace.rows[299].force_N) > 0.5) == (until_s < 0.3));
+  CHECK(device.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("the observer sees every tick in virtual time, and what it throws leaves zero force behind") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.2));
+  std::size_t seen = 0;
+  loop.run([&](const TraceRow& row) {
+    CHECK(device.lastForce_N() == row.force_N);
+    ++seen;
+  });
+  CHECK(seen == 200);
+  const auto impatient = [](const TraceRow& row) {
+    if (row.contact) throw std::runtime_error("enough");
+  };
+  CHECK_THROWS_AS(loop.run(impatient), std::runtime_error);
+  CHECK(device.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("a session can be stopped from outside") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  std::atomic<bool> stop = false;
+  ServoOptions options = lasting(0.5);
+  options.stop = &stop;
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), options);
+  const ServoResult result = loop.run([&](const TraceRow& row) { stop = row.time_s >= 0.1; });
+  CHECK(result.trace.rows.size() == 101);
+  CHECK(device.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("real time follows the wall clock, gives the query a budget and the scheduler back") {
+  const int policyBefore = ::sched_getscheduler(0);
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.5, true));
+  const Stopwatch watch;
+  bool observed = false;
+  const ServoResult result = loop.run([&](const TraceRow&) { observed = true; });
+  CHECK(watch.elapsed_s() > 0.49);
+  CHECK_FALSE(observed);
+  CHECK_FALSE(result.trace.virtualTime);
+  const std::size_t ticks = result.trace.rows.size();
+  REQUIRE(ticks > 0);
+  CHECK(ticks + result.trace.missedTicks == 500);
+  WARN(ticks > 450);  // how many were missed is the machine's affair
+  for (std::size_t i = 1; i < ticks; ++i) CHECK(result.trace.rows[i].time_s > result.trace.rows[i - 1].time_s);
+  CHECK(sphere.smallestBudget_us > 0);
+  CHECK(sphere.largestBudget_us <= 1000 - 200 + 1);
+  CHECK(device.lastForce_N() == DVec3(0));
+  CHECK(::sched_getscheduler(0) == policyBefore);
+}
+
+TEST_CASE("a tick that takes too long is not made up for in a burst") {
+  class SlowSphere : public SphereContact {
+   public:
+    using SphereContact::SphereContact;
+    Contact query(const Pose& pose, double budget_us) noexcept override {
+      if (pose.time_s >= 0.05 && !slept_) {
+        slept_ = true;
+        ::usleep(30'000);
+      }
+      return SphereContact::query(pose, budget_us);
+    }
+
+   private:
+    bool slept_ = false;
+  };
+  PathDevice device(touchAndGo());
+  SlowSphere sphere(kRadius);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), lasting(0.15, true));
+  const Trace trace = loop.run().trace;
+  CHECK(trace.missedTicks >= 28);
+  CHECK(trace.rows.size() + trace.missedTicks == 150);
+}
+
+TEST_CASE("a session has at least one tick, and impossible rates and durations are refused") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  const auto made = [&](const ServoOptions& options) { return ServoLoop(device, sphere, ForceLaw({}, {}), options); };
+  CHECK(made(lasting(0)).plannedTicks() == 1);
+  CHECK(made(lasting(0.0026)).plannedTicks() == 3);
+  CHECK_THROWS_AS(made(lasting(-1)), UsageError);
+  CHECK_THROWS_AS(made(lasting(1e12)), UsageError);
+  CHECK_THROWS_AS(made(lasting(std::numeric_limits<double>::quiet_NaN())), UsageError);
+  CHECK_THROWS_AS(made({.rate_Hz = 0, .duration_s = 1}), UsageError);
+  CHECK_THROWS_AS(made({.rate_Hz = -5, .duration_s = 1}), UsageError);
+  CHECK_THROWS_AS(made({.rate_Hz = 1e9, .duration_s = 1}), UsageError);
+}
+
+}  // namespace palpate

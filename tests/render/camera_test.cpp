@@ -1,0 +1,127 @@
+#include "engine/render/camera.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <glm/gtc/epsilon.hpp>
+#include <random>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+PointCloud boxCloud(const Vec3& center, const Vec3& half, std::size_t count = 500) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  PointCloud cloud;
+  for (std::size_t i = 0; i < count; ++i)
+    cloud.positions.push_back(center + half * Vec3(unit(random), unit(random), unit(random)));
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("the fitted camera sees every point and fills the picture") {
+  for (const double aspect : {0.3, 1.0, 16.0 / 9, 4.0}) {
+    for (const Vec3& half : {Vec3(1, 1, 1), Vec3(3, 0.2f, 1), Vec3(0.1f, 5, 0.1f), Vec3(0, 0, 2), Vec3(1, 0, 0)}) {
+      for (const double fov_deg : {10.0, 45.0, 120.0}) {
+        const PointCloud cloud = boxCloud(Vec3(-7, 3, 11), half);
+        const DVec2 size(800 * aspect, 800);
+        const Camera camera = Camera::fitting(cloud, aspect, fov_deg);
+        DVec2 low(1), high(0);
+        for (const Vec3& p : cloud.positions) {
+          const auto place = camera.project(p, size);
+          REQUIRE(place);
+          low = glm::min(low, DVec2(*place) / size);
+          high = glm::max(high, DVec2(*place) / size);
+        }
+        CHECK(std::min(low.x, low.y) >= 0);
+        CHECK(std::max(high.x, high.y) <= 1);
+        const DVec2 fill = high - low;
+        if (half.x > 0) CHECK(std::max(fill.x, fill.y) > (fov_deg < 100 ? 0.85 : 0.3));
+      }
+    }
+  }
+}
+
+TEST_CASE("the fitted camera stands in front and a little above") {
+  const Camera camera = Camera::fitting(Bounds{DVec3(-1), DVec3(1)}, 1.5);
+  CHECK(camera.eye.z > 2);
+  CHECK(camera.eye.x == doctest::Approx(0));
+  CHECK(camera.eye.y > 0.2);
+  CHECK(camera.eye.y < 0.5 * camera.eye.z);
+  CHECK(camera.nearDepth > 0);
+  CHECK(camera.nearDepth < depthRangeOf(camera, {DVec3(-1), DVec3(1)}).x);
+  CHECK(camera.farDepth > depthRangeOf(camera, {DVec3(-1), DVec3(1)}).y);
+}
+
+TEST_CASE("an empty cloud and a single point can be looked at") {
+  PointCloud cloud;
+  CHECK(isFinite(Camera::fitting(cloud, 1).eye));
+  cloud.positions = {Vec3(5, 6, 7)};
+  const auto place = Camera::fitting(cloud, 1).project(DVec3(5, 6, 7), {100, 100});
+  REQUIRE(place);
+  CHECK(place->x == doctest::Approx(50));
+  CHECK(place->y == doctest::Approx(50));
+}
+
+TEST_CASE("a camera is read word by word, and the rest is fitted") {
+  PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
+  cloud.origin = {100, 200, 300};
+  const Camera fitted = Camera::fitting(cloud, 1.5);
+  const Camera none = Camera::parse("  ", cloud, 1.5);
+  CHECK(none.eye == fitted.eye);
+  const Camera all = Camera::parse("fov=30 eye=100,200,305 up=1,1e-1,0 target=100,200.5,300", cloud, 1.5);
+  CHECK(all.eye == DVec3(0, 0, 5));
+  CHECK(all.target == DVec3(0, 0.5, 0));
+  CHECK(all.up == DVec3(1, 0.1, 0));
+  CHECK(all.fov_deg == 30);
+  const Camera eye = Camera::parse("eye=109,200,300", cloud, 1.5);
+  CHECK(eye.target == fitted.target);
+  const Camera target = Camera::parse("target=101,200,300", cloud, 1.5);
+  CHECK(glm::distance(target.eye - target.target, fitted.eye - fitted.target) < 1e-9);
+  CHECK(isFinite(Camera::parse("eye=100,209,300 target=100,200,300", cloud, 1.5).axes().right));
+}
+
+TEST_CASE("a camera that makes no sense is refused with the word in question") {
+  const PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
+  for (const auto& [text, word] : std::vector<std::array<std::string, 2>>{{"eye=1,2", "eye=1,2"},
+                                                                          {"eye=1,2,3,4", "eye=1,2,3,4"},
+                                                                          {"eye=1,x,3", "'x'"},
+                                                                          {"eye=1,nan,3", "'nan'"},
+                                                                          {"eye=1,,3", "''"},
+                                                                          {"eye", "three numbers"},
+                                                                          {"fov=0", "fov=0"},
+                                                                          {"fov=180", "fov=180"},
+                                                                          {"fov=1,2", "'1,2'"},
+                                                                          {"zoom=3", "zoom=3"},
+                                                                          {"fov=30 fov=40", "given twice"},
+                                                                          {"up=0,0,0", "up"},
+                                                                          {"eye=0,0,9 target=0,0,0 up=0,0,2", "up"},
+                                                                          {"eye=1,2,3 target=1,2,3", "same point"}}) {
+    CAPTURE(text);
+    CHECK_THROWS_WITH_AS(Camera::parse(text, cloud, 1), doctest::Contains(word.c_str()), UsageError);
+  }
+}
+
+TEST_CASE("the matrices put points where project() does") {
+  const PointCloud cloud = boxCloud(Vec3(1, 2, 3), Vec3(2), 50);
+  const DVec2 size(640, 480);
+  const Camera camera = Camera::parse("eye=7,5,9 fov=50", cloud, size.x / size.y);
+  const Mat4 matrix = camera.projection(size.x / size.y) * camera.view();
+  for (const Vec3& p : cloud.positions) {
+    const Vec4 clip = matrix * Vec4(p, 1);
+    const auto place = camera.project(p, size);
+    REQUIRE(place);
+    CHECK((0.5 + 0.5 * clip.x / clip.w) * size.x == doctest::Approx(place->x).epsilon(1e-4));
+    CHECK((0.5 + 0.5 * clip.y / clip.w) * size.y == doctest::Approx(place->y).epsilon(1e-4));
+    CHECK(clip.w == doctest::Approx(place->z).epsilon(1e-5));
+    CHECK(clip.z / clip.w > 0);
+    CHECK(clip.z / clip.w < 1);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,110 @@
+#include "engine/render/drawn_cloud.hpp"
+
+#include <random>
+
+#include "engine/gpu/transfer.hpp"
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// Plays the touch side: writes entries into the ring and publishes them; keeps what the cloud should be.
+class Writer {
+ public:
+  Writer(Device& device, const PointCloud& cloud) : device_(device), log_(device, cloud.size()), cloud_(cloud) {
+    ring_.resize(log_.capacity());
+    log_.attachReader();
+  }
+
+  void write(std::uint32_t id) {
+    const Vec3 normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 1.5f));
+    const shared::EditEntry entry{
+        .position = Vec3(unit_(random_), unit_(random_), unit_(random_)), .id = id, .normal = normal, .unused = 0};
+    ring_[head_++ % log_.capacity()] = entry;
+    cloud_.positions[id] = entry.position;
+    cloud_.normals[id] = entry.normal;
+  }
+  void publish() {
+    PALPATE_CHECK_LE(head_ - log_.unread().end, log_.room());
+    upload(device_, log_.entriesBuffer(), ring_);
+    log_.publish(static_cast<std::uint32_t>(head_));
+  }
+
+  EditLog& log() { return log_; }
+  const PointCloud& cloud() const { return cloud_; }
+  std::uint64_t head() const { return head_; }
+
+ private:
+  Device& device_;
+  EditLog log_;
+  PointCloud cloud_;
+  std::vector<shared::EditEntry> ring_;
+  std::uint64_t head_ = 0;
+  std::mt19937 random_{9};
+  std::uniform_real_distribution<float> unit_{-1, 1};
+};
+
+class DrawnCloudFixture : public GpuFixture {
+ protected:
+  bool same(const DrawnCloud& drawn, const PointCloud& cloud) {
+    const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
+    const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      if (positions[i] != Vec4(cloud.positions[i], 0) || normals[i] != Vec4(cloud.normals[i], 0)) return false;
+    return true;
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "nothing in the log changes nothing") {
+  const PointCloud cloud = strewnCloud(257);
+  DrawnCloud drawn(device, cloud);
+  Writer writer(device, cloud);
+  CHECK(drawn.catchUp(writer.log()) == 0);
+  CHECK(same(drawn, cloud));
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows the log, round and round the ring") {
+  const PointCloud cloud = strewnCloud(300);
+  DrawnCloud drawn(device, cloud);
+  Writer writer(device, cloud);
+  std::mt19937 random(3);
+  while (writer.head() < 4 * writer.log().capacity()) {
+    const std::size_t entries = random() % 500;
+    for (std::size_t i = 0; i < entries; ++i) writer.write(static_cast<std::uint32_t>(random() % cloud.size()));
+    writer.publish();
+    CHECK(drawn.catchUp(writer.log()) == entries);
+    CHECK(writer.log().unread().size() == 0);
+    REQUIRE(same(drawn, writer.cloud()));
+  }
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring, over its end, where one point is named again and again") {
+  const PointCloud cloud = strewnCloud(300);
+  DrawnCloud drawn(device, cloud);
+  Writer writer(device, cloud);
+  for (int i = 0; i < 777; ++i) writer.write(5);
+  writer.publish();
+  CHECK(drawn.catchUp(writer.log()) == 777);
+  CHECK(same(drawn, writer.cloud()));
+  for (std::uint64_t i = 0; i < writer.log().capacity(); ++i) writer.write(i % 7 == 0 ? 5 : 299);
+  writer.publish();
+  CHECK(drawn.catchUp(writer.log()) == writer.log().capacity());
+  CHECK(same(drawn, writer.cloud()));
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order") {
+  const PointCloud cloud = strewnCloud(1000);
+  DrawnCloud drawn(device, cloud);
+  Writer writer(device, cloud);
+  for (int tick = 0; tick < 5; ++tick) {
+    for (std::uint32_t id = 100; id < 300; ++id) writer.write(id);
+    writer.publish();
+  }
+  CHECK(drawn.catchUp(writer.log()) == 1000);
+  CHECK(same(drawn, writer.cloud()));
+}
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <random>
+
+#include "engine/render/frame.hpp"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+/// Draws clouds on the test GPU.
+class PictureFixture : public GpuFixture {
+ protected:
+  void draw(Frame& frame, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
+    CommandList list(device, device.sight(), "test frame");
+    list.begin();
+    frame.record(list, cloud, camera, options);
+    list.end();
+    device.sight().run(list);
+  }
+  Image picture(const PointCloud& cloud, const Camera& camera, const FrameOptions& options, std::uint32_t width,
+                std::uint32_t height, std::uint32_t supersample = 2) {
+    Frame frame(device, width, height, supersample);
+    draw(frame, DrawnCloud(device, cloud), camera, options);
+    return frame.readColor();
+  }
+};
+
+/// Points strewn in a cube of side 2 around `center`, with random normals; every fifth has none.
+inline PointCloud strewnCloud(std::size_t count, const Vec3& center = Vec3(0), std::uint32_t seed = 1) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  PointCloud cloud;
+  while (cloud.size() < count) {
+    const Vec3 normal(unit(random), unit(random), unit(random));
+    if (glm::length(normal) > 1 || glm::length(normal) < 0.1f) continue;
+    cloud.positions.push_back(center + Vec3(unit(random), unit(random), unit(random)));
+    cloud.normals.push_back(cloud.size() % 5 == 0 ? Vec3(0) : glm::normalize(normal));
+  }
+  return cloud;
+}
+
+}  // namespace palpate

@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <glm/trigonometric.hpp>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kWidth = 160, kHeight = 120;
+
+PointCloud sphereCloud(std::size_t count = 20'000) { return sampleShape(*makeShape("sphere", 2.0), {.count = count}); }
+
+FrameOptions optionsFor(const PointCloud& cloud, ImagePass pass = ImagePass::final) {
+  FrameOptions options;
+  options.pass = pass;
+  options.splatRadius = automaticSplatRadius(meanSpacing(cloud));
+  return options;
+}
+
+DVec3 rayThrough(const Camera& camera, std::uint32_t x, std::uint32_t y) {
+  const auto axes = camera.axes();
+  const double focal = camera.focal_px(kHeight);
+  return glm::normalize(axes.forward + (x + 0.5 - kWidth / 2.0) / focal * axes.right -
+                        (y + 0.5 - kHeight / 2.0) / focal * axes.up);
+}
+
+DVec3 decodedNormal(const std::array<std::uint8_t, 4>& rgba) {
+  return glm::normalize(DVec3(rgba[0], rgba[1], rgba[2]) / 127.5 - 1.0);
+}
+
+/// The colour at the pixel where `position` appears, 0 to 1.
+DVec3 colorAt(const Image& image, const Camera& camera, const DVec3& position) {
+  const auto place = camera.project(position, {image.width, image.height});
+  REQUIRE(place);
+  const auto& rgba = image.at(static_cast<std::uint32_t>(place->x), static_cast<std::uint32_t>(place->y));
+  return DVec3(rgba[0], rgba[1], rgba[2]) / 255.0;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true normals") {
+  const PointCloud cloud = sphereCloud();
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+  Frame frame(device, kWidth, kHeight);
+  draw(frame, DrawnCloud(device, cloud), camera, optionsFor(cloud, ImagePass::normal));
+  const Image image = frame.readColor();
+  const DepthImage depths = frame.readDepth();
+  const double pixel = 2 * glm::length(camera.eye) / camera.focal_px(kHeight);  // two pixels at the sphere
+  std::size_t inside = 0, holes = 0, wrongDepths = 0, wrongNormals = 0;
+  double worst_deg = 0;
+  for (std::uint32_t y = 0; y < kHeight; ++y) {
+    for (std::uint32_t x = 0; x < kWidth; ++x) {
+      const DVec3 ray = rayThrough(camera, x, y);
+      const double along = -glm::dot(ray, camera.eye);
+      const double offset = glm::length(camera.eye + along * ray);
+      if (offset > 1 - pixel) continue;
+      ++inside;
+      const DVec3 hit = camera.eye + (along - std::sqrt(1 - offset * offset)) * ray;
+      const double depth = glm::dot(hit - camera.eye, camera.axes().forward);
+      holes += depths.at(x, y) == 0;
+      // Half a pixel of a slope, and the height of a disc's rim over the sphere.
+      wrongDepths += std::abs(depths.at(x, y) - depth) > pixel * std::sqrt(1 / (1 - offset * offset)) + 0.002;
+      const double angle_deg =
+          glm::degrees(std::acos(std::clamp(glm::dot(decodedNormal(image.at(x, y)), glm::normalize(hit)), -1.0, 1.0)));
+      wrongNormals += angle_deg > 5;
+      worst_deg = std::max(worst_deg, angle_deg);
+    }
+  }
+  CAPTURE(worst_deg);
+  CHECK(inside > 3000);
+  CHECK(holes == 0);
+  CHECK(wrongDepths == 0);
+  CHECK(wrongNormals == 0);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same bytes every time") {
+  const PointCloud cloud = sphereCloud();
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+  const Image first = picture(cloud, camera, optionsFor(cloud), kWidth, kHeight);
+  const Image second = picture(cloud, camera, optionsFor(cloud), kWidth, kHeight);
+  CHECK(first.rgba == second.rgba);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "the background is exactly the colour that was asked for") {
+  PointCloud cloud;
+  cloud.positions = {Vec3(0)};
+  FrameOptions options;
+  options.background = {12, 200, 77};
+  const Image image = picture(cloud, Camera::fitting(cloud, 1), options, 40, 40);
+  CHECK(std::ranges::count(image.rgba, std::array<std::uint8_t, 4>{12, 200, 77, 255}) >= 40 * 40 - 4);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "the colour image shows the file's colours") {
+  PointCloud cloud = sphereCloud(4000);
+  for (const Vec3& p : cloud.positions)
+    cloud.colors.push_back(p.x < 0 ? std::array<std::uint8_t, 4>{200, 30, 40, 255}
+                                   : std::array<std::uint8_t, 4>{20, 90, 220, 255});
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+  const Image image = picture(cloud, camera, optionsFor(cloud, ImagePass::color), kWidth, kHeight);
+  CHECK(glm::distance(colorAt(image, camera, {-0.5, 0, 0.8}), DVec3(200, 30, 40) / 255.0) < 0.02);
+  CHECK(glm::distance(colorAt(image, camera, {0.5, 0, 0.8}), DVec3(20, 90, 220) / 255.0) < 0.02);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
+  const PointCloud cloud = sphereCloud(2000);
+  const Camera camera = Camera::fitting(cloud, 1);
+  std::vector<Image> seen;
+  for (const auto pass :
+       {ImagePass::final, ImagePass::depth, ImagePass::normal, ImagePass::color, ImagePass::position})
+    seen.push_back(picture(cloud, camera, optionsFor(cloud, pass), 48, 48));
+  for (const auto color : {ColorBy::normal, ColorBy::depth, ColorBy::height}) {
+    FrameOptions options = optionsFor(cloud);
+    options.color = color;
+    seen.push_back(picture(cloud, camera, options, 48, 48));
+  }
+  for (std::size_t i = 0; i < seen.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) CHECK(seen[i].rgba != seen[j].rgba);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "gaps as wide as a splat are closed, windows are not") {
+  const auto gridWithHole = [](float hole) {
+    PointCloud cloud;
+    for (int y = -40; y <= 40; ++y)
+      for (int x = -40; x <= 40; ++x)
+        if (const Vec3 p(0.025f * static_cast<float>(x), 0.025f * static_cast<float>(y), 0); glm::length(p) >= hole)
+          cloud.positions.push_back(p);
+    cloud.normals.assign(cloud.size(), Vec3(0, 0, 1));
+    return cloud;
+  };
+  FrameOptions options;
+  options.splatRadius = 0.05;
+  options.background = {0, 0, 0};
+  Camera camera;
+  camera.eye = {0, 0, 3};
+  CHECK(colorAt(picture(gridWithHole(0.08f), camera, options, kWidth, kHeight), camera, DVec3(0)).r > 0.2);
+  CHECK(colorAt(picture(gridWithHole(0.3f), camera, options, kWidth, kHeight), camera, DVec3(0)).r == 0);
+  options.closeHoles = false;
+  CHECK(colorAt(picture(gridWithHole(0.08f), camera, options, kWidth, kHeight), camera, DVec3(0)).r == 0);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine through from behind") {
+  const PointCloud cloud = sphereCloud(5000);
+  Camera camera;
+  camera.eye = {0, 0, 4};
+  camera.nearDepth = 0.1;
+  for (const std::uint32_t supersample : {1u, 2u}) {
+    CAPTURE(supersample);
+    const auto shown = [&](const Overlays& overlays, const DVec3& at) {
+      FrameOptions options = optionsFor(cloud);
+      options.overlays = overlays;
+      return colorAt(picture(cloud, camera, options, kWidth, kHeight, supersample), camera, at);
+    };
+    const DVec3 bare = shown({}, {0, 0, 0});
+    const DVec3 front = shown({.hip = Overlays::Ball{{0, 0, 1.2}, 0.15}}, {0, 0, 1.2});
+    const DVec3 hidden = shown({.hip = Overlays::Ball{{0, 0, 0.5}, 0.15}}, {0, 0, 0.5});
+    CHECK(front.r > front.b + 0.4);
+    CHECK(hidden.r - hidden.b > bare.r - bare.b + 0.1);
+    CHECK(hidden.r - hidden.b < front.r - front.b - 0.1);
+    const DVec3 disc = shown({.proxy = Overlays::Disc{{0.3, 0, 1.05}, {0, 0, 1}, 0.2}}, {0.3, 0, 1.05});
+    CHECK(disc.b > disc.r + 0.3);
+    const DVec3 shaft = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 0.5, 1.2});
+    CHECK(shaft.r > shaft.g + 0.3);
+    const DVec3 head = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0.05, 1.03, 1.2});
+    CHECK(head.r > head.g + 0.2);
+    const DVec3 past = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 1.23, 1.2});
+    CHECK(std::abs(past.r - past.g) < 0.1);
+  }
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
+  CHECK_THROWS_AS(Frame(device, 0, 10), UsageError);
+  CHECK_THROWS_AS(Frame(device, 10, 100'000), UsageError);
+  CHECK_THROWS_WITH_AS(imagePassNamed("nose"), doctest::Contains("final, depth, normal, color, position"), UsageError);
+  CHECK_THROWS_WITH_AS(colorByNamed("taste"), doctest::Contains("rgb, normal, depth, height"), UsageError);
+  CHECK(imagePassNamed("position") == ImagePass::position);
+  CHECK(colorByNamed("height") == ColorBy::height);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
+  const PointCloud cloud = sphereCloud(100);
+  Frame frame(device, 16, 16);
+  const DrawnCloud drawn(device, cloud);
+  CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
+  list.begin();
+  frame.record(list, drawn, Camera::fitting(cloud, 1), optionsFor(cloud));
+  list.end();
+  device.sight().run(list);
+  std::vector<std::string> names;
+  for (const PassRecord& pass : list.passes()) names.push_back(pass.section + ": " + pass.name);
+  CHECK(names == std::vector<std::string>{"frame/clear: fill frame depth", "frame/clear: fill frame normal sums",
+                                          "frame/splat: render_splat_depth", "frame/splat: render_splat_attributes",
+                                          "frame/splat: render_close_holes", "frame/shade: render_shade",
+                                          "frame/shade: render_resolve"});
+}
+
+}  // namespace palpate

@@ -1,0 +1,172 @@
+// The depth image against a reference in double precision.
+#include <algorithm>
+#include <limits>
+
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kNothing = std::numeric_limits<double>::infinity();
+
+/// What a pixel may show: the nearest fragment that rounding cannot remove, and the nearest one that it can add.
+struct Pixel {
+  double sure = kNothing, possible = kNothing;
+};
+
+class Reference {
+ public:
+  Reference(const Camera& camera, double radius, std::uint32_t width, std::uint32_t height)
+      : camera_(camera), axes_(camera.axes()), radius_(radius), size_(width, height), pixels_(width * height) {}
+
+  void add(const DVec3& position, const DVec3& normal) {
+    const DVec3 c = toEye(position - camera_.eye);
+    if (c.z < camera_.nearDepth) return;
+    const DVec3 n = glm::length(normal) < 0.5 ? -glm::normalize(c) : toEye(normal);
+    const DVec2 center = DVec2(size_) / 2.0 + focal() / c.z * DVec2(c.x, -c.y);
+    // Every pixel is tried: no bounding box to get wrong.
+    for (std::uint32_t y = 0; y < size_.y; ++y)
+      for (std::uint32_t x = 0; x < size_.x; ++x) addFragment(c, n, center, x, y);
+  }
+
+  /// Pixels of `image` that show what they may not.
+  std::size_t wrongPixels(const DepthImage& image) const {
+    constexpr double kTolerance = 1e-3;
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < pixels_.size(); ++i) {
+      const double depth = image.depth[i] == 0 ? kNothing : image.depth[i];
+      const bool fits = depth == kNothing ? pixels_[i].sure == kNothing
+                                          : depth >= pixels_[i].possible * (1 - kTolerance) &&
+                                                depth <= pixels_[i].sure * (1 + kTolerance);
+      wrong += !fits;
+    }
+    return wrong;
+  }
+  std::size_t coveredPixels() const {
+    return static_cast<std::size_t>(std::ranges::count_if(pixels_, [](const Pixel& p) { return p.sure < kNothing; }));
+  }
+
+ private:
+  DVec3 toEye(const DVec3& v) const {
+    return {glm::dot(axes_.right, v), glm::dot(axes_.up, v), glm::dot(axes_.forward, v)};
+  }
+  double focal() const { return camera_.focal_px(size_.y); }
+
+  void addFragment(const DVec3& c, const DVec3& n, const DVec2& center, std::uint32_t x, std::uint32_t y) {
+    constexpr double kPixelTolerance = 1e-2, kDepthTolerance = 1e-6;
+    Pixel& pixel = pixels_[y * size_.x + x];
+    const DVec2 at(x + 0.5, y + 0.5);
+    const DVec2 away = glm::abs(center - at);
+    const double off = std::max(away.x, away.y);
+    if (off < 0.5 + kPixelTolerance) pixel.possible = std::min(pixel.possible, c.z);
+    if (off < 0.5 - kPixelTolerance) pixel.sure = std::min(pixel.sure, c.z + radius_);
+
+    const DVec3 ray((at.x - size_.x / 2.0) / focal(), -(at.y - size_.y / 2.0) / focal(), 1);
+    const double slope = glm::dot(n, ray);
+    const double depth = glm::dot(n, c) / slope;
+    if (!std::isfinite(depth)) return;
+    const double depthError = kDepthTolerance * glm::length(c) / std::abs(slope);
+    const double q = glm::distance(depth * ray, c) / radius_;
+    const double error = 1e-3 + depthError * glm::length(ray) / radius_;
+    const double nearError = depthError + 1e-6 * camera_.nearDepth;
+    if (q < 1 + error && depth > camera_.nearDepth - nearError)
+      pixel.possible = std::min(pixel.possible, depth - depthError);
+    if (q < 1 - error && depth > camera_.nearDepth + nearError)
+      pixel.sure = std::min(pixel.sure, depth + depthError);
+  }
+
+  Camera camera_;
+  Camera::Axes axes_;
+  double radius_;
+  UVec2 size_;
+  std::vector<Pixel> pixels_;
+};
+
+class SplatDepthFixture : public PictureFixture {
+ protected:
+  /// Says how many pixels the cloud covers.
+  std::size_t checkDepth(const PointCloud& cloud, const Camera& camera, double radius, std::uint32_t width,
+                         std::uint32_t height) {
+    CAPTURE(width);
+    CAPTURE(height);
+    Frame frame(device, width, height, 1);
+    FrameOptions options;
+    options.splatRadius = radius;
+    options.closeHoles = false;
+    draw(frame, DrawnCloud(device, cloud), camera, options);
+    Reference reference(camera, radius, width, height);
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      reference.add(cloud.positions[i], cloud.hasNormals() ? cloud.normals[i] : Vec3(0));
+    CHECK(reference.wrongPixels(frame.readDepth()) == 0);
+    return reference.coveredPixels();
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(SplatDepthFixture, "the depth of strewn discs equals the reference at any picture size") {
+  const PointCloud cloud = strewnCloud(600);
+  const auto check = [&](std::uint32_t width, std::uint32_t height, double radius) {
+    const Camera camera = Camera::fitting(cloud, double(width) / height);
+    CHECK(checkDepth(cloud, camera, radius, width, height) > 0);
+  };
+  check(1, 1, 0.5);
+  check(33, 17, 0.2);
+  check(160, 120, 0.06);
+  check(160, 120, 0.001);  // less than a pixel
+  check(320, 240, 0.3);    // many tiles
+}
+
+TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal ones") {
+  PointCloud cloud;
+  Camera camera = Camera::fitting(cloud, 4.0 / 3);
+  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) == 0);
+  cloud.positions = {Vec3(-3, -2, -1)};
+  camera = Camera::fitting(cloud, 4.0 / 3);
+  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) > 0);
+  CHECK(checkDepth(cloud, camera, 0, 80, 60) == 1);
+  cloud.positions.assign(1000, Vec3(-3, -2, -1));
+  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) > 0);
+}
+
+TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plane") {
+  const PointCloud cloud = strewnCloud(300);
+  Camera camera;
+  camera.eye = {0, 0, 0.2};  // amid the points
+  camera.target = {0.3, 0.1, -1};
+  camera.nearDepth = 0.05;
+  CHECK(checkDepth(cloud, camera, 0.1, 96, 64) > 0);
+
+  PointCloud onPlane;
+  onPlane.positions = {Vec3(0, 0, -0.25f), Vec3(0.01f, 0, -0.2499f), Vec3(-0.01f, 0, -0.2501f), Vec3(0, 0, 0),
+                       Vec3(0, 0, 1)};
+  onPlane.normals = {Vec3(0, 0, 1), Vec3(0, 0, 1), Vec3(0, 0, 1), Vec3(0, 0, 1), Vec3(0, 0, 1)};
+  Camera front;
+  front.eye = {0, 0, 0};
+  front.target = {0, 0, -1};
+  front.nearDepth = 0.24;
+  CHECK(checkDepth(onPlane, front, 0.02, 64, 48) > 0);
+  front.nearDepth = 0.26;
+  CHECK(checkDepth(onPlane, front, 0.02, 64, 48) == 0);
+}
+
+TEST_CASE_FIXTURE(SplatDepthFixture, "a cloud far from zero looks as it does at zero") {
+  const Vec3 far(1000, -2000, 512);
+  const PointCloud cloud = strewnCloud(200, far);
+  CHECK(checkDepth(cloud, Camera::fitting(cloud, 1), 0.1, 64, 64) > 0);
+}
+
+TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
+  PointCloud cloud;
+  for (int i = 0; i < 50; ++i) {
+    const float angle = 0.02f * static_cast<float>(i - 25);
+    cloud.positions.emplace_back(0.04f * static_cast<float>(i - 25), 0, 0);
+    cloud.normals.emplace_back(std::cos(angle), 0, std::sin(angle));
+  }
+  Camera camera;
+  camera.eye = {0, 0, 3};
+  CHECK(checkDepth(cloud, camera, 0.15, 200, 100) > 0);
+}
+
+}  // namespace palpate

@@ -1,0 +1,119 @@
+#include "engine/touch/touch_side.hpp"
+
+#include <algorithm>
+
+#include "engine/contact/contact_reference.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+PushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+
+// Presses straight down on the sphere's top, to `depth` below it.
+std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog* drained = nullptr) {
+  std::vector<Contact> contacts;
+  for (int i = 0; i <= ticks; ++i) {
+    const double z = 51 - (1 + depth) * std::min(1.0, i / (0.5 * ticks));
+    contacts.push_back(touch.query({.hip = {0, 0, z}}, 0));
+    if (drained) drained->consume(drained->unread().end);
+  }
+  return contacts;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it stands tau behind") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  const auto contacts = press(touch, 4, 200);
+  touch.finish();
+  for (const Contact& contact : contacts) CHECK(contact.valid);
+  const Contact& last = contacts.back();
+  CHECK(last.touching);
+  CHECK(last.proxy.z < 46.8);  // from 50 down to 46 + tau, less the little that averaging rounds off
+  CHECK(last.proxy.z > 46.1);
+
+  PointCloud sculpted = scene.cloud;
+  const std::size_t moved = touch.live().readBack(sculpted);
+  CHECK(moved > 60);
+  CHECK(moved < sculpted.size() / 4);
+  double deepest = 50;
+  for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
+  CHECK(deepest == doctest::Approx(46.3).epsilon(0.01));
+  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == doctest::Approx(1).epsilon(1e-4));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: touch afterwards equals touch on a cloud loaded afresh") {
+  const Scene scene = makeScene("torus", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  for (int i = 0; i < 40; ++i) touch.query({.hip = {35.0 + 0.1 * i, 0, 15.5 - 0.06 * i}}, 0);
+  for (int i = 0; i < 3; ++i) touch.query({.hip = {35, 0, 17.0 + 10 * i}}, 0);
+  touch.finish();
+  PointCloud sculpted = scene.cloud;
+  CHECK(touch.live().readBack(sculpted) > 30);
+
+  TouchSide fresh(device, sculpted, {.radius = scene.radius});
+  for (int i = 0; i < 40; ++i) {
+    const Pose pose{.hip = {35.0 + 0.1 * i, 0.3, 16.5 - 0.045 * i}};
+    const Contact after = touch.query(pose, 0), loaded = fresh.query(pose, 0);
+    CHECK(after.touching == loaded.touching);
+    CHECK(glm::distance(after.proxy, loaded.proxy) < 1e-4 * scene.radius);
+    if (glm::length(touch.query(pose, 0).proxy - pose.hip) > softPush().tau) break;  // it yields again
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the same cloud, bit by bit") {
+  const Scene scene = makeScene("sphere", 10'007);
+  std::vector<Contact> first;
+  PointCloud firstCloud = scene.cloud;
+  for (int run = 0; run < 2; ++run) {
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+    const auto contacts = press(touch, 3, 60);
+    touch.finish();
+    PointCloud cloud = scene.cloud;
+    touch.live().readBack(cloud);
+    if (run == 0) {
+      first = contacts;
+      firstCloud = cloud;
+      continue;
+    }
+    for (std::size_t i = 0; i < contacts.size(); ++i) CHECK(contacts[i].proxy == first[i].proxy);
+    CHECK(cloud.positions == firstCloud.positions);
+    CHECK(cloud.normals == firstCloud.normals);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = PushOptions{.tau = 0.1, .beta = 0.1, .toolRadius = 60}});
+  touch.editLog().attachReader();
+  press(touch, 3, 200);
+  touch.finish();
+  CHECK(touch.skippedEdits() > 0);
+  CHECK(touch.editLog().unread().size() > 0);
+  CHECK(touch.editLog().unread().size() <= touch.editLog().capacity());
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is left out") {
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  touch.editLog().attachReader();
+  press(touch, 3, 60, &touch.editLog());
+  touch.finish();
+  CHECK(touch.skippedEdits() == 0);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one pass") {
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  press(touch, 3, 20);
+  touch.finish();
+  PointCloud after = scene.cloud;
+  CHECK(touch.live().readBack(after) == 0);
+  CHECK(touch.passes().size() == 1);
+}
+
+}  // namespace palpate
