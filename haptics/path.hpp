@@ -19,7 +19,8 @@ class Path {
  public:
   explicit Path(std::vector<PathKey> keys);
 
-  std::span<const PathKey> keys() const { return keys_; }
+  std::span<const PathKey> keys() const& { return keys_; }
+  void keys() const&& = delete;  // the keys go with the path
 
   /// The time of the last key. Sessions begin at 0, whatever the first key's time.
   double duration_s() const { return keys_.back().t_s; }

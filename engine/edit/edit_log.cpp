@@ -11,8 +11,12 @@ namespace {
 constexpr std::uint64_t kSmallestCapacity = 1024;
 }
 
+std::uint64_t EditLog::capacityFor(std::uint64_t points) {
+  return std::bit_ceil(std::max(2 * points, kSmallestCapacity));
+}
+
 EditLog::EditLog(Device& device, std::uint64_t points)
-    : capacity_(std::bit_ceil(std::max(2 * points, kSmallestCapacity))),
+    : capacity_(capacityFor(points)),
       entries_(Buffer::of<shared::EditEntry>(device, capacity_, Memory::device, "edit log")),
       head_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "edit log head")) {
   upload(device, head_, std::vector<std::uint32_t>{0});

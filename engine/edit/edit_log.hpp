@@ -18,6 +18,8 @@ class EditLog {
  public:
   /// Holds at least `points` moves twice over, so that a tick that moves the whole cloud fits behind one still unread.
   EditLog(Device& device, std::uint64_t points);
+  /// Entries that a log for so many points holds.
+  static std::uint64_t capacityFor(std::uint64_t points);
 
   DeviceAddress entries() const { return entries_.address(); }
   const Buffer& entriesBuffer() const { return entries_; }

@@ -31,9 +31,9 @@ double sizeOf(const Bounds& box) {
   return size > 0 ? size : 1.0;
 }
 
-/// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A point
-/// at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the field of
-/// view; so each border is one linear bound, and the two of a pair give ex and D at once.
+/// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A
+/// point at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the
+/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once.
 template <class Points>
 Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect) {
   const Camera::Axes axes = camera.axes();

@@ -13,8 +13,8 @@ namespace palpate {
 struct Camera {
   DVec3 eye{0, 0, 1};
   DVec3 target{0};
-  DVec3 up{0, 1, 0};     ///< need not be perpendicular to the view, only not along it
-  double fov_deg = 45;   ///< vertical
+  DVec3 up{0, 1, 0};        ///< need not be perpendicular to the view, only not along it
+  double fov_deg = 45;      ///< vertical
   double nearDepth = 0.01;  ///< nothing closer is drawn
   double farDepth = 100;    ///< for projection() only
 
@@ -23,8 +23,8 @@ struct Camera {
   static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45);
   static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45);
 
-  /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is missing
-  /// comes from fitting(). `eye` and `target` are in file coordinates. Throws UsageError.
+  /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is
+  /// missing comes from fitting(). `eye` and `target` are in file coordinates. Throws UsageError.
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect);
 
   /// Sets near and far so that `bounds` lies between them as far as it lies before the eye.
@@ -38,7 +38,8 @@ struct Camera {
 
   /// Pixels that one unit covers at depth 1.
   double focal_px(double height_px) const;
-  /// Where a point appears: x and y in pixels from the top left corner, z its depth. Nothing when it is closer than near.
+  /// Where a point appears: x and y in pixels from the top left corner, z its depth. Nothing when it is closer than
+  /// near.
   std::optional<DVec3> project(const DVec3& position, const DVec2& size_px) const;
 
   /// OpenGL's eye space (looking down -z) and Vulkan's clip space (y downwards, depth 0 to 1).

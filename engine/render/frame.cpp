@@ -1,11 +1,8 @@
 #include "engine/render/frame.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstring>
 
-#include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/render/frame_constants.hpp"
@@ -77,8 +74,7 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
     list.dispatch(splatDepth_, splats, splatArgs);
     list.dispatch(splatAttributes_, splats, splatArgs);
     list.dispatch(closeHoles_, samples(),
-                  shared::CloseHolesArgs{
-                      .frame = constants, .depth = depth_.address(), .source = source_.address()});
+                  shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
   }
   {
     const auto section = list.section("shade");

@@ -8,8 +8,8 @@
 
 namespace palpate {
 
-/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001): the passes and the images between
-/// them. The same input gives the same bytes on the same device. Belongs to the sight side.
+/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001): the passes and the images
+/// between them. The same input gives the same bytes on the same device. Belongs to the sight side.
 class Frame {
  public:
   /// Recordings that may be under way at a time: each keeps its own constants.
@@ -32,7 +32,7 @@ class Frame {
  private:
   std::uint64_t samples() const { return std::uint64_t{width_} * height_ * supersample_ * supersample_; }
   DeviceAddress writeConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
-                               std::uint32_t splatTiles);
+                               std::uint32_t tiles);
   void readBack(const Buffer& from, std::span<std::byte> to) const;
 
   Device& device_;

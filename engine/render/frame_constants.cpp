@@ -12,7 +12,8 @@ const Vec3 kClay(0.58f, 0.40f, 0.29f);  // linear light
 const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
-constexpr double kOcclusionRadius = 0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
+constexpr double kOcclusionRadius =
+    0.07;                           // of the model's longest side; larger darkens wide hollows, smaller only creases
 constexpr double kDepthBand = 2.0;  // of the splat radius: stray points that stand out less than this are blended away
 constexpr double kHoleReach = 2.0;  // in splat radii, across a gap from any place in it
 constexpr std::uint32_t kFinestSum = 1u << 16;
@@ -73,6 +74,7 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                                    const FrameSize& size, std::uint32_t splatTiles) {
   const DVec2 depths = depthRangeOf(camera, cloud.bounds());
   shared::RenderFrame frame{.view = viewOf(camera, size),
+                            .overlays = overlaysOf(options.overlays),
                             .boundsMin = Vec3(cloud.bounds().min),
                             .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
                             .boundsMax = Vec3(cloud.bounds().max),
@@ -90,8 +92,7 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * cloud.bounds().longestSide()),
                             .backgroundBottom = kBackgroundBottom,
-                            .holeReach_px = 0,
-                            .overlays = overlaysOf(options.overlays)};
+                            .holeReach_px = 0};
   if (options.closeHoles) {
     const double radius_px = options.splatRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
@@ -101,7 +102,8 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
   frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));
   if (options.background)
     for (int k = 0; k < 3; ++k)
-      frame.backgroundTop[k] = frame.backgroundBottom[k] = linearFromSrgb((*options.background)[static_cast<std::size_t>(k)]);
+      frame.backgroundTop[k] = frame.backgroundBottom[k] =
+          linearFromSrgb((*options.background)[static_cast<std::size_t>(k)]);
   return frame;
 }
 

@@ -12,7 +12,8 @@ struct FrameSize {
   std::uint32_t supersample;    ///< samples along each side of a pixel
 };
 
-/// Tiles along each side of the largest splat on screen, as far as kMaxSplatInvocations allows; what is beyond is cut off.
+/// Tiles along each side of the largest splat on screen, as far as kMaxSplatInvocations allows; what is beyond is cut
+/// off.
 std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px);
 
 shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,

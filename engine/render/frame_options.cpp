@@ -37,10 +37,8 @@ ImagePass imagePassNamed(std::string_view name) {
 }
 
 ColorBy colorByNamed(std::string_view name) {
-  static constexpr std::pair<std::string_view, ColorBy> kChoices[] = {{"rgb", ColorBy::rgb},
-                                                                      {"normal", ColorBy::normal},
-                                                                      {"depth", ColorBy::depth},
-                                                                      {"height", ColorBy::height}};
+  static constexpr std::pair<std::string_view, ColorBy> kChoices[] = {
+      {"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}};
   return named<ColorBy>("--color", name, kChoices);
 }
 

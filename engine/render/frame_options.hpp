@@ -45,7 +45,7 @@ struct Overlays {
   };
   struct Arrow {
     DVec3 from{0};
-    DVec3 along{0};            ///< the force times a length per newton; its tip is at from + along
+    DVec3 along{0};  ///< the force times a length per newton; its tip is at from + along
     double shaftRadius = 0;
   };
   std::optional<Ball> hip;

@@ -14,6 +14,11 @@ namespace {
 // A histogram per subgroup lies in shared memory: at most 16 of them, 16 KiB, beside the keys of the partition.
 std::uint32_t workgroupFor(const Device& device) { return std::clamp(16 * device.subgroupSize(), 64u, 256u); }
 
+std::uint64_t partitionsFor(std::uint64_t count, std::uint32_t workgroup) {
+  const std::uint64_t partition = std::uint64_t{workgroup} * shared::kSortItems;
+  return (count + partition - 1) / partition;
+}
+
 PipelineOptions options(std::uint32_t workgroup, std::vector<std::uint32_t> constants = {}) {
   return {.workgroupSize = workgroup, .pushBytes = sizeof(shared::RadixSortArgs), .constants = std::move(constants)};
 }
@@ -27,19 +32,14 @@ RadixSort::RadixSort(Device& device)
       scatter_(device, shader_code::spatial_radix_sort_scatter,
                options(workgroup_, {std::max(1u, workgroup_ / device.subgroupSize())})) {}
 
-std::uint64_t RadixSort::partitionsFor(std::uint64_t count) const {
-  const std::uint64_t partition = std::uint64_t{workgroup_} * shared::kSortItems;
-  return (count + partition - 1) / partition;
-}
-
-std::uint64_t RadixSort::scratchBytes(std::uint64_t count) const {
-  const std::uint64_t counters = partitionsFor(count) * shared::kSortRadix;
+std::uint64_t RadixSort::scratchBytes(std::uint64_t count, std::uint32_t workgroup) {
+  const std::uint64_t counters = partitionsFor(count, workgroup) * shared::kSortRadix;
   return counters * sizeof(std::uint32_t) + PrefixScan::scratchBytes(counters);
 }
 
 RadixSort::Sorted RadixSort::record(CommandList& list, const Io& io, std::uint32_t count, std::uint32_t keyBits) const {
   PALPATE_CHECK_LE(keyBits, 32u);
-  const auto partitions = static_cast<std::uint32_t>(partitionsFor(count));
+  const auto partitions = static_cast<std::uint32_t>(partitionsFor(count, workgroup_));
   const std::uint32_t passes = (keyBits + shared::kSortMaxDigitBits - 1) / shared::kSortMaxDigitBits;
   const DeviceAddress scanScratch = io.scratch + std::uint64_t{partitions} * shared::kSortRadix * sizeof(std::uint32_t);
   Sorted from{io.keys, io.values}, to{io.keysAlt, io.valuesAlt};

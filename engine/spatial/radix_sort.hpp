@@ -19,12 +19,11 @@ class RadixSort {
   struct Sorted {
     DeviceAddress keys, values;  ///< whichever of the two pairs holds the result
   };
-  std::uint64_t scratchBytes(std::uint64_t count) const;
+  std::uint64_t scratchBytes(std::uint64_t count) const { return scratchBytes(count, workgroup_); }
+  static std::uint64_t scratchBytes(std::uint64_t count, std::uint32_t workgroup);
   Sorted record(CommandList& list, const Io& io, std::uint32_t count, std::uint32_t keyBits) const;
 
  private:
-  std::uint64_t partitionsFor(std::uint64_t count) const;
-
   std::uint32_t workgroup_;
   PrefixScan scan_;
   ComputePipeline count_, scatter_;

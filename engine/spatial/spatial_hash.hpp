@@ -21,6 +21,8 @@ class SpatialHash {
   shared::CloudView view(const LiveCloud::Side& side, std::uint32_t count) const;
   /// Bytes on the GPU besides the cloud itself.
   std::uint64_t bytes() const;
+  /// The same for a cloud that is not there yet; the sort's scratch, a few per cent, differs a little between GPUs.
+  static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
   HashGrid grid_;

@@ -114,6 +114,7 @@ void TouchSide::editIfYielding(const shared::ContactSample& sample) {
     return;
   }
   device_.touch().submit(*edits_[live_.parity()]);
+  if (!firstEdit_) firstEdit_ = tick_ - 1;
   editInFlight_ = live_.parity();
   live_.flip();
 }

@@ -43,6 +43,8 @@ class TouchSide final : public ContactQuery {
   double buildTime_us() const { return buildTime_us_; }
   /// GPU time of each edit so far, us.
   const std::vector<double>& editTimes_us() const { return editTimes_us_; }
+  /// The first tick (from 0) whose edit moved points; nothing while the cloud is as it was loaded.
+  std::optional<std::uint32_t> firstEdit() const { return firstEdit_; }
   /// Ticks whose edit was left out because the reader of the log had fallen behind.
   std::uint64_t skippedEdits() const { return skippedEdits_; }
   /// The passes of a tick in order, edit included, with their last times.
@@ -70,6 +72,7 @@ class TouchSide final : public ContactQuery {
   std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
   std::vector<double> editTimes_us_;
   std::uint64_t skippedEdits_ = 0;
+  std::optional<std::uint32_t> firstEdit_;
   std::exception_ptr failure_;
 };
 

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Catching up with the edit log, pass 2 of 2: each point's last entry is written, and its mark is taken away for the next
-// range. An earlier entry of the same point may read the mark before or after that; it finds its own number neither way.
+// Catching up with the edit log, pass 2 of 2: each point's last entry is written, and its mark is taken away for the
+// next range. An earlier entry of the same point may read the mark before or after that; it finds its own number
+// neither way.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"
 
@@ -10,9 +11,11 @@ layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
 void main() {
   const uint i = threadIndex();
   if (i >= args.entryCount) return;
-  const EditEntry entry = args.entries.at[(args.firstSlot + i) & args.slotMask];
-  if (entry.id >= args.pointCount || args.latest.at[entry.id] != i + 1) return;
-  args.positions.at[entry.id] = vec4(entry.position, 0);
-  args.normals.at[entry.id] = vec4(entry.normal, 0);
-  args.latest.at[entry.id] = 0;
+  // Field by field: the validation layer of Debian 12 takes the load of a whole entry for larger than it is.
+  const uint slot = (args.firstSlot + i) & args.slotMask;
+  const uint id = args.entries.at[slot].id;
+  if (id >= args.pointCount || args.latest.at[id] != i + 1) return;
+  args.positions.at[id] = vec4(args.entries.at[slot].position, 0);
+  args.normals.at[id] = vec4(args.entries.at[slot].normal, 0);
+  args.latest.at[id] = 0;
 }

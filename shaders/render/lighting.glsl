@@ -15,8 +15,8 @@ const vec3 kGround = vec3(0.12, 0.10, 0.09);
 const float kShininess = 36;  // exponent of the highlight
 const float kGloss = 0.16;    // its strength
 
-// Light that leaves a surface of colour `albedo` towards the eye. `normal` and `toViewer` are unit vectors in eye space;
-// `openness` is the share of the sky that reaches the surface.
+// Light that leaves a surface of colour `albedo` towards the eye. `normal` and `toViewer` are unit vectors in eye
+// space; `openness` is the share of the sky that reaches the surface.
 vec3 lit(vec3 albedo, vec3 normal, vec3 toViewer, float openness) {
   const vec3 key = normalize(kKeyDirection);
   const vec3 sky = mix(kGround, kSky, 0.5 + 0.5 * normal.y);

@@ -1,5 +1,6 @@
 // How much of the sky a sample sees past the surface around it, from the depth image alone: the estimator of McGuire,
-// Mara and Luebke 2012 (Scalable ambient obscurance, section 2), with its taps on a spiral turned from sample to sample.
+// Mara and Luebke 2012 (Scalable ambient obscurance, section 2), with its taps on a spiral turned from sample to
+// sample.
 #ifndef PALPATE_RENDER_OCCLUSION_GLSL
 #define PALPATE_RENDER_OCCLUSION_GLSL
 #include "shaders/render/view.glsl"

@@ -61,10 +61,11 @@ Hit hitFrustum(vec3 eye, vec3 ray, vec3 base, vec3 axis, float length, float r0,
 }
 
 Hit hitThickDisc(vec3 eye, vec3 ray, RenderOverlays o) {
-  const vec3 half_ = o.discHalfThickness * o.discNormal;
-  Hit hit = hitFrustum(eye, ray, o.discCenter - half_, o.discNormal, 2 * o.discHalfThickness, o.discRadius, o.discRadius);
-  hit = nearer(hit, hitDisc(eye, ray, o.discCenter + half_, o.discNormal, o.discRadius));
-  return nearer(hit, hitDisc(eye, ray, o.discCenter - half_, o.discNormal, o.discRadius));
+  const vec3 top = o.discCenter + o.discHalfThickness * o.discNormal;
+  const vec3 bottom = o.discCenter - o.discHalfThickness * o.discNormal;
+  Hit hit = hitFrustum(eye, ray, bottom, o.discNormal, 2 * o.discHalfThickness, o.discRadius, o.discRadius);
+  hit = nearer(hit, hitDisc(eye, ray, top, o.discNormal, o.discRadius));
+  return nearer(hit, hitDisc(eye, ray, bottom, o.discNormal, o.discRadius));
 }
 
 Hit hitArrow(vec3 eye, vec3 ray, RenderOverlays o) {

@@ -7,8 +7,8 @@
 
 layout(push_constant, scalar) uniform Push { ResolveArgs args; };
 
-// Less than half a step of eight bits either way (Bayer 1973): breaks the bands of dark gradients, and leaves colours that
-// eight bits hold exactly as they are.
+// Less than half a step of eight bits either way (Bayer 1973): breaks the bands of dark gradients, and leaves colours
+// that eight bits hold exactly as they are.
 float ditherAt(uvec2 pixel) {
   const uint x = pixel.x ^ pixel.y, y = pixel.y;
   const uint rank = (x & 1) << 3 | (y & 1) << 2 | (x & 2) | (y & 2) >> 1;

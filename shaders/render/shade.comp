@@ -8,11 +8,11 @@
 
 layout(push_constant, scalar) uniform Push { ShadeArgs args; };
 
-vec3 sumAt(Uints sums, uint first) { return vec3(int(sums.at[first]), int(sums.at[first + 1]), int(sums.at[first + 2])); }
+vec3 sumAt(Uints sums, uint first) {
+  return vec3(int(sums.at[first]), int(sums.at[first + 1]), int(sums.at[first + 2]));
+}
 
-// `place` below is the sample whose sums count, `place_px` where the sample that is shown lies.
-
-// The surface's own colour, linear light.
+// The surface's own colour, linear light. `place` is the sample whose sums count.
 vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   const uint colorBy = args.frame.at[0].colorBy;
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
@@ -25,6 +25,7 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   return toLinear(sumAt(args.colorSums, 3 * place) / max(weight, 1));
 }
 
+// What a sample at `place_px` shows whose surface is that of the sample `place`.
 vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const uint imagePass = args.frame.at[0].imagePass;
   const vec3 inEye = depth * rayThrough(view, place_px);

@@ -20,19 +20,19 @@ struct Splat {
   ivec2 first, last;  // pixels to walk, both included; none when first exceeds last
 };
 
-// The interval that [low, high] at depths of at least `depth` covers in the picture, in units of the focal length.
+// What [low, high] at depths from `shallow` to `deep` can cover in the picture, in units of the focal length.
 vec2 projectedInterval(float low, float high, float shallow, float deep) {
   return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
 }
 
-// Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a little
-// stands just behind an outline and peeps over it: it is lit as if it were the outline. Seen from the back in full it is
-// the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a scan has a
-// fold or a stray normal, so the flatter a disc lies before the eye, the more it counts.
+// Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a
+// little stands just behind an outline and peeps over it: it is lit as if it were the outline. Seen from the back in
+// full it is the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a
+// scan has a fold or a stray normal, so the flatter a disc lies before the eye, the more it counts.
 void orient(RenderView view, inout Splat splat) {
   const vec3 toViewer = -normalize(splat.center);
   splat.normal = toEye(view, args.normals.at[splat.point].xyz);
-  if (dot(splat.normal, splat.normal) < 0.25) splat.normal = toViewer;
+  if (!(dot(splat.normal, splat.normal) >= 0.25)) splat.normal = toViewer;
   const float facing = dot(splat.normal, toViewer);
   vec3 shading = splat.normal;
   if (facing < -kOutlineFacing) shading = -shading;
@@ -51,7 +51,7 @@ bool loadSplat(RenderView view, out Splat splat) {
   const vec3 c = splat.center;
   if (!(c.z >= view.nearDepth)) return false;
   const vec2 center_px = sampleOf(view, c);
-  if (any(greaterThan(abs(center_px - view.center_px), vec2(1e6)))) return false;  // must fit an int with its disc
+  if (!all(lessThan(abs(center_px - view.center_px), vec2(1e6)))) return false;  // must fit an int with its disc
 
   orient(view, splat);
 
@@ -81,9 +81,9 @@ struct Fragment {
   float weight;  // up to 1 in the middle of the disc, kRimWeight at its rim
 };
 
-// False where the ray through the pixel misses the disc. Edge-on discs are safe: a hit lies within the disc, so its depth
-// is within a radius of the centre's, and a ray along the plane gives no number and no hit. The pixel that holds the
-// centre is always covered, so that splats smaller than a pixel leave no holes.
+// False where the ray through the pixel misses the disc. Edge-on discs are safe: a hit lies within the disc, so its
+// depth is within a radius of the centre's, and a ray along the plane gives no number and no hit. The pixel that holds
+// the centre is always covered, so that splats smaller than a pixel leave no holes.
 bool coverPixel(RenderView view, Splat splat, float inverseRadiusSquared, ivec2 pixel, out Fragment fragment) {
   const vec3 ray = rayThrough(view, vec2(pixel) + 0.5);
   fragment.depth = dot(splat.normal, splat.center) / dot(splat.normal, ray);

@@ -1,11 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surface splatting in compute, pass 2: fragments close behind the nearest one add their normal and colour, weighted by a
-// smooth falloff, so that neighbouring discs blend into one surface.
+// Surface splatting in compute, pass 2: fragments close behind the nearest one add their normal and colour, weighted by
+// a smooth falloff, so that neighbouring discs blend into one surface.
 //
-// Sums are integers, so their value does not depend on the order of the additions. The host chooses the fixed-point unit
-// as 2^31 over the number of points at most: even if every point fell into one sample with full weight, no sum could
-// overflow. In such a crowd the rounding errors average out; with few points in a sample the unit is fine where it counts.
+// Sums are integers, so their value does not depend on the order of the additions. The host chooses the fixed-point
+// unit as 2^31 over the number of points at most: even if every point fell into one sample with full weight, no sum
+// could overflow. In such a crowd the rounding errors average out; with few points in a sample the unit is fine where
+// it counts.
 #include "shaders/render/splat.glsl"
 
 uint fixedPoint(float value, float scale) { return uint(int(round(value * scale))); }

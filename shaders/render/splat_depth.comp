@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 1: the nearest depth
-// of every sample. Bits of positive floats order like the floats, so an integer minimum serves.
+// Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 1: the nearest
+// depth of every sample. Bits of positive floats order like the floats, so an integer minimum serves.
 #include "shaders/render/splat.glsl"
 
 void main() {

@@ -11,11 +11,11 @@ const uint kSplatTile = 32;
 const uint kMaxSplatInvocations = 1u << 26;
 // Tiles along one side of a splat at most: 1024 pixels.
 const uint kMaxSplatTiles = 32;
-// Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight 1.
-// Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
+// Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight
+// 1. Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
 const float kCenterPixelWeight = 0.25;
-// Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at least
-// one fixed-point unit for up to 2^31 times this many points.
+// Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at
+// least one fixed-point unit for up to 2^31 times this many points.
 const float kRimWeight = 1.0f / 32;
 // Largest gap that is closed: the trip count of an invocation is eight times this.
 const uint kMaxHoleReach_px = 24;
@@ -66,9 +66,11 @@ struct RenderOverlays {
 };
 PALPATE_SIZE(RenderOverlays, 80);
 
-// One frame's constants.
+// One frame's constants. The parts that shaders load whole come first: the validation layer of Debian 12 takes such a
+// load for larger than it is and reports one at the end of a buffer.
 struct RenderFrame {
   RenderView view;
+  RenderOverlays overlays;
   vec3 boundsMin;  // of the cloud
   float depthMin;  // of the bounds, for the ramps
   vec3 boundsMax;
@@ -87,9 +89,8 @@ struct RenderFrame {
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
-  RenderOverlays overlays;
 };
-PALPATE_SIZE(RenderFrame, 80 + 32 + 32 + 48 + 80);
+PALPATE_SIZE(RenderFrame, 80 + 80 + 32 + 32 + 48);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RenderFrames { RenderFrame at[]; };

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <glm/gtc/epsilon.hpp>
 #include <random>
 
 #include "engine/core/error.hpp"

@@ -30,8 +30,8 @@ std::string bytesOf(const std::filesystem::path& path) {
 Image testImage(std::uint32_t width, std::uint32_t height) {
   Image image{width, height, {}};
   for (std::uint32_t i = 0; i < width * height; ++i)
-    image.rgba.push_back({static_cast<std::uint8_t>(i * 7), static_cast<std::uint8_t>(i >> 3),
-                          static_cast<std::uint8_t>(i * i), 255});
+    image.rgba.push_back(
+        {static_cast<std::uint8_t>(i * 7), static_cast<std::uint8_t>(i >> 3), static_cast<std::uint8_t>(i * i), 255});
   return image;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <map>
 #include <random>
 
 #include "engine/render/frame.hpp"
@@ -7,9 +9,13 @@
 
 namespace palpate {
 
-/// Draws clouds on the test GPU.
+/// Draws clouds on the test GPU. A frame of each size serves all tests: under validation its pipelines take seconds.
 class PictureFixture : public GpuFixture {
  protected:
+  Frame& frameOf(std::uint32_t width, std::uint32_t height, std::uint32_t supersample) {
+    static std::map<std::array<std::uint32_t, 3>, Frame> frames;
+    return frames.try_emplace({width, height, supersample}, device, width, height, supersample).first->second;
+  }
   void draw(Frame& frame, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
     CommandList list(device, device.sight(), "test frame");
     list.begin();
@@ -19,7 +25,7 @@ class PictureFixture : public GpuFixture {
   }
   Image picture(const PointCloud& cloud, const Camera& camera, const FrameOptions& options, std::uint32_t width,
                 std::uint32_t height, std::uint32_t supersample = 2) {
-    Frame frame(device, width, height, supersample);
+    Frame& frame = frameOf(width, height, supersample);
     draw(frame, DrawnCloud(device, cloud), camera, options);
     return frame.readColor();
   }

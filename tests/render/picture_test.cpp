@@ -44,7 +44,7 @@ DVec3 colorAt(const Image& image, const Camera& camera, const DVec3& position) {
 TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true normals") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
-  Frame frame(device, kWidth, kHeight);
+  Frame& frame = frameOf(kWidth, kHeight, 2);
   draw(frame, DrawnCloud(device, cloud), camera, optionsFor(cloud, ImagePass::normal));
   const Image image = frame.readColor();
   const DepthImage depths = frame.readDepth();
@@ -89,8 +89,8 @@ TEST_CASE_FIXTURE(PictureFixture, "the background is exactly the colour that was
   cloud.positions = {Vec3(0)};
   FrameOptions options;
   options.background = {12, 200, 77};
-  const Image image = picture(cloud, Camera::fitting(cloud, 1), options, 40, 40);
-  CHECK(std::ranges::count(image.rgba, std::array<std::uint8_t, 4>{12, 200, 77, 255}) >= 40 * 40 - 4);
+  const Image image = picture(cloud, Camera::fitting(cloud, double{kWidth} / kHeight), options, kWidth, kHeight);
+  CHECK(std::ranges::count(image.rgba, std::array<std::uint8_t, 4>{12, 200, 77, 255}) >= kWidth * kHeight - 4);
 }
 
 TEST_CASE_FIXTURE(PictureFixture, "the colour image shows the file's colours") {
@@ -104,17 +104,34 @@ TEST_CASE_FIXTURE(PictureFixture, "the colour image shows the file's colours") {
   CHECK(glm::distance(colorAt(image, camera, {0.5, 0, 0.8}), DVec3(20, 90, 220) / 255.0) < 0.02);
 }
 
+TEST_CASE_FIXTURE(PictureFixture, "a crowd in one place keeps its colour and its normal") {
+  PointCloud cloud;
+  const Vec3 normal = glm::normalize(Vec3(1, 2, 3));
+  cloud.positions.assign(300'000, Vec3(0));
+  cloud.normals.assign(cloud.size(), normal);
+  cloud.colors.assign(cloud.size(), {250, 130, 3, 255});
+  Camera camera;
+  camera.eye = {0.1, 0.2, 3};
+  FrameOptions options;
+  options.splatRadius = 0.01;
+  options.pass = ImagePass::color;
+  const DVec3 color = colorAt(picture(cloud, camera, options, kWidth, kHeight, 1), camera, DVec3(0));
+  CHECK(glm::distance(color, DVec3(250, 130, 3) / 255.0) < 0.01);
+  options.pass = ImagePass::normal;
+  const DVec3 shown = colorAt(picture(cloud, camera, options, kWidth, kHeight, 1), camera, DVec3(0));
+  CHECK(glm::distance(shown, 0.5 + 0.5 * DVec3(normal)) < 0.01);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
   const PointCloud cloud = sphereCloud(2000);
-  const Camera camera = Camera::fitting(cloud, 1);
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
   std::vector<Image> seen;
-  for (const auto pass :
-       {ImagePass::final, ImagePass::depth, ImagePass::normal, ImagePass::color, ImagePass::position})
-    seen.push_back(picture(cloud, camera, optionsFor(cloud, pass), 48, 48));
+  for (const auto pass : {ImagePass::final, ImagePass::depth, ImagePass::normal, ImagePass::color, ImagePass::position})
+    seen.push_back(picture(cloud, camera, optionsFor(cloud, pass), kWidth, kHeight));
   for (const auto color : {ColorBy::normal, ColorBy::depth, ColorBy::height}) {
     FrameOptions options = optionsFor(cloud);
     options.color = color;
-    seen.push_back(picture(cloud, camera, options, 48, 48));
+    seen.push_back(picture(cloud, camera, options, kWidth, kHeight));
   }
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) CHECK(seen[i].rgba != seen[j].rgba);
@@ -161,11 +178,11 @@ TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine
     CHECK(hidden.r - hidden.b < front.r - front.b - 0.1);
     const DVec3 disc = shown({.proxy = Overlays::Disc{{0.3, 0, 1.05}, {0, 0, 1}, 0.2}}, {0.3, 0, 1.05});
     CHECK(disc.b > disc.r + 0.3);
-    const DVec3 shaft = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 0.5, 1.2});
+    const DVec3 shaft = shown({.force = Overlays::Arrow{{0, -0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 0.3, 1.2});
     CHECK(shaft.r > shaft.g + 0.3);
-    const DVec3 head = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0.05, 1.03, 1.2});
+    const DVec3 head = shown({.force = Overlays::Arrow{{0, -0.2, 1.2}, {0, 1, 0}, 0.04}}, {0.05, 0.62, 1.2});
     CHECK(head.r > head.g + 0.2);
-    const DVec3 past = shown({.force = Overlays::Arrow{{0, 0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 1.23, 1.2});
+    const DVec3 past = shown({.force = Overlays::Arrow{{0, -0.2, 1.2}, {0, 1, 0}, 0.04}}, {0, 0.84, 1.2});
     CHECK(std::abs(past.r - past.g) < 0.1);
   }
 }
@@ -181,11 +198,11 @@ TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
 
 TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   const PointCloud cloud = sphereCloud(100);
-  Frame frame(device, 16, 16);
+  Frame& frame = frameOf(kWidth, kHeight, 2);
   const DrawnCloud drawn(device, cloud);
   CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
   list.begin();
-  frame.record(list, drawn, Camera::fitting(cloud, 1), optionsFor(cloud));
+  frame.record(list, drawn, Camera::fitting(cloud, double{kWidth} / kHeight), optionsFor(cloud));
   list.end();
   device.sight().run(list);
   std::vector<std::string> names;

@@ -72,8 +72,7 @@ class Reference {
     const double nearError = depthError + 1e-6 * camera_.nearDepth;
     if (q < 1 + error && depth > camera_.nearDepth - nearError)
       pixel.possible = std::min(pixel.possible, depth - depthError);
-    if (q < 1 - error && depth > camera_.nearDepth + nearError)
-      pixel.sure = std::min(pixel.sure, depth + depthError);
+    if (q < 1 - error && depth > camera_.nearDepth + nearError) pixel.sure = std::min(pixel.sure, depth + depthError);
   }
 
   Camera camera_;
@@ -90,7 +89,7 @@ class SplatDepthFixture : public PictureFixture {
                          std::uint32_t height) {
     CAPTURE(width);
     CAPTURE(height);
-    Frame frame(device, width, height, 1);
+    Frame& frame = frameOf(width, height, 1);
     FrameOptions options;
     options.splatRadius = radius;
     options.closeHoles = false;
@@ -106,28 +105,30 @@ class SplatDepthFixture : public PictureFixture {
 }  // namespace
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "the depth of strewn discs equals the reference at any picture size") {
-  const PointCloud cloud = strewnCloud(600);
-  const auto check = [&](std::uint32_t width, std::uint32_t height, double radius) {
+  const auto check = [&](std::uint32_t width, std::uint32_t height, double radius, std::size_t count = 600) {
+    const PointCloud cloud = strewnCloud(count);
     const Camera camera = Camera::fitting(cloud, double(width) / height);
     CHECK(checkDepth(cloud, camera, radius, width, height) > 0);
   };
   check(1, 1, 0.5);
   check(33, 17, 0.2);
   check(160, 120, 0.06);
-  check(160, 120, 0.001);  // less than a pixel
-  check(320, 240, 0.3);    // many tiles
+  check(160, 120, 0.001);     // less than a pixel
+  check(320, 240, 0.3, 100);  // many tiles
 }
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "no points, one point, and a thousand equal ones") {
   PointCloud cloud;
   Camera camera = Camera::fitting(cloud, 4.0 / 3);
-  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) == 0);
+  CHECK(checkDepth(cloud, camera, 0.1, 160, 120) == 0);
   cloud.positions = {Vec3(-3, -2, -1)};
   camera = Camera::fitting(cloud, 4.0 / 3);
-  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) > 0);
-  CHECK(checkDepth(cloud, camera, 0, 80, 60) == 1);
+  CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);
+  camera.eye += DVec3(0.001, 0.001, 0);  // no longer where four pixels meet
+  camera.target += DVec3(0.001, 0.001, 0);
+  CHECK(checkDepth(cloud, camera, 0, 160, 120) == 1);
   cloud.positions.assign(1000, Vec3(-3, -2, -1));
-  CHECK(checkDepth(cloud, camera, 0.1, 80, 60) > 0);
+  CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);
 }
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plane") {
@@ -136,7 +137,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plan
   camera.eye = {0, 0, 0.2};  // amid the points
   camera.target = {0.3, 0.1, -1};
   camera.nearDepth = 0.05;
-  CHECK(checkDepth(cloud, camera, 0.1, 96, 64) > 0);
+  CHECK(checkDepth(cloud, camera, 0.1, 160, 120) > 0);
 
   PointCloud onPlane;
   onPlane.positions = {Vec3(0, 0, -0.25f), Vec3(0.01f, 0, -0.2499f), Vec3(-0.01f, 0, -0.2501f), Vec3(0, 0, 0),
@@ -146,15 +147,15 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plan
   front.eye = {0, 0, 0};
   front.target = {0, 0, -1};
   front.nearDepth = 0.24;
-  CHECK(checkDepth(onPlane, front, 0.02, 64, 48) > 0);
+  CHECK(checkDepth(onPlane, front, 0.02, 160, 120) > 0);
   front.nearDepth = 0.26;
-  CHECK(checkDepth(onPlane, front, 0.02, 64, 48) == 0);
+  CHECK(checkDepth(onPlane, front, 0.02, 160, 120) == 0);
 }
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "a cloud far from zero looks as it does at zero") {
   const Vec3 far(1000, -2000, 512);
   const PointCloud cloud = strewnCloud(200, far);
-  CHECK(checkDepth(cloud, Camera::fitting(cloud, 1), 0.1, 64, 64) > 0);
+  CHECK(checkDepth(cloud, Camera::fitting(cloud, 4.0 / 3), 0.1, 160, 120) > 0);
 }
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
@@ -166,7 +167,7 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "discs on edge stay thin") {
   }
   Camera camera;
   camera.eye = {0, 0, 3};
-  CHECK(checkDepth(cloud, camera, 0.15, 200, 100) > 0);
+  CHECK(checkDepth(cloud, camera, 0.15, 160, 120) > 0);
 }
 
 }  // namespace palpate

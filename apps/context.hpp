@@ -1,0 +1,57 @@
+// What every subcommand shares: the common options, the log, the GPU, and the machine-readable result.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/log.hpp"
+#include "engine/core/vec.hpp"
+#include "engine/gpu/device.hpp"
+
+namespace palpate {
+
+using Json = nlohmann::ordered_json;
+
+class Context {
+ public:
+  /// Adds the common options; every subcommand accepts them.
+  void addOptions(CLI::App& app);
+
+  Log& log();
+  /// The GPU that --gpu or PALPATE_GPU names, opened at first use.
+  Device& device();
+  unsigned threads() const { return threads_; }
+
+  /// Sends the result where --json says; nothing without it.
+  void writeJson(const Json& result) const;
+  /// With --json - stdout belongs to the result, and tables go to stderr.
+  std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
+
+  /// Closes the GPU; says how many validation messages there were.
+  std::size_t closeDevice();
+
+ private:
+  std::string gpu_, json_;
+  bool validate_ = false, quiet_ = false;
+  unsigned threads_ = 0;
+  std::unique_ptr<Log> log_;
+  std::unique_ptr<Device> device_;
+};
+
+/// What main() runs after the command line has been read.
+using Command = std::function<void()>;
+
+/// Each file of apps/ adds its subcommand: options, help, and what to do.
+void addInfo(CLI::App& app, Context& context, Command& command);
+void addMake(CLI::App& app, Context& context, Command& command);
+void addTouch(CLI::App& app, Context& context, Command& command);
+void addRender(CLI::App& app, Context& context, Command& command);
+void addBench(CLI::App& app, Context& context, Command& command);
+void addDoctor(CLI::App& app, Context& context, Command& command);
+
+/// Reads "x,y,z". Throws UsageError that names `option`.
+DVec3 parseVec3(const std::string& text, const std::string& option);
+
+}  // namespace palpate

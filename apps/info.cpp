@@ -1,0 +1,68 @@
+#include "apps/context.hpp"
+#include "engine/cloud/ply_header.hpp"
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/core/units.hpp"
+#include "engine/touch/memory.hpp"
+
+namespace palpate {
+
+namespace {
+
+double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+void info(Context& context, const std::string& file) {
+  const PlyInfo header = readPlyInfo(file);
+  const PointCloud cloud = readPly(file, &context.log());
+  const Bounds bounds = boundsOf(cloud);
+  const double spacing = meanSpacing(cloud, context.threads());
+  const ModelScale scale = ModelScale::fitting(bounds.longestSide());
+  const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
+  const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
+
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: {} points\n", file, cloud.size());
+  Json elements = Json::object();
+  for (const PlyElement& element : header.elements) {
+    elements[element.name] = element.count;
+    fmt::print(out, "  element {}: {}", element.name, element.count);
+    for (const PlyProperty& property : element.properties) fmt::print(out, " {}", property.name);
+    fmt::print(out, "\n");
+  }
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties\n", cloud.hasNormals() ? "yes" : "no",
+             cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+  fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
+  fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,
+             scale.toMm(spacing), kDefaultLongestSide_mm);
+  fmt::print(out,
+             "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + drawn cloud {:.1f} + edit log {:.1f}\n",
+             mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.drawnCloud),
+             mib(memory.editLog));
+  Json attributes = Json::array();
+  for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
+  context.writeJson({{"points", cloud.size()},
+                     {"elements", elements},
+                     {"normals", cloud.hasNormals()},
+                     {"colors", cloud.hasColors()},
+                     {"attributes", attributes},
+                     {"bounds", {{"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}}},
+                     {"mean_spacing", spacing},
+                     {"mm_per_unit", scale.mm_per_unit},
+                     {"gpu_bytes",
+                      {{"live_cloud", memory.liveCloud},
+                       {"index", memory.index},
+                       {"drawn_cloud", memory.drawnCloud},
+                       {"edit_log", memory.editLog},
+                       {"total", memory.total()}}}});
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app, Context& context, Command& command) {
+  CLI::App* sub = app.add_subcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
+  auto file = std::make_shared<std::string>();
+  sub->add_option("model", *file, "PLY file")->required()->type_name("MODEL");
+  sub->callback([&, file] { command = [&context, file] { info(context, *file); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#include "apps/model.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "engine/cloud/normals.hpp"
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/cloud/spacing.hpp"
+
+namespace palpate {
+
+void addModelOptions(CLI::App& command, ModelOptions& options) {
+  command.add_option("model", options.file, "PLY file: points, normals, colours; everything else is carried or skipped")
+      ->required()
+      ->type_name("MODEL");
+  command
+      .add_option("--mm-per-unit", options.mm_per_unit,
+                  "millimetres per model unit (default: the longest side becomes 100 mm)")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--normals", options.normals,
+                  "keep: the file's, estimated where it has none; estimate: from the points; face: from the faces")
+      ->check(CLI::IsMember({"keep", "estimate", "face"}))
+      ->capture_default_str();
+}
+
+Model loadModel(Context& context, const ModelOptions& options) {
+  Model model;
+  Log& log = context.log();
+  model.cloud = readPly(options.file, &log, {.normalsFromFaces = options.normals == "face"});
+  PointCloud& cloud = model.cloud;
+  if (!cloud.hasNormals() || options.normals == "estimate") {
+    if (!cloud.empty()) log.say("{}: normals are estimated from the points", options.file);
+    estimateNormals(cloud, 16, context.threads());
+  }
+  model.scale = options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit}
+                                        : ModelScale::fitting(boundsOf(cloud).longestSide());
+  model.spacing = meanSpacing(cloud, context.threads());
+  return model;
+}
+
+double supportRadius(const std::string& text, const Model& model) {
+  constexpr double kSpacings = 4;  // about 50 neighbours on an even surface
+  if (text == "auto") {
+    if (model.spacing > 0) return kSpacings * model.spacing;
+    return model.scale.toUnits(1.0);  // nothing to measure: any length will do
+  }
+  double radius_mm = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, radius_mm);
+  if (error != std::errc() || last != end || !(radius_mm > 0) || !std::isfinite(radius_mm))
+    throw UsageError("--radius: '{}' is neither a positive length in mm nor 'auto'", text);
+  return model.scale.toUnits(radius_mm);
+}
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// A model as the subcommands use it: a cloud with normals, its scale, its spacing.
+#pragma once
+
+#include "apps/context.hpp"
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/units.hpp"
+
+namespace palpate {
+
+struct ModelOptions {
+  std::string file;
+  double mm_per_unit = 0;  ///< 0: the longest side becomes 100 mm
+  std::string normals = "keep";
+};
+void addModelOptions(CLI::App& command, ModelOptions& options);
+
+struct Model {
+  PointCloud cloud;
+  ModelScale scale;
+  double spacing = 0;  ///< model units
+};
+/// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
+Model loadModel(Context& context, const ModelOptions& options);
+
+/// Support radius in model units: `text` is a length in mm or `auto`, four spacings.
+double supportRadius(const std::string& text, const Model& model);
+
+}  // namespace palpate

@@ -1,0 +1,101 @@
+#include "apps/picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace palpate {
+
+namespace {
+
+struct Size {
+  std::uint32_t width, height;
+};
+
+// Numbers with a separator between them, to the end of the text.
+template <class T, std::size_t N>
+std::array<T, N> parseList(const std::string& text, char separator, const std::string& option,
+                           const std::string& wanted) {
+  std::array<T, N> values{};
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (std::size_t i = 0; i < N; ++i) {
+    const auto [next, error] = std::from_chars(at, end, values[i]);
+    const bool separated = i + 1 == N ? next == end : next != end && *next == separator;
+    if (error != std::errc() || !separated) throw UsageError("{}: '{}' is not {}", option, text, wanted);
+    at = next + 1;
+  }
+  return values;
+}
+
+Size parseSize(const std::string& text) {
+  const auto [width, height] = parseList<std::uint32_t, 2>(text, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  return {width, height};
+}
+
+FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
+  FrameOptions frame;
+  frame.pass = imagePassNamed(options.pass);
+  frame.color = colorByNamed(options.color);
+  if (!options.background.empty())
+    frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
+  if (options.splatRadius == "auto") {
+    frame.splatRadius = automaticSplatRadius(model.spacing);
+  } else {
+    const double radius_mm = parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
+    if (!(radius_mm > 0) || !std::isfinite(radius_mm))
+      throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
+    frame.splatRadius = model.scale.toUnits(radius_mm);
+  }
+  return frame;
+}
+
+}  // namespace
+
+void addPictureOptions(CLI::App& command, PictureOptions& options) {
+  command.add_option("--size", options.size, "width x height, pixels")->capture_default_str();
+  command.add_option("--camera", options.camera,
+                     "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
+                     "from the front, a little above)");
+  command.add_option("--splat-radius", options.splatRadius, "of a point's disc, mm, or auto")->capture_default_str();
+  command.add_option("--color", options.color, "rgb (the file's, or one material), normal, depth, height")
+      ->capture_default_str();
+  command.add_option("--pass", options.pass, "final, depth, normal, color, position")->capture_default_str();
+  command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
+  command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")->type_name("FILE.pfm");
+  command.add_flag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
+}
+
+void checkPictureOptions(const PictureOptions& options) {
+  parseSize(options.size);
+  frameOptions(options, Model{});
+}
+
+void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
+  fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>10}\n", "section", "pass", "threads", "bytes", "GPU us");
+  for (const PassRecord& pass : passes)
+    fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>10.1f}\n", pass.section, pass.name, pass.threads, pass.bytes,
+               pass.gpu_us);
+}
+
+void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file) {
+  Device& device = context.device();
+  const Size size = parseSize(options.size);
+  const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
+  FrameOptions frameOf = frameOptions(options, model);
+  frameOf.overlays = overlays;
+  Frame frame(device, size.width, size.height);
+  const Camera camera = Camera::parse(options.camera, model.cloud, aspect);
+  CommandList list(device, device.sight(), "frame",
+                   options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
+  list.begin();
+  frame.record(list, drawn, camera, frameOf);
+  list.end();
+  device.sight().run(list);
+  writePng(file, frame.readColor());
+  if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
+  if (options.printFrame) printPasses(context.tables(), list.passes());
+}
+
+}  // namespace palpate

@@ -1,0 +1,25 @@
+// Pictures as `render` and `touch --picture` take them.
+#pragma once
+
+#include "apps/model.hpp"
+#include "engine/render/frame.hpp"
+
+namespace palpate {
+
+struct PictureOptions {
+  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
+  bool printFrame = false;
+};
+void addPictureOptions(CLI::App& command, PictureOptions& options);
+
+/// Checks what can be checked before anything is loaded. Throws UsageError.
+void checkPictureOptions(const PictureOptions& options);
+
+/// Draws `drawn` (the GPU's copy of the model's cloud) into `file`. Says the passes when asked to.
+void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file);
+
+/// The passes of a recording with their threads, bytes and last GPU times.
+void printPasses(std::FILE* out, const std::vector<PassRecord>& passes);
+
+}  // namespace palpate

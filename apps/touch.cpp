@@ -1,0 +1,215 @@
+#include <csignal>
+#include <thread>
+
+#include "apps/picture.hpp"
+#include "apps/touch_report.hpp"
+#include "engine/cloud/ply_writer.hpp"
+#include "haptics/builtin_path.hpp"
+#include "haptics/path_device.hpp"
+#include "haptics/servo_loop.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Picture sizes of the probe, mm on a model of 100 mm.
+constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 3.5, kArrow_mm_per_N = 8, kShaftRadius_mm = 0.5;
+constexpr double kSightRate_Hz = 30;
+
+struct TouchCommandOptions {
+  ModelOptions model;
+  PictureOptions picture;
+  std::string path = "builtin:press", radius = "auto", wait, edit = "none";
+  std::string traceFile, saveFile, pictureFile;
+  double penetration_mm = 2, rate_Hz = 1000, cell_mm = 0, grid = 0;
+  double tau_mm = 0.3, beta = 0.1, toolRadius_mm = 6;
+  bool realtime = false, printTick = false;
+  ForceOptions force;
+};
+
+std::atomic<bool> stopRequested = false;  // what a signal handler may touch
+
+Path pathFor(const TouchCommandOptions& options, const Model& model) {
+  constexpr std::string_view kBuiltin = "builtin:";
+  if (options.path.starts_with(kBuiltin))
+    return builtinPath(options.path.substr(kBuiltin.size()), model.cloud, model.scale, options.penetration_mm);
+  return readPathCsv(options.path);
+}
+
+TouchOptions touchOptions(const TouchCommandOptions& options, const Model& model) {
+  TouchOptions touch{.radius = supportRadius(options.radius, model)};
+  if (options.cell_mm > 0) touch.cell = model.scale.toUnits(options.cell_mm);
+  if (options.grid > 0) touch.cell = boundsOf(model.cloud).longestSide() / options.grid;
+  if (options.edit == "push")
+    touch.push = PushOptions{.tau = model.scale.toUnits(options.tau_mm),
+                             .beta = options.beta,
+                             .toolRadius = model.scale.toUnits(options.toolRadius_mm)};
+  if (options.wait == "spin") touch.wait = Wait::spin;
+  if (options.wait == "poll") touch.wait = Wait::poll;
+  if (options.wait == "block") touch.wait = Wait::block;
+  if (options.printTick) touch.timing = CommandList::Timing::passes;
+  return touch;
+}
+
+Overlays overlaysOf(const TraceRow& row, const Model& model) {
+  const double unitsPer_mm = boundsOf(model.cloud).longestSide() / kDefaultLongestSide_mm;
+  const auto units = [&](double mm) { return mm * unitsPer_mm; };
+  Overlays overlays;
+  overlays.hip = {row.hip - model.cloud.origin, units(kBallRadius_mm)};
+  if (!row.contact) return overlays;
+  const DVec3 proxy = row.proxy - model.cloud.origin;
+  overlays.proxy = {proxy, row.normal, units(kDiscRadius_mm)};
+  overlays.force = {proxy, row.force_N * units(kArrow_mm_per_N), units(kShaftRadius_mm)};
+  return overlays;
+}
+
+// The sight side of a session: the drawn cloud follows the edit log, between ticks in virtual time and on a thread of its
+// own against the wall clock. A failure there waits for finish(), since the hand goes first.
+class SightSide {
+ public:
+  SightSide(Device& device, const PointCloud& cloud, EditLog& log) : drawn_(device, cloud), log_(log) {
+    log.attachReader();
+  }
+
+  TickObserver observer(double rate_Hz) {
+    const auto period = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kSightRate_Hz));
+    return [this, period](const TraceRow&) {
+      if (++ticks_ % period == 0) drawn_.catchUp(log_);
+    };
+  }
+  void follow() {
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      try {
+        while (!stop.stop_requested()) {
+          drawn_.catchUp(log_);
+          std::this_thread::sleep_for(std::chrono::duration<double>(1 / kSightRate_Hz));
+        }
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
+    });
+  }
+  DrawnCloud& finish() {
+    thread_ = {};
+    if (failure_) std::rethrow_exception(failure_);
+    drawn_.catchUp(log_);
+    return drawn_;
+  }
+
+ private:
+  DrawnCloud drawn_;
+  EditLog& log_;
+  std::uint64_t ticks_ = 0;
+  std::exception_ptr failure_;
+  std::jthread thread_;
+};
+
+void touch(Context& context, const TouchCommandOptions& options) {
+  checkPictureOptions(options.picture);
+  if (!options.saveFile.empty() && options.edit == "none") throw UsageError("--save: nothing changes with --edit none");
+  const Model model = loadModel(context, options.model);
+  PathDevice device(pathFor(options, model));
+  const TouchOptions touchOf = touchOptions(options, model);
+  ForceLaw law(options.force, model.scale);
+  ServoOptions servo{.rate_Hz = options.rate_Hz,
+                     .duration_s = device.path().duration_s(),
+                     .realtime = options.realtime,
+                     .stop = &stopRequested};
+  TouchSide touchSide(context.device(), model.cloud, touchOf);
+  std::unique_ptr<SightSide> sight;
+  if (!options.pictureFile.empty())
+    sight = std::make_unique<SightSide>(context.device(), model.cloud, touchSide.editLog());
+
+  ServoLoop loop(device, touchSide, law, servo);
+  std::signal(SIGINT, [](int) { stopRequested = true; });
+  std::signal(SIGTERM, [](int) { stopRequested = true; });
+  if (sight && options.realtime) sight->follow();
+  const ServoResult result = loop.run(sight && !options.realtime ? sight->observer(options.rate_Hz) : TickObserver{});
+  if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
+  touchSide.finish();
+
+  PointCloud sculpted = model.cloud;
+  TouchReport report{.points = model.cloud.size(),
+                     .gpu = context.device().name(),
+                     .build_us = touchSide.buildTime_us(),
+                     .trace = summarize(result.trace),
+                     .edit_us = summarize(touchSide.editTimes_us()),
+                     .skippedEdits = touchSide.skippedEdits(),
+                     .movedPoints = touchOf.push ? touchSide.live().readBack(sculpted) : 0,
+                     .realtimePriority = result.realtimePriority,
+                     .realtime = options.realtime,
+                     .edits = touchOf.push.has_value()};
+  const ContactError error = contactError(result.trace, model, touchOf.radius,
+                                          touchSide.firstEdit().value_or(static_cast<std::uint32_t>(-1)));
+  report.contactError_mm = error.worst_mm;
+  report.contactErrorTicks = error.ticks;
+  if (!options.saveFile.empty()) writePly(options.saveFile, sculpted);
+  if (sight)
+    takePicture(context, model, sight->finish(), options.picture,
+                result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model),
+                options.pictureFile);
+  if (options.printTick) printPasses(context.tables(), touchSide.passes());
+  printReport(context.tables(), report);
+  context.writeJson(toJson(report));
+  if (result.deviceFailed) throw Error("{}", result.fault);
+  if (report.trace.faultTicks) throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
+}
+
+void addForceOptions(CLI::App& sub, ForceOptions& force) {
+  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub.add_option("--max-force", force.maxForce_N, "N; no force is ever larger")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
+  sub.add_option("--edit", options.edit, "none, or push: the surface yields where the HIP is deeper than tau")
+      ->check(CLI::IsMember({"none", "push"}))
+      ->capture_default_str();
+  sub.add_option("--tau", options.tau_mm, "mm")->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub.add_option("--beta", options.beta, "share of the way to the tool's surface that a point goes per tick, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub.add_option("--save", options.saveFile, "write the edited cloud, with everything else the file held")
+      ->type_name("OUT.ply");
+}
+
+}  // namespace
+
+void addTouch(CLI::App& app, Context& context, Command& command) {
+  CLI::App* sub = app.add_subcommand("touch", "the haptic loop, headless: follow a path, feel, edit, trace");
+  auto options = std::make_shared<TouchCommandOptions>();
+  addModelOptions(*sub, options->model);
+  sub->add_option("--path", options->path,
+                  "CSV with columns t_s,x,y,z (s, model units; linear in between), or builtin:press, slide, scan, orbit")
+      ->capture_default_str();
+  sub->add_option("--penetration", options->penetration_mm, "how deep builtin:press goes, mm")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(CLI::Range(1.0, 10'000.0))->capture_default_str();
+  sub->add_flag("--realtime", options->realtime, "against the wall clock (default: virtual time, as fast as it goes)");
+  sub->add_option("--radius", options->radius, "support radius of the surface, mm, or auto (4 spacings)")
+      ->capture_default_str();
+  auto* cell = sub->add_option("--cell", options->cell_mm, "edge of a hash cell, mm (default: the support radius)")
+                   ->check(CLI::PositiveNumber);
+  sub->add_option("--grid", options->grid, "hash cells along the longest side, instead of --cell")
+      ->check(CLI::PositiveNumber)
+      ->excludes(cell);
+  sub->add_option("--wait", options->wait, "for the GPU: spin, poll or block (default: by driver and cores)")
+      ->check(CLI::IsMember({"spin", "poll", "block"}));
+  addForceOptions(*sub, options->force);
+  addEditOptions(*sub, *options);
+  sub->add_option("--trace", options->traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
+      ->type_name("FILE.csv");
+  sub->add_option("--picture", options->pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
+      ->type_name("IMG.png");
+  addPictureOptions(*sub, options->picture);
+  sub->add_flag("--print-tick", options->printTick, "list the passes of a tick with threads, bytes and GPU us");
+  sub->callback([&, options] { command = [&context, options] { touch(context, *options); }; });
+}
+
+}  // namespace palpate
