@@ -23,6 +23,10 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (app.get_subcommands().empty() && !app.remaining().empty()) {
+      fmt::print(stderr, "palpate: there is no subcommand '{}'; see palpate --help\n", app.remaining().front());
+      return 2;
+    }
     return app.exit(error) == 0 ? 0 : 2;
   }
   try {

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 // Picture sizes of the probe, mm on a model of 100 mm.
-constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 3.5, kArrow_mm_per_N = 8, kShaftRadius_mm = 0.5;
+constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 2.5, kArrow_mm_per_N = 15, kShaftRadius_mm = 0.5;
 constexpr double kSightRate_Hz = 30;
 
 struct TouchCommandOptions {
@@ -22,7 +22,7 @@ struct TouchCommandOptions {
   std::string path = "builtin:press", radius = "auto", wait, edit = "none";
   std::string traceFile, saveFile, pictureFile;
   double penetration_mm = 2, rate_Hz = 1000, cell_mm = 0, grid = 0;
-  double tau_mm = 0.3, beta = 0.1, toolRadius_mm = 6;
+  double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
   bool realtime = false, printTick = false;
   ForceOptions force;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 
@@ -11,6 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLongestMove = 0.25;             // of the support radius, in one tick: a resting proxy keeps its surface
+constexpr double kStalest_s = 0.02;               // an older answer says nothing about where the hand is now
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
 
 HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
@@ -77,32 +79,54 @@ void TouchSide::recordEdit(std::uint32_t parity) {
 }
 
 Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
-  Contact contact{.proxy = pose.hip};
-  if (failure_ || !isFinite(pose.hip)) return contact;
+  const Contact invalid{.proxy = pose.hip};
+  if (failure_ || !isFinite(pose.hip)) return invalid;
   try {
-    contact_.pose() = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_};
-    const CommandList& list = *queries_[live_.parity()];
-    Queue& queue = device_.touch();
-    const auto ticket = queue.submit(list);
-    if (!queue.wait(ticket, wait_, budget_us)) {
-      queue.wait(ticket, Wait::block);  // the pose buffer and the list must be free before the next tick
-      return contact;
-    }
-    const shared::ContactSample sample = contact_.sample();
-    collectEdit();
-    log_.publish(sample.logHead);
-    contact.proxy = pose.hip + DVec3(sample.spring);
-    contact.normal = DVec3(sample.normal);
-    contact.touching = sample.touching != 0;
-    contact.neighbours = sample.neighbours;
-    contact.fresh = true;
-    contact.valid = isFinite(contact.proxy) && isFinite(contact.normal);
-    contact.gpu_us = list.sectionTime_us("contact");
-    if (contact.valid) editIfYielding(sample);
+    const Stopwatch watch;
+    // An answer that came too late for its own tick is taken in now; nothing new is asked while one is out.
+    if (asked_ && !answerWithin(budget_us)) return held(pose);
+    ask(pose);
+    if (!answerWithin(budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0)) return held(pose);
+    return last_;
   } catch (...) {
     failure_ = std::current_exception();
-    contact = {.proxy = pose.hip};
+    return invalid;
   }
+}
+
+void TouchSide::ask(const Pose& pose) {
+  contact_.pose() = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_};
+  asked_ = Asked{pose, live_.parity(), device_.touch().submit(*queries_[live_.parity()])};
+}
+
+bool TouchSide::answerWithin(double budget_us) {
+  if (!device_.touch().wait(asked_->ticket, wait_, budget_us)) return false;
+  const Asked asked = *asked_;
+  asked_.reset();
+  const shared::ContactSample sample = contact_.sample();
+  collectEdit();
+  log_.publish(sample.logHead);
+  last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
+           .normal = DVec3(sample.normal),
+           .touching = sample.touching != 0,
+           .fresh = true,
+           .valid = isFinite(sample.spring) && isFinite(sample.normal),
+           .neighbours = sample.neighbours,
+           .gpu_us = queries_[asked.parity]->sectionTime_us("contact")};
+  lastTime_s_ = asked.pose.time_s;
+  if (last_.valid) editIfYielding(sample);
+  return true;
+}
+
+Contact TouchSide::held(const Pose& pose) const {
+  Contact contact{.proxy = pose.hip, .valid = true};
+  if (!last_.valid || !last_.touching || pose.time_s - lastTime_s_ > kStalest_s) return contact;
+  const double depth = glm::dot(last_.proxy - pose.hip, last_.normal);
+  if (depth <= 0) return contact;
+  contact.touching = true;
+  contact.proxy = pose.hip + depth * last_.normal;
+  contact.normal = last_.normal;
+  contact.neighbours = last_.neighbours;
   return contact;
 }
 
@@ -129,6 +153,7 @@ void TouchSide::collectEdit() {
 
 void TouchSide::finish() {
   if (failure_) std::rethrow_exception(failure_);
+  if (asked_) answerWithin(0);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit();
 }

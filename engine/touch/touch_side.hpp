@@ -31,6 +31,8 @@ class TouchSide final : public ContactQuery {
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
+  /// When the GPU is late, the tangent plane at the last proxy answers, up to 20 ms after it was found, and `fresh` says
+  /// so; past that nothing is touched.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Waits for the last edit, and publishes it. Throws what a query could not.
   void finish();
@@ -51,6 +53,17 @@ class TouchSide final : public ContactQuery {
   std::vector<PassRecord> passes() const;
 
  private:
+  // A question that is out.
+  struct Asked {
+    Pose pose;
+    std::uint32_t parity;
+    Queue::Ticket ticket;
+  };
+  void ask(const Pose& pose);
+  // Takes the answer into last_ when it comes within the budget (0: whenever it comes).
+  bool answerWithin(double budget_us);
+  // What the last answer says to a pose that got none of its own: the tangent plane at the last proxy.
+  Contact held(const Pose& pose) const;
   void recordQuery(std::uint32_t parity);
   void recordEdit(std::uint32_t parity);
   void editIfYielding(const shared::ContactSample& sample);
@@ -68,6 +81,9 @@ class TouchSide final : public ContactQuery {
   RefitNormals refit_;
   std::array<std::unique_ptr<CommandList>, 2> queries_, edits_;  // one for each side of the live cloud
   std::uint32_t tick_ = 0;
+  std::optional<Asked> asked_;
+  Contact last_;
+  double lastTime_s_ = 0;
   double buildTime_us_ = 0;
   std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
   std::vector<double> editTimes_us_;

@@ -95,6 +95,16 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring, over its end, where one point
   CHECK(same(drawn, writer.cloud()));
 }
 
+TEST_CASE_FIXTURE(DrawnCloudFixture, "a hundred thousand entries for three points") {
+  const PointCloud cloud = strewnCloud(50'000);
+  DrawnCloud drawn(device, cloud);
+  Writer writer(device, cloud);
+  for (std::uint32_t i = 0; i < 100'003; ++i) writer.write(i % 3);
+  writer.publish();
+  CHECK(drawn.catchUp(writer.log()) == 100'003);
+  CHECK(same(drawn, writer.cloud()));
+}
+
 TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order") {
   const PointCloud cloud = strewnCloud(1000);
   DrawnCloud drawn(device, cloud);

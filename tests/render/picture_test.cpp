@@ -76,6 +76,16 @@ TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true n
   CHECK(wrongNormals == 0);
 }
 
+TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the side that is seen") {
+  PointCloud cloud = sampleShape(*makeShape("plane", 2.0), {.count = 3000});
+  Camera camera;
+  for (const double side : {1.0, -1.0}) {
+    camera.eye = {0.3, 0.2, 3 * side};
+    const Image image = picture(cloud, camera, optionsFor(cloud, ImagePass::normal), kWidth, kHeight);
+    CHECK(glm::distance(colorAt(image, camera, DVec3(0)), 0.5 + 0.5 * DVec3(0, 0, side)) < 0.02);
+  }
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "the same cloud gives the same bytes every time") {
   const PointCloud cloud = sphereCloud();
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);

@@ -150,6 +150,11 @@ TEST_CASE_FIXTURE(SplatDepthFixture, "points beside, behind and on the near plan
   CHECK(checkDepth(onPlane, front, 0.02, 160, 120) > 0);
   front.nearDepth = 0.26;
   CHECK(checkDepth(onPlane, front, 0.02, 160, 120) == 0);
+
+  PointCloud across;
+  across.positions = {Vec3(0, 0, -0.3f)};
+  across.normals = {glm::normalize(Vec3(1, 0, 0.5f))};
+  CHECK(checkDepth(across, front, 0.2, 160, 120) > 0);
 }
 
 TEST_CASE_FIXTURE(SplatDepthFixture, "a cloud far from zero looks as it does at zero") {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/contact/contact_reference.hpp"
+#include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
@@ -114,6 +114,40 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
   PointCloud after = scene.cloud;
   CHECK(touch.live().readBack(after) == 0);
   CHECK(touch.passes().size() == 1);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a late answer is bridged by the tangent plane of the last one, and never for long") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
+  touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
+  const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, 0);
+  REQUIRE(fresh.touching);
+  CHECK(fresh.fresh);
+
+  constexpr double kNoTime_us = 0.001;  // no GPU answers in that
+  Contact late = touch.query({.time_s = 0.002, .hip = {0, 0, 48.5}}, kNoTime_us);
+  if (!late.fresh) {
+    CHECK(late.valid);
+    CHECK(late.touching);
+    CHECK(late.proxy.z == doctest::Approx(fresh.proxy.z).epsilon(1e-4));
+    // Before the plane there is nothing to feel.
+    late = touch.query({.time_s = 0.003, .hip = {0, 0, 52}}, kNoTime_us);
+    if (!late.fresh) CHECK_FALSE(late.touching);
+    late = touch.query({.time_s = 1.0, .hip = {0, 0, 48.5}}, kNoTime_us);
+    if (!late.fresh) CHECK_FALSE(late.touching);
+  }
+  const Contact after = touch.query({.time_s = 1.001, .hip = {0, 0, 48.5}}, 0);
+  CHECK(after.fresh);
+  CHECK(after.valid);
+  touch.finish();
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the memory that is foretold is the memory that is taken, within a twentieth") {
+  for (const std::uint32_t points : {10'000u, 1'000'003u}) {
+    const SpatialHash hash(device, makeHashGrid(Vec3(0), 1, points), points);
+    const auto foretold = static_cast<double>(predictGpuMemory(points, false).index);
+    CHECK(static_cast<double>(hash.bytes()) == doctest::Approx(foretold).epsilon(0.05));
+  }
 }
 
 }  // namespace palpate

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The main job, headless: touch a model, sculpt it while it is felt, and look at it.
+#   bash apps/demo.sh [MODEL.ply]        without a model: the built-in sculpture
+# Installs what is missing, builds the release, and leaves in out/: touch.png, before.png, trace.csv, forces.png,
+# sculpted.ply. The model path is taken from where you stand; out/ lies beside README.md.
+set -euo pipefail
+
+case "${1:-}" in -h | --help) sed -n '2,5s/^# \{0,1\}//p' "$0"; exit 0 ;; esac
+if [ $# -gt 1 ]; then echo "demo.sh: one model at most" >&2; exit 2; fi
+model=${1:+$(realpath "$1")}
+if [ -n "$model" ] && [ ! -f "$model" ]; then echo "demo.sh: $1: no such file" >&2; exit 1; fi
+
+cd "$(dirname "$0")/.."
+bash third_party/install.sh
+cmake --preset release > /dev/null
+cmake --build --preset release
+
+palpate=build/release/palpate
+mkdir -p out
+if [ -z "$model" ]; then
+  model=out/sculpture.ply
+  [ -f "$model" ] || "$palpate" make sculpture -o "$model"
+fi
+
+"$palpate" render "$model" -o out/before.png
+"$palpate" touch "$model" --path builtin:press --penetration 5 \
+  --edit push --tau 1 --beta 0.1 --tool-radius 8 \
+  --picture out/touch.png --trace out/trace.csv --save out/sculpted.ply
+/usr/bin/python3 apps/plot_forces.py out/trace.csv out/forces.png
+echo
+echo "out/touch.png  out/before.png  out/trace.csv  out/forces.png  out/sculpted.ply"

@@ -1,0 +1,257 @@
+// The program as a user meets it: commands, files, exit codes, messages.
+#include <doctest/doctest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/core/vec.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Outcome {
+  int code = 0;
+  std::string text;  // stdout and stderr
+};
+
+Outcome palpate(const std::string& arguments) {
+  const std::string command = std::string(PALPATE_PROGRAM) + " " + arguments + " 2>&1";
+  Outcome outcome;
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe)) outcome.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  INFO(command);
+  INFO(outcome.text);
+  return outcome;
+}
+
+std::string contentOf(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+nlohmann::json jsonOf(const std::filesystem::path& file) { return nlohmann::json::parse(contentOf(file)); }
+
+struct Row {
+  double t_s = 0, penetration_mm = 0;
+  DVec3 hip{0}, proxy{0}, normal{0}, force{0};
+  bool contact = false;
+};
+
+std::vector<Row> readTrace(const std::filesystem::path& file) {
+  std::istringstream lines(contentOf(file));
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line ==
+        "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,"
+        "penetration_mm,contact,neighbours,fresh,gpu_us,step_us");
+  std::vector<Row> rows;
+  while (std::getline(lines, line)) {
+    std::vector<double> cells;
+    std::istringstream in(line);
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(std::stod(cell));
+    REQUIRE(cells.size() == 19);
+    const auto at = [&](std::size_t i) { return DVec3(cells[i], cells[i + 1], cells[i + 2]); };
+    rows.push_back({cells[0], cells[13], at(1), at(4), at(7), at(10), cells[14] != 0});
+  }
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("a press on a sphere: no force outside, along the true normal inside, at the depth that theory gives") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
+  REQUIRE(palpate("make sphere -n 200000 -o " + model).code == 0);
+  REQUIRE(palpate("touch " + model + " --path builtin:press --trace " + trace + " --validate --json " +
+                  (folder / "touch.json").string()).code == 0);
+  const auto rows = readTrace(trace);
+  const double spacing = std::sqrt(4 * 3.14159265358979 * 50 * 50 / 200000), radius = 4 * spacing;
+  const double bias = 0.0694 * radius * radius / 50;
+  std::size_t touched = 0;
+  for (const Row& row : rows) {
+    const double height = glm::length(row.hip) - 50;
+    if (height > 0) {
+      CHECK(row.force == DVec3(0));
+      CHECK_FALSE(row.contact);
+    }
+    if (!row.contact) continue;
+    ++touched;
+    CHECK(angleBetween_deg(row.force, row.hip) < 2);
+    CHECK(angleBetween_deg(row.normal, row.hip) < 0.5);
+    CHECK(50 - glm::length(row.proxy) == doctest::Approx(bias).epsilon(0.15));
+  }
+  CHECK(touched > 200);
+  const auto json = jsonOf(folder / "touch.json");
+  CHECK(json["points"] == 200000);
+  CHECK(json["ticks"] == rows.size());
+  CHECK(json["contact_ticks"] == touched);
+  CHECK(json["peak_force_N"] > 1.0);
+  CHECK(json["contact_error_mm"] < 0.001);
+}
+
+TEST_CASE("virtual time gives the same trace, the same cloud and the same picture, byte by byte") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "torus.ply").string();
+  REQUIRE(palpate("make torus -n 20000 -o " + model).code == 0);
+  for (const char* run : {"a", "b"}) {
+    const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
+    REQUIRE(palpate("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") +
+                    " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200").code == 0);
+  }
+  for (const char* ending : {".csv", ".ply", ".png"}) {
+    CAPTURE(ending);
+    const std::string a = contentOf(folder / ("a" + std::string(ending)));
+    CHECK(!a.empty());
+    CHECK(a == contentOf(folder / ("b" + std::string(ending))));
+  }
+}
+
+TEST_CASE("a push leaves a dent in the saved file, and carries everything else through") {
+  const ScratchFolder folder;
+  const std::string plain = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
+  REQUIRE(palpate("make sphere -n 30000 --ascii -o " + plain).code == 0);
+  // The same cloud with a property that nobody knows.
+  std::istringstream in(contentOf(plain));
+  std::ofstream out(folder / "model.ply");
+  bool body = false;
+  int id = 0;
+  for (std::string line; std::getline(in, line);) {
+    if (line == "end_header") {
+      out << "property int confidence\n" << line << "\n";
+      body = true;
+    } else {
+      out << line;
+      if (body) out << " " << id++;
+      out << "\n";
+    }
+  }
+  out.close();
+  REQUIRE(palpate("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved +
+                  " --json " + (folder / "touch.json").string()).code == 0);
+  const PointCloud before = readPly(folder / "model.ply"), after = readPly(saved);
+  REQUIRE(after.size() == before.size());
+  REQUIRE(after.extra.size() == 1);
+  CHECK(after.extra[0].name == "confidence");
+  CHECK(after.extra[0].data == before.extra[0].data);
+  std::size_t moved = 0;
+  double deepest = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    moved += after.positions[i] != before.positions[i];
+    deepest = std::max(deepest, 50.0 - glm::length(DVec3(after.positions[i])));
+  }
+  CHECK(deepest > 3);
+  CHECK(moved > 50);
+  CHECK(jsonOf(folder / "touch.json")["moved_points"] == moved);
+}
+
+TEST_CASE("real time ends by itself and reports its ticks") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  REQUIRE(palpate("make sphere -n 20000 -o " + model).code == 0);
+  const auto outcome = palpate("touch " + model + " --path builtin:press --realtime --picture " +
+                               (folder / "p.png").string() + " --size 160x100 --json " + (folder / "t.json").string());
+  CHECK(outcome.code == 0);
+  CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
+  CHECK(std::filesystem::exists(folder / "p.png"));
+}
+
+TEST_CASE("info and make tell what there is") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "cube.ply").string();
+  REQUIRE(palpate("make cube -n 1000 -o " + model + " --center 10,20,30 --size 2 --noise 0.01 --seed 3").code == 0);
+  REQUIRE(palpate("info " + model + " --json " + (folder / "info.json").string()).code == 0);
+  const auto json = jsonOf(folder / "info.json");
+  CHECK(json["points"] == 1000);
+  CHECK(json["normals"] == true);
+  CHECK(json["bounds"]["min"][1].get<double>() == doctest::Approx(19).epsilon(0.01));
+  CHECK(json["gpu_bytes"]["total"] > 100'000);
+  CHECK(palpate("info " + model + " --json -").text.find("\"points\": 1000") != std::string::npos);
+}
+
+TEST_CASE("render writes a picture and a depth file; every pass, colour and camera can be asked for") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "torus.ply").string(), image = (folder / "i.png").string();
+  REQUIRE(palpate("make torus -n 5000 -o " + model).code == 0);
+  for (const char* options : {"--depth DEPTH --validate", "--pass normal", "--pass depth", "--color height",
+                              "--camera 'eye=0,0,300 target=0,0,0 up=0,1,0 fov=30'", "--background 255,255,255",
+                              "--splat-radius 3", "--print-frame"}) {
+    CAPTURE(options);
+    std::string text = options;
+    if (const auto at = text.find("DEPTH"); at != std::string::npos) text.replace(at, 5, (folder / "d.pfm").string());
+    CHECK(palpate("render " + model + " -o " + image + " --size 160x100 " + text).code == 0);
+    CHECK(contentOf(image).starts_with("\x89PNG"));
+    std::filesystem::remove(image);
+  }
+  CHECK(contentOf(folder / "d.pfm").starts_with("Pf"));
+}
+
+TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1, in one line, and leaves no file") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), out = (folder / "o.png").string();
+  REQUIRE(palpate("make sphere -n 5000 -o " + model).code == 0);
+  const auto fails = [&](const std::string& arguments, int code, const std::string& reason) {
+    CAPTURE(arguments);
+    const Outcome outcome = palpate(arguments);
+    CHECK(outcome.code == code);
+    CHECK_MESSAGE(outcome.text.find(reason) != std::string::npos, outcome.text);
+  };
+  fails("", 2, "subcommand");
+  fails("fly", 2, "fly");
+  fails("touch " + model + " --rate none", 2, "--rate");
+  fails("touch " + model + " --path builtin:dance", 2, "press");
+  fails("touch " + model + " --edit push --beta 2", 2, "--beta");
+  fails("touch " + model + " --radius -1", 2, "--radius");
+  fails("touch " + model + " --save x.ply", 2, "--edit");
+  fails("render " + model + " -o " + out + " --size 10", 2, "--size");
+  fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
+  fails("render " + model + " -o " + out + " --pass none", 2, "none");
+  fails("make ball -n 10 -o " + out, 2, "sphere");
+  fails("make sphere -n 10 --center 1,2 -o " + out, 2, "--center");
+  fails("info " + (folder / "none.ply").string(), 1, "none.ply");
+  fails("touch " + model + " --path " + (folder / "none.csv").string(), 1, "none.csv");
+  fails("render " + model + " -o " + (folder / "no/where.png").string(), 1, "where.png");
+  fails("render " + model + " -o " + out + " --gpu 'no such card'", 1, "no such card");
+  std::ofstream(folder / "bad.ply") << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+                                       "property float z\nend_header\n0 0 0\n1 nan 1\n";
+  fails("render " + (folder / "bad.ply").string() + " -o " + out, 1, "bad.ply:9");
+  std::ofstream(folder / "bad.csv") << "t_s,x,y,z\n0,0,0,0\n1,2,x,0\n";
+  fails("touch " + model + " --path " + (folder / "bad.csv").string(), 1, "bad.csv:3");
+  CHECK_FALSE(std::filesystem::exists(out));
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    CHECK(entry.path().extension() != ".tmp");
+}
+
+TEST_CASE("doctor, version and help answer") {
+  CHECK(palpate("--version").text.find("palpate ") == 0);
+  CHECK(palpate("--help").code == 0);
+  for (const char* name : {"info", "make", "touch", "render", "bench", "doctor"}) {
+    CHECK(palpate("--help").text.find(name) != std::string::npos);
+    CHECK(palpate(std::string(name) + " --help").code == 0);
+  }
+  const Outcome outcome = palpate("doctor");
+  CHECK(outcome.code == 0);
+  CHECK(outcome.text.find("touch: family") != std::string::npos);
+}
+
+TEST_CASE("bench measures the build and the step") {
+  const ScratchFolder folder;
+  REQUIRE(palpate("bench build step --sizes 5000 --repeat 5 --json " + (folder / "b.json").string()).code == 0);
+  const auto json = jsonOf(folder / "b.json");
+  CHECK(json["build"][0]["points"] == 5000);
+  CHECK(json["build"][0]["steady_us"]["n"] == 5);
+  CHECK(json["step"][0]["edited"]["edit_gpu_us"]["p50"] > 0);
+}
+
+}  // namespace palpate

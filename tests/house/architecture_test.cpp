@@ -1,0 +1,122 @@
+// The rooms of the house and who may know whom: reads every include and holds it against the arrows.
+#include <doctest/doctest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace palpate {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Arrows = std::map<std::string, std::set<std::string>>;
+
+// Who may include whom, besides itself. A single file may stand for the room it is in.
+const Arrows& allowedArrows() {
+  static const Arrows arrows{
+      {"engine/core", {}},
+      {"engine/cloud", {"engine/core"}},
+      {"engine/gpu", {"engine/core"}},
+      {"engine/spatial", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/contact", {"engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/edit", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/touch",
+       {"engine/edit", "engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/render", {"engine/edit/edit_log.hpp", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"haptics", {"engine/core", "engine/cloud"}},
+      {"shaders", {"engine/core/vec.hpp"}},
+      {"apps",
+       {"engine/core", "engine/cloud", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit", "engine/touch",
+        "engine/render", "haptics", "shaders"}},
+  };
+  return arrows;
+}
+
+std::optional<std::string> roomOf(const std::string& path) {
+  for (const auto& [room, unused] : allowedArrows())
+    if (path.starts_with(room + "/")) return room;
+  return std::nullopt;
+}
+
+// What is wrong with `file` (relative to the top) including `included`; nothing when it may.
+std::optional<std::string> complaint(const std::string& file, const std::string& included) {
+  const auto from = roomOf(file);
+  const auto to = roomOf(included);
+  if (!from) return file + " stands in no room";
+  if (!to) return file + " includes \"" + included + "\", which is not written from the top of the tree";
+  const auto& allowed = allowedArrows().at(*from);
+  if (*from == *to || allowed.contains(*to) || allowed.contains(included)) return std::nullopt;
+  return file + " includes \"" + included + "\": there is no arrow from " + *from + " to " + *to;
+}
+
+std::vector<std::string> includesOf(const fs::path& file) {
+  static const std::regex include(R"re(^\s*#\s*include\s*"([^"]+)")re");
+  std::vector<std::string> found;
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);)
+    if (std::smatch match; std::regex_search(line, match, include)) found.push_back(match[1]);
+  return found;
+}
+
+bool isSource(const fs::path& file) {
+  static const std::set<std::string> endings{".cpp", ".hpp", ".h", ".cu", ".cuh", ".comp", ".glsl", ".vert", ".frag"};
+  return endings.contains(file.extension().string());
+}
+
+}  // namespace
+
+TEST_CASE("every include follows an arrow of the house") {
+  const fs::path top = PALPATE_SOURCE_DIR;
+  if (!fs::exists(top / "engine")) {
+    MESSAGE("skipped: the sources are not at " << top.string());
+    return;
+  }
+  std::size_t files = 0, includes = 0;
+  for (const char* folder : {"engine", "haptics", "shaders", "apps"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      if (!entry.is_regular_file() || !isSource(entry.path())) continue;
+      ++files;
+      for (const std::string& included : includesOf(entry.path())) {
+        ++includes;
+        const auto wrong = complaint(fs::relative(entry.path(), top).generic_string(), included);
+        CHECK_MESSAGE(!wrong, wrong.value_or(""));
+      }
+    }
+  }
+  CHECK(files > 50);
+  CHECK(includes > 100);
+}
+
+TEST_CASE("the arrows make no circle") {
+  // Depth-first, with the rooms on the way remembered.
+  std::set<std::string> done;
+  const auto visit = [&](const auto& self, const std::string& room, std::set<std::string> way) -> void {
+    CHECK_MESSAGE(!way.contains(room), room << " knows itself");
+    if (way.contains(room) || done.contains(room)) return;
+    way.insert(room);
+    for (const std::string& next : allowedArrows().at(room)) {
+      if (next.ends_with(".hpp")) continue;  // one header is not a room
+      self(self, next, way);
+    }
+    done.insert(room);
+  };
+  for (const auto& [room, unused] : allowedArrows()) visit(visit, room, {});
+}
+
+TEST_CASE("an include against the arrows is found out") {
+  CHECK(complaint("haptics/servo_loop.cpp", "engine/gpu/device.hpp"));
+  CHECK(complaint("engine/core/log.cpp", "engine/cloud/point_cloud.hpp"));
+  CHECK(complaint("engine/render/frame.cpp", "engine/edit/push_brush.hpp"));
+  CHECK(complaint("engine/gpu/device.cpp", "device.hpp"));
+  CHECK_FALSE(complaint("engine/render/frame.cpp", "engine/edit/edit_log.hpp"));
+  CHECK_FALSE(complaint("apps/touch.cpp", "engine/touch/touch_side.hpp"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds with validation and warnings as errors, and runs every test headless: on lavapipe, or on
+# the GPU that PALPATE_GPU names. What runs on the CPU alone is run again under AddressSanitizer and UBSan, and the GPU
+# tests again with one driver thread, which orders atomics differently. Ends with ctest's summary.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+bash third_party/install.sh
+export PALPATE_GPU=${PALPATE_GPU:-llvmpipe}
+
+cmake --preset dev > /dev/null
+cmake --build --preset dev
+cmake --preset asan > /dev/null
+cmake --build --preset asan --target host_tests
+
+ctest --preset asan -L host --no-tests=error
+if [ "$PALPATE_GPU" = llvmpipe ]; then
+  LP_NUM_THREADS=1 ctest --preset dev -L gpu --no-tests=error
+fi
+ctest --preset dev --no-tests=error
