@@ -74,7 +74,9 @@ class SightSide {
   TickObserver observer(double rate_Hz) {
     const auto period = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kSightRate_Hz));
     return [this, period](const TraceRow&) {
-      if (++ticks_ % period == 0) drawn_.catchUp(log_);
+      // Virtual time waits: no edit is left out because the picture is behind.
+      const bool full = log_.room() < log_.capacity() - log_.capacity() / 4;
+      if (++ticks_ % period == 0 || full) drawn_.catchUp(log_);
     };
   }
   void follow() {

@@ -22,8 +22,9 @@ constexpr double kApproachSlope = 0.7, kSightSlope = 0.3;
 
 constexpr double kOtherSide = -0.3;  // cosine; a neighbour that faces away like this belongs to the back of a sheet
 
-// What a fault costs, against flatness (up to kFlatWorth) and nearness to the middle (up to 1).
-constexpr double kFlatWorth = 2, kHidden = 3, kTwoSided = 4, kObstructed = 6, kFacingAway = 12;
+// What a fault costs, against flatness (up to kFlatWorth), facing the viewer (up to kFacingWorth) and nearness to the
+// middle (up to 1).
+constexpr double kFlatWorth = 2, kFacingWorth = 1, kHidden = 3, kTwoSided = 4, kObstructed = 6, kFacingAway = 12;
 
 struct Surroundings {
   DVec3 normal{0};
@@ -64,7 +65,9 @@ double scoreOf(const SurfaceSample& sample, const Bounds& bounds, const DVec3& p
   if (!around.oneSided) score -= kTwoSided;
   if (!sample.isFree(p, around.normal, kApproachFrom * side, kApproachTo * side, kApproachSlope, kToolRadius * side))
     score -= kObstructed;
-  if (glm::dot(around.normal, kTowardsViewer) < kFacingViewer)
+  const double facing = glm::dot(around.normal, kTowardsViewer);
+  score += kFacingWorth * facing;
+  if (facing < kFacingViewer)
     score -= kFacingAway;
   else if (!sample.isFree(p, kTowardsViewer, kToolRadius * side, kSightTo * side, kSightSlope, kSightWidth * side))
     score -= kHidden;

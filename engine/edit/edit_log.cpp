@@ -8,11 +8,12 @@
 namespace palpate {
 
 namespace {
-constexpr std::uint64_t kSmallestCapacity = 1024;
+// Kept beyond what two ticks could move, so that a reader at 30 Hz may fall a frame behind a brush at 1 kHz.
+constexpr std::uint64_t kLeastSlack = 1 << 18;
 }
 
 std::uint64_t EditLog::capacityFor(std::uint64_t points) {
-  return std::bit_ceil(std::max(2 * points, kSmallestCapacity));
+  return std::bit_ceil(2 * points + std::max(points, kLeastSlack));
 }
 
 EditLog::EditLog(Device& device, std::uint64_t points)

@@ -16,7 +16,8 @@ namespace palpate {
 /// has consumed; neither waits for the other. With no reader attached nothing is kept.
 class EditLog {
  public:
-  /// Holds at least `points` moves twice over, so that a tick that moves the whole cloud fits behind one still unread.
+  /// Holds at least `points` moves twice over, so that a tick that moves the whole cloud fits behind one that has not been
+  /// published yet, and as many again for a reader that is behind.
   EditLog(Device& device, std::uint64_t points);
   /// Entries that a log for so many points holds.
   static std::uint64_t capacityFor(std::uint64_t points);

@@ -70,7 +70,11 @@ Instance::Instance(bool validate) : validates_(validate) {
                                   .ppEnabledLayerNames = layers.data(),
                                   .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
                                   .ppEnabledExtensionNames = extensions.data()};
-  checkVk(vkCreateInstance(&info, nullptr, &instance_), "vkCreateInstance", kLoader);
+  const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
+  if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
+    throw GpuError("the Vulkan loader found no driver that it could load; install one (mesa-vulkan-drivers has a software "
+                   "driver), or see what VK_LOADER_DEBUG=all says");
+  checkVk(result, "vkCreateInstance", kLoader);
   volkLoadInstanceOnly(instance_);
   if (validate)
     checkVk(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_),

@@ -1,5 +1,7 @@
 #include "engine/contact/contact_step.hpp"
 
+#include <algorithm>
+
 #include "engine/contact/contact_reference.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/touch/touch_side.hpp"
@@ -49,16 +51,18 @@ TEST_CASE_FIXTURE(ContactFixture, "GPU and reference agree over random paths on 
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 20'000);
+    std::vector<DVec3> path;
     for (const std::uint32_t seed : {1u, 2u, 3u}) {
-      CAPTURE(seed);
-      const Story story = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, seed));
-      CHECK(story.touched > 30);
-      CHECK(story.touched < story.ticks);
-      CHECK(story.disagreed == 0);
-      CHECK(story.worstProxy < 1e-4);
-      CHECK(story.worstNormal_deg < 0.1);
-      CHECK(story.neighboursDiffer < story.ticks / 20);  // points within rounding of the support radius
+      std::ranges::copy(wanderingPath(scene, 150, 0.5 * scene.radius, seed), std::back_inserter(path));
+      path.push_back(1000.0 * path.back());  // lets go before the next place
     }
+    const Story story = compare(scene, path);
+    CHECK(story.touched > 90);
+    CHECK(story.touched < story.ticks);
+    CHECK(story.disagreed == 0);
+    CHECK(story.worstProxy < 1e-4);
+    CHECK(story.worstNormal_deg < 0.1);
+    CHECK(story.neighboursDiffer < story.ticks / 20);  // points within rounding of the support radius
   }
 }
 

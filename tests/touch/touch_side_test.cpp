@@ -87,13 +87,15 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
-  const Scene scene = makeScene("sphere", 5'000);
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = PushOptions{.tau = 0.1, .beta = 0.1, .toolRadius = 60}});
+  // A wide tool, deep inside: every tick moves a fifth of the points, a little.
+  const Scene scene = makeScene("sphere", 60'000);
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius, .push = PushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
   touch.editLog().attachReader();
-  press(touch, 3, 200);
+  press(touch, 20, 100);
   touch.finish();
   CHECK(touch.skippedEdits() > 0);
-  CHECK(touch.editLog().unread().size() > 0);
+  CHECK(touch.editLog().unread().size() > scene.cloud.size());
   CHECK(touch.editLog().unread().size() <= touch.editLog().capacity());
 }
 
