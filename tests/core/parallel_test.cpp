@@ -1,0 +1,49 @@
+#include "engine/core/parallel.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+TEST_CASE("every index is visited once, whatever the number of threads") {
+  for (const std::size_t count : {0u, 1u, 1023u, 1024u, 1025u, 100'003u}) {
+    for (const unsigned threads : {0u, 1u, 2u, 7u}) {
+      std::vector<std::atomic<int>> visits(count);
+      parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) ++visits[i];
+      });
+      bool once = true;
+      for (const auto& visit : visits) once = once && visit == 1;
+      CHECK(once);
+    }
+  }
+}
+
+TEST_CASE("an exception in a worker comes out here") {
+  const auto failing = [](std::size_t begin, std::size_t) {
+    if (begin > 0) throw std::runtime_error("worker");
+  };
+  CHECK_THROWS_WITH(parallelFor(100'000, 4, failing), "worker");
+}
+
+TEST_CASE("the frame around any normal is right-handed and orthonormal") {
+  for (const DVec3 direction : {DVec3(0, 0, 1), DVec3(0, 0, -1), DVec3(1, 0, 0), DVec3(0.3, -0.4, -0.86602540378)}) {
+    const Frame3 frame = frameAround(glm::normalize(direction));
+    CHECK(std::abs(glm::dot(frame.u, frame.v)) < 1e-9);
+    CHECK(std::abs(glm::dot(frame.u, frame.n)) < 1e-9);
+    CHECK(glm::length(frame.u) == doctest::Approx(1));
+    CHECK(glm::length(glm::cross(frame.u, frame.v) - frame.n) < 1e-9);
+  }
+}
+
+TEST_CASE("angles are right from nothing to half a turn") {
+  CHECK(angleBetween_deg({1, 0, 0}, {1, 1e-9, 0}) == doctest::Approx(5.7295779513e-8));
+  CHECK(angleBetween_deg({1, 0, 0}, {0, 2, 0}) == doctest::Approx(90));
+  CHECK(angleBetween_deg({1, 0, 0}, {-3, 0, 0}) == doctest::Approx(180));
+}
+
+}  // namespace palpate

@@ -1,0 +1,159 @@
+#include "engine/gpu/command_list.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/gpu/transfer.hpp"
+#include "shaders/test_shaders.hpp"
+#include "tests/gpu/add_one.h"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+class CommandListFixture : public GpuFixture {
+ protected:
+  Buffer words(std::uint64_t count, Memory memory = Memory::device) {
+    return Buffer::of<std::uint32_t>(device, count, memory, "words");
+  }
+  shared::AddOneArgs args(const Buffer& from, const Buffer& to, std::uint32_t count) {
+    return {.from = from.address(), .to = to.address(), .count = count, .unused = 0};
+  }
+
+  ComputePipeline addOne{device, shader_code::gpu_add_one, {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)}};
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, without a word about barriers") {
+  constexpr std::uint32_t kCount = 10'007, kRounds = 20;
+  const Buffer a = words(kCount), b = words(kCount);
+  CommandList list(device, device.touch(), "chain");
+  list.begin();
+  list.fill(a, 5, a.bytes());
+  for (std::uint32_t round = 0; round < kRounds; ++round) {
+    list.dispatch(addOne, kCount, args(a, b, kCount));
+    list.dispatch(addOne, kCount, args(b, a, kCount));
+  }
+  list.end();
+  for (int run = 1; run <= 3; ++run) device.touch().run(list);  // recorded once, submitted often
+  CHECK(download<std::uint32_t>(device, a, kCount) == std::vector<std::uint32_t>(kCount, 5 + 2 * kRounds));
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see each other's work, on either queue") {
+  constexpr std::uint32_t kCount = 1000;
+  const Buffer a = words(kCount), b = words(kCount);
+  for (Queue* queue : {&device.touch(), &device.sight()}) {
+    CommandList fill(device, *queue, "fill"), add(device, *queue, "add");
+    fill.begin();
+    fill.fill(a, 1, a.bytes());
+    fill.end();
+    add.begin();
+    add.dispatch(addOne, kCount, args(a, b, kCount));
+    add.copy(b, a, a.bytes());
+    add.end();
+    queue->submit(fill);
+    Queue::Ticket last = 0;
+    for (int i = 0; i < 20; ++i) {  // more than may be in flight
+      if (last) queue->wait(last);
+      last = queue->submit(add);
+    }
+    CHECK(queue->wait(last));
+    CHECK(queue->isDone(last));
+    CHECK(download<std::uint32_t>(device, a, kCount) == std::vector<std::uint32_t>(kCount, 21));
+  }
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "commands in an independent scope all run, and what follows waits for all of them") {
+  constexpr std::uint32_t kCount = 5000;
+  const Buffer zero = words(kCount), a = words(kCount), b = words(kCount), sum = words(kCount);
+  CommandList list(device, device.touch(), "independent");
+  list.begin();
+  list.fill(zero, 0, zero.bytes());
+  {
+    const auto overlap = list.independent();
+    list.dispatch(addOne, kCount, args(zero, a, kCount));
+    list.dispatch(addOne, kCount, args(zero, b, kCount));
+  }
+  list.dispatch(addOne, kCount, args(a, sum, kCount));
+  list.end();
+  device.touch().run(list);
+  CHECK(download<std::uint32_t>(device, b, kCount) == std::vector<std::uint32_t>(kCount, 1));
+  CHECK(download<std::uint32_t>(device, sum, kCount) == std::vector<std::uint32_t>(kCount, 2));
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted and timed") {
+  const Buffer a = words(100'000), b = words(100'000);
+  CommandList list(device, device.touch(), "timed", CommandList::Timing::passes);
+  list.begin();
+  {
+    const auto outer = list.section("outer");
+    const auto inner = list.section("inner");
+    list.fill(a, 7, a.bytes());
+    list.dispatch(addOne, 100'000, args(a, b, 100'000));
+    list.dispatch(addOne, 0, args(a, b, 0));  // nothing to do records nothing
+  }
+  list.end();
+  CHECK(list.sectionTime_us("outer") == 0);  // it has not run
+  device.touch().run(list);
+  const auto passes = list.passes();
+  REQUIRE(passes.size() == 2);
+  CHECK(passes[0].name == "fill words");
+  CHECK(passes[0].bytes == 400'000);
+  CHECK(passes[1].name == "gpu_add_one");
+  CHECK(passes[1].section == "outer/inner");
+  CHECK(passes[1].threads == 100'000);
+  CHECK(passes[1].gpu_us > 0);
+  CHECK(list.sectionTime_us("outer") >= list.sectionTime_us("outer/inner"));
+  CHECK(list.sectionTime_us("outer/inner") >= passes[1].gpu_us);
+  CHECK(list.sectionTime_us("elsewhere") == 0);
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "buffers go up and come back whole, of any size, in pieces where they are large") {
+  for (const std::size_t count : {0u, 1u, 3u, 65'537u, 17'000'001u}) {
+    CAPTURE(count);
+    std::vector<std::uint32_t> values(count);
+    std::iota(values.begin(), values.end(), 3u);
+    const Buffer buffer = words(count);
+    CHECK(buffer.address() != 0);
+    upload(device, buffer, values);
+    CHECK(download<std::uint32_t>(device, buffer, count) == values);
+  }
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "mapped buffers are seen from both sides, and move without losing hold") {
+  Buffer input = words(100, Memory::upload);
+  Buffer output = words(100, Memory::readback);
+  std::ranges::fill(input.mapped<std::uint32_t>(), 41u);
+  const Buffer moved = std::move(input);
+  CommandList list(device, device.touch(), "mapped");
+  list.begin();
+  list.dispatch(addOne, 100, args(moved, output, 100));
+  list.end();
+  device.touch().run(list);
+  for (const std::uint32_t value : output.mapped<std::uint32_t>()) CHECK(value == 42);
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "a buffer that cannot fit is refused with its name, its size and the device") {
+  const auto tooLarge = [&] { Buffer(device, 1ull << 60, Memory::device, "the whole world"); };
+  CHECK_THROWS_WITH_AS(tooLarge(), doctest::Contains("the whole world"), OutOfGpuMemory);
+  CHECK_THROWS_WITH_AS(tooLarge(), doctest::Contains(device.name().c_str()), OutOfGpuMemory);
+}
+
+TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up") {
+  Device device({.gpu = "", .validate = true});
+  const Buffer a = Buffer::of<std::uint32_t>(device, 16, Memory::device, "too small");
+  const ComputePipeline addOne(device, shader_code::gpu_add_one,
+                               {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)});
+  CommandList list(device, device.touch(), "mistaken");
+  list.begin();
+  // Reads far past the end of every buffer: only GPU-assisted validation can see it.
+  list.dispatch(addOne, 1,
+                shared::AddOneArgs{.from = a.address() + (1ull << 40), .to = a.address(), .count = 1, .unused = 0});
+  list.end();
+  device.touch().run(list);
+  CHECK(device.instance().messages().count() > 0);
+}
+
+}  // namespace palpate

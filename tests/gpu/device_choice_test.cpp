@@ -1,0 +1,105 @@
+#include "engine/gpu/device_choice.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+
+#include "engine/gpu/command_list.hpp"
+
+namespace palpate {
+
+namespace {
+
+const std::array kGpus{GpuDescription{"llvmpipe (LLVM 15)", VK_PHYSICAL_DEVICE_TYPE_CPU},
+                       GpuDescription{"Intel Iris", VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU},
+                       GpuDescription{"NVIDIA H200", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU},
+                       GpuDescription{"NVIDIA T4", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU}};
+
+VkQueueFamilyProperties family(VkQueueFlags flags, std::uint32_t count) { return {.queueFlags = flags, .queueCount = count}; }
+
+constexpr VkQueueFlags kGraphics = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
+constexpr VkQueueFlags kCompute = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
+
+}  // namespace
+
+TEST_CASE("without a wish the first discrete GPU is taken, then integrated, then CPU") {
+  CHECK(chooseGpu(kGpus, "") == 2);
+  CHECK(chooseGpu(std::span(kGpus).first(2), "") == 1);
+  CHECK(chooseGpu(std::span(kGpus).first(1), "") == 0);
+}
+
+TEST_CASE("a GPU is chosen by number or by part of its name in any case") {
+  CHECK(chooseGpu(kGpus, "0") == 0);
+  CHECK(chooseGpu(kGpus, "3") == 3);
+  CHECK(chooseGpu(kGpus, "t4") == 3);
+  CHECK(chooseGpu(kGpus, "LLVMPIPE") == 0);
+}
+
+TEST_CASE("a wish that cannot be met names the GPUs there are") {
+  CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "4"), doctest::Contains("NVIDIA T4"), GpuError);
+  CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "radeon"), doctest::Contains("Intel Iris"), GpuError);
+  CHECK_THROWS_WITH_AS(chooseGpu({}, ""), doctest::Contains("mesa-vulkan-drivers"), GpuError);
+}
+
+TEST_CASE("touch gets a compute-only family, sight the graphics family") {
+  const std::array families{family(kGraphics, 16), family(VK_QUEUE_TRANSFER_BIT, 2), family(kCompute, 8)};
+  const auto roles = chooseQueues(families);
+  REQUIRE(roles);
+  CHECK(roles->touch == QueueChoice{2, 0});
+  CHECK(roles->sight == QueueChoice{0, 0});
+  CHECK_FALSE(roles->shared());
+}
+
+TEST_CASE("touch gets a second queue of the same family where there is no other") {
+  const std::array families{family(kGraphics, 4)};
+  const auto roles = chooseQueues(families);
+  REQUIRE(roles);
+  CHECK(roles->touch == QueueChoice{0, 1});
+  CHECK_FALSE(roles->shared());
+}
+
+TEST_CASE("a single queue is shared") {
+  const std::array families{family(kGraphics, 1)};
+  CHECK(chooseQueues(families)->shared());
+}
+
+TEST_CASE("a GPU without graphics computes and draws on one family; one that cannot compute is of no use") {
+  const std::array computeOnly{family(kCompute, 2)};
+  const auto roles = chooseQueues(computeOnly);
+  REQUIRE(roles);
+  CHECK(roles->sight.family == 0);
+  CHECK(roles->touch == QueueChoice{0, 1});
+  const std::array transferOnly{family(VK_QUEUE_TRANSFER_BIT, 2)};
+  CHECK_FALSE(chooseQueues(transferOnly));
+}
+
+TEST_CASE("missing features are named, all of them, with the device") {
+  const std::array some{FeatureState{"bufferDeviceAddress", false}, FeatureState{"scalarBlockLayout", true},
+                        FeatureState{"synchronization2", false}};
+  CHECK_THROWS_WITH_AS(requireFeatures(some, "Old GPU"), doctest::Contains("Old GPU lacks bufferDeviceAddress, synchronization2"),
+                       GpuError);
+  CHECK_NOTHROW(requireFeatures(std::span(some).subspan(1, 1), "Old GPU"));
+}
+
+TEST_CASE("a failed call becomes an error of its kind that names call and device") {
+  CHECK_NOTHROW(checkVk(VK_SUCCESS, "vkQueueSubmit2", "GPU"));
+  CHECK_NOTHROW(checkVk(VK_TIMEOUT, "vkWaitForFences", "GPU"));
+  CHECK_THROWS_WITH_AS(checkVk(VK_ERROR_DEVICE_LOST, "vkQueueSubmit2", "GPU"),
+                       doctest::Contains("GPU: vkQueueSubmit2 failed with VK_ERROR_DEVICE_LOST"), DeviceLost);
+  CHECK_THROWS_AS(checkVk(VK_ERROR_OUT_OF_DEVICE_MEMORY, "vkAllocateMemory", "GPU"), OutOfGpuMemory);
+  CHECK_THROWS_AS(checkVk(VK_ERROR_OUT_OF_HOST_MEMORY, "vkAllocateMemory", "GPU"), OutOfGpuMemory);
+  CHECK_THROWS_AS(checkVk(VK_ERROR_INITIALIZATION_FAILED, "vkCreateDevice", "GPU"), GpuError);
+}
+
+TEST_CASE("a grid past one axis goes to a second, covers all groups and wastes less than a row each") {
+  for (const std::uint64_t groups : {1ull, 65'535ull, 65'536ull, 65'537ull, 1'000'003ull, 400'000'000ull}) {
+    const GroupGrid grid = groupGrid(groups, 65'535);
+    CHECK(grid.x <= 65'535);
+    CHECK(grid.y <= 65'535);
+    CHECK(std::uint64_t{grid.x} * grid.y >= groups);
+    CHECK(std::uint64_t{grid.x} * grid.y < groups + grid.y);
+  }
+  CHECK_THROWS_AS(groupGrid(5'000'000'000ull, 65'535), GpuError);
+}
+
+}  // namespace palpate
