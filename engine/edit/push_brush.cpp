@@ -28,17 +28,4 @@ void PushBrush::record(CommandList& list, const LiveCloud::Side& side, std::uint
                                  .unused = 0});
 }
 
-RefitNormals::RefitNormals(Device& device)
-    : refit_(device, shader_code::edit_refit_normals, {.pushBytes = sizeof(shared::RefitNormalsArgs)}) {}
-
-void RefitNormals::record(CommandList& list, const shared::CloudView& cloud, const EditLog& log, double radius) const {
-  const auto section = list.section("refit normals");
-  list.dispatch(refit_, cloud.count,
-                shared::RefitNormalsArgs{.cloud = cloud,
-                                         .entries = log.entries(),
-                                         .head = log.head(),
-                                         .capacityMask = static_cast<std::uint32_t>(log.capacity() - 1),
-                                         .radius = static_cast<float>(radius)});
-}
-
 }  // namespace palpate

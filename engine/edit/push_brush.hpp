@@ -1,7 +1,6 @@
 #pragma once
 
 #include "engine/contact/contact_step.hpp"
-#include "engine/edit/edit_log.hpp"
 
 namespace palpate {
 
@@ -26,16 +25,6 @@ class PushBrush {
  private:
   PushOptions options_;
   ComputePipeline push_;
-};
-
-/// Gives every marked point the normal of its new surroundings and writes its move into the log.
-class RefitNormals {
- public:
-  explicit RefitNormals(Device& device);
-  void record(CommandList& list, const shared::CloudView& cloud, const EditLog& log, double radius) const;
-
- private:
-  ComputePipeline refit_;
 };
 
 }  // namespace palpate

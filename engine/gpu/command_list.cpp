@@ -86,18 +86,32 @@ void CommandList::orderAfterPrevious() {
 
 void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads,
                                 std::span<const std::byte> args) {
-  PALPATE_CHECK_EQ(args.size(), pipeline.pushBytes());
   if (threads == 0) return;
   const std::uint64_t size = pipeline.workgroupSize();
   const GroupGrid grid =
       groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
   orderAfterPrevious();
   openPass(pipeline.name(), threads, args.size());
+  bind(pipeline, args);
+  device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
+  closePass();
+}
+
+void CommandList::dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups,
+                                        std::span<const std::byte> args) {
+  PALPATE_CHECK_LE(sizeof(VkDispatchIndirectCommand), groups.bytes());
+  orderAfterPrevious();
+  openPass(pipeline.name(), 0, args.size());
+  bind(pipeline, args);
+  device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), 0);
+  closePass();
+}
+
+void CommandList::bind(const ComputePipeline& pipeline, std::span<const std::byte> args) {
+  PALPATE_CHECK_EQ(args.size(), pipeline.pushBytes());
   device_.vk().vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
   device_.vk().vkCmdPushConstants(commands_, pipeline.layout(), VK_SHADER_STAGE_COMPUTE_BIT, 0, pipeline.pushBytes(),
                                   args.data());
-  device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
-  closePass();
 }
 
 void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset,

@@ -21,7 +21,7 @@ class Queue;
 struct PassRecord {
   std::string section;
   std::string name;
-  std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills
+  std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills, and where the GPU decides
   std::uint64_t bytes = 0;    ///< bytes of the arguments, or moved by a copy or fill
   double gpu_us = 0;          ///< last measured time; 0 unless every pass is timed
 };
@@ -46,6 +46,12 @@ class CommandList {
   void dispatch(const ComputePipeline& pipeline, std::uint64_t threads, const Args& args) {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
     dispatchBytes(pipeline, threads, std::as_bytes(std::span(&args, 1)));
+  }
+  /// The same for a number of workgroups that an earlier pass wrote: three uint32 (x, y, z) at the start of `groups`.
+  template <class Args>
+  void dispatchIndirect(const ComputePipeline& pipeline, const Buffer& groups, const Args& args) {
+    static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
+    dispatchIndirectBytes(pipeline, groups, std::as_bytes(std::span(&args, 1)));
   }
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
             std::uint64_t toOffset = 0);
@@ -90,6 +96,8 @@ class CommandList {
   enum class Overlap { no, first, yes };
 
   void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args);
+  void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args);
+  void bind(const ComputePipeline& pipeline, std::span<const std::byte> args);
   void orderAfterPrevious();
   void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
   void closePass();

@@ -31,7 +31,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       hash_(device, gridFor(cloud, options), live_.count()),
       contact_(device, options.radius, live_.count()),
       log_(device, options.push ? live_.count() : 0),
-      refit_(device) {
+      refit_(device, options.push ? live_.count() : 0) {
   if (options.push) {
     push_.emplace(device, *options.push);
     editTimes_us_.reserve(kEditTimesReserved);

@@ -9,6 +9,7 @@
 #include "engine/core/contact_query.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/push_brush.hpp"
+#include "engine/edit/refit_normals.hpp"
 #include "engine/gpu/queue.hpp"
 
 namespace palpate {

@@ -5,8 +5,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// Rounds of the neighbour loop of one point while its normal is refitted. Past it the normal comes from the points seen so
-// far; reached only where a thousand points share a place.
+// Rounds of the neighbour loop of one invocation while a normal is refitted. Past it the normal comes from the points seen
+// so far; reached only where a hundred thousand points share a place.
 const uint kRefitWorkBudget = 20000;
 
 struct PushArgs {
@@ -22,14 +22,33 @@ struct PushArgs {
 };
 PALPATE_SIZE(PushArgs, 48);
 
+struct CollectMovedArgs {
+  PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(Uints) moved;       // places of the marked points in the hash order, in any order
+  PALPATE_ADDRESS(Uints) movedCount;  // zero before
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(CollectMovedArgs, 32);
+
+struct PlanRefitArgs {
+  PALPATE_ADDRESS(Uints) movedCount;
+  PALPATE_ADDRESS(Uints) groups;  // x, y, z of the indirect dispatch
+  uint pointsPerGroup;
+  uint largestAxis;
+};
+PALPATE_SIZE(PlanRefitArgs, 24);
+
 struct RefitNormalsArgs {
   CloudView cloud;
+  PALPATE_ADDRESS(Uints) moved;
+  PALPATE_ADDRESS(Uints) movedCount;
   PALPATE_ADDRESS(EditEntries) entries;
   PALPATE_ADDRESS(Uints) head;
   uint capacityMask;  // entries in the ring, less one; a power of two less one
   float radius;       // support radius, model units
 };
-PALPATE_SIZE(RefitNormalsArgs, 72);
+PALPATE_SIZE(RefitNormalsArgs, 88);
 
 PALPATE_SHARED_END
 #endif

@@ -5,9 +5,10 @@
 #include <set>
 
 #include "engine/cloud/eigen3.hpp"
+#include "engine/contact/surface_reference.hpp"
+#include "engine/edit/refit_normals.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
-#include "engine/contact/surface_reference.hpp"
 #include "shaders/shared/edit.h"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
@@ -82,7 +83,7 @@ class PushFixture : public GpuFixture {
     const SpatialHash hash(device, makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
     const EditLog log(device, cloud.size());
     const PushBrush brush(device, options);
-    const RefitNormals refit(device);
+    const RefitNormals refit(device, live.count());
     const Buffer state = Buffer::of<shared::ContactState>(device, 1, Memory::device, "state");
     upload(device, state,
            std::vector<shared::ContactState>{

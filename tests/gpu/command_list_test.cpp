@@ -83,6 +83,23 @@ TEST_CASE_FIXTURE(CommandListFixture, "commands in an independent scope all run,
   CHECK(download<std::uint32_t>(device, sum, kCount) == std::vector<std::uint32_t>(kCount, 2));
 }
 
+TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch runs as many workgroups as an earlier pass wrote, and may run none") {
+  constexpr std::uint32_t kCount = 1000;
+  const Buffer a = words(kCount), b = words(kCount), groups = words(3);
+  for (const std::uint32_t wanted : {0u, 1u, 3u, 16u}) {
+    upload(device, groups, std::vector<std::uint32_t>{wanted, 1, 1});
+    CommandList list(device, device.touch(), "indirect");
+    list.begin();
+    list.fill(a, 8, a.bytes());
+    list.fill(b, 0, b.bytes());
+    list.dispatchIndirect(addOne, groups, args(a, b, kCount));
+    list.end();
+    device.touch().run(list);
+    const auto values = download<std::uint32_t>(device, b, kCount);
+    CHECK(std::ranges::count(values, 9u) == std::min(wanted * 64, kCount));
+  }
+}
+
 TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted and timed") {
   const Buffer a = words(100'000), b = words(100'000);
   CommandList list(device, device.touch(), "timed", CommandList::Timing::passes);

@@ -5,7 +5,6 @@
 #include <fstream>
 #include <map>
 #include <optional>
-#include <regex>
 #include <set>
 #include <sstream>
 #include <string>
@@ -57,11 +56,15 @@ std::optional<std::string> complaint(const std::string& file, const std::string&
 }
 
 std::vector<std::string> includesOf(const fs::path& file) {
-  static const std::regex include(R"re(^\s*#\s*include\s*"([^"]+)")re");
   std::vector<std::string> found;
   std::ifstream in(file);
-  for (std::string line; std::getline(in, line);)
-    if (std::smatch match; std::regex_search(line, match, include)) found.push_back(match[1]);
+  for (std::string line; std::getline(in, line);) {
+    std::erase_if(line, [](char c) { return c == ' ' || c == '\t'; });
+    constexpr std::string_view kInclude = "#include\"";
+    if (!line.starts_with(kInclude)) continue;
+    const auto end = line.find('"', kInclude.size());
+    found.push_back(line.substr(kInclude.size(), end - kInclude.size()));
+  }
   return found;
 }
 

@@ -92,7 +92,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, neve
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .push = PushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
   touch.editLog().attachReader();
-  press(touch, 20, 100);
+  press(touch, 20, 80);
   touch.finish();
   CHECK(touch.skippedEdits() > 0);
   CHECK(touch.editLog().unread().size() > scene.cloud.size());
