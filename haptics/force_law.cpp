@@ -32,7 +32,7 @@ void ForceLaw::limitTo(double peakForce_N) noexcept {
 void ForceLaw::reset() noexcept {
   touching_ = false;
   stretch_mm_ = DVec3(0);
-  force_N_ = 0;
+  force_N_ = DVec3(0);
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
@@ -54,19 +54,24 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   touching_ = true;
   stretch_mm_ = stretch_mm;
   // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
-  const bool pushes = glm::dot(force_N, contact.normal) > 0;
-  const DVec3 result = pushes ? limited(force_N, dt_s) : DVec3(0);
-  force_N_ = glm::length(result);
-  return result;
+  const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
+  const DVec3 result = pushes(force_N) ? limited(force_N, dt_s) : DVec3(0);
+  force_N_ = pushes(result) ? result : DVec3(0);
+  return force_N_;
 }
 
-DVec3 ForceLaw::limited(const DVec3& force_N, double dt_s) const noexcept {
-  const double magnitude_N = glm::length(force_N);
-  const double rise_N = dt_s > 0 ? options_.maxRise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
-  const double allowed_N = std::min(options_.maxForce_N, force_N_ + rise_N);
-  if (magnitude_N <= allowed_N) return force_N;
-  if (!std::isfinite(magnitude_N)) return DVec3(0);  // the squares overflowed
-  return force_N * (allowed_N / magnitude_N);
+DVec3 ForceLaw::limited(const DVec3& target_N, double dt_s) const noexcept {
+  const double wanted_N = glm::length(target_N);
+  if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
+  const double size_N = std::min(wanted_N, options_.maxForce_N);
+  const DVec3 clamped_N = wanted_N > 0 ? target_N * (size_N / wanted_N) : DVec3(0);
+  // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is not.
+  const double last_N = glm::length(force_N_);
+  const DVec3 from_N = last_N > size_N ? force_N_ * (size_N / last_N) : force_N_;
+  const DVec3 step_N = clamped_N - from_N;
+  const double longest_N = dt_s > 0 ? options_.maxRise_N_per_s * std::min(dt_s, kLongestRise_s) : 0;
+  const double length_N = glm::length(step_N);
+  return length_N <= longest_N ? clamped_N : from_N + step_N * (longest_N / length_N);
 }
 
 }  // namespace palpate

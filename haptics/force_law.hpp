@@ -10,7 +10,7 @@ struct ForceOptions {
   double stiffness_N_per_mm = 0.8;
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
-  double maxRise_N_per_s = 600;  ///< how fast the magnitude may grow; it may always fall at once
+  double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
 };
 
 /// Remembers the last tick; one per session.
@@ -33,13 +33,13 @@ class ForceLaw {
   void reset() noexcept;
 
  private:
-  DVec3 limited(const DVec3& force_N, double dt_s) const noexcept;
+  DVec3 limited(const DVec3& target_N, double dt_s) const noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
   bool touching_ = false;
   DVec3 stretch_mm_{0};  ///< from HIP to proxy, at the last tick
-  double force_N_ = 0;   ///< magnitude, at the last tick
+  DVec3 force_N_{0};     ///< at the last tick
 };
 
 }  // namespace palpate

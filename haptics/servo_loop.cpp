@@ -121,7 +121,6 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   row.fresh = contact.fresh;
   row.valid = contact.valid && written;
   row.neighbours = contact.neighbours;
-  row.movedPoints = contact.movedPoints;
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
   return written;

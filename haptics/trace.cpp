@@ -41,7 +41,6 @@ TraceSummary summarize(const Trace& trace) {
   for (const TraceRow& row : trace.rows) {
     summary.contactTicks += row.contact;
     summary.faultTicks += !row.valid;
-    summary.movedPoints += row.movedPoints;
     freshTicks += row.fresh;
     summary.peakForce_N = std::max(summary.peakForce_N, glm::length(row.force_N));
     steps_us.push_back(row.step_us);

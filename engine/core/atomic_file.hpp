@@ -10,7 +10,8 @@
 namespace palpate {
 
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
-/// commit, the temporary file is removed and an older file of that name stays as it was. Throws FileError.
+/// commit, the temporary file is removed and an older file of that name stays as it was. A link is followed, and an older
+/// file's permissions are kept. What is no ordinary file (a device, a pipe) is written to directly. Throws FileError.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);
@@ -22,12 +23,9 @@ class AtomicFile {
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   void commit();
 
-  /// For libraries that want to open the file themselves; still renamed by commit().
-  const std::filesystem::path& temporaryPath() const { return temporary_; }
-
  private:
   std::filesystem::path target_;
-  std::filesystem::path temporary_;
+  std::filesystem::path temporary_;  // empty when the target is written to directly
   std::FILE* file_ = nullptr;
 };
 

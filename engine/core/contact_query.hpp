@@ -22,7 +22,6 @@ struct Contact {
   bool fresh = false;            ///< from this tick's own query
   bool valid = false;            ///< false: a fault; the force must be zero
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
-  std::uint32_t movedPoints = 0; ///< points that this tick's edit moved
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
 };
 

@@ -8,12 +8,13 @@
 namespace palpate {
 
 namespace {
-// Kept beyond what two ticks could move, so that a reader at 30 Hz may fall a frame behind a brush at 1 kHz.
+// Room beside a tick that moves the whole cloud, so that a reader at 30 Hz may fall a frame behind a brush at 1 kHz.
 constexpr std::uint64_t kLeastSlack = 1 << 18;
 }
 
 std::uint64_t EditLog::capacityFor(std::uint64_t points) {
-  return std::bit_ceil(2 * points + std::max(points, kLeastSlack));
+  if (points == 0) return 1;  // nobody edits
+  return std::bit_ceil(points + std::max(points, kLeastSlack));
 }
 
 EditLog::EditLog(Device& device, std::uint64_t points)
@@ -38,6 +39,8 @@ void EditLog::attachReader() {
   consumed_.store(published_.load(std::memory_order_acquire), std::memory_order_release);
   hasReader_.store(true, std::memory_order_release);
 }
+
+void EditLog::detachReader() { hasReader_.store(false, std::memory_order_release); }
 
 EditLog::Range EditLog::unread() const {
   return {consumed_.load(std::memory_order_relaxed), published_.load(std::memory_order_acquire)};

@@ -16,8 +16,8 @@ namespace palpate {
 /// has consumed; neither waits for the other. With no reader attached nothing is kept.
 class EditLog {
  public:
-  /// Holds at least `points` moves twice over, so that a tick that moves the whole cloud fits behind one that has not been
-  /// published yet, and as many again for a reader that is behind.
+  /// Holds at least twice `points` moves, so that a tick that moves the whole cloud fits beside what a reader that is a
+  /// little behind has not seen yet.
   EditLog(Device& device, std::uint64_t points);
   /// Entries that a log for so many points holds.
   static std::uint64_t capacityFor(std::uint64_t points);
@@ -42,6 +42,8 @@ class EditLog {
   };
   /// From now on unread entries are kept.
   void attachReader();
+  /// Nothing is kept any more.
+  void detachReader();
   Range unread() const;
   void consume(std::uint64_t upTo);
 

@@ -1,5 +1,7 @@
 #include "engine/edit/refit_normals.hpp"
 
+#include <algorithm>
+
 #include "engine/gpu/device.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/edit.h"
@@ -12,7 +14,8 @@ constexpr std::uint32_t kWorkgroup = 256;
 
 RefitNormals::RefitNormals(Device& device, std::uint32_t points)
     : pointsPerGroup_(kWorkgroup / device.subgroupSize()),
-      largestAxis_(device.properties().limits.maxComputeWorkGroupCount[0]),
+      largestAxis_(std::min(device.properties().limits.maxComputeWorkGroupCount[0],
+                            device.properties().limits.maxComputeWorkGroupCount[1])),
       collect_(device, shader_code::edit_collect_moved, {.pushBytes = sizeof(shared::CollectMovedArgs)}),
       plan_(device, shader_code::edit_plan_refit, {.workgroupSize = 32, .pushBytes = sizeof(shared::PlanRefitArgs)}),
       refit_(device, shader_code::edit_refit_normals,

@@ -44,7 +44,7 @@ std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allo
 }
 
 OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint64_t bytes, std::uint64_t limit) {
-  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; take a smaller model",
+  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; ask for less",
                         device.name(), name, bytes >> 20, limit >> 20);
 }
 

@@ -55,7 +55,7 @@ CommandList::CommandList(Device& device, const Queue& queue, std::string name, T
                                          .commandBufferCount = 1};
   device.check(device.vk().vkAllocateCommandBuffers(device.handle(), &info, &commands_), "vkAllocateCommandBuffers");
   device.nameObject(VK_OBJECT_TYPE_COMMAND_BUFFER, reinterpret_cast<std::uint64_t>(commands_), name_);
-  if (timing_ != Timing::none) timer_ = std::make_unique<GpuTimer>(device);
+  if (timing_ != Timing::none) timer_ = std::make_unique<GpuTimer>(device, queue.family());
 }
 
 CommandList::~CommandList() { device_.vk().vkDestroyCommandPool(device_.handle(), pool_, nullptr); }
@@ -65,6 +65,7 @@ void CommandList::begin() {
   const VkCommandBufferBeginInfo info{
       .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .pNext = nullptr, .flags = 0, .pInheritanceInfo = nullptr};
   device_.check(device_.vk().vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
+  submitted_ = false;
   sectionTimers_.clear();
   passes_.clear();
   passTimers_.clear();
@@ -175,6 +176,7 @@ CommandList::Section::~Section() {
 }
 
 double CommandList::sectionTime_us(std::string_view name) const {
+  if (!submitted_) return 0;
   for (const auto& [section, timer] : sectionTimers_)
     if (section == name) return timer_->time_us(timer);
   return 0;
@@ -182,7 +184,7 @@ double CommandList::sectionTime_us(std::string_view name) const {
 
 std::vector<PassRecord> CommandList::passes() const {
   std::vector<PassRecord> passes = passes_;
-  for (std::size_t i = 0; i < passTimers_.size(); ++i) passes[i].gpu_us = timer_->time_us(passTimers_[i]);
+  for (std::size_t i = 0; submitted_ && i < passTimers_.size(); ++i) passes[i].gpu_us = timer_->time_us(passTimers_[i]);
   return passes;
 }
 

@@ -87,6 +87,8 @@ class CommandList {
   [[nodiscard]] Independent independent() { return Independent(*this); }
 
   VkCommandBuffer handle() const { return commands_; }
+  /// Told by the queue; before it there are no times to read.
+  void noteSubmission() const { submitted_ = true; }
   /// Time of a section in the last completed run, us; 0 when it was not timed.
   double sectionTime_us(std::string_view name) const;
   /// What was recorded, in order, with the times of the last completed run.
@@ -115,6 +117,7 @@ class CommandList {
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
   std::vector<PassRecord> passes_;
   std::vector<std::uint32_t> passTimers_;
+  mutable bool submitted_ = false;
 };
 
 /// Grid of workgroups for `groups` of them: more than one axis may hold go to a second one. Shaders undo this with

@@ -47,14 +47,16 @@ Device::Device(const DeviceOptions& options) : instance_(std::make_unique<Instan
   name_ = gpus[chosen].name;
   requireFeatures(requiredFeatures(physical_), name_);
 
-  VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES};
+  VkPhysicalDeviceMaintenance3Properties allocation{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
+  VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES,
+                                         .pNext = &allocation};
   VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
                                               .pNext = &v13};
   VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
   subgroupSize_ = subgroup.subgroupSize;
-  largestBuffer_ = v13.maxBufferSize;
+  largestBuffer_ = std::min(v13.maxBufferSize, allocation.maxMemoryAllocationSize);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
   createLogicalDevice();
 }
@@ -116,13 +118,23 @@ void Device::createLogicalDevice() {
                                 .ppEnabledExtensionNames = extensions.data(),
                                 .pEnabledFeatures = nullptr};
   VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_);
-  if (result == VK_ERROR_NOT_PERMITTED_KHR) {  // high priority wants a right that this user lacks: go without
+  if (result != VK_SUCCESS && queues.back().pNext) {  // high priority may want a right that this user lacks: go without
     queues.back().pNext = nullptr;
     result = vkCreateDevice(physical_, &info, nullptr, &device_);
   }
   check(result, "vkCreateDevice");
   volkLoadDeviceTable(&table_, device_);
+  try {
+    createQueues();
+  } catch (...) {
+    touch_.reset();
+    sight_.reset();
+    table_.vkDestroyDevice(device_, nullptr);
+    throw;
+  }
+}
 
+void Device::createQueues() {
   const auto queue = [&](const QueueChoice& choice) {
     auto shared = std::make_shared<SharedQueue>();
     table_.vkGetDeviceQueue(device_, choice.family, choice.index, &shared->handle);
@@ -140,6 +152,18 @@ Device::~Device() {
   touch_.reset();
   sight_.reset();
   table_.vkDestroyDevice(device_, nullptr);
+}
+
+std::uint64_t Device::timestampMask(std::uint32_t queueFamily) const {
+  const std::uint32_t bits = queueFamilies(physical_).at(queueFamily).timestampValidBits;
+  return bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+}
+
+std::uint64_t Device::ownMemory() const {
+  std::uint64_t bytes = 0;
+  for (std::uint32_t i = 0; i < memory_.memoryHeapCount; ++i)
+    if (memory_.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) bytes += memory_.memoryHeaps[i].size;
+  return bytes;
 }
 
 void Device::waitIdle() const { check(table_.vkDeviceWaitIdle(device_), "vkDeviceWaitIdle"); }

@@ -41,7 +41,11 @@ class Device {
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
   double timestampPeriod_ns() const { return properties_.limits.timestampPeriod; }
+  /// The bits that a queue family's timestamps count in; 0 where it keeps none.
+  std::uint64_t timestampMask(std::uint32_t queueFamily) const;
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
+  /// Bytes of all heaps of the GPU's own memory.
+  std::uint64_t ownMemory() const;
   /// Spinning where the driver has cores of its own, blocking where it shares ours.
   Wait defaultWait() const;
 
@@ -52,6 +56,7 @@ class Device {
 
  private:
   void createLogicalDevice();
+  void createQueues();
 
   std::unique_ptr<Instance> instance_;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;

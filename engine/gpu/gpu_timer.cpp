@@ -7,7 +7,8 @@
 
 namespace palpate {
 
-GpuTimer::GpuTimer(Device& device) : device_(device) {
+GpuTimer::GpuTimer(Device& device, std::uint32_t queueFamily)
+    : device_(device), ticksMask_(device.timestampMask(queueFamily)) {
   const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                    .pNext = nullptr,
                                    .flags = 0,
@@ -26,22 +27,25 @@ void GpuTimer::reset(VkCommandBuffer commands) {
 
 std::uint32_t GpuTimer::open(VkCommandBuffer commands) {
   PALPATE_CHECK_LT(scopes_, kMaxScopes);
-  device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scopes_);
+  if (ticksMask_)
+    device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scopes_);
   return scopes_++;
 }
 
 void GpuTimer::close(VkCommandBuffer commands, std::uint32_t scope) {
-  device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scope + 1);
+  if (ticksMask_)
+    device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scope + 1);
 }
 
 double GpuTimer::time_us(std::uint32_t scope) const {
+  if (!ticksMask_) return 0;
   std::array<std::uint64_t, 2> ticks{};
   const VkResult result =
       device_.vk().vkGetQueryPoolResults(device_.handle(), pool_, 2 * scope, 2, sizeof(ticks), ticks.data(),
                                          sizeof(std::uint64_t), VK_QUERY_RESULT_64_BIT);
   if (result == VK_NOT_READY) return 0;
   device_.check(result, "vkGetQueryPoolResults");
-  return static_cast<double>(ticks[1] - ticks[0]) * device_.timestampPeriod_ns() * 1e-3;
+  return static_cast<double>((ticks[1] - ticks[0]) & ticksMask_) * device_.timestampPeriod_ns() * 1e-3;
 }
 
 }  // namespace palpate

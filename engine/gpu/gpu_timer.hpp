@@ -9,12 +9,12 @@ namespace palpate {
 class Device;
 
 /// Pairs of GPU timestamps. Scopes are numbered as they are opened during recording; their times are read once the
-/// commands have run.
+/// commands have run. Where a queue family keeps no time, every time is 0.
 class GpuTimer {
  public:
   static constexpr std::uint32_t kMaxScopes = 256;
 
-  explicit GpuTimer(Device& device);
+  GpuTimer(Device& device, std::uint32_t queueFamily);
   ~GpuTimer();
   GpuTimer(const GpuTimer&) = delete;
   GpuTimer& operator=(const GpuTimer&) = delete;
@@ -28,6 +28,7 @@ class GpuTimer {
  private:
   Device& device_;
   VkQueryPool pool_ = VK_NULL_HANDLE;
+  std::uint64_t ticksMask_;  // the bits of a timestamp that this queue family counts in; 0: none
   std::uint32_t scopes_ = 0;
 };
 

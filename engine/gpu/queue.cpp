@@ -1,5 +1,6 @@
 #include "engine/gpu/queue.hpp"
 
+#include <mutex>
 #include <thread>
 
 #include "engine/core/clock.hpp"
@@ -20,6 +21,7 @@ Queue::~Queue() {
 }
 
 Queue::Ticket Queue::submit(const CommandList& list) {
+  if (broken_) throw GpuError("{}: an earlier submission failed", device_.name());
   const Ticket ticket = last_ + 1;
   const VkFence fence = fenceOf(ticket);
   if (ticket > kInFlight) {
@@ -39,8 +41,13 @@ Queue::Ticket Queue::submit(const CommandList& list) {
                            .pCommandBufferInfos = &commands,
                            .signalSemaphoreInfoCount = 0,
                            .pSignalSemaphoreInfos = nullptr};
-  const std::scoped_lock hold(queue_->lock);
-  device_.check(device_.vk().vkQueueSubmit2(queue_->handle, 1, &info, fence), "vkQueueSubmit2");
+  {
+    const std::scoped_lock hold(queue_->lock);
+    const VkResult result = device_.vk().vkQueueSubmit2(queue_->handle, 1, &info, fence);
+    broken_ = result != VK_SUCCESS;
+    device_.check(result, "vkQueueSubmit2");
+  }
+  list.noteSubmission();
   last_ = ticket;
   return ticket;
 }

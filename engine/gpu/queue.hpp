@@ -3,8 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 
+#include "engine/core/priority_mutex.hpp"
 #include "engine/gpu/vulkan.hpp"
 
 namespace palpate {
@@ -19,7 +19,7 @@ enum class Wait { spin, poll, block };
 /// A driver queue. Where touch and sight share one, both hold this and its lock.
 struct SharedQueue {
   VkQueue handle = VK_NULL_HANDLE;
-  std::mutex lock;
+  PriorityMutex lock;
 };
 
 /// One role's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.
@@ -50,6 +50,7 @@ class Queue {
   VkFence fenceOf(Ticket ticket) const { return fences_[ticket % kInFlight]; }
   std::array<VkFence, kInFlight> fences_{};
   Ticket last_ = 0;
+  bool broken_ = false;  // a submission failed: its fence will never be signalled
 };
 
 }  // namespace palpate

@@ -37,7 +37,7 @@ void checkVk(VkResult result, std::string_view call, std::string_view deviceName
       throw DeviceLost("{}: the GPU stopped; start again, and update its driver if this returns", text);
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-      throw OutOfGpuMemory("{}; free GPU memory, or take a smaller model", text);
+      throw OutOfGpuMemory("{}; free GPU memory, or ask for less", text);
     default:
       throw GpuError("{}", text);
   }

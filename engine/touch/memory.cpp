@@ -10,7 +10,7 @@ GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
   return {.liveCloud = 2 * 2 * kVec4 * points,
           .index = SpatialHash::predictedBytes(points),
           .drawnCloud = (2 * kVec4 + kWord + (colors ? kWord : 0)) * points,
-          .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry)};
+          .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry) + kWord * points};
 }
 
 }  // namespace palpate

@@ -6,14 +6,26 @@
 #include "engine/core/clock.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/touch/memory.hpp"
 
 namespace palpate {
 
 namespace {
 
 constexpr double kLongestMove = 0.25;             // of the support radius, in one tick: a resting proxy keeps its surface
-constexpr double kStalest_s = 0.02;               // an older answer says nothing about where the hand is now
+// An answer is good for the first time without loss, and says nothing about where the hand is after the second.
+constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
+
+// The cloud, once it is known to fit: before a byte of it is uploaded.
+const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
+  const GpuMemory needs = predictGpuMemory(cloud.size(), cloud.hasColors());
+  const std::uint64_t bytes = needs.liveCloud + needs.index + (options.push ? needs.editLog : 0);
+  if (bytes > device.ownMemory())
+    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model", device.name(),
+                         cloud.size(), bytes >> 20, device.ownMemory() >> 20);
+  return cloud;
+}
 
 HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
@@ -27,7 +39,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       options_(options),
       wait_(options.wait.value_or(device.defaultWait())),
       origin_(cloud.origin),
-      live_(device, cloud),
+      live_(device, fitting(device, cloud, options)),
       hash_(device, gridFor(cloud, options), live_.count()),
       contact_(device, options.radius, live_.count()),
       log_(device, options.push ? live_.count() : 0),
@@ -80,13 +92,15 @@ void TouchSide::recordEdit(std::uint32_t parity) {
 
 Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
   const Contact invalid{.proxy = pose.hip};
-  if (failure_ || !isFinite(pose.hip)) return invalid;
+  if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     const Stopwatch watch;
     // An answer that came too late for its own tick is taken in now; nothing new is asked while one is out.
     if (asked_ && !answerWithin(budget_us)) return held(pose);
     ask(pose);
     if (!answerWithin(budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0)) return held(pose);
+    // Only a fresh answer edits: after an edit the next one waits until the hand has felt the last.
+    if (last_.valid) editIfYielding(budget_us > 0);
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
@@ -103,42 +117,51 @@ bool TouchSide::answerWithin(double budget_us) {
   if (!device_.touch().wait(asked_->ticket, wait_, budget_us)) return false;
   const Asked asked = *asked_;
   asked_.reset();
+  lastQuery_ = asked.parity;
   const shared::ContactSample sample = contact_.sample();
   collectEdit();
   log_.publish(sample.logHead);
+  shortfalls_.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
+  shortfalls_.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
   last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
            .normal = DVec3(sample.normal),
            .touching = sample.touching != 0,
            .fresh = true,
-           .valid = isFinite(sample.spring) && isFinite(sample.normal),
+           .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
            .neighbours = sample.neighbours,
            .gpu_us = queries_[asked.parity]->sectionTime_us("contact")};
-  lastTime_s_ = asked.pose.time_s;
-  if (last_.valid) editIfYielding(sample);
+  lastPose_ = asked.pose;
   return true;
 }
 
 Contact TouchSide::held(const Pose& pose) const {
   Contact contact{.proxy = pose.hip, .valid = true};
-  if (!last_.valid || !last_.touching || pose.time_s - lastTime_s_ > kStalest_s) return contact;
+  const double age_s = pose.time_s - lastPose_.time_s;
+  if (!last_.valid || !last_.touching || age_s > kStalest_s) return contact;
   const double depth = glm::dot(last_.proxy - pose.hip, last_.normal);
   if (depth <= 0) return contact;
+  const double softness = std::clamp((kStalest_s - age_s) / (kStalest_s - kStale_s), 0.0, 1.0);
   contact.touching = true;
-  contact.proxy = pose.hip + depth * last_.normal;
+  contact.proxy = pose.hip + softness * depth * last_.normal;
   contact.normal = last_.normal;
   contact.neighbours = last_.neighbours;
   return contact;
 }
 
-void TouchSide::editIfYielding(const shared::ContactSample& sample) {
-  if (!push_ || !sample.touching || glm::length(DVec3(sample.spring)) <= options_.push->tau) return;
-  // What the last edit wrote is not published before the next answer: room for two.
-  if (log_.room() < 2 * std::uint64_t{live_.count()}) {
-    ++skippedEdits_;
+void TouchSide::editIfYielding(bool realtime) {
+  const double depth = glm::distance(last_.proxy, lastPose_.hip);
+  if (!push_ || !last_.touching || depth <= options_.push->tau) return;
+  if (realtime && lastEdit_us_ > kStalest_s * 1e6) {
+    ++shortfalls_.editsTooSlow;
+    return;
+  }
+  // Everything written so far has just been published, so this edit's own moves are all that must fit.
+  if (log_.room() < live_.count()) {
+    ++shortfalls_.editsLogFull;
     return;
   }
   device_.touch().submit(*edits_[live_.parity()]);
-  if (!firstEdit_) firstEdit_ = tick_ - 1;
+  if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editInFlight_ = live_.parity();
   live_.flip();
 }
@@ -146,9 +169,10 @@ void TouchSide::editIfYielding(const shared::ContactSample& sample) {
 void TouchSide::collectEdit() {
   // Called after a later submission to the same queue has completed, so the edit has as well.
   if (!editInFlight_) return;
-  const double time_us = edits_[*editInFlight_]->sectionTime_us("edit");
+  lastEdit_ = *editInFlight_;
+  lastEdit_us_ = edits_[lastEdit_]->sectionTime_us("edit");
   editInFlight_.reset();
-  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
+  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(lastEdit_us_);
 }
 
 void TouchSide::finish() {
@@ -159,8 +183,8 @@ void TouchSide::finish() {
 }
 
 std::vector<PassRecord> TouchSide::passes() const {
-  std::vector<PassRecord> all = queries_[live_.parity()]->passes();
-  if (push_) std::ranges::copy(edits_[live_.parity()]->passes(), std::back_inserter(all));
+  std::vector<PassRecord> all = queries_[lastQuery_]->passes();
+  if (push_) std::ranges::copy(edits_[lastEdit_]->passes(), std::back_inserter(all));
   return all;
 }
 

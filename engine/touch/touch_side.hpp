@@ -23,8 +23,8 @@ struct TouchOptions {
 };
 
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded ahead
-/// (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one edits the points
-/// and builds the index anew in the same tick, while the force is already on its way.
+/// (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one is submitted that
+/// edits the points and builds the index anew; nobody waits for it but the next tick's query.
 class TouchSide final : public ContactQuery {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -32,8 +32,8 @@ class TouchSide final : public ContactQuery {
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
-  /// When the GPU is late, the tangent plane at the last proxy answers, up to 20 ms after it was found, and `fresh` says
-  /// so; past that nothing is touched.
+  /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it was
+  /// found, then ever softer, and past 20 ms not at all.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Waits for the last edit, and publishes it. Throws what a query could not.
   void finish();
@@ -46,10 +46,17 @@ class TouchSide final : public ContactQuery {
   double buildTime_us() const { return buildTime_us_; }
   /// GPU time of each edit so far, us.
   const std::vector<double>& editTimes_us() const { return editTimes_us_; }
-  /// The first tick (from 0) whose edit moved points; nothing while the cloud is as it was loaded.
-  std::optional<std::uint32_t> firstEdit() const { return firstEdit_; }
-  /// Ticks whose edit was left out because the reader of the log had fallen behind.
-  std::uint64_t skippedEdits() const { return skippedEdits_; }
+  /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
+  std::optional<double> firstEditTime_s() const { return firstEditTime_s_; }
+
+  /// What did not go as it should; each is zero in a good session.
+  struct Shortfalls {
+    std::uint64_t editsLogFull = 0;   ///< edits left out because the reader of the log had fallen behind
+    std::uint64_t editsTooSlow = 0;   ///< left out in real time because an edit takes longer than a force can be held
+    std::uint64_t truncatedTicks = 0; ///< the proxy had not arrived when the work budget was spent
+    std::uint64_t thinnedTicks = 0;   ///< more points were near than a tick looks at
+  };
+  const Shortfalls& shortfalls() const { return shortfalls_; }
   /// The passes of a tick in order, edit included, with their last times.
   std::vector<PassRecord> passes() const;
 
@@ -67,7 +74,7 @@ class TouchSide final : public ContactQuery {
   Contact held(const Pose& pose) const;
   void recordQuery(std::uint32_t parity);
   void recordEdit(std::uint32_t parity);
-  void editIfYielding(const shared::ContactSample& sample);
+  void editIfYielding(bool realtime);
   void collectEdit();
 
   Device& device_;
@@ -84,12 +91,14 @@ class TouchSide final : public ContactQuery {
   std::uint32_t tick_ = 0;
   std::optional<Asked> asked_;
   Contact last_;
-  double lastTime_s_ = 0;
+  Pose lastPose_;
   double buildTime_us_ = 0;
   std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
   std::vector<double> editTimes_us_;
-  std::uint64_t skippedEdits_ = 0;
-  std::optional<std::uint32_t> firstEdit_;
+  double lastEdit_us_ = 0;
+  std::uint32_t lastQuery_ = 0, lastEdit_ = 0;  // parities of the lists that ran last
+  Shortfalls shortfalls_;
+  std::optional<double> firstEditTime_s_;
   std::exception_ptr failure_;
 };
 

@@ -31,13 +31,20 @@ void main() {
   vec3 proxy = touching ? args.state.at[0].spring + lastHip : vec3(0.0);
 
   const float longest = kLongestStep * args.radius;
-  Surface surface = surfaceNear(touching ? proxy : lastHip);
+  Surface surface = Surface(false, 0.0, vec3(0.0), 0);
+  if (touching) surface = surfaceNear(proxy);
+  bool truncated = false;
 
   // Free: walk the segment of the HIP's motion and touch where it comes from outside to inside.
   if (!touching) {
     const uint steps = clamp(uint(ceil(length(lastHip) / longest)), 1u, kMaxSubsteps);
     vec3 outside = lastHip;
     for (uint s = 1; s <= steps && !touching; ++s) {
+      truncated = workDone > kContactWorkBudget;
+      if (truncated) {
+        side = kSideUnknown;
+        break;
+      }
       const vec3 x = lastHip * (float(steps - s) / float(steps));
       surface = surfaceNear(x);
       ++workDone;
@@ -58,7 +65,6 @@ void main() {
 
   // Touching: project onto the surface and follow the HIP in the tangent plane until the proxy rests.
   uint trackingSteps = 0;
-  bool truncated = false;
   if (touching) {
     vec3 lastSlide = vec3(0.0);
     float relaxation = 1.0;
@@ -89,11 +95,9 @@ void main() {
   }
 
   if (gl_LocalInvocationIndex != 0) return;
-  args.state.at[0].proxy = hip + proxy;
   args.state.at[0].touching = touching ? 1 : 0;
   args.state.at[0].lastHip = hip;
   args.state.at[0].side = side;
-  args.state.at[0].normal = surface.normal;
   args.state.at[0].started = 1;
   args.state.at[0].spring = proxy;
   args.result.at[0].spring = proxy;
@@ -103,5 +107,5 @@ void main() {
   args.result.at[0].tick = args.pose.at[0].tick;
   args.result.at[0].trackingSteps = trackingSteps;
   args.result.at[0].logHead = args.logHead.at[0];
-  args.result.at[0].truncated = truncated ? 1 : 0;
+  args.result.at[0].flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
 }

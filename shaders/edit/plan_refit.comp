@@ -9,9 +9,11 @@ layout(push_constant, scalar) uniform Push { PlanRefitArgs args; };
 
 void main() {
   if (threadIndex() != 0) return;
-  const uint groups = (args.movedCount.at[0] + args.pointsPerGroup - 1) / args.pointsPerGroup;
-  const uint rows = (groups + args.largestAxis - 1) / args.largestAxis;
-  args.groups.at[0] = rows == 0 ? 0 : (groups + rows - 1) / rows;
+  // Written so that no sum can overflow, however long an axis may be.
+  const uint moved = args.movedCount.at[0];
+  const uint groups = moved == 0 ? 0 : (moved - 1) / args.pointsPerGroup + 1;
+  const uint rows = groups == 0 ? 0 : (groups - 1) / args.largestAxis + 1;
+  args.groups.at[0] = rows == 0 ? 0 : (groups - 1) / rows + 1;
   args.groups.at[1] = rows;
   args.groups.at[2] = 1;
 }

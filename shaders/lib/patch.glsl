@@ -15,6 +15,7 @@ shared uint cellFirst[kContactWorkgroup];  // its first point
 vec3 patchCentre = vec3(0.0);  // relative to the HIP, as every place in the step
 uint patchCount = 0;
 bool patchGathered = false;
+bool patchThinned = false;  // some gather of this step took only every so-manyth candidate
 uint workDone = 0;
 
 vec3 patchPosition(SpilledPoints spill, uint i) {
@@ -61,6 +62,7 @@ void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, fl
     cellFirst[lane] = range.x;
     barrier();
     const uint stride = max(1, (total + kPatchRoundCandidates - 1) / kPatchRoundCandidates);
+    patchThinned = patchThinned || stride > 1;
     for (uint base = 0; base < total; base += kContactWorkgroup * stride) {
       const uint candidate = base + lane * stride;
       bool keep = false;
@@ -89,8 +91,9 @@ void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, fl
         }
       }
       count += kept;
-      ++workDone;
+      workDone += 1 + gl_NumSubgroups;  // the scan loops over the subgroups
     }
+    workDone += 1 + gl_NumSubgroups;
     barrier();
   }
   memoryBarrierBuffer();

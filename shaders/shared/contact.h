@@ -40,16 +40,17 @@ PALPATE_SIZE(ContactPose, 16);
 
 // What one tick leaves to the next, on the GPU.
 struct ContactState {
-  vec3 proxy;
+  vec3 lastHip;  // model units relative to the cloud's origin
   uint touching;
-  vec3 lastHip;
-  uint side;
-  vec3 normal;
-  uint started;  // 0 before the first tick
   vec3 spring;   // from HIP to proxy
-  uint unused;
+  uint side;
+  uint started;  // 0 before the first tick
+  uint unused[3];
 };
-PALPATE_SIZE(ContactState, 64);
+PALPATE_SIZE(ContactState, 48);
+
+const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
+const uint kSampleThinned = 2;    // more points were near than a step looks at; every so-manyth was taken
 
 // What the host reads after a tick.
 struct ContactSample {
@@ -60,7 +61,7 @@ struct ContactSample {
   uint tick;
   uint trackingSteps;
   uint logHead;  // entries of the edit log complete before this tick
-  uint truncated;  // 1 when the work budget was spent before the proxy arrived
+  uint flags;    // kSample...
 };
 PALPATE_SIZE(ContactSample, 48);
 

@@ -87,7 +87,7 @@ class PushFixture : public GpuFixture {
     const Buffer state = Buffer::of<shared::ContactState>(device, 1, Memory::device, "state");
     upload(device, state,
            std::vector<shared::ContactState>{
-               {.proxy = Vec3(hip + spring), .touching = 1, .lastHip = Vec3(hip), .started = 1, .spring = Vec3(spring)}});
+               {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .started = 1, .unused = {}}});
     CommandList list(device, device.touch(), "edit");
     list.begin();
     brush.record(list, live.side(), live.count(), state, kLongestMove * radius);

@@ -111,4 +111,24 @@ TEST_CASE("options out of range are refused") {
   CHECK_THROWS_AS(ForceLaw({.maxRise_N_per_s = -600}, {}), UsageError);
 }
 
+TEST_CASE("a force turns no faster than it may grow") {
+  ForceLaw law({.stiffness_N_per_mm = 1, .damping_N_s_per_mm = 0, .maxForce_N = 3, .maxRise_N_per_s = 500}, {1});
+  const auto pushed = [&](const DVec3& normal) {
+    return law.update({.proxy = 2.0 * normal, .normal = normal, .touching = true, .fresh = true, .valid = true}, {}, 0.001);
+  };
+  DVec3 last(0);
+  for (int i = 0; i < 10; ++i) last = pushed({0, 0, 1});
+  CHECK(last.z == doctest::Approx(2));
+  // The surface turns by a right angle from one tick to the next.
+  int ticks = 0;
+  while (glm::distance(last, DVec3(2, 0, 0)) > 1e-9 && ++ticks < 100) {
+    const DVec3 next = pushed({1, 0, 0});
+    CHECK(glm::distance(next, last) <= 0.5 + 1e-12);
+    CHECK(glm::length(next) <= 2 + 1e-12);
+    last = next;
+  }
+  CHECK(ticks > 3);
+  CHECK(ticks < 10);
+}
+
 }  // namespace palpate

@@ -34,7 +34,6 @@ Trace twoTicks() {
                     .fresh = true,
                     .valid = true,
                     .neighbours = 31,
-                    .movedPoints = 7,
                     .gpu_us = 12.5,
                     .step_us = 40.25};
   return {.rows = {free, touching}, .missedTicks = 3};
@@ -79,7 +78,6 @@ TEST_CASE("the summary counts ticks, contact and times") {
   CHECK(summary.contactTicks == 1);
   CHECK(summary.missedTicks == 3);
   CHECK(summary.faultTicks == 0);
-  CHECK(summary.movedPoints == 7);
   CHECK(summary.freshFraction == 0.5);
   CHECK(summary.peakForce_N == doctest::Approx(5));
   CHECK(summary.step_us.count == 2);
