@@ -15,8 +15,8 @@ namespace {
 
 struct BenchOptions {
   std::vector<std::string> names, models;
-  std::vector<std::size_t> sizes;
-  std::size_t repeat = 200;
+  std::vector<std::int64_t> sizes;
+  std::int64_t repeat = 200;
   double rate_Hz = 1000;
 };
 
@@ -61,7 +61,7 @@ Json benchBuild(Context& context, const Subject& subject, const BenchOptions& op
     live.flip();
   }
   std::vector<double> first, steady;
-  for (std::size_t i = 0; i <= options.repeat; ++i) {
+  for (std::int64_t i = 0; i <= options.repeat; ++i) {
     device.touch().run(*lists[live.parity()]);
     (i == 0 ? first : steady).push_back(lists[live.parity()]->sectionTime_us("hash"));
     live.flip();
@@ -83,10 +83,10 @@ StepTimes measureSteps(Context& context, const Model& model, const BenchOptions&
     touchOf.push = PushOptions{.tau = model.scale.toUnits(0.1), .beta = 1e-4, .toolRadius = model.scale.toUnits(6)};
   TouchSide touch(context.device(), model.cloud, touchOf);
   const Path path = builtinPath("press", model.cloud, model.scale);
-  const auto approach = static_cast<std::size_t>(path.duration_s() * 1000);
+  const auto approach = static_cast<std::int64_t>(path.duration_s() * 1000);
   std::vector<double> gpu, wall;
   const Stopwatch session;
-  for (std::size_t i = 0; i < approach + options.repeat; ++i) {
+  for (std::int64_t i = 0; i < approach + options.repeat; ++i) {
     if (i >= approach)  // paced like a servo loop, since a GPU that is always busy answers sooner than one at rest
       while (session.elapsed_s() < static_cast<double>(i) / options.rate_Hz) std::this_thread::yield();
     const double t_s = static_cast<double>(i) * 1e-3;
@@ -119,7 +119,8 @@ Json benchStep(Context& context, const Subject& subject, const BenchOptions& opt
 void bench(Context& context, const BenchOptions& options) {
   std::vector<Subject> subjects;
   for (const std::string& file : options.models) subjects.push_back(loadSubject(context, file));
-  for (const std::size_t size : options.sizes) subjects.push_back(makeSubject(context, size));
+  for (const std::int64_t size : options.sizes)
+    subjects.push_back(makeSubject(context, static_cast<std::size_t>(size)));
   if (subjects.empty()) subjects.push_back(makeSubject(context, 1'000'000));
   std::FILE* out = context.tables();
   Json result{{"gpu", context.device().name()}, {"repeat", options.repeat}};
@@ -148,9 +149,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->check(CLI::IsMember({"build", "step"}))
       ->type_name("NAME...");
   sub->add_option("--models", options->models, "PLY files")->type_name("FILE...");
-  sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")->type_name("N...");
-  sub->add_option("--repeat", options->repeat, "measured repetitions")->check(CLI::PositiveNumber)->capture_default_str();
-  sub->add_option("--rate", options->rate_Hz, "ticks per second of step")->check(CLI::PositiveNumber)->capture_default_str();
+  sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")->check(between(1, 2e9))->type_name("N...");
+  sub->add_option("--repeat", options->repeat, "measured repetitions")->check(between(1, 1e9))->capture_default_str();
+  sub->add_option("--rate", options->rate_Hz, "ticks per second of step")->check(positive())->capture_default_str();
   sub->callback([&, options] { command = [&context, options] { bench(context, *options); }; });
 }
 

@@ -1,7 +1,6 @@
 #include "apps/context.hpp"
 
 #include <charconv>
-#include <iostream>
 
 #include "engine/core/atomic_file.hpp"
 
@@ -12,9 +11,10 @@ void Context::addOptions(CLI::App& app) {
   app.add_flag("--validate", validate_,
                "watch every GPU call (core, synchronisation and GPU-assisted validation); any message ends in exit code 1");
   app.add_option("--json", json_, "write a machine-readable result to this file, or to stdout with -")
-      ->type_name("FILE|-");
+      ->type_name("FILE|-")
+      ->check([](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; });
   app.add_option("--threads", threads_, "CPU threads for loading and making clouds (0: one per core)");
-  app.add_flag("--quiet", quiet_, "no remarks and no progress on stderr");
+  app.add_flag("--quiet", quiet_, "no remarks and no progress; results are still printed");
 }
 
 Log& Context::log() {
@@ -31,12 +31,16 @@ void Context::writeJson(const Json& result) const {
   if (json_.empty()) return;
   const std::string text = result.dump(2) + "\n";
   if (json_ == "-") {
-    std::cout << text << std::flush;
+    std::fwrite(text.data(), 1, text.size(), stdout);
     return;
   }
   AtomicFile file(json_);
   file.write(text);
   file.commit();
+}
+
+void Context::checkWritable(const std::string& file) {
+  if (!file.empty()) AtomicFile probe(file);
 }
 
 std::size_t Context::closeDevice() {
@@ -45,6 +49,39 @@ std::size_t Context::closeDevice() {
   const std::size_t messages = device_->instance().messages().count();
   device_.reset();
   return messages;
+}
+
+namespace {
+
+CLI::Validator numberCheck(std::string wanted, std::function<bool(double)> fits) {
+  return CLI::Validator(
+      [wanted, fits = std::move(fits)](std::string& text) {
+        double value = 0;
+        const char* end = text.data() + text.size();
+        const auto [last, error] = std::from_chars(text.data(), end, value);
+        const bool number = error == std::errc() && last == end && std::isfinite(value);
+        return number && fits(value) ? std::string() : fmt::format("{} is not {}", text, wanted);
+      },
+      std::string(), "number");
+}
+
+}  // namespace
+
+CLI::Validator positive() {
+  return numberCheck("a number above 0", [](double value) { return value > 0; });
+}
+
+CLI::Validator notNegative() {
+  return numberCheck("0 or a number above it", [](double value) { return value >= 0; });
+}
+
+CLI::Validator between(double least, double most) {
+  return numberCheck(fmt::format("a number from {} to {}", least, most),
+                     [least, most](double value) { return value >= least && value <= most; });
+}
+
+void checkStdout() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw Error("stdout: what was printed could not be written");
 }
 
 DVec3 parseVec3(const std::string& text, const std::string& option) {

@@ -29,6 +29,9 @@ class Context {
   /// With --json - stdout belongs to the result, and tables go to stderr.
   std::FILE* tables() const { return json_ == "-" ? stderr : stdout; }
 
+  /// Throws FileError now, rather than after an hour's work, when `file` could not be written.
+  static void checkWritable(const std::string& file);
+
   /// Closes the GPU; says how many validation messages there were.
   std::size_t closeDevice();
 
@@ -40,6 +43,11 @@ class Context {
   std::unique_ptr<Device> device_;
 };
 
+/// Checks of numbers on the command line, with messages a person can read. Not-a-number and infinity never pass.
+CLI::Validator positive();
+CLI::Validator notNegative();
+CLI::Validator between(double least, double most);
+
 /// What main() runs after the command line has been read.
 using Command = std::function<void()>;
 
@@ -50,6 +58,9 @@ void addTouch(CLI::App& app, Context& context, Command& command);
 void addRender(CLI::App& app, Context& context, Command& command);
 void addBench(CLI::App& app, Context& context, Command& command);
 void addDoctor(CLI::App& app, Context& context, Command& command);
+
+/// Throws Error when what was printed did not reach stdout.
+void checkStdout();
 
 /// Reads "x,y,z". Throws UsageError that names `option`.
 DVec3 parseVec3(const std::string& text, const std::string& option);

@@ -13,7 +13,7 @@ double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20);
 
 void info(Context& context, const std::string& file) {
   const PlyInfo header = readPlyInfo(file);
-  const PointCloud cloud = readPly(file, &context.log());
+  const PointCloud cloud = readPly(file);
   const Bounds bounds = boundsOf(cloud);
   const double spacing = meanSpacing(cloud, context.threads());
   const ModelScale scale = ModelScale::fitting(bounds.longestSide());
@@ -29,7 +29,7 @@ void info(Context& context, const std::string& file) {
     for (const PlyProperty& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
-  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties\n", cloud.hasNormals() ? "yes" : "no",
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n", cloud.hasNormals() ? "yes" : "no",
              cloud.hasColors() ? "yes" : "no", cloud.extra.size());
   fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
   fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,

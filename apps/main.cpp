@@ -9,6 +9,9 @@ int run(int argc, char** argv) {
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION);
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("palpate: {}; see palpate --help, or palpate COMMAND --help\n", error.what());
+  });
   app.fallthrough();
   Context context;
   context.addOptions(app);
@@ -19,11 +22,13 @@ int run(int argc, char** argv) {
   addRender(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);
+  for (CLI::App* sub : app.get_subcommands({}))
+    sub->footer(sub->get_footer() + "Every command also takes --gpu, --validate, --json, --threads and --quiet: see palpate --help.");
 
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (app.get_subcommands().empty() && !app.remaining().empty()) {
+    if (app.get_subcommands().empty() && !app.remaining().empty() && !app.remaining().front().starts_with("-")) {
       fmt::print(stderr, "palpate: there is no subcommand '{}'; see palpate --help\n", app.remaining().front());
       return 2;
     }
@@ -31,6 +36,7 @@ int run(int argc, char** argv) {
   }
   try {
     command();
+    checkStdout();
     if (const std::size_t messages = context.closeDevice())
       throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
     return 0;
@@ -38,7 +44,7 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "palpate: {}\n", error.what());
     return 2;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "palpate: out of memory; take a smaller model\n");
+    fmt::print(stderr, "palpate: out of memory; ask for fewer points\n");
   } catch (const std::exception& error) {
     fmt::print(stderr, "palpate: {}\n", error.what());
   }

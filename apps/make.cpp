@@ -7,21 +7,28 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kDefaultPoints = 500'000;
+constexpr std::int64_t kDefaultPoints = 500'000;
+constexpr double kMostPoints = 2'000'000'000;
+constexpr double kLargestCoordinate = 1e29;  // what a reader still takes for a number
 
 struct MakeOptions {
   std::string shape, output, center = "0,0,0";
-  std::size_t count = kDefaultPoints;
-  std::uint64_t seed = 1;
+  std::int64_t count = kDefaultPoints;
+  std::int64_t seed = 1;
   double noise = 0, size = 100;
   bool ascii = false;
 };
 
 void make(Context& context, const MakeOptions& options) {
   const Stopwatch watch;
-  const auto shape = makeShape(options.shape, options.size, parseVec3(options.center, "--center"));
-  const PointCloud cloud = sampleShape(*shape, {.count = options.count,
-                                                .seed = options.seed,
+  const DVec3 center = parseVec3(options.center, "--center");
+  const double farthest = glm::length(center) + options.size + 8 * options.noise;
+  if (!(farthest < kLargestCoordinate) || options.size < 1e-30)
+    throw UsageError("make: --center, --size and --noise give coordinates that no file can hold");
+  context.checkWritable(options.output);
+  const auto shape = makeShape(options.shape, options.size, center);
+  const PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
+                                                .seed = static_cast<std::uint64_t>(options.seed),
                                                 .noise = options.noise,
                                                 .threads = context.threads()});
   writePly(options.output, cloud, {.ascii = options.ascii});
@@ -37,15 +44,18 @@ void addMake(CLI::App& app, Context& context, Command& command) {
   std::string names;
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub->add_option("shape", options->shape, "one of " + names)->required()->type_name("SHAPE");
-  sub->add_option("-n,--points", options->count, "number of points")->capture_default_str();
+  sub->add_option("-n,--points", options->count, "number of points")
+      ->check(between(0, kMostPoints))
+      ->capture_default_str();
   sub->add_option("-o,--output", options->output, "PLY file to write")->required()->type_name("FILE");
   sub->add_option("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--noise", options->noise, "deviation of the positions from the surface along each axis, model units")
-      ->check(CLI::NonNegativeNumber)
+      ->check(notNegative())
       ->capture_default_str();
   sub->add_option("--center", options->center, "x,y,z of the middle, model units")->capture_default_str();
-  sub->add_option("--size", options->size, "longest side, model units")->check(CLI::PositiveNumber)->capture_default_str();
+  sub->add_option("--size", options->size, "longest side, model units")->check(positive())->capture_default_str();
   sub->add_flag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub->callback([&, options] { command = [&context, options] { make(context, *options); }; });
 }

@@ -39,13 +39,20 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   frame.color = colorByNamed(options.color);
   if (!options.background.empty())
     frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
+  // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
+  constexpr double kWidest = 0.1;  // of the longest side
+  const double widest = kWidest * boundsOf(model.cloud).longestSide();
   if (options.splatRadius == "auto") {
     frame.splatRadius = automaticSplatRadius(model.spacing);
+    if (widest > 0) frame.splatRadius = std::min(frame.splatRadius, 0.2 * widest);
   } else {
     const double radius_mm = parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
     if (!(radius_mm > 0) || !std::isfinite(radius_mm))
       throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
     frame.splatRadius = model.scale.toUnits(radius_mm);
+    if (widest > 0 && frame.splatRadius > widest)
+      throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long", radius_mm,
+                       model.scale.toMm(widest / kWidest));
   }
   return frame;
 }
@@ -67,8 +74,11 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
 }
 
 void checkPictureOptions(const PictureOptions& options) {
-  parseSize(options.size);
+  const Size size = parseSize(options.size);
+  Frame::checkSize(size.width, size.height);
   frameOptions(options, Model{});
+  Camera::parse(options.camera, PointCloud{}, 1);
+  Context::checkWritable(options.depthFile);
 }
 
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {

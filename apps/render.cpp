@@ -12,6 +12,7 @@ struct RenderOptions {
 
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
+  context.checkWritable(options.output);
   const Model model = loadModel(context, options.model);
   const DrawnCloud drawn(context.device(), model.cloud);
   takePicture(context, model, drawn, options.picture, {}, options.output);

@@ -74,8 +74,8 @@ class SightSide {
   TickObserver observer(double rate_Hz) {
     const auto period = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kSightRate_Hz));
     return [this, period](const TraceRow&) {
-      // Virtual time waits: no edit is left out because the picture is behind.
-      const bool full = log_.room() < log_.capacity() - log_.capacity() / 4;
+      // Virtual time waits: no edit is left out because the picture is behind, not even one that moves every point.
+      const bool full = log_.room() < 2 * std::uint64_t{drawn_.count()};
       if (++ticks_ % period == 0 || full) drawn_.catchUp(log_);
     };
   }
@@ -88,6 +88,7 @@ class SightSide {
         }
       } catch (...) {
         failure_ = std::current_exception();
+        log_.detachReader();  // the hand goes on without the picture
       }
     });
   }
@@ -109,12 +110,15 @@ class SightSide {
 void touch(Context& context, const TouchCommandOptions& options) {
   checkPictureOptions(options.picture);
   if (!options.saveFile.empty() && options.edit == "none") throw UsageError("--save: nothing changes with --edit none");
+  if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
+  for (const std::string* file : {&options.traceFile, &options.saveFile, &options.pictureFile})
+    Context::checkWritable(*file);
   const Model model = loadModel(context, options.model);
   PathDevice device(pathFor(options, model));
   const TouchOptions touchOf = touchOptions(options, model);
   ForceLaw law(options.force, model.scale);
   ServoOptions servo{.rate_Hz = options.rate_Hz,
-                     .duration_s = device.path().duration_s(),
+                     .duration_s = device.path().duration_s() + 1 / options.rate_Hz,  // the path's end is a tick too
                      .realtime = options.realtime,
                      .stop = &stopRequested};
   TouchSide touchSide(context.device(), model.cloud, touchOf);
@@ -123,28 +127,31 @@ void touch(Context& context, const TouchCommandOptions& options) {
     sight = std::make_unique<SightSide>(context.device(), model.cloud, touchSide.editLog());
 
   ServoLoop loop(device, touchSide, law, servo);
-  std::signal(SIGINT, [](int) { stopRequested = true; });
-  std::signal(SIGTERM, [](int) { stopRequested = true; });
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopRequested = true; });
   if (sight && options.realtime) sight->follow();
   const ServoResult result = loop.run(sight && !options.realtime ? sight->observer(options.rate_Hz) : TickObserver{});
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
   touchSide.finish();
 
-  PointCloud sculpted = model.cloud;
+  PointCloud sculpted;
+  if (touchOf.push) sculpted = model.cloud;
   TouchReport report{.points = model.cloud.size(),
                      .gpu = context.device().name(),
                      .build_us = touchSide.buildTime_us(),
                      .trace = summarize(result.trace),
                      .edit_us = summarize(touchSide.editTimes_us()),
-                     .skippedEdits = touchSide.skippedEdits(),
+                     .shortfalls = touchSide.shortfalls(),
                      .movedPoints = touchOf.push ? touchSide.live().readBack(sculpted) : 0,
                      .realtimePriority = result.realtimePriority,
                      .realtime = options.realtime,
-                     .edits = touchOf.push.has_value()};
-  const ContactError error = contactError(result.trace, model, touchOf.radius,
-                                          touchSide.firstEdit().value_or(static_cast<std::uint32_t>(-1)));
-  report.contactError_mm = error.worst_mm;
-  report.contactErrorTicks = error.ticks;
+                     .interrupted = stopRequested,
+                     .edits = touchOf.push.has_value(),
+                     .radius_mm = model.scale.toMm(touchOf.radius),
+                     .cell_mm = model.scale.toMm(1.0 / static_cast<double>(touchSide.hash().grid().inverseCell)),
+                     .spacing_mm = model.scale.toMm(model.spacing),
+                     .mm_per_unit = model.scale.mm_per_unit,
+                     .error = contactError(result.trace, model, touchOf.radius, touchSide.firstEditTime_s())};
   if (!options.saveFile.empty()) writePly(options.saveFile, sculpted);
   if (sight)
     takePicture(context, model, sight->finish(), options.picture,
@@ -154,29 +161,31 @@ void touch(Context& context, const TouchCommandOptions& options) {
   printReport(context.tables(), report);
   context.writeJson(toJson(report));
   if (result.deviceFailed) throw Error("{}", result.fault);
+  if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
   if (report.trace.faultTicks) throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
 }
 
 void addForceOptions(CLI::App& sub, ForceOptions& force) {
-  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(CLI::NonNegativeNumber)->capture_default_str();
-  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(CLI::NonNegativeNumber)->capture_default_str();
-  sub.add_option("--max-force", force.maxForce_N, "N; no force is ever larger")
-      ->check(CLI::NonNegativeNumber)
+  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(notNegative())->capture_default_str();
+  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(notNegative())->capture_default_str();
+  sub.add_option("--max-force", force.maxForce_N, "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
+      ->check(notNegative())
       ->capture_default_str();
 }
 
 void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
-  sub.add_option("--edit", options.edit, "none, or push: the surface yields where the HIP is deeper than tau")
+  sub.add_option("--edit", options.edit, "none, or push: the surface yields to a round tool")
       ->check(CLI::IsMember({"none", "push"}))
       ->capture_default_str();
-  sub.add_option("--tau", options.tau_mm, "mm")->check(CLI::NonNegativeNumber)->capture_default_str();
+  sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
+      ->check(notNegative())->capture_default_str();
   sub.add_option("--beta", options.beta, "share of the way to the tool's surface that a point goes per tick, 0 to 1")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0, 1))
       ->capture_default_str();
   sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
-  sub.add_option("--save", options.saveFile, "write the edited cloud, with everything else the file held")
+  sub.add_option("--save", options.saveFile, "write the edited points, with all their other properties (faces and other elements are not kept)")
       ->type_name("OUT.ply");
 }
 
@@ -187,19 +196,20 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
   auto options = std::make_shared<TouchCommandOptions>();
   addModelOptions(*sub, options->model);
   sub->add_option("--path", options->path,
-                  "CSV with columns t_s,x,y,z (s, model units; linear in between), or builtin:press, slide, scan, orbit")
+                  "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
+                  "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
       ->capture_default_str();
   sub->add_option("--penetration", options->penetration_mm, "how deep builtin:press goes, mm")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
-  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(CLI::Range(1.0, 10'000.0))->capture_default_str();
+  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
   sub->add_flag("--realtime", options->realtime, "against the wall clock (default: virtual time, as fast as it goes)");
   sub->add_option("--radius", options->radius, "support radius of the surface, mm, or auto (4 spacings)")
       ->capture_default_str();
   auto* cell = sub->add_option("--cell", options->cell_mm, "edge of a hash cell, mm (default: the support radius)")
-                   ->check(CLI::PositiveNumber);
+                   ->check(positive());
   sub->add_option("--grid", options->grid, "hash cells along the longest side, instead of --cell")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->excludes(cell);
   sub->add_option("--wait", options->wait, "for the GPU: spin, poll or block (default: by driver and cores)")
       ->check(CLI::IsMember({"spin", "poll", "block"}));
@@ -210,6 +220,8 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--picture", options->pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
       ->type_name("IMG.png");
   addPictureOptions(*sub, options->picture);
+  sub->footer("The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, contact, "
+              "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time).\n");
   sub->add_flag("--print-tick", options->printTick, "list the passes of a tick with threads, bytes and GPU us");
   sub->callback([&, options] { command = [&context, options] { touch(context, *options); }; });
 }

@@ -6,19 +6,22 @@
 
 namespace palpate {
 
-ContactError contactError(const Trace& trace, const Model& model, double radius, std::size_t firstEdit) {
+ContactError contactError(const Trace& trace, const Model& model, double radius, std::optional<double> firstEditTime_s) {
   constexpr std::size_t kMostTicks = 200;
   std::vector<const TraceRow*> rows;
-  for (std::size_t i = 0; i < std::min(firstEdit, trace.rows.size()); ++i)
-    if (trace.rows[i].contact) rows.push_back(&trace.rows[i]);
+  for (const TraceRow& row : trace.rows)
+    if (row.contact && row.fresh && (!firstEditTime_s || row.time_s <= *firstEditTime_s)) rows.push_back(&row);
   ContactError error;
   if (rows.empty()) return error;
   const ContactReference reference(model.cloud, radius);
   const std::size_t stride = (rows.size() + kMostTicks - 1) / kMostTicks;
   for (std::size_t i = 0; i < rows.size(); i += stride) {
     const SurfaceSample surface = reference.surface(rows[i]->proxy - model.cloud.origin);
-    error.worst_mm = std::max(error.worst_mm, model.scale.toMm(std::abs(surface.distance)));
     ++error.ticks;
+    if (surface.defined)
+      error.worst_mm = std::max(error.worst_mm, model.scale.toMm(std::abs(surface.distance)));
+    else
+      ++error.undefined;
   }
   return error;
 }
@@ -26,7 +29,9 @@ ContactError contactError(const Trace& trace, const Model& model, double radius,
 void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
-  row("points", fmt::format("{}", report.points));
+  const auto& shortfalls = report.shortfalls;
+  row("points", fmt::format("{}, spacing {:.3g} mm, support radius {:.3g} mm", report.points, report.spacing_mm,
+                            report.radius_mm));
   row("GPU", report.gpu);
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
@@ -35,15 +40,28 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.edits)
     row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (GPU, {} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
-  row("contact error", report.contactErrorTicks
-                           ? fmt::format("{:.2g} mm, largest of {} ticks against double precision",
-                                         report.contactError_mm, report.contactErrorTicks)
-                           : std::string("nothing was touched before the first edit"));
+  if (trace.contactTicks == 0)
+    row("contact", "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
+                   "spacings wide?");
+  if (report.error.ticks)
+    row("contact error", fmt::format("{:.2g} mm, largest of {} ticks against double precision{}", report.error.worst_mm,
+                                     report.error.ticks,
+                                     report.error.undefined
+                                         ? fmt::format("; no surface there at {} of them", report.error.undefined)
+                                         : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
   if (report.realtime)
-    row("missed ticks", fmt::format("{}{}", trace.missedTicks,
+    row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,
                                     report.realtimePriority ? "" : " (no real-time priority was granted)"));
-  if (report.skippedEdits) row("edits left out", fmt::format("{} (the picture fell behind)", report.skippedEdits));
+  if (shortfalls.editsTooSlow)
+    row("edits left out", fmt::format("{}: one takes this GPU too long for a force in real time", shortfalls.editsTooSlow));
+  if (shortfalls.editsLogFull)
+    row("edits left out", fmt::format("{}: the picture had fallen behind", shortfalls.editsLogFull));
+  if (shortfalls.thinnedTicks)
+    row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
+                                     shortfalls.thinnedTicks));
+  if (shortfalls.truncatedTicks)
+    row("unfinished ticks", fmt::format("{}: the proxy was still moving when its time was up", shortfalls.truncatedTicks));
 }
 
 Json toJson(const TouchReport& report) {
@@ -63,9 +81,17 @@ Json toJson(const TouchReport& report) {
             {"gpu", report.gpu},
             {"method", "fused"},
             {"index", "rebuild"},
-            {"contact_error_mm", report.contactErrorTicks ? Json(report.contactError_mm) : Json(nullptr)},
+            {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
+            {"contact_error_undefined", report.error.undefined},
             {"missed_ticks", trace.missedTicks},
-            {"skipped_edits", report.skippedEdits}};
+            {"interrupted", report.interrupted},
+            {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
+            {"thinned_ticks", report.shortfalls.thinnedTicks},
+            {"truncated_ticks", report.shortfalls.truncatedTicks},
+            {"radius_mm", report.radius_mm},
+            {"cell_mm", report.cell_mm},
+            {"spacing_mm", report.spacing_mm},
+            {"mm_per_unit", report.mm_per_unit}};
   if (report.edits) {
     json["edit_us"] = summary(report.edit_us);
     json["edit_ticks"] = report.edit_us.count;

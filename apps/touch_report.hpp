@@ -6,6 +6,15 @@
 
 namespace palpate {
 
+/// Largest distance of the proxy from the surface that double precision finds on the CPU, over up to 200 fresh ticks in
+/// contact from before the first edit.
+struct ContactError {
+  double worst_mm = 0;
+  std::size_t ticks = 0;      ///< looked at
+  std::size_t undefined = 0;  ///< of them, where double precision finds no surface at all
+};
+ContactError contactError(const Trace& trace, const Model& model, double radius, std::optional<double> firstEditTime_s);
+
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
@@ -13,22 +22,15 @@ struct TouchReport {
   double build_us = 0;
   TraceSummary trace;
   Summary edit_us;
-  std::uint64_t skippedEdits = 0;
+  TouchSide::Shortfalls shortfalls;
   std::size_t movedPoints = 0;      ///< that lie elsewhere than in the file
-  double contactError_mm = 0;       ///< see contactError_mm()
-  std::size_t contactErrorTicks = 0;
   bool realtimePriority = false;
   bool realtime = false;
+  bool interrupted = false;
   bool edits = false;
+  double radius_mm = 0, cell_mm = 0, spacing_mm = 0, mm_per_unit = 0;
+  ContactError error;
 };
-
-/// Largest distance of the proxy from the surface that double precision finds on the CPU, over up to 200 ticks in contact
-/// from before the first edit, mm; and how many ticks were looked at.
-struct ContactError {
-  double worst_mm = 0;
-  std::size_t ticks = 0;
-};
-ContactError contactError(const Trace& trace, const Model& model, double radius, std::size_t firstEdit);
 
 void printReport(std::FILE* out, const TouchReport& report);
 Json toJson(const TouchReport& report);

@@ -28,6 +28,11 @@ Buffer words(Device& device, std::uint64_t count, const char* name) {
 
 }  // namespace
 
+void Frame::checkSize(std::uint32_t width, std::uint32_t height) {
+  checkedSide(width);
+  checkedSide(height);
+}
+
 Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample)
     : device_(device),
       width_(checkedSide(width)),

@@ -16,6 +16,7 @@ class Frame {
   static constexpr std::uint32_t kInFlight = 3;
 
   /// `supersample` (1 or 2): samples along each side of a pixel. Throws UsageError for a size that cannot be drawn.
+  static void checkSize(std::uint32_t width, std::uint32_t height);
   Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2);
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);

@@ -32,9 +32,13 @@ Outcome palpate(const std::string& arguments) {
   while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe)) outcome.text.append(piece.data(), size);
   const int status = ::pclose(pipe);
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  INFO(command);
-  INFO(outcome.text);
   return outcome;
+}
+
+// For commands that have to work: a failing one says what it was and what it said.
+void works(const std::string& arguments) {
+  const Outcome outcome = palpate(arguments);
+  REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
 }
 
 std::string contentOf(const std::filesystem::path& file) {
@@ -75,9 +79,9 @@ std::vector<Row> readTrace(const std::filesystem::path& file) {
 TEST_CASE("a press on a sphere: no force outside, along the true normal inside, at the depth that theory gives") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
-  REQUIRE(palpate("make sphere -n 200000 -o " + model).code == 0);
-  REQUIRE(palpate("touch " + model + " --path builtin:press --trace " + trace + " --validate --json " +
-                  (folder / "touch.json").string()).code == 0);
+  works("make sphere -n 200000 -o " + model);
+  works("touch " + model + " --path builtin:press --trace " + trace + " --validate --json " +
+                  (folder / "touch.json").string());
   const auto rows = readTrace(trace);
   const double spacing = std::sqrt(4 * 3.14159265358979 * 50 * 50 / 200000), radius = 4 * spacing;
   const double bias = 0.0694 * radius * radius / 50;
@@ -106,11 +110,11 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
 TEST_CASE("virtual time gives the same trace, the same cloud and the same picture, byte by byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
-  REQUIRE(palpate("make torus -n 20000 -o " + model).code == 0);
+  works("make torus -n 20000 -o " + model);
   for (const char* run : {"a", "b"}) {
     const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
-    REQUIRE(palpate("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") +
-                    " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200").code == 0);
+    works("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") +
+                    " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200");
   }
   for (const char* ending : {".csv", ".ply", ".png"}) {
     CAPTURE(ending);
@@ -123,7 +127,7 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
 TEST_CASE("a push leaves a dent in the saved file, and carries everything else through") {
   const ScratchFolder folder;
   const std::string plain = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
-  REQUIRE(palpate("make sphere -n 30000 --ascii -o " + plain).code == 0);
+  works("make sphere -n 30000 --ascii -o " + plain);
   // The same cloud with a property that nobody knows.
   std::istringstream in(contentOf(plain));
   std::ofstream out(folder / "model.ply");
@@ -140,8 +144,8 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
     }
   }
   out.close();
-  REQUIRE(palpate("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved +
-                  " --json " + (folder / "touch.json").string()).code == 0);
+  works("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved +
+                  " --json " + (folder / "touch.json").string());
   const PointCloud before = readPly(folder / "model.ply"), after = readPly(saved);
   REQUIRE(after.size() == before.size());
   REQUIRE(after.extra.size() == 1);
@@ -158,10 +162,50 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
   CHECK(jsonOf(folder / "touch.json")["moved_points"] == moved);
 }
 
+TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  works("touch " + model + " --path builtin:press --penetration 4 --edit push --realtime --validate --picture " +
+        (folder / "touched.png").string() + " --size 320x200 --save " + saved + " --json " + (folder / "t.json").string());
+  CHECK(readPly(saved).size() == 5000);
+  CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
+  CHECK(std::filesystem::exists(folder / "touched.png"));
+}
+
+TEST_CASE("an interrupted session keeps its trace and says that it was interrupted") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
+  const std::string command = "timeout -s INT 2 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " + model +
+                              " --realtime --path " + (folder / "long.csv").string() + " --trace " +
+                              (folder / "t.csv").string() + " --json " + (folder / "t.json").string() + " 2>/dev/null >&2";
+  CHECK(std::system(command.c_str()) != 0);
+  CHECK(jsonOf(folder / "t.json")["interrupted"] == true);
+  CHECK(readTrace(folder / "t.csv").size() > 10);
+}
+
+TEST_CASE("outputs follow links, keep permissions, and never replace a device") {
+  const ScratchFolder folder;
+  const auto real = folder / "real.ply", link = folder / "link.ply";
+  std::ofstream(real) << "old";
+  std::filesystem::permissions(real, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+  std::filesystem::create_symlink(real, link);
+  works("make plane -n 10 -o " + link.string());
+  CHECK(std::filesystem::is_symlink(link));
+  CHECK(readPly(real).size() == 10);
+  CHECK((std::filesystem::status(real).permissions() & std::filesystem::perms::others_read) == std::filesystem::perms::none);
+  works("make plane -n 10 -o /dev/null");
+  CHECK(std::filesystem::is_character_file("/dev/null"));
+  if (std::filesystem::exists("/dev/full")) CHECK(palpate("make plane -n 10 -o /dev/full").code == 1);
+}
+
 TEST_CASE("real time ends by itself and reports its ticks") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
-  REQUIRE(palpate("make sphere -n 20000 -o " + model).code == 0);
+  works("make sphere -n 20000 -o " + model);
   const auto outcome = palpate("touch " + model + " --path builtin:press --realtime --picture " +
                                (folder / "p.png").string() + " --size 160x100 --json " + (folder / "t.json").string());
   CHECK(outcome.code == 0);
@@ -172,8 +216,8 @@ TEST_CASE("real time ends by itself and reports its ticks") {
 TEST_CASE("info and make tell what there is") {
   const ScratchFolder folder;
   const std::string model = (folder / "cube.ply").string();
-  REQUIRE(palpate("make cube -n 1000 -o " + model + " --center 10,20,30 --size 2 --noise 0.01 --seed 3").code == 0);
-  REQUIRE(palpate("info " + model + " --json " + (folder / "info.json").string()).code == 0);
+  works("make cube -n 1000 -o " + model + " --center 10,20,30 --size 2 --noise 0.01 --seed 3");
+  works("info " + model + " --json " + (folder / "info.json").string());
   const auto json = jsonOf(folder / "info.json");
   CHECK(json["points"] == 1000);
   CHECK(json["normals"] == true);
@@ -185,7 +229,7 @@ TEST_CASE("info and make tell what there is") {
 TEST_CASE("render writes a picture and a depth file; every pass, colour and camera can be asked for") {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string(), image = (folder / "i.png").string();
-  REQUIRE(palpate("make torus -n 5000 -o " + model).code == 0);
+  works("make torus -n 5000 -o " + model);
   for (const char* options : {"--depth DEPTH --validate", "--pass normal", "--pass depth", "--color height",
                               "--camera 'eye=0,0,300 target=0,0,0 up=0,1,0 fov=30'", "--background 255,255,255",
                               "--splat-radius 3", "--print-frame"}) {
@@ -202,7 +246,7 @@ TEST_CASE("render writes a picture and a depth file; every pass, colour and came
 TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1, in one line, and leaves no file") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.png").string();
-  REQUIRE(palpate("make sphere -n 5000 -o " + model).code == 0);
+  works("make sphere -n 5000 -o " + model);
   const auto fails = [&](const std::string& arguments, int code, const std::string& reason) {
     CAPTURE(arguments);
     const Outcome outcome = palpate(arguments);
@@ -219,6 +263,14 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
+  fails("touch " + model + " --edit push --tau nan", 2, "--tau");
+  fails("touch " + model + " --mm-per-unit inf", 2, "--mm-per-unit");
+  fails("touch " + model + " --picture " + out + " --size 0x0", 2, "--size");
+  fails("touch " + model + " --trace " + (folder / "no/where.csv").string(), 1, "where.csv");
+  fails("render " + model + " -o " + folder.path().string(), 1, "folder");
+  fails("render " + model + " -o " + out + " --splat-radius 1e9", 2, "--splat-radius");
+  fails("make sphere -n -5 -o " + out, 2, "--points");
+  fails("make sphere -n 10 --size 1e38 -o " + out, 2, "--size");
   fails("make ball -n 10 -o " + out, 2, "sphere");
   fails("make sphere -n 10 --center 1,2 -o " + out, 2, "--center");
   fails("info " + (folder / "none.ply").string(), 1, "none.ply");
@@ -249,7 +301,7 @@ TEST_CASE("doctor, version and help answer") {
 
 TEST_CASE("bench measures the build and the step") {
   const ScratchFolder folder;
-  REQUIRE(palpate("bench build step --sizes 5000 --repeat 5 --json " + (folder / "b.json").string()).code == 0);
+  works("bench build step --sizes 5000 --repeat 5 --json " + (folder / "b.json").string());
   const auto json = jsonOf(folder / "b.json");
   CHECK(json["build"][0]["points"] == 5000);
   CHECK(json["build"][0]["steady_us"]["n"] == 5);

@@ -1,0 +1,76 @@
+#include <atomic>
+#include <thread>
+
+#include "engine/gpu/transfer.hpp"
+#include "engine/render/drawn_cloud.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+TEST_CASE_FIXTURE(GpuFixture, "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius, .push = PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 10}});
+  DrawnCloud drawn(device, scene.cloud);
+  touch.editLog().attachReader();
+
+  std::atomic<bool> sculpting = true;
+  std::uint64_t followed = 0;
+  std::thread sight([&] {
+    while (sculpting) {
+      followed += drawn.catchUp(touch.editLog());
+      std::this_thread::yield();
+    }
+  });
+  for (int i = 0; i < 120; ++i) {
+    const double angle = 0.004 * i;
+    const double r = 51 - 0.1 * std::min(i, 60);
+    CHECK(touch.query({.time_s = 0.001 * i, .hip = {r * std::sin(angle), 0, r * std::cos(angle)}}, 0).valid);
+  }
+  touch.finish();
+  sculpting = false;
+  sight.join();
+  followed += drawn.catchUp(touch.editLog());
+  CHECK(touch.shortfalls().editsLogFull == 0);
+
+  PointCloud sculpted = scene.cloud;
+  const std::size_t moved = touch.live().readBack(sculpted);
+  CHECK(moved > 100);
+  CHECK(followed > moved);
+  const auto positions = download<Vec4>(device, drawn.positions(), sculpted.size());
+  const auto normals = download<Vec4>(device, drawn.normals(), sculpted.size());
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < sculpted.size(); ++i)
+    different += Vec3(positions[i]) != sculpted.positions[i] || Vec3(normals[i]) != sculpted.normals[i];
+  CHECK(different == 0);
+}
+
+TEST_CASE("a log is written by one thread and read by another without losing a move") {
+  Device device({.gpu = "", .validate = false});
+  EditLog log(device, 1000);
+  log.attachReader();
+  constexpr std::uint64_t kMoves = 5'000'000;
+  std::thread writer([&] {
+    std::uint64_t head = 0;
+    while (head < kMoves) {
+      const std::uint64_t next = std::min(head + 997, kMoves);
+      if (log.room() < next - head) continue;
+      head = next;
+      log.publish(static_cast<std::uint32_t>(head));
+    }
+  });
+  std::uint64_t read = 0;
+  bool inOrder = true;
+  while (read < kMoves) {
+    const auto range = log.unread();
+    inOrder = inOrder && range.begin == read && range.size() <= log.capacity();
+    read = range.end;
+    log.consume(read);
+  }
+  writer.join();
+  CHECK(inOrder);
+}
+
+}  // namespace palpate
