@@ -75,8 +75,8 @@ struct StepTimes {
   Summary gpu_us, wall_us, edit_us;
 };
 
-// A press at `rate_Hz`: the HIP rests inside the surface, so every tick has contact; when editing, the surface yields so
-// slowly that every tick edits.
+// A press at `rate_Hz`: the HIP rests inside the surface, so every tick has contact; when editing, the surface yields
+// so slowly that every tick edits.
 StepTimes measureSteps(Context& context, const Model& model, const BenchOptions& options, bool edited) {
   TouchOptions touchOf{.radius = supportRadius("auto", model)};
   if (edited)
@@ -130,8 +130,8 @@ void bench(Context& context, const BenchOptions& options) {
     if (build)
       fmt::print(out, "{:<28} {:>11} {:>12} {:>20}\n", "model", "points", "first", "steady");
     else
-      fmt::print(out, "{:<28} {:>11} {:>18} {:>20} {:>18} {:>20}\n", "model", "points", "static, GPU",
-                 "pose to force", "edit, GPU", "pose to force, edited");
+      fmt::print(out, "{:<28} {:>11} {:>18} {:>20} {:>18} {:>20}\n", "model", "points", "static, GPU", "pose to force",
+                 "edit, GPU", "pose to force, edited");
     for (const Subject& subject : subjects)
       result[name].push_back(build ? benchBuild(context, subject, options) : benchStep(context, subject, options));
     fmt::print(out, "\n");
@@ -149,7 +149,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->check(CLI::IsMember({"build", "step"}))
       ->type_name("NAME...");
   sub->add_option("--models", options->models, "PLY files")->type_name("FILE...");
-  sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")->check(between(1, 2e9))->type_name("N...");
+  sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
+      ->check(between(1, 2e9))
+      ->type_name("N...");
   sub->add_option("--repeat", options->repeat, "measured repetitions")->check(between(1, 1e9))->capture_default_str();
   sub->add_option("--rate", options->rate_Hz, "ticks per second of step")->check(positive())->capture_default_str();
   sub->callback([&, options] { command = [&context, options] { bench(context, *options); }; });

@@ -8,8 +8,9 @@ namespace palpate {
 
 void Context::addOptions(CLI::App& app) {
   app.add_option("--gpu", gpu_, "GPU by number or part of its name (else PALPATE_GPU, else the best there is)");
-  app.add_flag("--validate", validate_,
-               "watch every GPU call (core, synchronisation and GPU-assisted validation); any message ends in exit code 1");
+  app.add_flag(
+      "--validate", validate_,
+      "watch every GPU call (core, synchronisation and GPU-assisted validation); any message ends in exit code 1");
   app.add_option("--json", json_, "write a machine-readable result to this file, or to stdout with -")
       ->type_name("FILE|-")
       ->check([](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; });

@@ -6,11 +6,16 @@ namespace {
 
 std::string_view typeName(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return "discrete";
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return "integrated";
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return "virtual";
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return "CPU";
-    default: return "other";
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "CPU";
+    default:
+      return "other";
   }
 }
 
@@ -78,7 +83,8 @@ void doctor(Context& context) {
 }  // namespace
 
 void addDoctor(CLI::App& app, Context& context, Command& command) {
-  CLI::App* sub = app.add_subcommand("doctor", "the GPUs of this machine, and which of their queues serve touch and sight");
+  CLI::App* sub =
+      app.add_subcommand("doctor", "the GPUs of this machine, and which of their queues serve touch and sight");
   sub->callback([&] { command = [&context] { doctor(context); }; });
 }
 

@@ -29,15 +29,14 @@ void info(Context& context, const std::string& file) {
     for (const PlyProperty& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
-  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n", cloud.hasNormals() ? "yes" : "no",
-             cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
+             cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
   fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
   fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,
              scale.toMm(spacing), kDefaultLongestSide_mm);
-  fmt::print(out,
-             "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + drawn cloud {:.1f} + edit log {:.1f}\n",
-             mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.drawnCloud),
-             mib(memory.editLog));
+  fmt::print(
+      out, "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + drawn cloud {:.1f} + edit log {:.1f}\n",
+      mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.drawnCloud), mib(memory.editLog));
   Json attributes = Json::array();
   for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
   context.writeJson({{"points", cloud.size()},
@@ -59,7 +58,8 @@ void info(Context& context, const std::string& file) {
 }  // namespace
 
 void addInfo(CLI::App& app, Context& context, Command& command) {
-  CLI::App* sub = app.add_subcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
+  CLI::App* sub =
+      app.add_subcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
   auto file = std::make_shared<std::string>();
   sub->add_option("model", *file, "PLY file")->required()->type_name("MODEL");
   sub->callback([&, file] { command = [&context, file] { info(context, *file); }; });

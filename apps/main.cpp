@@ -4,8 +4,9 @@ namespace palpate {
 namespace {
 
 int run(int argc, char** argv) {
-  CLI::App app{"palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
-               "Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times in us."};
+  CLI::App app{
+      "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
+      "Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times in us."};
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION);
   app.require_subcommand(1);
@@ -23,7 +24,8 @@ int run(int argc, char** argv) {
   addBench(app, context, command);
   addDoctor(app, context, command);
   for (CLI::App* sub : app.get_subcommands({}))
-    sub->footer(sub->get_footer() + "Every command also takes --gpu, --validate, --json, --threads and --quiet: see palpate --help.");
+    sub->footer(sub->get_footer() +
+                "Every command also takes --gpu, --validate, --json, --threads and --quiet: see palpate --help.");
 
   try {
     app.parse(argc, argv);

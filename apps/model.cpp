@@ -10,7 +10,8 @@
 namespace palpate {
 
 void addModelOptions(CLI::App& command, ModelOptions& options) {
-  command.add_option("model", options.file, "PLY file: points, normals, colours; everything else is carried or skipped")
+  command
+      .add_option("model", options.file, "PLY file: points, normals, colours; everything else is carried or skipped")
       ->required()
       ->type_name("MODEL");
   command
@@ -33,8 +34,8 @@ Model loadModel(Context& context, const ModelOptions& options) {
     if (!cloud.empty()) log.say("{}: normals are estimated from the points", options.file);
     estimateNormals(cloud, 16, context.threads());
   }
-  model.scale = options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit}
-                                        : ModelScale::fitting(boundsOf(cloud).longestSide());
+  model.scale =
+      options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
   model.spacing = meanSpacing(cloud, context.threads());
   return model;
 }

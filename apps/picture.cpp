@@ -46,7 +46,8 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
     frame.splatRadius = automaticSplatRadius(model.spacing);
     if (widest > 0) frame.splatRadius = std::min(frame.splatRadius, 0.2 * widest);
   } else {
-    const double radius_mm = parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
+    const double radius_mm =
+        parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
     if (!(radius_mm > 0) || !std::isfinite(radius_mm))
       throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
     frame.splatRadius = model.scale.toUnits(radius_mm);
@@ -61,15 +62,17 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
 
 void addPictureOptions(CLI::App& command, PictureOptions& options) {
   command.add_option("--size", options.size, "width x height, pixels")->capture_default_str();
-  command.add_option("--camera", options.camera,
-                     "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
-                     "from the front, a little above)");
+  command.add_option(
+      "--camera", options.camera,
+      "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
+      "from the front, a little above)");
   command.add_option("--splat-radius", options.splatRadius, "of a point's disc, mm, or auto")->capture_default_str();
   command.add_option("--color", options.color, "rgb (the file's, or one material), normal, depth, height")
       ->capture_default_str();
   command.add_option("--pass", options.pass, "final, depth, normal, color, position")->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
-  command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")->type_name("FILE.pfm");
+  command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
+      ->type_name("FILE.pfm");
   command.add_flag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
 }
 

@@ -63,8 +63,8 @@ Overlays overlaysOf(const TraceRow& row, const Model& model) {
   return overlays;
 }
 
-// The sight side of a session: the drawn cloud follows the edit log, between ticks in virtual time and on a thread of its
-// own against the wall clock. A failure there waits for finish(), since the hand goes first.
+// The sight side of a session: the drawn cloud follows the edit log, between ticks in virtual time and on a thread of
+// its own against the wall clock. A failure there waits for finish(), since the hand goes first.
 class SightSide {
  public:
   SightSide(Device& device, const PointCloud& cloud, EditLog& log) : drawn_(device, cloud), log_(log) {
@@ -162,13 +162,15 @@ void touch(Context& context, const TouchCommandOptions& options) {
   context.writeJson(toJson(report));
   if (result.deviceFailed) throw Error("{}", result.fault);
   if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
-  if (report.trace.faultTicks) throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
+  if (report.trace.faultTicks)
+    throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
 }
 
 void addForceOptions(CLI::App& sub, ForceOptions& force) {
   sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(notNegative())->capture_default_str();
   sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(notNegative())->capture_default_str();
-  sub.add_option("--max-force", force.maxForce_N, "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
+  sub.add_option("--max-force", force.maxForce_N,
+                 "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
       ->check(notNegative())
       ->capture_default_str();
 }
@@ -178,14 +180,16 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->check(CLI::IsMember({"none", "push"}))
       ->capture_default_str();
   sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
-      ->check(notNegative())->capture_default_str();
+      ->check(notNegative())
+      ->capture_default_str();
   sub.add_option("--beta", options.beta, "share of the way to the tool's surface that a point goes per tick, 0 to 1")
       ->check(between(0, 1))
       ->capture_default_str();
   sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
       ->check(positive())
       ->capture_default_str();
-  sub.add_option("--save", options.saveFile, "write the edited points, with all their other properties (faces and other elements are not kept)")
+  sub.add_option("--save", options.saveFile,
+                 "write the edited points, with all their other properties (faces and other elements are not kept)")
       ->type_name("OUT.ply");
 }
 
@@ -195,9 +199,10 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand("touch", "the haptic loop, headless: follow a path, feel, edit, trace");
   auto options = std::make_shared<TouchCommandOptions>();
   addModelOptions(*sub, options->model);
-  sub->add_option("--path", options->path,
-                  "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
-                  "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
+  sub->add_option(
+         "--path", options->path,
+         "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
+         "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
       ->capture_default_str();
   sub->add_option("--penetration", options->penetration_mm, "how deep builtin:press goes, mm")
       ->check(positive())
@@ -220,8 +225,10 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--picture", options->pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
       ->type_name("IMG.png");
   addPictureOptions(*sub, options->picture);
-  sub->footer("The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, contact, "
-              "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time).\n");
+  sub->footer(
+      "The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, "
+      "contact, "
+      "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time).\n");
   sub->add_flag("--print-tick", options->printTick, "list the passes of a tick with threads, bytes and GPU us");
   sub->callback([&, options] { command = [&context, options] { touch(context, *options); }; });
 }

@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-ContactError contactError(const Trace& trace, const Model& model, double radius, std::optional<double> firstEditTime_s) {
+ContactError contactError(const Trace& trace, const Model& model, double radius,
+                          std::optional<double> firstEditTime_s) {
   constexpr std::size_t kMostTicks = 200;
   std::vector<const TraceRow*> rows;
   for (const TraceRow& row : trace.rows)
@@ -41,27 +42,30 @@ void printReport(std::FILE* out, const TouchReport& report) {
     row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (GPU, {} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
   if (trace.contactTicks == 0)
-    row("contact", "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
-                   "spacings wide?");
+    row("contact",
+        "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
+        "spacings wide?");
   if (report.error.ticks)
-    row("contact error", fmt::format("{:.2g} mm, largest of {} ticks against double precision{}", report.error.worst_mm,
-                                     report.error.ticks,
-                                     report.error.undefined
-                                         ? fmt::format("; no surface there at {} of them", report.error.undefined)
-                                         : std::string()));
+    row("contact error",
+        fmt::format("{:.2g} mm, largest of {} ticks against double precision{}", report.error.worst_mm,
+                    report.error.ticks,
+                    report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
+                                           : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
   if (report.realtime)
     row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,
                                     report.realtimePriority ? "" : " (no real-time priority was granted)"));
   if (shortfalls.editsTooSlow)
-    row("edits left out", fmt::format("{}: one takes this GPU too long for a force in real time", shortfalls.editsTooSlow));
+    row("edits left out",
+        fmt::format("{}: one takes this GPU too long for a force in real time", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
     row("edits left out", fmt::format("{}: the picture had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));
   if (shortfalls.truncatedTicks)
-    row("unfinished ticks", fmt::format("{}: the proxy was still moving when its time was up", shortfalls.truncatedTicks));
+    row("unfinished ticks",
+        fmt::format("{}: the proxy was still moving when its time was up", shortfalls.truncatedTicks));
 }
 
 Json toJson(const TouchReport& report) {
@@ -69,29 +73,30 @@ Json toJson(const TouchReport& report) {
     return Json{{"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
   };
   const TraceSummary& trace = report.trace;
-  Json json{{"points", report.points},
-            {"ticks", trace.ticks},
-            {"contact_ticks", trace.contactTicks},
-            {"step_us", summary(trace.step_us)},
-            {"gpu_us", summary(trace.gpu_us)},
-            {"build_us", report.build_us},
-            {"fresh_fraction", trace.freshFraction},
-            {"peak_force_N", trace.peakForce_N},
-            {"moved_points", report.movedPoints},
-            {"gpu", report.gpu},
-            {"method", "fused"},
-            {"index", "rebuild"},
-            {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
-            {"contact_error_undefined", report.error.undefined},
-            {"missed_ticks", trace.missedTicks},
-            {"interrupted", report.interrupted},
-            {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
-            {"thinned_ticks", report.shortfalls.thinnedTicks},
-            {"truncated_ticks", report.shortfalls.truncatedTicks},
-            {"radius_mm", report.radius_mm},
-            {"cell_mm", report.cell_mm},
-            {"spacing_mm", report.spacing_mm},
-            {"mm_per_unit", report.mm_per_unit}};
+  Json json{
+      {"points", report.points},
+      {"ticks", trace.ticks},
+      {"contact_ticks", trace.contactTicks},
+      {"step_us", summary(trace.step_us)},
+      {"gpu_us", summary(trace.gpu_us)},
+      {"build_us", report.build_us},
+      {"fresh_fraction", trace.freshFraction},
+      {"peak_force_N", trace.peakForce_N},
+      {"moved_points", report.movedPoints},
+      {"gpu", report.gpu},
+      {"method", "fused"},
+      {"index", "rebuild"},
+      {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
+      {"contact_error_undefined", report.error.undefined},
+      {"missed_ticks", trace.missedTicks},
+      {"interrupted", report.interrupted},
+      {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
+      {"thinned_ticks", report.shortfalls.thinnedTicks},
+      {"truncated_ticks", report.shortfalls.truncatedTicks},
+      {"radius_mm", report.radius_mm},
+      {"cell_mm", report.cell_mm},
+      {"spacing_mm", report.spacing_mm},
+      {"mm_per_unit", report.mm_per_unit}};
   if (report.edits) {
     json["edit_us"] = summary(report.edit_us);
     json["edit_ticks"] = report.edit_us.count;

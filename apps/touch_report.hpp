@@ -23,7 +23,7 @@ struct TouchReport {
   TraceSummary trace;
   Summary edit_us;
   TouchSide::Shortfalls shortfalls;
-  std::size_t movedPoints = 0;      ///< that lie elsewhere than in the file
+  std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;
   bool realtime = false;
   bool interrupted = false;

@@ -65,7 +65,8 @@ DVec3 ForceLaw::limited(const DVec3& target_N, double dt_s) const noexcept {
   if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
   const double size_N = std::min(wanted_N, options_.maxForce_N);
   const DVec3 clamped_N = wanted_N > 0 ? target_N * (size_N / wanted_N) : DVec3(0);
-  // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is not.
+  // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is
+  // not.
   const double last_N = glm::length(force_N_);
   const DVec3 from_N = last_N > size_N ? force_N_ * (size_N / last_N) : force_N_;
   const DVec3 step_N = clamped_N - from_N;

@@ -22,8 +22,8 @@ struct TraceRow {
   bool fresh = false;  ///< from this tick's own query
   bool valid = false;  ///< false: the query or the device failed at this tick
   std::uint32_t neighbours = 0;
-  double gpu_us = 0;              ///< 0 where it was not measured
-  double step_us = 0;             ///< from pose read to force ready
+  double gpu_us = 0;   ///< 0 where it was not measured
+  double step_us = 0;  ///< from pose read to force ready
 };
 
 struct Trace {
@@ -36,7 +36,7 @@ struct TraceSummary {
   std::uint64_t ticks = 0;
   std::uint64_t contactTicks = 0;
   std::uint64_t missedTicks = 0;
-  std::uint64_t faultTicks = 0;   ///< at which the query or the device failed
+  std::uint64_t faultTicks = 0;  ///< at which the query or the device failed
   Summary step_us;
   Summary gpu_us;  ///< of the ticks at which it was measured
   double freshFraction = 0;

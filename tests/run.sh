@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with validation and warnings as errors, and runs every test headless: on lavapipe, or on
-# the GPU that PALPATE_GPU names. What runs on the CPU alone is run again under AddressSanitizer and UBSan, and the GPU
-# tests again with one driver thread, which orders atomics differently. Ends with ctest's summary.
+# Installs what is missing, builds with validation and warnings as errors, and runs every test headless: on lavapipe,
+# or on the GPU that PALPATE_GPU names. What runs on the CPU alone runs again under AddressSanitizer and UBSan, the
+# servo loop under ThreadSanitizer, and on lavapipe the GPU tests again with one driver thread, which orders atomics
+# differently. Ends with ctest's summary.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -12,8 +13,11 @@ cmake --preset dev > /dev/null
 cmake --build --preset dev
 cmake --preset asan > /dev/null
 cmake --build --preset asan --target host_tests
+cmake --preset tsan > /dev/null
+cmake --build --preset tsan --target tests_haptics
 
 ctest --preset asan -L host --no-tests=error
+ctest --preset tsan -R '^haptics\.' --no-tests=error
 if [ "$PALPATE_GPU" = llvmpipe ]; then
   LP_NUM_THREADS=1 ctest --preset dev -L gpu --no-tests=error
 fi

@@ -26,7 +26,8 @@ inline Scene makeScene(std::string_view name, std::size_t count, const DVec3& ce
   return scene;
 }
 
-/// Positions of a probe that wanders over a shape, in and out of it by up to `depth`, file coordinates. It starts outside.
+/// Positions of a probe that wanders over a shape, in and out of it by up to `depth`, file coordinates. It starts
+/// outside.
 inline std::vector<DVec3> wanderingPath(const Scene& scene, std::size_t ticks, double depth, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;

@@ -8,16 +8,16 @@ namespace palpate {
 /// Edge of the smallest hash cells that one gather can cover at a support radius; both in the same unit.
 double smallestCell(double radius);
 
-/// The fused step: gathers the neighbours of the probe through the hash, evaluates the surface and moves the proxy, in one
-/// dispatch of one workgroup. Surface after Adamson and Alexa 2003 with Wendland's C2 weight; proxy by tangent-plane
-/// tracking (Salisbury and Tarr 1997), entered where the HIP's motion crosses the surface from outside.
+/// The fused step: gathers the neighbours of the probe through the hash, evaluates the surface and moves the proxy, in
+/// one dispatch of one workgroup. Surface after Adamson and Alexa 2003 with Wendland's C2 weight; proxy by
+/// tangent-plane tracking (Salisbury and Tarr 1997), entered where the HIP's motion crosses the surface from outside.
 class ContactStep {
  public:
   /// `radius`: support radius, model units. `points`: how many the cloud may have.
   ContactStep(Device& device, double radius, std::uint32_t points);
 
-  /// The next run reads the pose that stands in pose() and leaves its answer in sample(). `logHead`: address of a uint32
-  /// that is copied into the answer.
+  /// The next run reads the pose that stands in pose() and leaves its answer in sample(). `logHead`: address of a
+  /// uint32 that is copied into the answer.
   void record(CommandList& list, const shared::CloudView& cloud, DeviceAddress logHead) const;
 
   /// Host-written; valid for the next run.

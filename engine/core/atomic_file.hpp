@@ -10,8 +10,9 @@
 namespace palpate {
 
 /// Writes to a temporary file beside `target`; commit() makes it durable and renames it. If it is destroyed without a
-/// commit, the temporary file is removed and an older file of that name stays as it was. A link is followed, and an older
-/// file's permissions are kept. What is no ordinary file (a device, a pipe) is written to directly. Throws FileError.
+/// commit, the temporary file is removed and an older file of that name stays as it was. A link is followed, and an
+/// older file's permissions are kept. What is no ordinary file (a device, a pipe) is written to directly. Throws
+/// FileError.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path target);

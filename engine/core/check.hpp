@@ -15,14 +15,13 @@ namespace palpate {
 
 }  // namespace palpate
 
-#define PALPATE_CHECK(condition) \
-  ((condition) ? void(0) : ::palpate::stopOnBug(__FILE__, __LINE__, #condition, ""))
-#define PALPATE_CHECK_OP(a, op, b)                                                 \
-  do {                                                                             \
-    const auto& checkLeft = (a);                                                   \
-    const auto& checkRight = (b);                                                  \
-    if (!(checkLeft op checkRight))                                                \
-      ::palpate::stopOnBug(__FILE__, __LINE__, #a " " #op " " #b,                  \
+#define PALPATE_CHECK(condition) ((condition) ? void(0) : ::palpate::stopOnBug(__FILE__, __LINE__, #condition, ""))
+#define PALPATE_CHECK_OP(a, op, b)                                                  \
+  do {                                                                              \
+    const auto& checkLeft = (a);                                                    \
+    const auto& checkRight = (b);                                                   \
+    if (!(checkLeft op checkRight))                                                 \
+      ::palpate::stopOnBug(__FILE__, __LINE__, #a " " #op " " #b,                   \
                            fmt::format(" ({} {} {})", checkLeft, #op, checkRight)); \
   } while (false)
 #define PALPATE_CHECK_EQ(a, b) PALPATE_CHECK_OP(a, ==, b)

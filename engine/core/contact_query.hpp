@@ -16,8 +16,8 @@ struct Pose {
 
 /// What the surface answers to one pose. Positions in model units.
 struct Contact {
-  DVec3 proxy{0};    ///< surface contact point; equals the HIP when there is no contact
-  DVec3 normal{0};   ///< unit, outward, at the proxy; zero where no surface was in reach
+  DVec3 proxy{0};   ///< surface contact point; equals the HIP when there is no contact
+  DVec3 normal{0};  ///< unit, outward, at the proxy; zero where no surface was in reach
   bool touching = false;
   bool fresh = false;            ///< from this tick's own query
   bool valid = false;            ///< false: a fault; the force must be zero

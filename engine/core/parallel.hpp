@@ -11,7 +11,9 @@
 namespace palpate {
 
 /// Threads to use when the user asked for `wanted` (0: one per core).
-inline unsigned threadCount(unsigned wanted) { return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency()); }
+inline unsigned threadCount(unsigned wanted) {
+  return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
+}
 
 /// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
 /// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// A mutex for short holds between a real-time thread and an ordinary one: while the former waits, the latter runs at its
-/// priority (priority inheritance), so nobody in between can keep it from letting go.
+/// A mutex for short holds between a real-time thread and an ordinary one: while the former waits, the latter runs at
+/// its priority (priority inheritance), so nobody in between can keep it from letting go.
 class PriorityMutex {
  public:
   PriorityMutex() {

@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 // Room beside a tick that moves the whole cloud, so that a reader at 30 Hz may fall a frame behind a brush at 1 kHz.
 constexpr std::uint64_t kLeastSlack = 1 << 18;
-}
+}  // namespace
 
 std::uint64_t EditLog::capacityFor(std::uint64_t points) {
   if (points == 0) return 1;  // nobody edits

@@ -9,8 +9,8 @@
 namespace palpate {
 
 /// The only place where the touch side and the sight side meet: a ring of point moves on the GPU, written by the edit
-/// passes of the touch side, read by whoever attached. Positions in the log grow without bound; a position's slot is its
-/// remainder by the capacity.
+/// passes of the touch side, read by whoever attached. Positions in the log grow without bound; a position's slot is
+/// its remainder by the capacity.
 ///
 /// One writer thread and one reader thread. The writer publishes what has completed on the GPU; the reader says what it
 /// has consumed; neither waits for the other. With no reader attached nothing is kept.

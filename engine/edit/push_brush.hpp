@@ -16,8 +16,8 @@ class PushBrush {
  public:
   PushBrush(Device& device, const PushOptions& options);
 
-  /// Reads the contact state of this tick. No point moves further than `longestMove` (model units) in a tick, so that the
-  /// proxy keeps its surface.
+  /// Reads the contact state of this tick. No point moves further than `longestMove` (model units) in a tick, so that
+  /// the proxy keeps its surface.
   void record(CommandList& list, const LiveCloud::Side& side, std::uint32_t count, const Buffer& contactState,
               double longestMove) const;
   const PushOptions& options() const { return options_; }

@@ -16,8 +16,7 @@ constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BU
                                       VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 
 constexpr VkMemoryPropertyFlags kLocal = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
-constexpr VkMemoryPropertyFlags kHost =
-    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+constexpr VkMemoryPropertyFlags kHost = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
 constexpr VkMemoryPropertyFlags kCached = VK_MEMORY_PROPERTY_HOST_CACHED_BIT;
 
 // Best first. The last of each is guaranteed by Vulkan.
@@ -27,10 +26,14 @@ std::span<const VkMemoryPropertyFlags> preferences(Memory memory) {
   static constexpr std::array kStaging{kHost};
   static constexpr std::array kReadback{kHost | kCached, kHost};
   switch (memory) {
-    case Memory::device: return kDevice;
-    case Memory::upload: return kUpload;
-    case Memory::staging: return kStaging;
-    case Memory::readback: return kReadback;
+    case Memory::device:
+      return kDevice;
+    case Memory::upload:
+      return kUpload;
+    case Memory::staging:
+      return kStaging;
+    case Memory::readback:
+      return kReadback;
   }
   return kDevice;
 }
@@ -44,8 +47,8 @@ std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allo
 }
 
 OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint64_t bytes, std::uint64_t limit) {
-  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; ask for less",
-                        device.name(), name, bytes >> 20, limit >> 20);
+  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; ask for less", device.name(),
+                        name, bytes >> 20, limit >> 20);
 }
 
 }  // namespace

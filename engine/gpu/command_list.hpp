@@ -26,9 +26,9 @@ struct PassRecord {
   double gpu_us = 0;          ///< last measured time; 0 unless every pass is timed
 };
 
-/// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in lists
-/// submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another.
-/// Record once between begin() and end(), submit as often as wanted, but never while it is still running.
+/// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in
+/// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
+/// once between begin() and end(), submit as often as wanted, but never while it is still running.
 class CommandList {
  public:
   enum class Timing { none, sections, passes };

@@ -15,8 +15,8 @@ class Device;
 inline constexpr std::uint32_t kMaxPushBytes = 128;
 
 struct PipelineOptions {
-  std::uint32_t workgroupSize = 256;         ///< invocations; specialisation constant 0; a multiple of 32
-  std::uint32_t pushBytes = 0;               ///< exact size of the arguments
+  std::uint32_t workgroupSize = 256;          ///< invocations; specialisation constant 0; a multiple of 32
+  std::uint32_t pushBytes = 0;                ///< exact size of the arguments
   std::vector<std::uint32_t> constants = {};  ///< specialisation constants 1, 2, …
 };
 

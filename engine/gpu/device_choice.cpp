@@ -22,11 +22,16 @@ std::string listOf(std::span<const GpuDescription> gpus) {
 
 int rank(VkPhysicalDeviceType type) {
   switch (type) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
-    default: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 1;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return 3;
+    default:
+      return 4;
   }
 }
 
@@ -36,8 +41,8 @@ std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& s
   if (gpus.empty())
     throw GpuError("no Vulkan GPU was found; install a driver (the software driver is mesa-vulkan-drivers)");
   if (selector.empty()) {
-    const auto best = std::ranges::min_element(
-        gpus, [](const auto& a, const auto& b) { return rank(a.type) < rank(b.type); });
+    const auto best =
+        std::ranges::min_element(gpus, [](const auto& a, const auto& b) { return rank(a.type) < rank(b.type); });
     return static_cast<std::size_t>(best - gpus.begin());
   }
   std::size_t number = 0;

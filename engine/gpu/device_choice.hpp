@@ -1,5 +1,5 @@
-// Which GPU, and which of its queues serves whom. Pure decisions over what the driver reports, so that they can be tested
-// without the hardware.
+// Which GPU, and which of its queues serves whom. Pure decisions over what the driver reports, so that they can be
+// tested without the hardware.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct GpuDescription {
   VkPhysicalDeviceType type = VK_PHYSICAL_DEVICE_TYPE_OTHER;
 };
 
-/// Index of the GPU to use: `selector` is a number, or a part of a name (any case); empty takes the first discrete, then
-/// integrated, then virtual, then CPU device. Throws GpuError that lists the GPUs when nothing fits.
+/// Index of the GPU to use: `selector` is a number, or a part of a name (any case); empty takes the first discrete,
+/// then integrated, then virtual, then CPU device. Throws GpuError that lists the GPUs when nothing fits.
 std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& selector);
 
 /// A queue: family and index within it.

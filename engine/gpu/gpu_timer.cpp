@@ -27,8 +27,7 @@ void GpuTimer::reset(VkCommandBuffer commands) {
 
 std::uint32_t GpuTimer::open(VkCommandBuffer commands) {
   PALPATE_CHECK_LT(scopes_, kMaxScopes);
-  if (ticksMask_)
-    device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scopes_);
+  if (ticksMask_) device_.vk().vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, pool_, 2 * scopes_);
   return scopes_++;
 }
 

@@ -72,8 +72,9 @@ Instance::Instance(bool validate) : validates_(validate) {
                                   .ppEnabledExtensionNames = extensions.data()};
   const VkResult result = vkCreateInstance(&info, nullptr, &instance_);
   if (result == VK_ERROR_INCOMPATIBLE_DRIVER)
-    throw GpuError("the Vulkan loader found no driver that it could load; install one (mesa-vulkan-drivers has a software "
-                   "driver), or see what VK_LOADER_DEBUG=all says");
+    throw GpuError(
+        "the Vulkan loader found no driver that it could load; install one (mesa-vulkan-drivers has a software "
+        "driver), or see what VK_LOADER_DEBUG=all says");
   checkVk(result, "vkCreateInstance", kLoader);
   volkLoadInstanceOnly(instance_);
   if (validate)

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// The Vulkan loader and its physical devices. With `validate`, the Khronos layer watches with core, synchronisation and
-/// GPU-assisted validation. Throws GpuError when there is no loader, or no layer where one was asked for.
+/// The Vulkan loader and its physical devices. With `validate`, the Khronos layer watches with core, synchronisation
+/// and GPU-assisted validation. Throws GpuError when there is no loader, or no layer where one was asked for.
 class Instance {
  public:
   explicit Instance(bool validate);

@@ -30,8 +30,8 @@ std::string_view resultName(VkResult result) {
 
 void checkVk(VkResult result, std::string_view call, std::string_view deviceName) {
   if (result >= 0) return;
-  const std::string text = fmt::format("{}: {} failed with {} ({})", deviceName, call, resultName(result),
-                                       static_cast<int>(result));
+  const std::string text =
+      fmt::format("{}: {} failed with {} ({})", deviceName, call, resultName(result), static_cast<int>(result));
   switch (result) {
     case VK_ERROR_DEVICE_LOST:
       throw DeviceLost("{}: the GPU stopped; start again, and update its driver if this returns", text);

@@ -15,7 +15,8 @@ void CpuHash::rebuild() {
   std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
   std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
   order_.resize(positions_.size());
-  for (std::uint32_t i = 0; i < positions_.size(); ++i) order_[next[bucketOf(grid_, cellOf(grid_, positions_[i]))]++] = i;
+  for (std::uint32_t i = 0; i < positions_.size(); ++i)
+    order_[next[bucketOf(grid_, cellOf(grid_, positions_[i]))]++] = i;
 }
 
 }  // namespace palpate

@@ -20,7 +20,8 @@ class CpuHash {
   /// First and one-past-last place in order() of a bucket.
   UVec2 range(std::uint32_t bucket) const { return {starts_[bucket], starts_[bucket + 1]}; }
 
-  /// Calls visit(point number) for every point nearer than `radius` to `center`, once, in the order of cells and order().
+  /// Calls visit(point number) for every point nearer than `radius` to `center`, once, in the order of cells and
+  /// order().
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const {
     // Half a cell more than the radius: corners are rounded to single precision.

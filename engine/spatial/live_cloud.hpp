@@ -5,9 +5,9 @@
 
 namespace palpate {
 
-/// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its id
-/// (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `side()` is the
-/// one that counts. Owned by the touch side; nobody else reads it while a tick runs.
+/// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its
+/// id (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `side()` is
+/// the one that counts. Owned by the touch side; nobody else reads it while a tick runs.
 class LiveCloud {
  public:
   struct Side {

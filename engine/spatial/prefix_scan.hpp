@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-/// Exclusive prefix sum of 32-bit values in place, modulo 2^32: reduce, then scan (Merrill and Grimshaw 2009, section 3).
-/// No workgroup waits for another, so it runs on every driver.
+/// Exclusive prefix sum of 32-bit values in place, modulo 2^32: reduce, then scan (Merrill and Grimshaw 2009, section
+/// 3). No workgroup waits for another, so it runs on every driver.
 class PrefixScan {
  public:
   explicit PrefixScan(Device& device);

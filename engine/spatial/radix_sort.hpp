@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Stable LSD radix sort of (key, value) pairs of 32 bits each, over the low `keyBits` bits of the key only: count, scan,
-/// scatter per digit (Merrill and Grimshaw 2011). Portable: no workgroup waits for another, any subgroup size.
+/// Stable LSD radix sort of (key, value) pairs of 32 bits each, over the low `keyBits` bits of the key only: count,
+/// scan, scatter per digit (Merrill and Grimshaw 2011). Portable: no workgroup waits for another, any subgroup size.
 class RadixSort {
  public:
   explicit RadixSort(Device& device);

@@ -71,7 +71,8 @@ std::uint64_t SpatialHash::bytes() const {
 std::uint64_t SpatialHash::predictedBytes(std::uint64_t points) {
   constexpr std::uint32_t kUsualWorkgroup = 256;
   const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
-  return 4 * sizeof(std::uint32_t) * points + RadixSort::scratchBytes(points, kUsualWorkgroup) + buckets * sizeof(UVec2);
+  return 4 * sizeof(std::uint32_t) * points + RadixSort::scratchBytes(points, kUsualWorkgroup) +
+         buckets * sizeof(UVec2);
 }
 
 }  // namespace palpate

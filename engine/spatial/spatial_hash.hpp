@@ -6,14 +6,15 @@
 
 namespace palpate {
 
-/// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid and
-/// hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
+/// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
+/// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
 class SpatialHash {
  public:
   SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity);
 
   /// Records a full build: reads the points on `from`, writes them in bucket order to `to`. The caller flips the cloud.
-  void recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to, std::uint32_t count) const;
+  void recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                   std::uint32_t count) const;
 
   const HashGrid& grid() const { return grid_; }
   const Buffer& ranges() const { return ranges_; }

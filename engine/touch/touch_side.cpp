@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kLongestMove = 0.25;             // of the support radius, in one tick: a resting proxy keeps its surface
+constexpr double kLongestMove = 0.25;  // of the support radius, in one tick: a resting proxy keeps its surface
 // An answer is good for the first time without loss, and says nothing about where the hand is after the second.
 constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
@@ -22,8 +22,8 @@ const PointCloud& fitting(const Device& device, const PointCloud& cloud, const T
   const GpuMemory needs = predictGpuMemory(cloud.size(), cloud.hasColors());
   const std::uint64_t bytes = needs.liveCloud + needs.index + (options.push ? needs.editLog : 0);
   if (bytes > device.ownMemory())
-    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model", device.name(),
-                         cloud.size(), bytes >> 20, device.ownMemory() >> 20);
+    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model",
+                         device.name(), cloud.size(), bytes >> 20, device.ownMemory() >> 20);
   return cloud;
 }
 

@@ -22,9 +22,9 @@ struct TouchOptions {
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 
-/// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded ahead
-/// (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one is submitted that
-/// edits the points and builds the index anew; nobody waits for it but the next tick's query.
+/// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
+/// ahead (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one is
+/// submitted that edits the points and builds the index anew; nobody waits for it but the next tick's query.
 class TouchSide final : public ContactQuery {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -32,8 +32,8 @@ class TouchSide final : public ContactQuery {
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
-  /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it was
-  /// found, then ever softer, and past 20 ms not at all.
+  /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it
+  /// was found, then ever softer, and past 20 ms not at all.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Waits for the last edit, and publishes it. Throws what a query could not.
   void finish();
@@ -51,10 +51,10 @@ class TouchSide final : public ContactQuery {
 
   /// What did not go as it should; each is zero in a good session.
   struct Shortfalls {
-    std::uint64_t editsLogFull = 0;   ///< edits left out because the reader of the log had fallen behind
-    std::uint64_t editsTooSlow = 0;   ///< left out in real time because an edit takes longer than a force can be held
-    std::uint64_t truncatedTicks = 0; ///< the proxy had not arrived when the work budget was spent
-    std::uint64_t thinnedTicks = 0;   ///< more points were near than a tick looks at
+    std::uint64_t editsLogFull = 0;    ///< edits left out because the reader of the log had fallen behind
+    std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
+    std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent
+    std::uint64_t thinnedTicks = 0;    ///< more points were near than a tick looks at
   };
   const Shortfalls& shortfalls() const { return shortfalls_; }
   /// The passes of a tick in order, edit included, with their last times.

@@ -1,9 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Pushing (thesis section 5.2): where the HIP is more than tau behind the proxy, the points in range go a share beta of the
-// way to their target each tick. The thesis takes the proxy itself as every point's target, which on flat ground only
-// crowds them; here the target is the point's own place on a round tool whose tip stands tau before the HIP, so that the
-// tool leaves its shape. With a tool shrunk to a point the two are the same.
+// Pushing (thesis section 5.2): where the HIP is more than tau behind the proxy, the points in range go a share beta
+// of the way to their target each tick. The thesis takes the proxy itself as every point's target, which on flat
+// ground only crowds them; here the target is the point's own place on a round tool whose tip stands tau before the
+// HIP, so that the tool leaves its shape. With a tool shrunk to a point the two are the same.
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/edit.h"

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // After points have moved and the hash is built anew: the normal of every moved point becomes the direction of least
-// spread of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the move goes to the log.
-// One subgroup for each point.
+// spread of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the move goes to the
+// log. One subgroup for each point.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/lib/contact_buffers.glsl"

@@ -1,8 +1,9 @@
 #ifndef PALPATE_LIB_EIGEN_GLSL
 #define PALPATE_LIB_EIGEN_GLSL
 
-// Unit eigenvector of the smallest eigenvalue of a symmetric matrix, in closed form (Smith 1961 for the eigenvalue; the
-// vector is the longest cross product of two rows of A - lambda I). Zero when the matrix has no direction that stands out.
+// Unit eigenvector of the smallest eigenvalue of a symmetric matrix, in closed form (Smith 1961 for the eigenvalue;
+// the vector is the longest cross product of two rows of A - lambda I). Zero when the matrix has no direction that
+// stands out.
 vec3 smallestEigenvector(mat3 a) {
   const float third = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
   const mat3 b = a - mat3(third);

@@ -25,8 +25,8 @@ vec3 patchNormal(SpilledPoints spill, uint i) {
   return i < kSharedPatch ? patchNormals[i] : spill.at[2 * (i - kSharedPatch) + 1].xyz;
 }
 
-// The last cell of the round whose candidates begin at or before `candidate`; steps written out, since a loop would count
-// against the work budget.
+// The last cell of the round whose candidates begin at or before `candidate`; steps written out, since a loop would
+// count against the work budget.
 uint cellOfCandidate(uint candidate) {
   uint cell = 0;
   if (cellStart[cell + 128] <= candidate) cell += 128;

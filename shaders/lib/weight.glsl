@@ -1,8 +1,8 @@
 #ifndef PALPATE_LIB_WEIGHT_GLSL
 #define PALPATE_LIB_WEIGHT_GLSL
 
-// Wendland's C2 function of r = distance / support radius, for r in [0, 1] (Wendland 1995): smooth where it ends, so that
-// force stays continuous when a point enters or leaves.
+// Wendland's C2 function of r = distance / support radius, for r in [0, 1] (Wendland 1995): smooth where it ends, so
+// that force stays continuous when a point enters or leaves.
 float wendland(float r) {
   const float s = 1.0 - r;
   const float s2 = s * s;

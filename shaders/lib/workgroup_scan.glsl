@@ -1,4 +1,5 @@
-// Sums and prefix sums over a workgroup, for any subgroup size. Every invocation of the workgroup must call them together.
+// Sums and prefix sums over a workgroup, for any subgroup size. Every invocation of the workgroup must call them
+// together.
 #ifndef PALPATE_LIB_WORKGROUP_SCAN_GLSL
 #define PALPATE_LIB_WORKGROUP_SCAN_GLSL
 

@@ -5,8 +5,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// Rounds of the neighbour loop of one invocation while a normal is refitted. Past it the normal comes from the points seen
-// so far; reached only where a hundred thousand points share a place.
+// Rounds of the neighbour loop of one invocation while a normal is refitted. Past it the normal comes from the points
+// seen so far; reached only where a hundred thousand points share a place.
 const uint kRefitWorkBudget = 20000;
 
 struct PushArgs {

@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Reduce-then-scan, second half: each workgroup adds up the sums of the tiles before its own and scans its own in place.
-// The adding-up costs tiles^2 / 2 reads in all, which stay in cache and below the scan's own traffic up to some
-// 10,000 tiles (20 million values); it saves a third pass.
+// Reduce-then-scan, second half: each workgroup adds up the sums of the tiles before its own and scans its own in
+// place. The adding-up costs tiles^2 / 2 reads in all, which stay in cache and below the scan's own traffic up to
+// some 10,000 tiles (20 million values); it saves a third pass.
 #include "shaders/shared/prefix_scan.h"
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/workgroup_scan.glsl"

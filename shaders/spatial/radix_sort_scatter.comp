@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// LSD radix sort, pass 3 of 3: each workgroup ranks its partition by digit, stably, and writes it where the scanned counts
-// say. Keys are ranked within a subgroup by matching digits with ballots (Ashkiani et al. 2016, multisplit), so no
-// workgroup waits for another and any subgroup size works.
+// LSD radix sort, pass 3 of 3: each workgroup ranks its partition by digit, stably, and writes it where the scanned
+// counts say. Keys are ranked within a subgroup by matching digits with ballots (Ashkiani et al. 2016, multisplit),
+// so no workgroup waits for another and any subgroup size works.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require

@@ -29,7 +29,8 @@ Outcome palpate(const std::string& arguments) {
   std::FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe);
   std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe)) outcome.text.append(piece.data(), size);
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
+    outcome.text.append(piece.data(), size);
   const int status = ::pclose(pipe);
   outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return outcome;
@@ -81,7 +82,7 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 200000 -o " + model);
   works("touch " + model + " --path builtin:press --trace " + trace + " --validate --json " +
-                  (folder / "touch.json").string());
+        (folder / "touch.json").string());
   const auto rows = readTrace(trace);
   const double spacing = std::sqrt(4 * 3.14159265358979 * 50 * 50 / 200000), radius = 4 * spacing;
   const double bias = 0.0694 * radius * radius / 50;
@@ -113,8 +114,8 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
   works("make torus -n 20000 -o " + model);
   for (const char* run : {"a", "b"}) {
     const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
-    works("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") +
-                    " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200");
+    works("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") + " --save " +
+          file(".ply") + " --picture " + file(".png") + " --size 320x200");
   }
   for (const char* ending : {".csv", ".ply", ".png"}) {
     CAPTURE(ending);
@@ -144,8 +145,8 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
     }
   }
   out.close();
-  works("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved +
-                  " --json " + (folder / "touch.json").string());
+  works("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved + " --json " +
+        (folder / "touch.json").string());
   const PointCloud before = readPly(folder / "model.ply"), after = readPly(saved);
   REQUIRE(after.size() == before.size());
   REQUIRE(after.extra.size() == 1);
@@ -167,7 +168,8 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 5000 -o " + model);
   works("touch " + model + " --path builtin:press --penetration 4 --edit push --realtime --validate --picture " +
-        (folder / "touched.png").string() + " --size 320x200 --save " + saved + " --json " + (folder / "t.json").string());
+        (folder / "touched.png").string() + " --size 320x200 --save " + saved + " --json " +
+        (folder / "t.json").string());
   CHECK(readPly(saved).size() == 5000);
   CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
   CHECK(std::filesystem::exists(folder / "touched.png"));
@@ -179,9 +181,10 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
   works("make sphere -n 5000 -o " + model);
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
   const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string command = "timeout -s INT 2 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " + model +
-                              " --realtime --path " + (folder / "long.csv").string() + " --trace " +
-                              (folder / "t.csv").string() + " --json " + (folder / "t.json").string() + " 2>/dev/null >&2";
+  const std::string command = "timeout -s INT 2 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " +
+                              model + " --realtime --path " + (folder / "long.csv").string() + " --trace " +
+                              (folder / "t.csv").string() + " --json " + (folder / "t.json").string() +
+                              " 2>/dev/null >&2";
   CHECK(std::system(command.c_str()) != 0);
   CHECK(jsonOf(folder / "t.json")["interrupted"] == true);
   CHECK(readTrace(folder / "t.csv").size() > 10);
@@ -196,7 +199,8 @@ TEST_CASE("outputs follow links, keep permissions, and never replace a device") 
   works("make plane -n 10 -o " + link.string());
   CHECK(std::filesystem::is_symlink(link));
   CHECK(readPly(real).size() == 10);
-  CHECK((std::filesystem::status(real).permissions() & std::filesystem::perms::others_read) == std::filesystem::perms::none);
+  CHECK((std::filesystem::status(real).permissions() & std::filesystem::perms::others_read) ==
+        std::filesystem::perms::none);
   works("make plane -n 10 -o /dev/null");
   CHECK(std::filesystem::is_character_file("/dev/null"));
   if (std::filesystem::exists("/dev/full")) CHECK(palpate("make plane -n 10 -o /dev/full").code == 1);

@@ -17,7 +17,7 @@ class ContactFixture : public GpuFixture {
   // Plays a path to the GPU and to the reference; both must tell the same story.
   struct Story {
     std::size_t ticks = 0, touched = 0, disagreed = 0, neighboursDiffer = 0;
-    double worstProxy = 0;   // distance of the proxies, support radii
+    double worstProxy = 0;  // distance of the proxies, support radii
     double worstNormal_deg = 0;
   };
   Story compare(const Scene& scene, const std::vector<DVec3>& path, double cell = 0) {
@@ -89,7 +89,8 @@ TEST_CASE_FIXTURE(ContactFixture, "they agree whatever the cell, down to the sma
   }
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "a support radius that holds thousands of points spills from shared memory unharmed") {
+TEST_CASE_FIXTURE(ContactFixture,
+                  "a support radius that holds thousands of points spills from shared memory unharmed") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
   const Story story = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
@@ -146,7 +147,8 @@ TEST_CASE_FIXTURE(ContactFixture, "a fast HIP does not pass the surface between 
   CHECK(contact.proxy.z == doctest::Approx(50).epsilon(0.01));
 }
 
-TEST_CASE_FIXTURE(ContactFixture, "a HIP that is not a number is answered with an invalid contact, and nothing breaks") {
+TEST_CASE_FIXTURE(ContactFixture,
+                  "a HIP that is not a number is answered with an invalid contact, and nothing breaks") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);

@@ -72,8 +72,8 @@ FittedNormal fitted(const CpuHash& hash, std::span<const Vec3> positions, const 
 class PushFixture : public GpuFixture {
  protected:
   struct Moved {
-    std::vector<Vec4> positions, normals;           // in id order
-    std::vector<shared::EditEntry> entries;         // as they stand in the log
+    std::vector<Vec4> positions, normals;    // in id order
+    std::vector<shared::EditEntry> entries;  // as they stand in the log
   };
 
   // One edited tick: push, rebuild, refit, for a contact state that we choose.
@@ -120,8 +120,8 @@ class PushFixture : public GpuFixture {
 TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the others stay bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  for (const PushOptions options : {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6},
-                                    PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+  for (const PushOptions options :
+       {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const double longestMove = kLongestMove * scene.radius;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
@@ -199,8 +199,7 @@ TEST_CASE_FIXTURE(PushFixture, "points all in one place, and points on a line, k
   cloud.positions.assign(3000, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
-  const Moved moved =
-      push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
+  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
   CHECK(moved.entries.size() > 3000);
   for (const Vec4& normal : moved.normals) {
     CHECK(isFinite(normal));

@@ -21,7 +21,8 @@ class CommandListFixture : public GpuFixture {
     return {.from = from.address(), .to = to.address(), .count = count, .unused = 0};
   }
 
-  ComputePipeline addOne{device, shader_code::gpu_add_one, {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)}};
+  ComputePipeline addOne{
+      device, shader_code::gpu_add_one, {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)}};
 };
 
 }  // namespace
@@ -65,7 +66,8 @@ TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see eac
   }
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "commands in an independent scope all run, and what follows waits for all of them") {
+TEST_CASE_FIXTURE(CommandListFixture,
+                  "commands in an independent scope all run, and what follows waits for all of them") {
   constexpr std::uint32_t kCount = 5000;
   const Buffer zero = words(kCount), a = words(kCount), b = words(kCount), sum = words(kCount);
   CommandList list(device, device.touch(), "independent");
@@ -83,7 +85,8 @@ TEST_CASE_FIXTURE(CommandListFixture, "commands in an independent scope all run,
   CHECK(download<std::uint32_t>(device, sum, kCount) == std::vector<std::uint32_t>(kCount, 2));
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch runs as many workgroups as an earlier pass wrote, and may run none") {
+TEST_CASE_FIXTURE(CommandListFixture,
+                  "an indirect dispatch runs as many workgroups as an earlier pass wrote, and may run none") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount), groups = words(3);
   for (const std::uint32_t wanted : {0u, 1u, 3u, 16u}) {
@@ -127,7 +130,8 @@ TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted an
   CHECK(list.sectionTime_us("elsewhere") == 0);
 }
 
-TEST_CASE_FIXTURE(CommandListFixture, "buffers go up and come back whole, of any size, in pieces where they are large") {
+TEST_CASE_FIXTURE(CommandListFixture,
+                  "buffers go up and come back whole, of any size, in pieces where they are large") {
   for (const std::size_t count : {0u, 1u, 3u, 65'537u, 17'000'001u}) {
     CAPTURE(count);
     std::vector<std::uint32_t> values(count);

@@ -15,7 +15,9 @@ const std::array kGpus{GpuDescription{"llvmpipe (LLVM 15)", VK_PHYSICAL_DEVICE_T
                        GpuDescription{"NVIDIA H200", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU},
                        GpuDescription{"NVIDIA T4", VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU}};
 
-VkQueueFamilyProperties family(VkQueueFlags flags, std::uint32_t count) { return {.queueFlags = flags, .queueCount = count}; }
+VkQueueFamilyProperties family(VkQueueFlags flags, std::uint32_t count) {
+  return {.queueFlags = flags, .queueCount = count};
+}
 
 constexpr VkQueueFlags kGraphics = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
 constexpr VkQueueFlags kCompute = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
@@ -76,8 +78,8 @@ TEST_CASE("a GPU without graphics computes and draws on one family; one that can
 TEST_CASE("missing features are named, all of them, with the device") {
   const std::array some{FeatureState{"bufferDeviceAddress", false}, FeatureState{"scalarBlockLayout", true},
                         FeatureState{"synchronization2", false}};
-  CHECK_THROWS_WITH_AS(requireFeatures(some, "Old GPU"), doctest::Contains("Old GPU lacks bufferDeviceAddress, synchronization2"),
-                       GpuError);
+  CHECK_THROWS_WITH_AS(requireFeatures(some, "Old GPU"),
+                       doctest::Contains("Old GPU lacks bufferDeviceAddress, synchronization2"), GpuError);
   CHECK_NOTHROW(requireFeatures(std::span(some).subspan(1, 1), "Old GPU"));
 }
 

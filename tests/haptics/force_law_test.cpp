@@ -114,7 +114,8 @@ TEST_CASE("options out of range are refused") {
 TEST_CASE("a force turns no faster than it may grow") {
   ForceLaw law({.stiffness_N_per_mm = 1, .damping_N_s_per_mm = 0, .maxForce_N = 3, .maxRise_N_per_s = 500}, {1});
   const auto pushed = [&](const DVec3& normal) {
-    return law.update({.proxy = 2.0 * normal, .normal = normal, .touching = true, .fresh = true, .valid = true}, {}, 0.001);
+    return law.update({.proxy = 2.0 * normal, .normal = normal, .touching = true, .fresh = true, .valid = true}, {},
+                      0.001);
   };
   DVec3 last(0);
   for (int i = 0; i < 10; ++i) last = pushed({0, 0, 1});

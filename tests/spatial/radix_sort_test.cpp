@@ -80,7 +80,9 @@ TEST_CASE_FIXTURE(RadixSortFixture, "only the wanted key bits count") {
   }
 }
 
-TEST_CASE_FIXTURE(RadixSortFixture, "zero key bits leave the pairs as they are") { checkSorts(randomWords(1000, 3), 0); }
+TEST_CASE_FIXTURE(RadixSortFixture, "zero key bits leave the pairs as they are") {
+  checkSorts(randomWords(1000, 3), 0);
+}
 
 TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys") {
   std::vector<std::uint32_t> keys(65'537, 42u);

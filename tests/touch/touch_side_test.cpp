@@ -120,7 +120,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
 
 TEST_CASE("a late answer is bridged by the tangent plane of the last one, and never for long") {
   const Scene scene = makeScene("sphere", 20'000);
-  Device device({.gpu = "", .validate = false});  // GPU-assisted validation waits at every submission: nothing is ever late
+  Device device(
+      {.gpu = "", .validate = false});  // GPU-assisted validation waits at every submission: nothing is ever late
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
   const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, 0);

@@ -9,7 +9,8 @@
 
 namespace palpate {
 
-TEST_CASE_FIXTURE(GpuFixture, "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .push = PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 10}});
