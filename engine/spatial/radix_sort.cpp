@@ -11,9 +11,12 @@ namespace palpate {
 
 namespace {
 
-// Shared memory holds a histogram of 1 KiB for each subgroup and 64 bytes of keys for each invocation: eight subgroups
-// keep it below the 32 KiB that small GPUs have, whatever their subgroup size.
-std::uint32_t workgroupFor(const Device& device) { return std::clamp(8 * device.subgroupSize(), 64u, 256u); }
+// Shared memory holds a histogram of 1 KiB for each subgroup, at most 16 of them, and 32 bytes of keys for each
+// invocation: below the 32 KiB that small GPUs have, whatever their subgroup size.
+std::uint32_t workgroupFor(const Device& device) {
+  const std::uint32_t size = device.subgroupSize();
+  return std::clamp(size <= 8 ? 16 * size : 8 * size, 64u, 256u);
+}
 
 std::uint64_t partitionsFor(std::uint64_t count, std::uint32_t workgroup) {
   const std::uint64_t partition = std::uint64_t{workgroup} * shared::kSortItems;
