@@ -21,6 +21,8 @@ struct TouchCommandOptions {
   PictureOptions picture;
   std::string path = "builtin:press", radius = "auto", wait, edit = "none";
   std::string traceFile, saveFile, pictureFile;
+  // One way of each so far, named as a script would name it.
+  std::string device = "path", backend = "vulkan", method = "fused", surface = "average", index = "rebuild";
   double penetration_mm = 2, rate_Hz = 1000, cell_mm = 0, grid = 0;
   double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
   bool realtime = false, printTick = false;
@@ -166,6 +168,17 @@ void touch(Context& context, const TouchCommandOptions& options) {
     throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
 }
 
+void addWays(CLI::App& sub, TouchCommandOptions& options) {
+  const auto way = [&](const char* name, std::string& value, const char* what) {
+    sub.add_option(name, value, what)->check(CLI::IsMember({value}))->capture_default_str();
+  };
+  way("--device", options.device, "what moves the HIP: path, a scripted one");
+  way("--backend", options.backend, "what answers: vulkan");
+  way("--method", options.method, "how neighbours are found: fused, gather, surface and proxy in one dispatch");
+  way("--surface", options.surface, "what the points define: average, weighted position and normal");
+  way("--index", options.index, "how the index follows an edit: rebuild, whole and in the same tick");
+}
+
 void addForceOptions(CLI::App& sub, ForceOptions& force) {
   sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(notNegative())->capture_default_str();
   sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(notNegative())->capture_default_str();
@@ -218,6 +231,7 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
       ->excludes(cell);
   sub->add_option("--wait", options->wait, "for the GPU: spin, poll or block (default: by driver and cores)")
       ->check(CLI::IsMember({"spin", "poll", "block"}));
+  addWays(*sub, *options);
   addForceOptions(*sub, options->force);
   addEditOptions(*sub, *options);
   sub->add_option("--trace", options->traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")

@@ -268,6 +268,7 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
   fails("touch " + model + " --edit push --tau nan", 2, "--tau");
+  fails("touch " + model + " --surface sharpest", 2, "--surface");
   fails("touch " + model + " --mm-per-unit inf", 2, "--mm-per-unit");
   fails("touch " + model + " --picture " + out + " --size 0x0", 2, "--size");
   fails("touch " + model + " --trace " + (folder / "no/where.csv").string(), 1, "where.csv");
@@ -289,6 +290,14 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   CHECK_FALSE(std::filesystem::exists(out));
   for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
     CHECK(entry.path().extension() != ".tmp");
+}
+
+TEST_CASE("a script may name the way that is the default") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  works("touch " + model +
+        " --device path --backend vulkan --method fused --surface average --index rebuild --grid 128");
 }
 
 TEST_CASE("doctor, version and help answer") {
