@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "engine/core/clock.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/test_shaders.hpp"
 #include "tests/gpu/add_one.h"
@@ -116,7 +117,11 @@ TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted an
   }
   list.end();
   CHECK(list.sectionTime_us("outer") == 0);  // it has not run
+  const Stopwatch watch;
   device.touch().run(list);
+  const double wall_us = watch.elapsed_us();
+  CHECK(list.sectionTime_us("outer") < wall_us);
+  CHECK(list.sectionTime_us("outer") > 1e-3 * wall_us);
   const auto passes = list.passes();
   REQUIRE(passes.size() == 2);
   CHECK(passes[0].name == "fill words");
