@@ -5,24 +5,22 @@
 
 namespace palpate {
 
-ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
-    : device_(device), name_(code.name), workgroupSize_(options.workgroupSize), pushBytes_(options.pushBytes) {
-  PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
-  PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
-  PALPATE_CHECK_LE(workgroupSize_, device.properties().limits.maxComputeWorkGroupInvocations);
+namespace {
 
-  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = pushBytes_};
+PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const PipelineOptions& options) {
+  PipelineStore::Compiled compiled;
+  const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = options.pushBytes};
   const VkPipelineLayoutCreateInfo layoutInfo{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                               .pNext = nullptr,
                                               .flags = 0,
                                               .setLayoutCount = 0,
                                               .pSetLayouts = nullptr,
-                                              .pushConstantRangeCount = pushBytes_ ? 1u : 0u,
+                                              .pushConstantRangeCount = options.pushBytes ? 1u : 0u,
                                               .pPushConstantRanges = &range};
-  device.check(device.vk().vkCreatePipelineLayout(device.handle(), &layoutInfo, nullptr, &layout_),
+  device.check(device.vk().vkCreatePipelineLayout(device.handle(), &layoutInfo, nullptr, &compiled.layout),
                "vkCreatePipelineLayout");
 
-  std::vector<std::uint32_t> constants{workgroupSize_};
+  std::vector<std::uint32_t> constants{options.workgroupSize};
   constants.insert(constants.end(), options.constants.begin(), options.constants.end());
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
@@ -37,10 +35,10 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
                                             .pCode = code.words.data()};
   VkShaderModule module = VK_NULL_HANDLE;
   device.check(device.vk().vkCreateShaderModule(device.handle(), &moduleInfo, nullptr, &module),
-               fmt::format("vkCreateShaderModule({})", name_));
-  device.nameObject(VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<std::uint64_t>(module), name_);
+               fmt::format("vkCreateShaderModule({})", code.name));
+  device.nameObject(VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<std::uint64_t>(module), code.name);
   // Full subgroups need a workgroup that the subgroup size divides; every size up to 128 divides or exceeds ours.
-  const bool full = workgroupSize_ % device.subgroupSize() == 0;
+  const bool full = options.workgroupSize % device.subgroupSize() == 0;
   const VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .pNext = nullptr,
@@ -54,19 +52,40 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
                 .module = module,
                 .pName = "main",
                 .pSpecializationInfo = &specialization},
-      .layout = layout_,
+      .layout = compiled.layout,
       .basePipelineHandle = VK_NULL_HANDLE,
       .basePipelineIndex = -1};
   const VkResult result =
-      device.vk().vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_);
+      device.vk().vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &compiled.pipeline);
   device.vk().vkDestroyShaderModule(device.handle(), module, nullptr);
-  device.check(result, fmt::format("vkCreateComputePipelines({})", name_));
-  device.nameObject(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(pipeline_), name_);
+  device.check(result, fmt::format("vkCreateComputePipelines({})", code.name));
+  device.nameObject(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(compiled.pipeline), code.name);
+  return compiled;
 }
 
-ComputePipeline::~ComputePipeline() {
-  device_.vk().vkDestroyPipeline(device_.handle(), pipeline_, nullptr);
-  device_.vk().vkDestroyPipelineLayout(device_.handle(), layout_, nullptr);
+}  // namespace
+
+PipelineStore::Compiled PipelineStore::get(Device& device, const ShaderCode& code, const PipelineOptions& options) {
+  const std::scoped_lock hold(lock_);
+  const Key key{code.words.data(), options.workgroupSize, options.pushBytes, options.constants};
+  if (const auto found = compiled_.find(key); found != compiled_.end()) return found->second;
+  return compiled_.emplace(key, compile(device, code, options)).first->second;
+}
+
+void PipelineStore::destroyAll(Device& device) {
+  for (const auto& [key, compiled] : compiled_) {
+    device.vk().vkDestroyPipeline(device.handle(), compiled.pipeline, nullptr);
+    device.vk().vkDestroyPipelineLayout(device.handle(), compiled.layout, nullptr);
+  }
+  compiled_.clear();
+}
+
+ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
+    : name_(code.name), workgroupSize_(options.workgroupSize), pushBytes_(options.pushBytes) {
+  PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
+  PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
+  PALPATE_CHECK_LE(workgroupSize_, device.properties().limits.maxComputeWorkGroupInvocations);
+  compiled_ = device.pipelines().get(device, code, options);
 }
 
 }  // namespace palpate

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "engine/gpu/shader_code.hpp"
@@ -20,26 +23,39 @@ struct PipelineOptions {
   std::vector<std::uint32_t> constants = {};  ///< specialisation constants 1, 2, …
 };
 
+/// The compiled pipelines of a device: each shader is compiled once for each set of options, however many passes use
+/// it, since a driver may take seconds for one. They live as long as the device. Any thread may ask.
+class PipelineStore {
+ public:
+  struct Compiled {
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+  };
+
+  Compiled get(Device& device, const ShaderCode& code, const PipelineOptions& options);
+  void destroyAll(Device& device);
+
+ private:
+  using Key = std::tuple<const void*, std::uint32_t, std::uint32_t, std::vector<std::uint32_t>>;
+  std::mutex lock_;
+  std::map<Key, Compiled> compiled_;
+};
+
 /// A compute shader without descriptor sets: buffers come by address in the push constants.
 class ComputePipeline {
  public:
   ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options);
-  ~ComputePipeline();
-  ComputePipeline(const ComputePipeline&) = delete;
-  ComputePipeline& operator=(const ComputePipeline&) = delete;
 
-  VkPipeline handle() const { return pipeline_; }
-  VkPipelineLayout layout() const { return layout_; }
+  VkPipeline handle() const { return compiled_.pipeline; }
+  VkPipelineLayout layout() const { return compiled_.layout; }
   std::uint32_t workgroupSize() const { return workgroupSize_; }
   std::uint32_t pushBytes() const { return pushBytes_; }
   const std::string& name() const { return name_; }
 
  private:
-  Device& device_;
   std::string name_;
   std::uint32_t workgroupSize_, pushBytes_;
-  VkPipelineLayout layout_ = VK_NULL_HANDLE;
-  VkPipeline pipeline_ = VK_NULL_HANDLE;
+  PipelineStore::Compiled compiled_;
 };
 
 }  // namespace palpate

@@ -152,6 +152,7 @@ Device::~Device() {
   table_.vkDeviceWaitIdle(device_);
   touch_.reset();
   sight_.reset();
+  pipelines_.destroyAll(*this);
   table_.vkDestroyDevice(device_, nullptr);
 }
 

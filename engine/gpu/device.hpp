@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/device_choice.hpp"
 #include "engine/gpu/instance.hpp"
 #include "engine/gpu/queue.hpp"
@@ -33,6 +34,7 @@ class Device {
   /// The sight side's queue.
   Queue& sight() { return *sight_; }
   const QueueRoles& roles() const { return roles_; }
+  PipelineStore& pipelines() { return pipelines_; }
 
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
@@ -68,6 +70,7 @@ class Device {
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};
+  PipelineStore pipelines_;
   std::unique_ptr<Queue> touch_, sight_;
 };
 
