@@ -7,18 +7,13 @@
 
 namespace palpate {
 
-namespace {
-// Room beside a tick that moves the whole cloud, so that a reader at 30 Hz may fall a frame behind a brush at 1 kHz.
-constexpr std::uint64_t kLeastSlack = 1 << 18;
-}  // namespace
-
-std::uint64_t EditLog::capacityFor(std::uint64_t points) {
+std::uint64_t EditLog::capacityFor(std::uint64_t points, std::uint64_t slack) {
   if (points == 0) return 1;  // nobody edits
-  return std::bit_ceil(points + std::max(points, kLeastSlack));
+  return std::bit_ceil(points + std::max(points, slack));
 }
 
-EditLog::EditLog(Device& device, std::uint64_t points)
-    : capacity_(capacityFor(points)),
+EditLog::EditLog(Device& device, std::uint64_t points, std::uint64_t slack)
+    : capacity_(capacityFor(points, slack)),
       entries_(Buffer::of<shared::EditEntry>(device, capacity_, Memory::device, "edit log")),
       head_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "edit log head")) {
   upload(device, head_, std::vector<std::uint32_t>{0});

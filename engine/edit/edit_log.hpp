@@ -16,11 +16,15 @@ namespace palpate {
 /// has consumed; neither waits for the other. With no reader attached nothing is kept.
 class EditLog {
  public:
+  /// Moves kept beside a tick that moves the whole cloud, at least: a reader at 30 Hz may fall a frame behind a brush
+  /// at 1 kHz.
+  static constexpr std::uint64_t kLeastSlack = 1 << 18;
+
   /// Holds at least twice `points` moves, so that a tick that moves the whole cloud fits beside what a reader that is a
   /// little behind has not seen yet.
-  EditLog(Device& device, std::uint64_t points);
+  EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kLeastSlack);
   /// Entries that a log for so many points holds.
-  static std::uint64_t capacityFor(std::uint64_t points);
+  static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kLeastSlack);
 
   DeviceAddress entries() const { return entries_.address(); }
   const Buffer& entriesBuffer() const { return entries_; }

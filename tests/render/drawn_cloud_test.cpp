@@ -12,7 +12,7 @@ namespace {
 /// Plays the touch side: writes entries into the ring and publishes them; keeps what the cloud should be.
 class Writer {
  public:
-  Writer(Device& device, const PointCloud& cloud) : device_(device), log_(device, cloud.size()), cloud_(cloud) {
+  Writer(Device& device, const PointCloud& cloud) : device_(device), log_(device, cloud.size(), 0), cloud_(cloud) {
     ring_.resize(log_.capacity());
     log_.attachReader();
   }
