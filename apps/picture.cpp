@@ -85,10 +85,11 @@ void checkPictureOptions(const PictureOptions& options) {
 }
 
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
-  fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>10}\n", "section", "pass", "threads", "bytes", "GPU us");
+  fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>6} {:>10}\n", "section", "pass", "threads", "bytes", "waits",
+             "GPU us");
   for (const PassRecord& pass : passes)
-    fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>10.1f}\n", pass.section, pass.name, pass.threads, pass.bytes,
-               pass.gpu_us);
+    fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>6} {:>10.1f}\n", pass.section, pass.name, pass.threads, pass.bytes,
+               pass.waits ? "yes" : "no", pass.gpu_us);
 }
 
 void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, const PictureOptions& options,

@@ -57,7 +57,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
                                     report.realtimePriority ? "" : " (no real-time priority was granted)"));
   if (shortfalls.editsTooSlow)
     row("edits left out",
-        fmt::format("{}: one takes this GPU too long for a force in real time", shortfalls.editsTooSlow));
+        fmt::format("{}: one takes this GPU longer than a force can be held", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
     row("edits left out", fmt::format("{}: the picture had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.thinnedTicks)

@@ -80,9 +80,11 @@ void CommandList::end() {
 }
 
 void CommandList::orderAfterPrevious() {
+  waits_ = false;
   if (independent_ == Overlap::yes) return;
   if (independent_ == Overlap::first) independent_ = Overlap::yes;
   memoryBarrier(device_, commands_, kWork | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, kReads | kWrites);
+  waits_ = true;
 }
 
 void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads,
@@ -137,7 +139,7 @@ void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_
 }
 
 void CommandList::openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes) {
-  passes_.push_back({section_, name, threads, bytes});
+  passes_.push_back({.section = section_, .name = name, .threads = threads, .bytes = bytes, .waits = waits_});
   openLabel(name);
   if (timing_ == Timing::passes) passTimers_.push_back(timer_->open(commands_));
 }

@@ -23,6 +23,7 @@ struct PassRecord {
   std::string name;
   std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills, and where the GPU decides
   std::uint64_t bytes = 0;    ///< bytes of the arguments, or moved by a copy or fill
+  bool waits = true;          ///< for all that came before it
   double gpu_us = 0;          ///< last measured time; 0 unless every pass is timed
 };
 
@@ -113,6 +114,7 @@ class CommandList {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::unique_ptr<GpuTimer> timer_;
   Overlap independent_ = Overlap::no;
+  bool waits_ = false;  // the command being recorded stands behind a barrier
   std::string section_;
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
   std::vector<PassRecord> passes_;

@@ -43,7 +43,8 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       hash_(device, gridFor(cloud, options), live_.count()),
       contact_(device, options.radius, live_.count()),
       log_(device, options.push ? live_.count() : 0),
-      refit_(device, options.push ? live_.count() : 0) {
+      refit_(device, options.push ? live_.count() : 0),
+      pace_(kStalest_s) {
   if (options.push) {
     push_.emplace(device, *options.push);
     editTimes_us_.reserve(kEditTimesReserved);
@@ -151,7 +152,7 @@ Contact TouchSide::held(const Pose& pose) const {
 void TouchSide::editIfYielding(bool realtime) {
   const double depth = glm::distance(last_.proxy, lastPose_.hip);
   if (!push_ || !last_.touching || depth <= options_.push->tau) return;
-  if (realtime && lastEdit_us_ > kStalest_s * 1e6) {
+  if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;
   }
@@ -162,6 +163,7 @@ void TouchSide::editIfYielding(bool realtime) {
   }
   device_.touch().submit(*edits_[live_.parity()]);
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
+  editTime_s_ = lastPose_.time_s;
   editInFlight_ = live_.parity();
   live_.flip();
 }
@@ -170,9 +172,10 @@ void TouchSide::collectEdit() {
   // Called after a later submission to the same queue has completed, so the edit has as well.
   if (!editInFlight_) return;
   lastEdit_ = *editInFlight_;
-  lastEdit_us_ = edits_[lastEdit_]->sectionTime_us("edit");
+  const double time_us = edits_[lastEdit_]->sectionTime_us("edit");
+  pace_.took(editTime_s_, time_us * 1e-6);
   editInFlight_.reset();
-  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(lastEdit_us_);
+  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
 }
 
 void TouchSide::finish() {

@@ -11,6 +11,7 @@
 #include "engine/edit/push_brush.hpp"
 #include "engine/edit/refit_normals.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/touch/edit_pace.hpp"
 
 namespace palpate {
 
@@ -95,7 +96,8 @@ class TouchSide final : public ContactQuery {
   double buildTime_us_ = 0;
   std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
   std::vector<double> editTimes_us_;
-  double lastEdit_us_ = 0;
+  EditPace pace_;
+  double editTime_s_ = 0;                       // of the pose whose answer led to the last edit
   std::uint32_t lastQuery_ = 0, lastEdit_ = 0;  // parities of the lists that ran last
   Shortfalls shortfalls_;
   std::optional<double> firstEditTime_s_;

@@ -81,6 +81,10 @@ TEST_CASE_FIXTURE(CommandListFixture,
   }
   list.dispatch(addOne, kCount, args(a, sum, kCount));
   list.end();
+  // Some drivers run commands in order anyway, and no result would tell that a barrier is missing.
+  std::vector<bool> waits;
+  for (const PassRecord& pass : list.passes()) waits.push_back(pass.waits);
+  CHECK(waits == std::vector<bool>{true, true, false, true});
   device.touch().run(list);
   CHECK(download<std::uint32_t>(device, b, kCount) == std::vector<std::uint32_t>(kCount, 1));
   CHECK(download<std::uint32_t>(device, sum, kCount) == std::vector<std::uint32_t>(kCount, 2));
