@@ -1,6 +1,7 @@
 #include <csignal>
 #include <thread>
 
+#include "apps/backend.hpp"
 #include "apps/picture.hpp"
 #include "apps/touch_report.hpp"
 #include "engine/cloud/ply_writer.hpp"
@@ -18,14 +19,13 @@ constexpr double kSightRate_Hz = 30;
 
 struct TouchCommandOptions {
   ModelOptions model;
+  BackendOptions backend;
   PictureOptions picture;
-  std::string path = "builtin:press", radius = "auto", wait, edit = "none";
+  std::string path = "builtin:press", edit = "none", device = "path";
   std::string traceFile, saveFile, pictureFile;
-  // One way of each so far, named as a script would name it.
-  std::string device = "path", backend = "vulkan", method = "fused", surface = "average", index = "rebuild";
-  double penetration_mm = 2, rate_Hz = 1000, cell_mm = 0, grid = 0;
+  double penetration_mm = 2, rate_Hz = 1000;
   double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
-  bool realtime = false, printTick = false;
+  bool realtime = false;
   ForceOptions force;
 };
 
@@ -38,19 +38,10 @@ Path pathFor(const TouchCommandOptions& options, const Model& model) {
   return readPathCsv(options.path);
 }
 
-TouchOptions touchOptions(const TouchCommandOptions& options, const Model& model) {
-  TouchOptions touch{.radius = supportRadius(options.radius, model)};
-  if (options.cell_mm > 0) touch.cell = model.scale.toUnits(options.cell_mm);
-  if (options.grid > 0) touch.cell = boundsOf(model.cloud).longestSide() / options.grid;
-  if (options.edit == "push")
-    touch.push = PushOptions{.tau = model.scale.toUnits(options.tau_mm),
-                             .beta = options.beta,
-                             .toolRadius = model.scale.toUnits(options.toolRadius_mm)};
-  if (options.wait == "spin") touch.wait = Wait::spin;
-  if (options.wait == "poll") touch.wait = Wait::poll;
-  if (options.wait == "block") touch.wait = Wait::block;
-  if (options.printTick) touch.timing = CommandList::Timing::passes;
-  return touch;
+std::optional<PushOptions> pushOptions(const TouchCommandOptions& options, const ModelScale& scale) {
+  if (options.edit != "push") return std::nullopt;
+  return PushOptions{
+      .tau = scale.toUnits(options.tau_mm), .beta = options.beta, .toolRadius = scale.toUnits(options.toolRadius_mm)};
 }
 
 Overlays overlaysOf(const TraceRow& row, const Model& model) {
@@ -117,66 +108,62 @@ void touch(Context& context, const TouchCommandOptions& options) {
     Context::checkWritable(*file);
   const Model model = loadModel(context, options.model);
   PathDevice device(pathFor(options, model));
-  const TouchOptions touchOf = touchOptions(options, model);
+  const auto push = pushOptions(options, model.scale);
+  const double radius = supportRadius(options.backend.radius, model);
   ForceLaw law(options.force, model.scale);
   ServoOptions servo{.rate_Hz = options.rate_Hz,
                      .duration_s = device.path().duration_s() + 1 / options.rate_Hz,  // the path's end is a tick too
                      .realtime = options.realtime,
                      .stop = &stopRequested};
-  TouchSide touchSide(context.device(), model.cloud, touchOf);
+  const auto backend = makeBackend(context, model, options.backend, push);
+  auto* touchSide = dynamic_cast<TouchSide*>(backend.get());
   std::unique_ptr<SightSide> sight;
-  if (!options.pictureFile.empty())
-    sight = std::make_unique<SightSide>(context.device(), model.cloud, touchSide.editLog());
+  if (!options.pictureFile.empty() && touchSide)
+    sight = std::make_unique<SightSide>(context.device(), model.cloud, touchSide->editLog());
 
-  ServoLoop loop(device, touchSide, law, servo);
+  ServoLoop loop(device, *backend, law, servo);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopRequested = true; });
   if (sight && options.realtime) sight->follow();
   const ServoResult result = loop.run(sight && !options.realtime ? sight->observer(options.rate_Hz) : TickObserver{});
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
   if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
-  touchSide.finish();
+  backend->finish();
 
   PointCloud sculpted;
-  if (touchOf.push) sculpted = model.cloud;
+  if (push) sculpted = model.cloud;
   TouchReport report{.points = model.cloud.size(),
-                     .gpu = context.device().name(),
-                     .build_us = touchSide.buildTime_us(),
+                     .machine = backend->machine(),
+                     .method = options.backend.method,
+                     .build_us = backend->buildTime_us(),
                      .trace = summarize(result.trace),
-                     .edit_us = summarize(touchSide.editTimes_us()),
-                     .shortfalls = touchSide.shortfalls(),
-                     .movedPoints = touchOf.push ? touchSide.live().readBack(sculpted) : 0,
+                     .edit_us = summarize(backend->editTimes_us()),
+                     .shortfalls = backend->shortfalls(),
+                     .movedPoints = push ? backend->readBack(sculpted) : 0,
                      .realtimePriority = result.realtimePriority,
                      .realtime = options.realtime,
                      .interrupted = stopRequested,
-                     .edits = touchOf.push.has_value(),
-                     .radius_mm = model.scale.toMm(touchOf.radius),
-                     .cell_mm = model.scale.toMm(1.0 / static_cast<double>(touchSide.hash().grid().inverseCell)),
+                     .edits = push.has_value(),
+                     .radius_mm = model.scale.toMm(radius),
+                     .cell_mm = model.scale.toMm(backend->cell()),
                      .spacing_mm = model.scale.toMm(model.spacing),
                      .mm_per_unit = model.scale.mm_per_unit,
-                     .error = contactError(result.trace, model, touchOf.radius, touchSide.firstEditTime_s())};
+                     .error = contactError(result.trace, model, radius, backend->firstEditTime_s())};
   if (!options.saveFile.empty()) writePly(options.saveFile, sculpted);
-  if (sight)
-    takePicture(context, model, sight->finish(), options.picture,
+  if (!options.pictureFile.empty()) {
+    // A back end without an edit log is drawn once, as it ended.
+    std::optional<DrawnCloud> ended;
+    if (!sight) ended.emplace(context.device(), push ? sculpted : model.cloud);
+    takePicture(context, model, sight ? sight->finish() : *ended, options.picture,
                 result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model),
                 options.pictureFile);
-  if (options.printTick) printPasses(context.tables(), touchSide.passes());
+  }
+  if (options.backend.timePasses && touchSide) printPasses(context.tables(), touchSide->passes());
   printReport(context.tables(), report);
   context.writeJson(toJson(report));
   if (result.deviceFailed) throw Error("{}", result.fault);
   if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
   if (report.trace.faultTicks)
     throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
-}
-
-void addWays(CLI::App& sub, TouchCommandOptions& options) {
-  const auto way = [&](const char* name, std::string& value, const char* what) {
-    sub.add_option(name, value, what)->check(CLI::IsMember({value}))->capture_default_str();
-  };
-  way("--device", options.device, "what moves the HIP: path, a scripted one");
-  way("--backend", options.backend, "what answers: vulkan");
-  way("--method", options.method, "how neighbours are found: fused, gather, surface and proxy in one dispatch");
-  way("--surface", options.surface, "what the points define: average, weighted position and normal");
-  way("--index", options.index, "how the index follows an edit: rebuild, whole and in the same tick");
 }
 
 void addForceOptions(CLI::App& sub, ForceOptions& force) {
@@ -222,16 +209,10 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
       ->capture_default_str();
   sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
   sub->add_flag("--realtime", options->realtime, "against the wall clock (default: virtual time, as fast as it goes)");
-  sub->add_option("--radius", options->radius, "support radius of the surface, mm, or auto (4 spacings)")
+  sub->add_option("--device", options->device, "what moves the HIP: path, a scripted one")
+      ->check(CLI::IsMember({"path"}))
       ->capture_default_str();
-  auto* cell = sub->add_option("--cell", options->cell_mm, "edge of a hash cell, mm (default: the support radius)")
-                   ->check(positive());
-  sub->add_option("--grid", options->grid, "hash cells along the longest side, instead of --cell")
-      ->check(positive())
-      ->excludes(cell);
-  sub->add_option("--wait", options->wait, "for the GPU: spin, poll or block (default: by driver and cores)")
-      ->check(CLI::IsMember({"spin", "poll", "block"}));
-  addWays(*sub, *options);
+  addBackendOptions(*sub, options->backend);
   addForceOptions(*sub, options->force);
   addEditOptions(*sub, *options);
   sub->add_option("--trace", options->traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
@@ -243,7 +224,8 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
       "The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, "
       "contact, "
       "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time).\n");
-  sub->add_flag("--print-tick", options->printTick, "list the passes of a tick with threads, bytes and GPU us");
+  sub->add_flag("--print-tick", options->backend.timePasses,
+                "list the passes of a tick with threads, bytes and GPU us");
   sub->callback([&, options] { command = [&context, options] { touch(context, *options); }; });
 }
 

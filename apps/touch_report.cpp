@@ -33,7 +33,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto& shortfalls = report.shortfalls;
   row("points", fmt::format("{}, spacing {:.3g} mm, support radius {:.3g} mm", report.points, report.spacing_mm,
                             report.radius_mm));
-  row("GPU", report.gpu);
+  row("GPU", report.machine);
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
   row("step p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (pose to force)", trace.step_us.p50, trace.step_us.p999));
@@ -83,8 +83,8 @@ Json toJson(const TouchReport& report) {
       {"fresh_fraction", trace.freshFraction},
       {"peak_force_N", trace.peakForce_N},
       {"moved_points", report.movedPoints},
-      {"gpu", report.gpu},
-      {"method", "fused"},
+      {"gpu", report.machine},
+      {"method", report.method},
       {"index", "rebuild"},
       {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
       {"contact_error_undefined", report.error.undefined},

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/model.hpp"
-#include "engine/touch/touch_side.hpp"
+#include "engine/core/touch_backend.hpp"
 #include "haptics/trace.hpp"
 
 namespace palpate {
@@ -18,11 +18,11 @@ ContactError contactError(const Trace& trace, const Model& model, double radius,
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
-  std::string gpu;
+  std::string machine, method;
   double build_us = 0;
   TraceSummary trace;
   Summary edit_us;
-  TouchSide::Shortfalls shortfalls;
+  TouchShortfalls shortfalls;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;
   bool realtime = false;

@@ -35,7 +35,8 @@ void SpatialHash::recordBuild(CommandList& list, const LiveCloud::Side& from, co
                                        .keys = keys_.address(),
                                        .order = order_.address(),
                                        .grid = grid_,
-                                       .count = count});
+                                       .count = count,
+                                       .unused = 0});
   }
   const auto sorted = sort_.record(list,
                                    {.keys = keys_.address(),
@@ -61,7 +62,8 @@ shared::CloudView SpatialHash::view(const LiveCloud::Side& side, std::uint32_t c
           .normals = side.normals.address(),
           .ranges = ranges_.address(),
           .grid = grid_,
-          .count = count};
+          .count = count,
+          .unused = 0};
 }
 
 std::uint64_t SpatialHash::bytes() const {

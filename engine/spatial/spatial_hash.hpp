@@ -3,6 +3,7 @@
 #include "engine/spatial/hash_grid.hpp"
 #include "engine/spatial/live_cloud.hpp"
 #include "engine/spatial/radix_sort.hpp"
+#include "shaders/shared/spatial_hash.h"
 
 namespace palpate {
 

@@ -29,7 +29,8 @@ const PointCloud& fitting(const Device& device, const PointCloud& cloud, const T
 
 HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
-  return makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size());
+  return makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size(),
+                      options.bucketKey);
 }
 
 }  // namespace

@@ -6,18 +6,20 @@
 #include <optional>
 
 #include "engine/contact/contact_step.hpp"
-#include "engine/core/contact_query.hpp"
+#include "engine/core/touch_backend.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/push_brush.hpp"
 #include "engine/edit/refit_normals.hpp"
+#include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/touch/edit_pace.hpp"
 
 namespace palpate {
 
 struct TouchOptions {
-  double radius = 0;                ///< support radius, model units
-  double cell = 0;                  ///< edge of a hash cell, model units; 0: the support radius
+  double radius = 0;  ///< support radius, model units
+  double cell = 0;    ///< edge of a hash cell, model units; 0: the support radius
+  BucketKey bucketKey = BucketKey::teschner;
   std::optional<PushOptions> push;  ///< edit while touching
   std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
@@ -26,7 +28,7 @@ struct TouchOptions {
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
 /// ahead (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one is
 /// submitted that edits the points and builds the index anew; nobody waits for it but the next tick's query.
-class TouchSide final : public ContactQuery {
+class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
   /// the cloud cannot fit.
@@ -36,28 +38,20 @@ class TouchSide final : public ContactQuery {
   /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it
   /// was found, then ever softer, and past 20 ms not at all.
   Contact query(const Pose& pose, double budget_us) noexcept override;
-  /// Waits for the last edit, and publishes it. Throws what a query could not.
-  void finish();
+  /// Also publishes the last edit to the log.
+  void finish() override;
+  std::size_t readBack(PointCloud& cloud) const override { return live_.readBack(cloud); }
 
   EditLog& editLog() { return log_; }
   const LiveCloud& live() const { return live_; }
   const SpatialHash& hash() const { return hash_; }
   const ContactStep& contact() const { return contact_; }
-  /// GPU time of the first build of the index, us.
-  double buildTime_us() const { return buildTime_us_; }
-  /// GPU time of each edit so far, us.
-  const std::vector<double>& editTimes_us() const { return editTimes_us_; }
-  /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
-  std::optional<double> firstEditTime_s() const { return firstEditTime_s_; }
-
-  /// What did not go as it should; each is zero in a good session.
-  struct Shortfalls {
-    std::uint64_t editsLogFull = 0;    ///< edits left out because the reader of the log had fallen behind
-    std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
-    std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent
-    std::uint64_t thinnedTicks = 0;    ///< more points were near than a tick looks at
-  };
-  const Shortfalls& shortfalls() const { return shortfalls_; }
+  std::string machine() const override { return device_.name(); }
+  double buildTime_us() const override { return buildTime_us_; }
+  const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
+  std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
+  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  double cell() const override { return 1.0 / static_cast<double>(hash_.grid().inverseCell); }
   /// The passes of a tick in order, edit included, with their last times.
   std::vector<PassRecord> passes() const;
 
@@ -99,7 +93,7 @@ class TouchSide final : public ContactQuery {
   EditPace pace_;
   double editTime_s_ = 0;                       // of the pose whose answer led to the last edit
   std::uint32_t lastQuery_ = 0, lastEdit_ = 0;  // parities of the lists that ran last
-  Shortfalls shortfalls_;
+  TouchShortfalls shortfalls_;
   std::optional<double> firstEditTime_s_;
   std::exception_ptr failure_;
 };

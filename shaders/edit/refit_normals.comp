@@ -7,7 +7,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/lib/eigen.glsl"
-#include "shaders/lib/hash_grid.glsl"
+#include "shaders/shared/spatial_hash.h"
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/weight.glsl"
 #include "shaders/shared/edit.h"

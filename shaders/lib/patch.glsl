@@ -4,7 +4,7 @@
 #define PALPATE_LIB_PATCH_GLSL
 
 #include "shaders/lib/contact_buffers.glsl"
-#include "shaders/lib/hash_grid.glsl"
+#include "shaders/shared/spatial_hash.h"
 #include "shaders/lib/workgroup_scan.glsl"
 
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre

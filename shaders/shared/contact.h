@@ -75,7 +75,7 @@ struct ContactStepArgs {
   float radius;  // support radius, model units
   uint unused;
 };
-PALPATE_SIZE(ContactStepArgs, 96);
+PALPATE_SIZE(ContactStepArgs, 104);
 
 PALPATE_SHARED_END
 #endif

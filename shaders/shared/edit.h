@@ -48,7 +48,7 @@ struct RefitNormalsArgs {
   uint capacityMask;  // entries in the ring, less one; a power of two less one
   float radius;       // support radius, model units
 };
-PALPATE_SIZE(RefitNormalsArgs, 88);
+PALPATE_SIZE(RefitNormalsArgs, 96);
 
 PALPATE_SHARED_END
 #endif

@@ -1,19 +1,8 @@
 #ifndef PALPATE_SHARED_SPATIAL_HASH_H
 #define PALPATE_SHARED_SPATIAL_HASH_H
-#include "shaders/shared/types.h"
+#include "shaders/shared/hash_grid.h"
 
 PALPATE_SHARED_BEGIN
-
-// Cell coordinates stay within this, so that a far outlier or a wild query cannot overflow an int.
-const float kMaxCellCoordinate = 1073741824.0f;
-
-// A regular grid without bounds whose cells are hashed into `bucketMask + 1` buckets (a power of two).
-struct HashGrid {
-  vec3 origin;        // corner of cell (0, 0, 0), model units
-  float inverseCell;  // 1 / edge of a cell, 1 / model unit
-  uint bucketMask;
-};
-PALPATE_SIZE(HashGrid, 20);
 
 // A cloud in hash order with its index: what a query reads.
 struct CloudView {
@@ -22,8 +11,9 @@ struct CloudView {
   PALPATE_ADDRESS(UVec2s) ranges;    // first and one-past-last point of every bucket
   HashGrid grid;
   uint count;
+  uint unused;
 };
-PALPATE_SIZE(CloudView, 48);
+PALPATE_SIZE(CloudView, 56);
 
 struct HashKeysArgs {
   PALPATE_ADDRESS(Vec4s) positions;
@@ -31,8 +21,9 @@ struct HashKeysArgs {
   PALPATE_ADDRESS(Uints) order;
   HashGrid grid;
   uint count;
+  uint unused;
 };
-PALPATE_SIZE(HashKeysArgs, 48);
+PALPATE_SIZE(HashKeysArgs, 56);
 
 struct HashReorderArgs {
   PALPATE_ADDRESS(Uints) sortedKeys;

@@ -7,20 +7,31 @@
 #ifdef __cplusplus
 #include <cstdint>
 
+#include <glm/common.hpp>
+
 #include "engine/core/vec.hpp"
 
 #define PALPATE_SHARED_BEGIN namespace palpate::shared {
 #define PALPATE_SHARED_END }
 #define PALPATE_SIZE(type, bytes) static_assert(sizeof(type) == (bytes))
 #define PALPATE_ADDRESS(reference) std::uint64_t
+#ifdef __CUDACC__
+#define PALPATE_FUNCTION inline __host__ __device__
+#else
+#define PALPATE_FUNCTION inline
+#endif
 
 namespace palpate::shared {
 using uint = std::uint32_t;
 using vec2 = Vec2;
 using vec3 = Vec3;
 using vec4 = Vec4;
+using ivec3 = IVec3;
 using uvec2 = UVec2;
+using uvec3 = UVec3;
 using mat4 = Mat4;
+using glm::clamp;
+using glm::floor;
 }  // namespace palpate::shared
 #else
 #extension GL_EXT_scalar_block_layout : require
@@ -31,6 +42,7 @@ using mat4 = Mat4;
 #define PALPATE_SHARED_END
 #define PALPATE_SIZE(type, bytes)
 #define PALPATE_ADDRESS(reference) reference
+#define PALPATE_FUNCTION
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer UVec2s { uvec2 at[]; };

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The bucket of every point, and the points' numbers in their present order, ready to be sorted by it.
-#include "shaders/lib/hash_grid.glsl"
+#include "shaders/shared/spatial_hash.h"
 #include "shaders/lib/index.glsl"
 
 layout(push_constant, scalar) uniform Push { HashKeysArgs args; };

@@ -21,7 +21,8 @@ void main() {
   for (uint k = 0; k < 3; ++k) args.numbers.at[7 + k] = scale * args.pattern.at[1].grid.origin[k];
   args.numbers.at[10] = scale * args.pattern.at[1].grid.inverseCell;
   args.numbers.at[11] = scale * float(args.pattern.at[1].grid.bucketMask);
-  for (uint k = 0; k < 4; ++k) args.numbers.at[12 + k] = scale * args.pattern.at[1].e[k];
+  args.numbers.at[12] = scale * float(args.pattern.at[1].grid.blockBits);
+  for (uint k = 0; k < 4; ++k) args.numbers.at[13 + k] = scale * args.pattern.at[1].e[k];
   for (uint column = 0; column < 4; ++column)
-    for (uint row = 0; row < 4; ++row) args.numbers.at[16 + column * 4 + row] = scale * args.pattern.at[1].m[column][row];
+    for (uint row = 0; row < 4; ++row) args.numbers.at[17 + column * 4 + row] = scale * args.pattern.at[1].m[column][row];
 }

@@ -14,7 +14,7 @@ struct LayoutPattern {
   vec4 e;
   mat4 m;
 };
-PALPATE_SIZE(LayoutPattern, 4 + 12 + 8 + 4 + 20 + 16 + 64);
+PALPATE_SIZE(LayoutPattern, 4 + 12 + 8 + 4 + 24 + 16 + 64);
 
 struct LayoutArgs {
   PALPATE_ADDRESS(LayoutPatterns) pattern;

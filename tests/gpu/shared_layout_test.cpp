@@ -12,15 +12,15 @@ TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field 
                                 .b = {2, 3, 4},
                                 .c = {5, 6},
                                 .d = 7,
-                                .grid = {.origin = {8, 9, 10}, .inverseCell = 11, .bucketMask = 12},
-                                .e = {13, 14, 15, 16},
+                                .grid = {.origin = {8, 9, 10}, .inverseCell = 11, .bucketMask = 12, .blockBits = 13},
+                                .e = {14, 15, 16, 17},
                                 .m = {}};
   for (int column = 0; column < 4; ++column)
-    for (int row = 0; row < 4; ++row) pattern.m[column][row] = static_cast<float>(17 + column * 4 + row);
+    for (int row = 0; row < 4; ++row) pattern.m[column][row] = static_cast<float>(18 + column * 4 + row);
   const std::vector<shared::LayoutPattern> patterns{{}, pattern};
 
   const Buffer input = Buffer::of<shared::LayoutPattern>(device, 2, Memory::device, "patterns");
-  const Buffer output = Buffer::of<float>(device, 32, Memory::device, "numbers");
+  const Buffer output = Buffer::of<float>(device, 33, Memory::device, "numbers");
   upload(device, input, patterns);
   const ComputePipeline pipeline(device, shader_code::gpu_shared_layout,
                                  {.workgroupSize = 32, .pushBytes = sizeof(shared::LayoutArgs)});
@@ -30,8 +30,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field 
                 shared::LayoutArgs{.pattern = input.address(), .numbers = output.address(), .scale = 3, .unused = 0});
   list.end();
   device.touch().run(list);
-  const auto numbers = download<float>(device, output, 32);
-  for (int i = 0; i < 32; ++i) CHECK(numbers[static_cast<std::size_t>(i)] == 3.0f * static_cast<float>(i + 1));
+  const auto numbers = download<float>(device, output, 33);
+  for (int i = 0; i < 33; ++i) CHECK(numbers[static_cast<std::size_t>(i)] == 3.0f * static_cast<float>(i + 1));
 }
 
 }  // namespace palpate

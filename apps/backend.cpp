@@ -1,0 +1,52 @@
+#include "apps/backend.hpp"
+
+namespace palpate {
+
+namespace {
+
+double cellFor(const Model& model, const BackendOptions& options) {
+  if (options.cell_mm > 0) return model.scale.toUnits(options.cell_mm);
+  if (options.grid > 0) return boundsOf(model.cloud).longestSide() / options.grid;
+  return 0;
+}
+
+TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
+  TouchOptions touch{.radius = supportRadius(options.radius, model), .cell = cellFor(model, options), .push = push};
+  if (options.bucketKey == "morton") touch.bucketKey = BucketKey::morton;
+  if (options.wait == "spin") touch.wait = Wait::spin;
+  if (options.wait == "poll") touch.wait = Wait::poll;
+  if (options.wait == "block") touch.wait = Wait::block;
+  if (options.timePasses) touch.timing = CommandList::Timing::passes;
+  return touch;
+}
+
+}  // namespace
+
+void addBackendOptions(CLI::App& sub, BackendOptions& options) {
+  const auto choice = [&](const char* name, std::string& value, std::vector<std::string> values, const char* what) {
+    sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
+  };
+  choice("--backend", options.backend, {"vulkan"}, "what answers: vulkan");
+  choice("--method", options.method, {"fused"},
+         "how neighbours are found: fused, gather, surface and proxy in one dispatch");
+  choice("--surface", options.surface, {"average"}, "what the points define: average, weighted position and normal");
+  choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
+  choice("--bucket-key", options.bucketKey, {"teschner", "morton"},
+         "teschner scatters every cell, morton keeps blocks of cells together in memory");
+  sub.add_option("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")
+      ->check(CLI::IsMember({"spin", "poll", "block"}));
+  sub.add_option("--radius", options.radius, "support radius of the surface, mm, or auto (4 spacings)")
+      ->capture_default_str();
+  auto* cell = sub.add_option("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
+                   ->check(positive());
+  sub.add_option("--grid", options.grid, "hash cells along the longest side, instead of --cell")
+      ->check(positive())
+      ->excludes(cell);
+}
+
+std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
+                                          const std::optional<PushOptions>& push) {
+  return std::make_unique<TouchSide>(context.device(), model.cloud, touchOptions(model, options, push));
+}
+
+}  // namespace palpate

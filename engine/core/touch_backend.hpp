@@ -1,0 +1,52 @@
+// What answers poses: the GPU through Vulkan, the CPU, or the GPU through CUDA. The programs know only this.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/contact_query.hpp"
+
+namespace palpate {
+
+struct PointCloud;
+
+/// The push (thesis section 5.2).
+struct PushOptions {
+  double tau = 0;         ///< how deep the HIP may stand behind the proxy before the surface yields, model units
+  double beta = 0;        ///< share of the way to its target that a point goes in one tick, 0 to 1
+  double toolRadius = 0;  ///< of the round tool, model units
+};
+
+/// What did not go as it should; each is zero in a good session.
+struct TouchShortfalls {
+  std::uint64_t editsLogFull = 0;    ///< edits left out because the reader of the log had fallen behind
+  std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
+  std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent
+  std::uint64_t thinnedTicks = 0;    ///< more points were near than a tick looks at
+};
+
+/// A cloud that can be touched and edited.
+class TouchBackend : public ContactQuery {
+ public:
+  /// Waits for the last edit. Throws what a query could not.
+  virtual void finish() = 0;
+  /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
+  /// points moved.
+  virtual std::size_t readBack(PointCloud& cloud) const = 0;
+
+  /// The machine that answers.
+  virtual std::string machine() const = 0;
+  /// Time of the first build of the index, us.
+  virtual double buildTime_us() const = 0;
+  /// Time of each edit so far with its rebuild of the index, us, on the machine that answers.
+  virtual const std::vector<double>& editTimes_us() const = 0;
+  /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
+  virtual std::optional<double> firstEditTime_s() const = 0;
+  virtual const TouchShortfalls& shortfalls() const = 0;
+  /// Edge of a cell of the index, model units.
+  virtual double cell() const = 0;
+};
+
+}  // namespace palpate
