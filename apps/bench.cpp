@@ -56,7 +56,7 @@ Json benchBuild(Context& context, const Subject& subject, const BenchOptions& op
   for (int parity = 0; parity < 2; ++parity) {
     lists.push_back(std::make_unique<CommandList>(device, device.touch(), "build", CommandList::Timing::sections));
     lists.back()->begin();
-    hash.recordBuild(*lists.back(), live.side(), live.otherSide(), live.count());
+    hash.recordBuild(*lists.back(), live.side(), live.otherSide(), live.count(), hash.sort());
     lists.back()->end();
     live.flip();
   }

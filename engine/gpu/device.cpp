@@ -53,9 +53,12 @@ Device::Device(const DeviceOptions& options) : instance_(std::make_unique<Instan
                                          .pNext = &allocation};
   VkPhysicalDeviceSubgroupProperties subgroup{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
                                               .pNext = &v13};
-  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &subgroup};
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
+                                          .pNext = &subgroup};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
+  driverId_ = driver.driverID;
   subgroupSize_ = subgroup.subgroupSize;
   largestBuffer_ = std::min(v13.maxBufferSize, allocation.maxMemoryAllocationSize);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);

@@ -39,6 +39,7 @@ class Device {
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   std::uint32_t subgroupSize() const { return subgroupSize_; }
+  VkDriverId driverId() const { return driverId_; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
@@ -66,6 +67,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t subgroupSize_ = 0;
+  VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;

@@ -6,26 +6,41 @@
 namespace palpate {
 
 namespace {
-constexpr std::uint32_t kWorkgroup = 256;
-constexpr std::uint32_t kTile = kWorkgroup * shared::kScanItems;
 
-std::uint32_t tilesFor(std::uint64_t count) { return static_cast<std::uint32_t>((count + kTile - 1) / kTile); }
+std::uint32_t tilesFor(std::uint64_t count) {
+  return static_cast<std::uint32_t>((count + shared::kScanTile - 1) / shared::kScanTile);
+}
+
+PipelineOptions options(std::size_t pushBytes) {
+  return {.workgroupSize = shared::kScanWorkgroup, .pushBytes = static_cast<std::uint32_t>(pushBytes)};
+}
+
 }  // namespace
 
 PrefixScan::PrefixScan(Device& device)
-    : reduce_(device, shader_code::spatial_prefix_scan_reduce,
-              {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::PrefixScanArgs)}),
-      scan_(device, shader_code::spatial_prefix_scan,
-            {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::PrefixScanArgs)}) {}
+    : reduce_(device, shader_code::spatial_prefix_scan_reduce, options(sizeof(shared::PrefixScanArgs))),
+      scan_(device, shader_code::spatial_prefix_scan, options(sizeof(shared::PrefixScanArgs))),
+      ranges_(device, shader_code::spatial_bucket_ranges, options(sizeof(shared::BucketRangesArgs))) {}
 
 std::uint64_t PrefixScan::scratchBytes(std::uint64_t count) { return tilesFor(count) * sizeof(std::uint32_t); }
 
 void PrefixScan::record(CommandList& list, const Io& io, std::uint32_t count) const {
   const shared::PrefixScanArgs args{
       .values = io.values, .tileSums = io.scratch, .count = count, .tiles = tilesFor(count)};
-  const std::uint64_t threads = std::uint64_t{args.tiles} * kWorkgroup;
+  const std::uint64_t threads = std::uint64_t{args.tiles} * shared::kScanWorkgroup;
   if (args.tiles > 1) list.dispatch(reduce_, threads, args);
   list.dispatch(scan_, threads, args);
+}
+
+void PrefixScan::recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const {
+  const std::uint32_t tiles = tilesFor(count);
+  const std::uint64_t threads = std::uint64_t{tiles} * shared::kScanWorkgroup;
+  if (tiles > 1)
+    list.dispatch(reduce_, threads,
+                  shared::PrefixScanArgs{.values = io.values, .tileSums = io.scratch, .count = count, .tiles = tiles});
+  list.dispatch(ranges_, threads,
+                shared::BucketRangesArgs{
+                    .counts = io.values, .tileSums = io.scratch, .ranges = ranges, .count = count, .tiles = tiles});
 }
 
 }  // namespace palpate

@@ -16,9 +16,12 @@ class PrefixScan {
   };
   static std::uint64_t scratchBytes(std::uint64_t count);
   void record(CommandList& list, const Io& io, std::uint32_t count) const;
+  /// Scans counts into ranges: `ranges` gets the first and one-past-last place of each of `count` values (uvec2), the
+  /// counts become zero.
+  void recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const;
 
  private:
-  ComputePipeline reduce_, scan_;
+  ComputePipeline reduce_, scan_, ranges_;
 };
 
 }  // namespace palpate

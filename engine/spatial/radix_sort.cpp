@@ -29,8 +29,9 @@ PipelineOptions options(std::uint32_t workgroup, std::vector<std::uint32_t> cons
 
 }  // namespace
 
-RadixSort::RadixSort(Device& device)
-    : workgroup_(workgroupFor(device)),
+RadixSort::RadixSort(Device& device, std::uint32_t keyBits)
+    : digits_(radixDigits(keyBits)),
+      workgroup_(workgroupFor(device)),
       scan_(device),
       count_(device, shader_code::spatial_radix_sort_count, options(workgroup_)),
       scatter_(device, shader_code::spatial_radix_sort_scatter,
@@ -41,30 +42,26 @@ std::uint64_t RadixSort::scratchBytes(std::uint64_t count, std::uint32_t workgro
   return counters * sizeof(std::uint32_t) + PrefixScan::scratchBytes(counters);
 }
 
-RadixSort::Sorted RadixSort::record(CommandList& list, const Io& io, std::uint32_t count, std::uint32_t keyBits) const {
-  PALPATE_CHECK_LE(keyBits, 32u);
+PairSort::Sorted RadixSort::record(CommandList& list, const Io& io, std::uint32_t count) const {
+  PALPATE_CHECK_LE(scratchBytes(count), io.scratch.bytes());
   const auto partitions = static_cast<std::uint32_t>(partitionsFor(count, workgroup_));
-  const std::uint32_t passes = (keyBits + shared::kSortMaxDigitBits - 1) / shared::kSortMaxDigitBits;
-  const DeviceAddress scanScratch = io.scratch + std::uint64_t{partitions} * shared::kSortRadix * sizeof(std::uint32_t);
+  const DeviceAddress counts = io.scratch.address();
+  const DeviceAddress scanScratch = counts + std::uint64_t{partitions} * shared::kSortRadix * sizeof(std::uint32_t);
   Sorted from{io.keys, io.values}, to{io.keysAlt, io.valuesAlt};
-  std::uint32_t shift = 0;
-  for (std::uint32_t pass = 0; pass < passes; ++pass) {
-    // Digits as even as can be: 20 bits make 7 + 7 + 6.
-    const std::uint32_t bits = (keyBits - shift + passes - pass - 1) / (passes - pass);
+  for (const RadixDigit& digit : digits_) {
     const shared::RadixSortArgs args{.keysIn = from.keys,
                                      .valuesIn = from.values,
                                      .keysOut = to.keys,
                                      .valuesOut = to.values,
-                                     .counts = io.scratch,
+                                     .counts = counts,
                                      .count = count,
                                      .partitions = partitions,
-                                     .shift = shift,
-                                     .digitBits = bits};
+                                     .shift = digit.shift,
+                                     .digitBits = digit.bits};
     list.dispatch(count_, std::uint64_t{partitions} * workgroup_, args);
-    scan_.record(list, {io.scratch, scanScratch}, partitions << bits);
+    scan_.record(list, {counts, scanScratch}, partitions << digit.bits);
     list.dispatch(scatter_, std::uint64_t{partitions} * workgroup_, args);
     std::swap(from, to);
-    shift += bits;
   }
   return from;
 }

@@ -1,5 +1,8 @@
 #include "engine/spatial/spatial_hash.hpp"
 
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -10,23 +13,84 @@ Buffer words(Device& device, std::uint64_t count, const char* name) {
   return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
 }
 
+std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uint32_t keyBits) {
+  if (sort == SortMethod::radix) return std::make_unique<RadixSort>(device, keyBits);
+  if (!canLookBack(device))
+    throw GpuError(
+        "{}: --sort radix-lookback needs a driver on which one workgroup goes on while another waits, which "
+        "is not known of this one; take radix or counting",
+        device.name());
+  return std::make_unique<LookBackSort>(device, keyBits);
+}
+
+SortMethod fallbackFor(const Device& device, SortMethod sort) {
+  if (sort != SortMethod::counting) return sort;
+  return canLookBack(device) ? SortMethod::radixLookBack : SortMethod::radix;
+}
+
 }  // namespace
 
-SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity)
-    : grid_(grid),
-      sort_(device),
+SortMethod defaultSort(const Device& device) { return device.isCpu() ? SortMethod::counting : SortMethod::radix; }
+
+SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, std::optional<SortMethod> sort)
+    : device_(device),
+      grid_(grid),
+      sort_(sort.value_or(defaultSort(device))),
+      fallback_(fallbackFor(device, sort_)),
+      pairSort_(makePairSort(device, fallback_, bucketBits(grid))),
+      scan_(device),
       keysPass_(device, shader_code::spatial_hash_keys, {.pushBytes = sizeof(shared::HashKeysArgs)}),
       reorderPass_(device, shader_code::spatial_hash_reorder, {.pushBytes = sizeof(shared::HashReorderArgs)}),
+      countPass_(device, shader_code::spatial_hash_count, {.pushBytes = sizeof(shared::HashCountArgs)}),
+      placePass_(device, shader_code::spatial_hash_place, {.pushBytes = sizeof(shared::HashPlaceArgs)}),
+      settlePass_(device, shader_code::spatial_hash_settle, {.pushBytes = sizeof(shared::HashSettleArgs)}),
       keys_(words(device, capacity, "hash keys")),
       order_(words(device, capacity, "hash order")),
       keysAlt_(words(device, capacity, "hash keys alt")),
       orderAlt_(words(device, capacity, "hash order alt")),
-      scratch_(device, sort_.scratchBytes(capacity), Memory::device, "hash sort scratch"),
-      ranges_(Buffer::of<UVec2>(device, std::uint64_t{grid.bucketMask} + 1, Memory::device, "hash ranges")) {}
+      sortScratch_(device, pairSort_->scratchBytes(capacity), Memory::device, "hash sort scratch"),
+      counts_(words(device, buckets(), "hash counts")),
+      scanScratch_(device, PrefixScan::scratchBytes(buckets()), Memory::device, "hash scan scratch"),
+      ranges_(Buffer::of<UVec2>(device, buckets(), Memory::device, "hash ranges")),
+      crowded_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "hash crowded")) {
+  crowded_.mapped<std::uint32_t>()[0] = 0;
+  CommandList clear(device, device.touch(), "clear counts");
+  clear.begin();
+  clear.fill(counts_, 0, counts_.bytes());
+  clear.end();
+  device.touch().run(clear);
+}
+
+double SpatialHash::build(LiveCloud& cloud) {
+  double time_us = 0;
+  for (SortMethod used = sort();; used = fallback_) {
+    CommandList list(device_, device_.touch(), "build", CommandList::Timing::sections);
+    list.begin();
+    recordBuild(list, cloud.side(), cloud.otherSide(), cloud.count(), used);
+    list.end();
+    device_.touch().run(list);
+    time_us += list.sectionTime_us("hash");
+    if (used == sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
+  }
+  cloud.flip();
+  return time_us;
+}
+
+SortMethod SpatialHash::sort() const { return crowded_.mapped<const std::uint32_t>()[0] != 0 ? fallback_ : sort_; }
 
 void SpatialHash::recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
-                              std::uint32_t count) const {
+                              std::uint32_t count, SortMethod sort) const {
   const auto section = list.section("hash");
+  if (sort == SortMethod::counting) {
+    recordCounted(list, from, to, count);
+  } else {
+    PALPATE_CHECK(sort == fallback_);
+    recordSorted(list, from, to, count);
+  }
+}
+
+void SpatialHash::recordSorted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                               std::uint32_t count) const {
   {
     const auto overlap = list.independent();
     list.fill(ranges_, 0, ranges_.bytes());
@@ -38,13 +102,13 @@ void SpatialHash::recordBuild(CommandList& list, const LiveCloud::Side& from, co
                                        .count = count,
                                        .unused = 0});
   }
-  const auto sorted = sort_.record(list,
-                                   {.keys = keys_.address(),
-                                    .values = order_.address(),
-                                    .keysAlt = keysAlt_.address(),
-                                    .valuesAlt = orderAlt_.address(),
-                                    .scratch = scratch_.address()},
-                                   count, bucketBits(grid_));
+  const auto sorted = pairSort_->record(list,
+                                        {.keys = keys_.address(),
+                                         .values = order_.address(),
+                                         .keysAlt = keysAlt_.address(),
+                                         .valuesAlt = orderAlt_.address(),
+                                         .scratch = sortScratch_},
+                                        count);
   list.dispatch(reorderPass_, count,
                 shared::HashReorderArgs{.sortedKeys = sorted.keys,
                                         .sortedOrder = sorted.values,
@@ -57,6 +121,38 @@ void SpatialHash::recordBuild(CommandList& list, const LiveCloud::Side& from, co
                                         .unused = 0});
 }
 
+void SpatialHash::recordCounted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                                std::uint32_t count) const {
+  const Buffer& arrivals = keysAlt_;
+  list.dispatch(countPass_, count,
+                shared::HashCountArgs{.positions = from.positions.address(),
+                                      .keys = keys_.address(),
+                                      .arrivals = arrivals.address(),
+                                      .counts = counts_.address(),
+                                      .grid = grid_,
+                                      .count = count,
+                                      .unused = 0});
+  scan_.recordRanges(list, {counts_.address(), scanScratch_.address()}, ranges_.address(), buckets());
+  list.dispatch(placePass_, count,
+                shared::HashPlaceArgs{.keys = keys_.address(),
+                                      .arrivals = arrivals.address(),
+                                      .ranges = ranges_.address(),
+                                      .order = order_.address(),
+                                      .count = count,
+                                      .unused = 0});
+  list.dispatch(settlePass_, count,
+                shared::HashSettleArgs{.keys = keys_.address(),
+                                       .order = order_.address(),
+                                       .ranges = ranges_.address(),
+                                       .positionsIn = from.positions.address(),
+                                       .normalsIn = from.normals.address(),
+                                       .positionsOut = to.positions.address(),
+                                       .normalsOut = to.normals.address(),
+                                       .crowded = crowded_.address(),
+                                       .count = count,
+                                       .unused = 0});
+}
+
 shared::CloudView SpatialHash::view(const LiveCloud::Side& side, std::uint32_t count) const {
   return {.positions = side.positions.address(),
           .normals = side.normals.address(),
@@ -67,14 +163,15 @@ shared::CloudView SpatialHash::view(const LiveCloud::Side& side, std::uint32_t c
 }
 
 std::uint64_t SpatialHash::bytes() const {
-  return keys_.bytes() + order_.bytes() + keysAlt_.bytes() + orderAlt_.bytes() + scratch_.bytes() + ranges_.bytes();
+  return keys_.bytes() + order_.bytes() + keysAlt_.bytes() + orderAlt_.bytes() + sortScratch_.bytes() +
+         counts_.bytes() + scanScratch_.bytes() + ranges_.bytes() + crowded_.bytes();
 }
 
 std::uint64_t SpatialHash::predictedBytes(std::uint64_t points) {
   constexpr std::uint32_t kUsualWorkgroup = 256;
   const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
   return 4 * sizeof(std::uint32_t) * points + RadixSort::scratchBytes(points, kUsualWorkgroup) +
-         buckets * sizeof(UVec2);
+         buckets * (sizeof(UVec2) + sizeof(std::uint32_t)) + PrefixScan::scratchBytes(buckets);
 }
 
 }  // namespace palpate

@@ -1,21 +1,42 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/spatial/hash_grid.hpp"
 #include "engine/spatial/live_cloud.hpp"
+#include "engine/spatial/look_back_sort.hpp"
 #include "engine/spatial/radix_sort.hpp"
 #include "shaders/shared/spatial_hash.h"
 
 namespace palpate {
 
+/// How a build brings the points into the order of their buckets. All give the same order, bit by bit.
+enum class SortMethod {
+  radix,          ///< sorts (bucket, number) pairs; runs everywhere
+  radixLookBack,  ///< the same with half the traffic, where canLookBack()
+  counting        ///< counts the points of each bucket; fastest on points that stand almost in order
+};
+/// What was measured to be the fastest for a driver; radix where nothing is known.
+SortMethod defaultSort(const Device& device);
+
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
+/// Points of a bucket keep the order in which they stood, so the same cloud gives the same index run after run.
 class SpatialHash {
  public:
-  SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity);
+  SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity,
+              std::optional<SortMethod> sort = std::nullopt);
+
+  /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
+  double build(LiveCloud& cloud);
 
   /// Records a full build: reads the points on `from`, writes them in bucket order to `to`. The caller flips the cloud.
-  void recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
-                   std::uint32_t count) const;
+  void recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to, std::uint32_t count,
+                   SortMethod sort) const;
+  /// What the next build should use. Counting gives way to a radix sort once a build has met a crowded bucket.
+  SortMethod sort() const;
+  /// What takes the place of `counting` then; sort() itself otherwise.
+  SortMethod fallback() const { return fallback_; }
 
   const HashGrid& grid() const { return grid_; }
   const Buffer& ranges() const { return ranges_; }
@@ -27,10 +48,19 @@ class SpatialHash {
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
+  void recordSorted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                    std::uint32_t count) const;
+  void recordCounted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                     std::uint32_t count) const;
+  std::uint32_t buckets() const { return grid_.bucketMask + 1; }
+
+  Device& device_;
   HashGrid grid_;
-  RadixSort sort_;
-  ComputePipeline keysPass_, reorderPass_;
-  Buffer keys_, order_, keysAlt_, orderAlt_, scratch_, ranges_;
+  SortMethod sort_, fallback_;
+  std::unique_ptr<PairSort> pairSort_;
+  PrefixScan scan_;
+  ComputePipeline keysPass_, reorderPass_, countPass_, placePass_, settlePass_;
+  Buffer keys_, order_, keysAlt_, orderAlt_, sortScratch_, counts_, scanScratch_, ranges_, crowded_;
 };
 
 }  // namespace palpate

@@ -41,7 +41,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       wait_(options.wait.value_or(device.defaultWait())),
       origin_(cloud.origin),
       live_(device, fitting(device, cloud, options)),
-      hash_(device, gridFor(cloud, options), live_.count()),
+      hash_(device, gridFor(cloud, options), live_.count(), options.sort),
       contact_(device, options.radius, live_.count()),
       log_(device, options.push ? live_.count() : 0),
       refit_(device, options.push ? live_.count() : 0),
@@ -50,16 +50,11 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
     push_.emplace(device, *options.push);
     editTimes_us_.reserve(kEditTimesReserved);
   }
-  CommandList build(device, device.touch(), "build", CommandList::Timing::sections);
-  build.begin();
-  hash_.recordBuild(build, live_.side(), live_.otherSide(), live_.count());
-  build.end();
-  device.touch().run(build);
-  buildTime_us_ = build.sectionTime_us("hash");
-  live_.flip();
+  buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());
-    if (push_) recordEdit(live_.parity());
+    if (push_)
+      for (const SortMethod sort : {hash_.sort(), hash_.fallback()}) recordEdit(live_.parity(), sort);
     live_.flip();
   }
 }
@@ -79,14 +74,15 @@ void TouchSide::recordQuery(std::uint32_t parity) {
   list->end();
 }
 
-void TouchSide::recordEdit(std::uint32_t parity) {
-  auto& list = edits_[parity];
+void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
+  auto& list = edits_[parity][sort];
+  if (list) return;
   list = std::make_unique<CommandList>(device_, device_.touch(), "edit", options_.timing);
   list->begin();
   {
     const auto section = list->section("edit");
     push_->record(*list, live_.side(), live_.count(), contact_.state(), kLongestMove * options_.radius);
-    hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.count());
+    hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.count(), sort);
     refit_.record(*list, hash_.view(live_.otherSide(), live_.count()), log_, options_.radius);
   }
   list->end();
@@ -162,20 +158,20 @@ void TouchSide::editIfYielding(bool realtime) {
     ++shortfalls_.editsLogFull;
     return;
   }
-  device_.touch().submit(*edits_[live_.parity()]);
+  lastEdit_ = edits_[live_.parity()].at(hash_.sort()).get();
+  device_.touch().submit(*lastEdit_);
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
-  editInFlight_ = live_.parity();
+  editInFlight_ = true;
   live_.flip();
 }
 
 void TouchSide::collectEdit() {
   // Called after a later submission to the same queue has completed, so the edit has as well.
   if (!editInFlight_) return;
-  lastEdit_ = *editInFlight_;
-  const double time_us = edits_[lastEdit_]->sectionTime_us("edit");
+  const double time_us = lastEdit_->sectionTime_us("edit");
   pace_.took(editTime_s_, time_us * 1e-6);
-  editInFlight_.reset();
+  editInFlight_ = false;
   if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
 }
 
@@ -188,7 +184,10 @@ void TouchSide::finish() {
 
 std::vector<PassRecord> TouchSide::passes() const {
   std::vector<PassRecord> all = queries_[lastQuery_]->passes();
-  if (push_) std::ranges::copy(edits_[lastEdit_]->passes(), std::back_inserter(all));
+  if (push_) {
+    const CommandList& edit = lastEdit_ ? *lastEdit_ : *edits_[live_.parity()].at(hash_.sort());
+    std::ranges::copy(edit.passes(), std::back_inserter(all));
+  }
   return all;
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <exception>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -20,6 +21,7 @@ struct TouchOptions {
   double radius = 0;  ///< support radius, model units
   double cell = 0;    ///< edge of a hash cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
+  std::optional<SortMethod> sort;   ///< of the index; the device's default when not given
   std::optional<PushOptions> push;  ///< edit while touching
   std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
@@ -68,7 +70,7 @@ class TouchSide final : public TouchBackend {
   // What the last answer says to a pose that got none of its own: the tangent plane at the last proxy.
   Contact held(const Pose& pose) const;
   void recordQuery(std::uint32_t parity);
-  void recordEdit(std::uint32_t parity);
+  void recordEdit(std::uint32_t parity, SortMethod sort);
   void editIfYielding(bool realtime);
   void collectEdit();
 
@@ -82,17 +84,20 @@ class TouchSide final : public TouchBackend {
   EditLog log_;
   std::optional<PushBrush> push_;
   RefitNormals refit_;
-  std::array<std::unique_ptr<CommandList>, 2> queries_, edits_;  // one for each side of the live cloud
+  // One for each side of the live cloud; an edit's also for each sort that its build may need.
+  std::array<std::unique_ptr<CommandList>, 2> queries_;
+  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> edits_;
   std::uint32_t tick_ = 0;
   std::optional<Asked> asked_;
   Contact last_;
   Pose lastPose_;
   double buildTime_us_ = 0;
-  std::optional<std::uint32_t> editInFlight_;  // parity of the list that runs
+  bool editInFlight_ = false;
   std::vector<double> editTimes_us_;
   EditPace pace_;
-  double editTime_s_ = 0;                       // of the pose whose answer led to the last edit
-  std::uint32_t lastQuery_ = 0, lastEdit_ = 0;  // parities of the lists that ran last
+  double editTime_s_ = 0;        // of the pose whose answer led to the last edit
+  std::uint32_t lastQuery_ = 0;  // parity of the list that ran last
+  const CommandList* lastEdit_ = nullptr;
   TouchShortfalls shortfalls_;
   std::optional<double> firstEditTime_s_;
   std::exception_ptr failure_;

@@ -6,8 +6,9 @@ PALPATE_SHARED_BEGIN
 
 const uint kSortMaxDigitBits = 8;  // digits of one pass; the histograms in shared memory grow with two to its power
 const uint kSortRadix = 1 << kSortMaxDigitBits;
-// Keys per invocation. Fewer leave more workgroups to hide each other's waits, and more counts to scan; 8 serves a
-// million keys on a large GPU better than 16 (154 against 187 us for a whole build) and costs one byte of scratch a key.
+const uint kSortMaxPasses = 4;
+// Keys per invocation of the reduce-then-scan form. Fewer leave more workgroups to hide each other's waits, and more
+// counts to scan; 8 serves a million keys on a large GPU better than 16 and costs one byte of scratch a key.
 const uint kSortItems = 8;
 
 struct RadixSortArgs {

@@ -38,5 +38,47 @@ struct HashReorderArgs {
 };
 PALPATE_SIZE(HashReorderArgs, 64);
 
+// A bucket with more points than this is called crowded, and the next build sorts by radix: ranking costs the square of
+// the points in a bucket.
+const uint kCrowdedBucket = 512;
+// Points of a larger bucket are left in the order of their arrival. Far above kCrowdedBucket, so that no edit gets
+// there before the sort has changed; below the 65,535 rounds after which one software driver stops a shader.
+const uint kMostRanked = 4096;
+
+struct HashCountArgs {
+  PALPATE_ADDRESS(Vec4s) positions;
+  PALPATE_ADDRESS(Uints) keys;      // out: the bucket of every point
+  PALPATE_ADDRESS(Uints) arrivals;  // out: points of the same bucket that were counted before
+  PALPATE_ADDRESS(Uints) counts;    // one per bucket, zero before
+  HashGrid grid;
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(HashCountArgs, 64);
+
+struct HashPlaceArgs {
+  PALPATE_ADDRESS(Uints) keys;
+  PALPATE_ADDRESS(Uints) arrivals;
+  PALPATE_ADDRESS(UVec2s) ranges;
+  PALPATE_ADDRESS(Uints) order;  // out
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(HashPlaceArgs, 40);
+
+struct HashSettleArgs {
+  PALPATE_ADDRESS(Uints) keys;
+  PALPATE_ADDRESS(Uints) order;
+  PALPATE_ADDRESS(UVec2s) ranges;
+  PALPATE_ADDRESS(Vec4s) positionsIn;
+  PALPATE_ADDRESS(Vec4s) normalsIn;
+  PALPATE_ADDRESS(Vec4s) positionsOut;
+  PALPATE_ADDRESS(Vec4s) normalsOut;
+  PALPATE_ADDRESS(Uints) crowded;  // host-read: points of a crowded bucket; untouched where there is none
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(HashSettleArgs, 72);
+
 PALPATE_SHARED_END
 #endif

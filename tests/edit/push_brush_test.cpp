@@ -91,7 +91,7 @@ class PushFixture : public GpuFixture {
     CommandList list(device, device.touch(), "edit");
     list.begin();
     brush.record(list, live.side(), live.count(), state, kLongestMove * radius);
-    hash.recordBuild(list, live.side(), live.otherSide(), live.count());
+    hash.recordBuild(list, live.side(), live.otherSide(), live.count(), hash.sort());
     refit.record(list, hash.view(live.otherSide(), live.count()), log, radius);
     list.end();
     device.touch().run(list);

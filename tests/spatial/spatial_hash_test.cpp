@@ -29,27 +29,33 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
 
 class SpatialHashFixture : public GpuFixture {
  protected:
-  // Order, ranges and carried attributes on the GPU equal those of the CPU, after one build and after a second.
-  void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
-    LiveCloud live(device, cloud);
-    const SpatialHash hash(device, grid, live.count());
-    const CpuHash reference(cloud.positions, grid);
-    build(live, hash);
-    checkSide(live, hash, reference, cloud, std::vector(reference.order().begin(), reference.order().end()));
-    build(live, hash);  // from bucket order to bucket order: nothing may change
-    checkSide(live, hash, reference, cloud, std::vector(reference.order().begin(), reference.order().end()));
+  // What this device can run. On NVIDIA that is all.
+  std::vector<SortMethod> sorts() const {
+    std::vector<SortMethod> all{SortMethod::radix, SortMethod::counting};
+    if (canLookBack(device)) all.push_back(SortMethod::radixLookBack);
+    return all;
+  }
+
+  // Order, ranges and carried attributes on the GPU equal those of the CPU, after one build and after a second, for
+  // every sort and both kinds of buckets.
+  void checkBuild(const PointCloud& cloud, HashGrid grid) {
+    for (const std::uint32_t blockBits : {0u, 3u}) {
+      grid.blockBits = blockBits;
+      const CpuHash reference(cloud.positions, grid);
+      const std::vector order(reference.order().begin(), reference.order().end());
+      for (const SortMethod sort : sorts()) {
+        CAPTURE(static_cast<int>(sort));
+        LiveCloud live(device, cloud);
+        SpatialHash hash(device, grid, live.count(), sort);
+        for (int turn = 0; turn < 2; ++turn) {  // from bucket order to bucket order nothing may change
+          hash.build(live);
+          checkSide(live, hash, reference, cloud, order);
+        }
+      }
+    }
   }
 
  private:
-  void build(LiveCloud& live, const SpatialHash& hash) {
-    CommandList list(device, device.touch(), "build");
-    list.begin();
-    hash.recordBuild(list, live.side(), live.otherSide(), live.count());
-    list.end();
-    device.touch().run(list);
-    live.flip();
-  }
-
   void checkSide(const LiveCloud& live, const SpatialHash& hash, const CpuHash& reference, const PointCloud& cloud,
                  const std::vector<std::uint32_t>& order) {
     const auto positions = download<Vec4>(device, live.side().positions, live.count());
@@ -103,6 +109,27 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "one outlier a million units away costs no
   const SpatialHash hash(device, grid, static_cast<std::uint32_t>(cloud.size()));
   CHECK(hash.bytes() < 40 * cloud.size() + (1 << 16));
   checkBuild(cloud, grid);
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused where workgroups may not wait for one another") {
+  if (canLookBack(device)) return;
+  CHECK_THROWS_WITH_AS(SpatialHash(device, makeHashGrid(Vec3(0), 1, 100), 100, SortMethod::radixLookBack),
+                       doctest::Contains("take radix or counting"), GpuError);
+}
+
+TEST_CASE_FIXTURE(SpatialHashFixture, "counting gives way to a radix sort when a bucket is crowded, and not before") {
+  const auto crowd = [&](std::size_t together) {
+    auto positions = randomPositions(3000, Vec3(0), 40);
+    positions.resize(positions.size() + together, Vec3(100, 100, 100));
+    const auto cloud = cloudOf(positions);
+    const HashGrid grid = makeHashGrid(Vec3(-50), 1.5, cloud.size());
+    LiveCloud live(device, cloud);
+    SpatialHash hash(device, grid, live.count(), SortMethod::counting);
+    hash.build(live);
+    return hash.sort();
+  };
+  CHECK(crowd(shared::kCrowdedBucket / 2) == SortMethod::counting);
+  CHECK(crowd(shared::kCrowdedBucket + 1) != SortMethod::counting);
 }
 
 TEST_CASE("the CPU hash finds the neighbours that brute force finds, each once") {

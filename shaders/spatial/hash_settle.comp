@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Brings the points into the order of their buckets and, within a bucket, into the order in which they stood: a point's
+// rank is the number of points of its bucket that stood before it. Neighbouring invocations rank against the same
+// bucket, so its numbers come from cache.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/spatial_hash.h"
+
+layout(push_constant, scalar) uniform Push { HashSettleArgs args; };
+
+void main() {
+  const uint place = threadIndex();
+  if (place >= args.count) return;
+  const uint from = args.order.at[place];
+  const uvec2 range = args.ranges.at[args.keys.at[from]];
+  const uint points = range.y - range.x;
+  uint to = place;
+  if (points <= kMostRanked) {
+    to = range.x;
+    for (uint other = range.x; other < range.y; ++other) to += args.order.at[other] < from ? 1 : 0;
+  }
+  if (points > kCrowdedBucket && place == range.x) args.crowded.at[0] = points;
+  args.positionsOut.at[to] = args.positionsIn.at[from];
+  args.normalsOut.at[to] = args.normalsIn.at[from];
+}
