@@ -13,6 +13,10 @@ double cellFor(const Model& model, const BackendOptions& options) {
 TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
   TouchOptions touch{.radius = supportRadius(options.radius, model), .cell = cellFor(model, options), .push = push};
   if (options.bucketKey == "morton") touch.bucketKey = BucketKey::morton;
+  if (options.sort == "radix") touch.sort = SortMethod::radix;
+  if (options.sort == "radix-lookback") touch.sort = SortMethod::radixLookBack;
+  if (options.sort == "counting") touch.sort = SortMethod::counting;
+  if (options.realtime && !options.deterministic) touch.bucketOrder = BucketOrder::arrival;
   if (options.wait == "spin") touch.wait = Wait::spin;
   if (options.wait == "poll") touch.wait = Wait::poll;
   if (options.wait == "block") touch.wait = Wait::block;
@@ -33,6 +37,12 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
   choice("--bucket-key", options.bucketKey, {"teschner", "morton"},
          "teschner scatters every cell, morton keeps blocks of cells together in memory");
+  choice(
+      "--sort", options.sort, {"auto", "radix", "radix-lookback", "counting"},
+      "how the index sorts: auto (by driver), radix (runs everywhere), radix-lookback (where workgroups may wait for "
+      "one another), counting (gives way to radix where a bucket is crowded)");
+  sub.add_flag("--deterministic", options.deterministic,
+               "bit-identical results run after run; virtual time is so in any case");
   sub.add_option("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")
       ->check(CLI::IsMember({"spin", "poll", "block"}));
   sub.add_option("--radius", options.radius, "support radius of the surface, mm, or auto (4 spacings)")

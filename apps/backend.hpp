@@ -8,7 +8,8 @@ namespace palpate {
 
 struct BackendOptions {
   std::string backend = "vulkan", method = "fused", surface = "average", index = "rebuild";
-  std::string bucketKey = "teschner", wait;
+  std::string bucketKey = "teschner", sort = "auto", wait;
+  bool deterministic = false, realtime = false;
   std::string radius = "auto";
   double cell_mm = 0, grid = 0;
   bool timePasses = false;

@@ -115,7 +115,9 @@ void touch(Context& context, const TouchCommandOptions& options) {
                      .duration_s = device.path().duration_s() + 1 / options.rate_Hz,  // the path's end is a tick too
                      .realtime = options.realtime,
                      .stop = &stopRequested};
-  const auto backend = makeBackend(context, model, options.backend, push);
+  BackendOptions backendOptions = options.backend;
+  backendOptions.realtime = options.realtime;
+  const auto backend = makeBackend(context, model, backendOptions, push);
   auto* touchSide = dynamic_cast<TouchSide*>(backend.get());
   std::unique_ptr<SightSide> sight;
   if (!options.pictureFile.empty() && touchSide)

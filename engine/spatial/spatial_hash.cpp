@@ -32,11 +32,13 @@ SortMethod fallbackFor(const Device& device, SortMethod sort) {
 
 SortMethod defaultSort(const Device& device) { return device.isCpu() ? SortMethod::counting : SortMethod::radix; }
 
-SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, std::optional<SortMethod> sort)
+SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, std::optional<SortMethod> sort,
+                         BucketOrder order)
     : device_(device),
       grid_(grid),
       sort_(sort.value_or(defaultSort(device))),
       fallback_(fallbackFor(device, sort_)),
+      bucketOrder_(order),
       pairSort_(makePairSort(device, fallback_, bucketBits(grid))),
       scan_(device),
       keysPass_(device, shader_code::spatial_hash_keys, {.pushBytes = sizeof(shared::HashKeysArgs)}),
@@ -44,6 +46,7 @@ SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t cap
       countPass_(device, shader_code::spatial_hash_count, {.pushBytes = sizeof(shared::HashCountArgs)}),
       placePass_(device, shader_code::spatial_hash_place, {.pushBytes = sizeof(shared::HashPlaceArgs)}),
       settlePass_(device, shader_code::spatial_hash_settle, {.pushBytes = sizeof(shared::HashSettleArgs)}),
+      scatterPass_(device, shader_code::spatial_hash_scatter, {.pushBytes = sizeof(shared::HashScatterArgs)}),
       keys_(words(device, capacity, "hash keys")),
       order_(words(device, capacity, "hash order")),
       keysAlt_(words(device, capacity, "hash keys alt")),
@@ -133,6 +136,19 @@ void SpatialHash::recordCounted(CommandList& list, const LiveCloud::Side& from, 
                                       .count = count,
                                       .unused = 0});
   scan_.recordRanges(list, {counts_.address(), scanScratch_.address()}, ranges_.address(), buckets());
+  if (bucketOrder_ == BucketOrder::arrival) {
+    list.dispatch(scatterPass_, count,
+                  shared::HashScatterArgs{.keys = keys_.address(),
+                                          .arrivals = arrivals.address(),
+                                          .ranges = ranges_.address(),
+                                          .positionsIn = from.positions.address(),
+                                          .normalsIn = from.normals.address(),
+                                          .positionsOut = to.positions.address(),
+                                          .normalsOut = to.normals.address(),
+                                          .count = count,
+                                          .unused = 0});
+    return;
+  }
   list.dispatch(placePass_, count,
                 shared::HashPlaceArgs{.keys = keys_.address(),
                                       .arrivals = arrivals.address(),

@@ -10,22 +10,24 @@
 
 namespace palpate {
 
-/// How a build brings the points into the order of their buckets. All give the same order, bit by bit.
+/// How a build brings the points into the order of their buckets. All give the same order, bit by bit, if it is stable.
 enum class SortMethod {
   radix,          ///< sorts (bucket, number) pairs; runs everywhere
   radixLookBack,  ///< the same with half the traffic, where canLookBack()
   counting        ///< counts the points of each bucket; fastest on points that stand almost in order
 };
+/// The order of points within a bucket: the one in which they stood, so that the same cloud gives the same index run
+/// after run; or whichever came first, which saves `counting` a pass and the others nothing.
+enum class BucketOrder { stable, arrival };
 /// What was measured to be the fastest for a driver; radix where nothing is known.
 SortMethod defaultSort(const Device& device);
 
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
-/// Points of a bucket keep the order in which they stood, so the same cloud gives the same index run after run.
 class SpatialHash {
  public:
   SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity,
-              std::optional<SortMethod> sort = std::nullopt);
+              std::optional<SortMethod> sort = std::nullopt, BucketOrder order = BucketOrder::stable);
 
   /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
   double build(LiveCloud& cloud);
@@ -57,9 +59,10 @@ class SpatialHash {
   Device& device_;
   HashGrid grid_;
   SortMethod sort_, fallback_;
+  BucketOrder bucketOrder_;
   std::unique_ptr<PairSort> pairSort_;
   PrefixScan scan_;
-  ComputePipeline keysPass_, reorderPass_, countPass_, placePass_, settlePass_;
+  ComputePipeline keysPass_, reorderPass_, countPass_, placePass_, settlePass_, scatterPass_;
   Buffer keys_, order_, keysAlt_, orderAlt_, sortScratch_, counts_, scanScratch_, ranges_, crowded_;
 };
 

@@ -41,7 +41,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       wait_(options.wait.value_or(device.defaultWait())),
       origin_(cloud.origin),
       live_(device, fitting(device, cloud, options)),
-      hash_(device, gridFor(cloud, options), live_.count(), options.sort),
+      hash_(device, gridFor(cloud, options), live_.count(), options.sort, options.bucketOrder),
       contact_(device, options.radius, live_.count()),
       log_(device, options.push ? live_.count() : 0),
       refit_(device, options.push ? live_.count() : 0),

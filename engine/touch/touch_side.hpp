@@ -21,9 +21,10 @@ struct TouchOptions {
   double radius = 0;  ///< support radius, model units
   double cell = 0;    ///< edge of a hash cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
-  std::optional<SortMethod> sort;   ///< of the index; the device's default when not given
-  std::optional<PushOptions> push;  ///< edit while touching
-  std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
+  std::optional<SortMethod> sort;                 ///< of the index; the device's default when not given
+  BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
+  std::optional<PushOptions> push;                ///< edit while touching
+  std::optional<Wait> wait;  ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 

@@ -66,6 +66,19 @@ struct HashPlaceArgs {
 };
 PALPATE_SIZE(HashPlaceArgs, 40);
 
+struct HashScatterArgs {
+  PALPATE_ADDRESS(Uints) keys;
+  PALPATE_ADDRESS(Uints) arrivals;
+  PALPATE_ADDRESS(UVec2s) ranges;
+  PALPATE_ADDRESS(Vec4s) positionsIn;
+  PALPATE_ADDRESS(Vec4s) normalsIn;
+  PALPATE_ADDRESS(Vec4s) positionsOut;
+  PALPATE_ADDRESS(Vec4s) normalsOut;
+  uint count;
+  uint unused;
+};
+PALPATE_SIZE(HashScatterArgs, 64);
+
 struct HashSettleArgs {
   PALPATE_ADDRESS(Uints) keys;
   PALPATE_ADDRESS(Uints) order;

@@ -117,6 +117,32 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "a look-back sort is refused where workgro
                        doctest::Contains("take radix or counting"), GpuError);
 }
 
+TEST_CASE_FIXTURE(SpatialHashFixture, "in the order of arrival every bucket holds the same points, whole") {
+  const auto cloud = cloudOf(randomPositions(65'537, Vec3(0), 50));
+  const HashGrid grid = makeHashGrid(Vec3(-50), 1.5, cloud.size());
+  const CpuHash reference(cloud.positions, grid);
+  LiveCloud live(device, cloud);
+  SpatialHash hash(device, grid, live.count(), SortMethod::counting, BucketOrder::arrival);
+  for (int turn = 0; turn < 2; ++turn) {
+    hash.build(live);
+    const auto positions = download<Vec4>(device, live.side().positions, live.count());
+    const auto ranges = download<UVec2>(device, hash.ranges(), std::size_t{grid.bucketMask} + 1);
+    std::size_t wrong = 0;
+    for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
+      const UVec2 expected = reference.range(bucket);
+      wrong += ranges[bucket] != expected && expected.x != expected.y;
+      std::vector<std::uint32_t> ids;
+      for (std::uint32_t i = expected.x; i < expected.y; ++i) {
+        ids.push_back(std::bit_cast<std::uint32_t>(positions[i].w));
+        wrong += Vec3(positions[i]) != cloud.positions.at(ids.back());
+      }
+      std::ranges::sort(ids);
+      wrong += !std::ranges::equal(ids, reference.order().subspan(expected.x, expected.y - expected.x));
+    }
+    CHECK(wrong == 0);
+  }
+}
+
 TEST_CASE_FIXTURE(SpatialHashFixture, "counting gives way to a radix sort when a bucket is crowded, and not before") {
   const auto crowd = [&](std::size_t together) {
     auto positions = randomPositions(3000, Vec3(0), 40);
