@@ -86,6 +86,8 @@ Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string n
                                           .memoryTypeIndex = *type};
     device.check(device.vk().vkAllocateMemory(device.handle(), &allocation, nullptr, &memory_),
                  fmt::format("vkAllocateMemory of {} MiB for '{}'", needs.size >> 20, name_));
+    allocated_ = needs.size;
+    device.noteAllocation(allocated_);
     device.check(device.vk().vkBindBufferMemory(device.handle(), buffer_, memory_, 0), "vkBindBufferMemory");
     if (memory != Memory::device) {
       void* pointer = nullptr;
@@ -107,6 +109,7 @@ Buffer::~Buffer() { release(); }
 Buffer::Buffer(Buffer&& other) noexcept
     : device_(std::exchange(other.device_, nullptr)),
       bytes_(other.bytes_),
+      allocated_(std::exchange(other.allocated_, 0)),
       name_(std::move(other.name_)),
       buffer_(std::exchange(other.buffer_, VK_NULL_HANDLE)),
       memory_(std::exchange(other.memory_, VK_NULL_HANDLE)),
@@ -118,6 +121,7 @@ Buffer& Buffer::operator=(Buffer&& other) noexcept {
   release();
   device_ = std::exchange(other.device_, nullptr);
   bytes_ = other.bytes_;
+  allocated_ = std::exchange(other.allocated_, 0);
   name_ = std::move(other.name_);
   buffer_ = std::exchange(other.buffer_, VK_NULL_HANDLE);
   memory_ = std::exchange(other.memory_, VK_NULL_HANDLE);
@@ -130,6 +134,7 @@ void Buffer::release() noexcept {
   if (!device_) return;
   if (buffer_) device_->vk().vkDestroyBuffer(device_->handle(), buffer_, nullptr);
   if (memory_) device_->vk().vkFreeMemory(device_->handle(), memory_, nullptr);
+  device_->noteRelease(std::exchange(allocated_, 0));
   buffer_ = VK_NULL_HANDLE;
   memory_ = VK_NULL_HANDLE;
 }

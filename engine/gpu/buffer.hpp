@@ -51,6 +51,7 @@ class Buffer {
 
   Device* device_ = nullptr;
   std::uint64_t bytes_ = 0;
+  std::uint64_t allocated_ = 0;  // as the driver rounds it up
   std::string name_;
   VkBuffer buffer_ = VK_NULL_HANDLE;
   VkDeviceMemory memory_ = VK_NULL_HANDLE;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -49,6 +50,11 @@ class Device {
   const VkPhysicalDeviceMemoryProperties& memory() const { return memory_; }
   /// Bytes of all heaps of the GPU's own memory.
   std::uint64_t ownMemory() const;
+  /// Bytes of memory that buffers hold at present, of every kind.
+  std::uint64_t allocatedBytes() const { return allocated_.load(std::memory_order_relaxed); }
+  /// Told by buffers as they come and go.
+  void noteAllocation(std::uint64_t bytes) { allocated_.fetch_add(bytes, std::memory_order_relaxed); }
+  void noteRelease(std::uint64_t bytes) { allocated_.fetch_sub(bytes, std::memory_order_relaxed); }
   /// Spinning where the driver has cores of its own, blocking where it shares ours.
   Wait defaultWait() const;
 
@@ -74,6 +80,7 @@ class Device {
   VolkDeviceTable table_{};
   PipelineStore pipelines_;
   std::unique_ptr<Queue> touch_, sight_;
+  std::atomic<std::uint64_t> allocated_ = 0;
 };
 
 /// The GPUs of this machine, in the loader's order.

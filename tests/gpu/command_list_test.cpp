@@ -186,4 +186,29 @@ TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up"
   CHECK(device.instance().messages().count() > 0);
 }
 
+TEST_CASE_FIXTURE(CommandListFixture, "a pass of more workgroups than one axis holds reaches every element") {
+  const ComputePipeline small(device, shader_code::gpu_add_one,
+                              {.workgroupSize = 32, .pushBytes = sizeof(shared::AddOneArgs)});
+  constexpr std::uint32_t kCount = 32 * 65'536 + 17;
+  const Buffer a = words(kCount), b = words(kCount);
+  CommandList list(device, device.touch(), "wide");
+  list.begin();
+  list.fill(a, 6, a.bytes());
+  list.dispatch(small, kCount, args(a, b, kCount));
+  list.end();
+  device.touch().run(list);
+  CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 7u) == kCount);
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "a device knows how much memory its buffers hold") {
+  const std::uint64_t before = device.allocatedBytes();
+  {
+    Buffer large = words(1 << 20);
+    CHECK(device.allocatedBytes() >= before + (4 << 20));
+    const Buffer moved = std::move(large);
+    CHECK(device.allocatedBytes() < before + (5 << 20));
+  }
+  CHECK(device.allocatedBytes() == before);
+}
+
 }  // namespace palpate
