@@ -10,17 +10,34 @@ namespace {
 struct PointsView {
   std::span<const Vec3> points;
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return (&points[i].x)[axis]; }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return static_cast<double>((&points[i].x)[axis]); }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
   }
 };
 
-// Coordinates as they are, distances in double: squares of float32 would underflow for small models.
-using Metric = nanoflann::L2_Simple_Adaptor<float, PointsView, double, std::uint32_t>;
+// Everything in double: squares of float32 would underflow for small models, and the centre of a ball is no point.
+using Metric = nanoflann::L2_Simple_Adaptor<double, PointsView, double, std::uint32_t>;
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, PointsView, 3, std::uint32_t>;
 constexpr std::size_t kLeafSize = 24;
+
+// Takes the points of a ball as the tree comes upon them.
+class Ball {
+ public:
+  Ball(double radius, std::vector<std::uint32_t>& found) : squared_(radius * radius), found_(found) {}
+  bool addPoint(double squaredDistance, std::uint32_t index) {
+    if (squaredDistance < squared_) found_.push_back(index);
+    return true;
+  }
+  // What the tree may leave out: its sums are rounded, the test above is exact.
+  double worstDist() const { return squared_ * (1 + 1e-9); }
+  bool full() const { return true; }
+
+ private:
+  double squared_;
+  std::vector<std::uint32_t>& found_;
+};
 
 }  // namespace
 
@@ -41,7 +58,15 @@ std::size_t PointTree::nearest(const Vec3& p, std::span<std::uint32_t> indices,
                                std::span<double> squaredDistances) const {
   PALPATE_CHECK_EQ(indices.size(), squaredDistances.size());
   if (index_->view.points.empty() || indices.empty()) return 0;
-  return index_->tree.knnSearch(&p.x, indices.size(), indices.data(), squaredDistances.data());
+  const DVec3 place(p);
+  return index_->tree.knnSearch(&place.x, indices.size(), indices.data(), squaredDistances.data());
 }
+
+void PointTree::within(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const {
+  Ball ball(radius, found);
+  index_->tree.findNeighbors(ball, &center.x, {});
+}
+
+std::size_t PointTree::bytes() const { return index_->tree.usedMemory(index_->tree); }
 
 }  // namespace palpate

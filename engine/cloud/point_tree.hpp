@@ -1,11 +1,12 @@
-// Nearest neighbours among a fixed set of points, on the CPU, for loading and for references. (The touch side has its
-// own index, engine/spatial.)
+// Neighbours among a fixed set of points, on the CPU, for loading and for comparisons. (The touch side has its own
+// index, engine/spatial.)
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "engine/core/vec.hpp"
 
@@ -23,6 +24,11 @@ class PointTree {
   /// The nearest points to `p`, nearest first, as many as `indices` has room for (one of them is the point itself when
   /// `p` is in the set). Returns how many were found. `squaredDistances` has the same room.
   std::size_t nearest(const Vec3& p, std::span<std::uint32_t> indices, std::span<double> squaredDistances) const;
+  /// Appends every point strictly nearer than `radius` to `center`, in any order.
+  void within(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const;
+
+  /// Memory held besides the points.
+  std::size_t bytes() const;
 
  private:
   struct Index;

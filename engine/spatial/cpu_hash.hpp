@@ -24,20 +24,15 @@ class CpuHash {
   /// order().
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const {
-    // Half a cell more than the radius: corners are rounded to single precision.
-    const Vec3 reach(static_cast<float>(radius + 0.5 / grid_.inverseCell));
-    const IVec3 low = cellOf(grid_, Vec3(center) - reach), high = cellOf(grid_, Vec3(center) + reach);
-    for (int z = low.z; z <= high.z; ++z)
-      for (int y = low.y; y <= high.y; ++y)
-        for (int x = low.x; x <= high.x; ++x) {
-          const IVec3 cell{x, y, z};
-          const UVec2 places = range(bucketOf(grid_, cell));
-          for (std::uint32_t place = places.x; place < places.y; ++place) {
-            const Vec3& position = positions_[order_[place]];
-            const DVec3 d = DVec3(position) - center;
-            if (glm::dot(d, d) < radius * radius && cellOf(grid_, position) == cell) visit(order_[place]);
-          }
-        }
+    cellsAround(grid_, center, radius).forEachUntil([&](const IVec3& cell) {
+      const UVec2 places = range(bucketOf(grid_, cell));
+      for (std::uint32_t place = places.x; place < places.y; ++place) {
+        const Vec3& position = positions_[order_[place]];
+        const DVec3 d = DVec3(position) - center;
+        if (glm::dot(d, d) < radius * radius && cellOf(grid_, position) == cell) visit(order_[place]);
+      }
+      return true;
+    });
   }
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 
 #include "engine/core/check.hpp"
 
@@ -26,6 +28,17 @@ HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, Buck
           .inverseCell = static_cast<float>(1.0 / cell),
           .bucketMask = static_cast<std::uint32_t>(buckets - 1),
           .blockBits = key == BucketKey::morton ? kMortonBlockBits : 0};
+}
+
+CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius) {
+  // cellOf never falls where a coordinate rises, so that corners rounded outwards miss no point.
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Vec3 low(center - radius), high(center + radius);
+  for (int k = 0; k < 3; ++k) {
+    low[k] = std::nextafter(low[k], -kInfinity);
+    high[k] = std::nextafter(high[k], kInfinity);
+  }
+  return {cellOf(grid, low), cellOf(grid, high)};
 }
 
 }  // namespace palpate

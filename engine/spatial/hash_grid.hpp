@@ -22,4 +22,26 @@ std::uint32_t bucketBits(const HashGrid& grid);
 /// surface with cells of the support radius that is one occupied cell for every four buckets or so.
 HashGrid makeHashGrid(const Vec3& origin, double cell, std::uint64_t count, BucketKey key = BucketKey::teschner);
 
+/// A box of cells, both corners in it.
+struct CellBox {
+  IVec3 low, high;
+
+  /// How many; a double, since the answer may be far too many.
+  double cells() const {
+    const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
+    return sides.x * sides.y * sides.z;
+  }
+  /// Calls visit(cell) for every cell, x fastest, until it says false.
+  template <class Visit>
+  void forEachUntil(Visit&& visit) const {
+    for (int z = low.z; z <= high.z; ++z)
+      for (int y = low.y; y <= high.y; ++y)
+        for (int x = low.x; x <= high.x; ++x)
+          if (!visit(IVec3(x, y, z))) return;
+  }
+};
+
+/// The cells where points nearer than `radius` to `center` can be, however coarse single precision is there.
+CellBox cellsAround(const HashGrid& grid, const DVec3& center, double radius);
+
 }  // namespace palpate

@@ -1,0 +1,57 @@
+#include "engine/core/worker_team.hpp"
+
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+WorkerTeam::WorkerTeam(unsigned threads) {
+  for (unsigned i = 1; i < threadCount(threads); ++i) workers_.emplace_back([this] { work(); });
+}
+
+WorkerTeam::~WorkerTeam() {
+  {
+    const std::scoped_lock hold(lock_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+}
+
+void WorkerTeam::run(std::size_t parts, Call call, void* context) {
+  if (parts <= 1 || workers_.empty()) {
+    for (std::size_t part = 0; part < parts; ++part) call(context, part);
+    return;
+  }
+  {
+    const std::scoped_lock hold(lock_);
+    parts_ = parts;
+    call_ = call;
+    context_ = context;
+    next_ = 0;
+    busy_ = workers_.size();
+    ++turn_;
+  }
+  wake_.notify_all();
+  takeParts();
+  std::unique_lock hold(lock_);
+  idle_.wait(hold, [this] { return busy_ == 0; });
+}
+
+void WorkerTeam::work() {
+  std::size_t done = 0;
+  std::unique_lock hold(lock_);
+  while (true) {
+    wake_.wait(hold, [&] { return stop_ || turn_ != done; });
+    if (stop_) return;
+    done = turn_;
+    hold.unlock();
+    takeParts();
+    hold.lock();
+    if (--busy_ == 0) idle_.notify_one();
+  }
+}
+
+void WorkerTeam::takeParts() {
+  for (std::size_t part; (part = next_++) < parts_;) call_(context_, part);
+}
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstddef>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+namespace palpate {
+
+/// Threads that stay, for parallel work that comes again and again: starting it neither makes threads nor allocates.
+/// Used by one thread at a time, which takes part itself.
+class WorkerTeam {
+ public:
+  /// `threads`: with the caller; 0: one per core.
+  explicit WorkerTeam(unsigned threads);
+  ~WorkerTeam();
+  WorkerTeam(const WorkerTeam&) = delete;
+  WorkerTeam& operator=(const WorkerTeam&) = delete;
+
+  /// Threads, with the caller.
+  std::size_t size() const { return workers_.size() + 1; }
+
+  /// Calls body(part) once for every part in [0, parts), on whichever thread is free, and returns when all are done.
+  /// `body` must not throw.
+  template <class Body>
+  void forEach(std::size_t parts, Body&& body) {
+    using Plain = std::remove_reference_t<Body>;
+    run(
+        parts, [](void* context, std::size_t part) { (*static_cast<Plain*>(context))(part); }, std::addressof(body));
+  }
+
+ private:
+  using Call = void (*)(void* context, std::size_t part);
+  void run(std::size_t parts, Call call, void* context);
+  void work();
+  void takeParts();
+
+  std::mutex lock_;
+  std::condition_variable wake_, idle_;
+  std::size_t turn_ = 0;  // grows with every job
+  std::size_t busy_ = 0;  // workers that have not finished this turn
+  bool stop_ = false;
+  std::size_t parts_ = 0;
+  std::atomic<std::size_t> next_ = 0;
+  Call call_ = nullptr;
+  void* context_ = nullptr;
+  std::vector<std::jthread> workers_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <unordered_map>
+
+#include "engine/spatial/hash_grid.hpp"
+#include "engine/spatial/neighbour_search.hpp"
+
+namespace palpate {
+
+/// The CPU baseline of the thesis (section 4.1): a multimap from bucket number to point, one insertion per point.
+class MultimapHash final : public NeighbourSearch {
+ public:
+  explicit MultimapHash(const HashGrid& grid) : grid_(grid) {}
+
+  void build(std::span<const Vec3> positions) override;
+  /// Erases and inserts each point.
+  void move(std::span<const PointMove> moves) override;
+  void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
+  std::string_view name() const override { return "multimap"; }
+  /// As the allocator of glibc rounds them up.
+  std::size_t bytes() const override;
+
+ private:
+  struct Point {
+    Vec3 position;
+    std::uint32_t number;
+  };
+  using Map = std::unordered_multimap<std::uint32_t, Point>;
+
+  std::uint32_t bucketAt(const Vec3& position) const { return bucketOf(grid_, cellOf(grid_, position)); }
+
+  HashGrid grid_;
+  std::span<const Vec3> positions_;
+  Map map_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,30 @@
+#include "engine/core/worker_team.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+
+namespace palpate {
+
+TEST_CASE("a team does every part of every job once, whatever its size") {
+  for (const unsigned threads : {1u, 2u, 5u}) {
+    WorkerTeam team(threads);
+    CHECK(team.size() == threads);
+    for (const std::size_t parts : {0u, 1u, 2u, 3u, 100u}) {
+      std::array<std::atomic<int>, 100> done{};
+      for (int job = 0; job < 20; ++job) team.forEach(parts, [&](std::size_t part) { ++done[part]; });
+      for (std::size_t part = 0; part < done.size(); ++part) CHECK(done[part] == (part < parts ? 20 : 0));
+    }
+  }
+}
+
+TEST_CASE("what one job wrote the next one reads, on every thread") {
+  WorkerTeam team(3);
+  std::vector<int> values(1000, 0);
+  for (int job = 1; job <= 50; ++job)
+    team.forEach(values.size(),
+                 [&](std::size_t part) { values[part] = values[(part + 1) % values.size()] >= 0 ? job : -1; });
+  for (const int value : values) CHECK(value == 50);
+}
+
+}  // namespace palpate
