@@ -29,6 +29,7 @@ class SortedGrid final : public NeighbourSearch {
   std::size_t bytes() const override;
 
   const HashGrid& grid() const { return grid_; }
+  std::size_t threads() const { return team_.size(); }
   /// The threads that build, free for other work between builds.
   WorkerTeam& team() { return team_; }
   /// All points in bucket order, stable.

@@ -1,8 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 
 namespace palpate {
+
+/// Times of edits that a back end keeps: a minute at 1 kHz without an allocation on the servo thread.
+constexpr std::size_t kEditTimesKept = 1 << 16;
 
 /// How often a session in real time may edit. While an edit runs, the force lives on the last answer; an edit that
 /// takes longer than that answer is good for leaves the hand without force. After such an edit comes a rest, ten times

@@ -6,16 +6,13 @@
 #include "engine/core/clock.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/touch/held_contact.hpp"
 #include "engine/touch/memory.hpp"
+#include "shaders/shared/edit.h"
 
 namespace palpate {
 
 namespace {
-
-constexpr double kLongestMove = 0.25;  // of the support radius, in one tick: a resting proxy keeps its surface
-// An answer is good for the first time without loss, and says nothing about where the hand is after the second.
-constexpr double kStale_s = 0.005, kStalest_s = 0.02;
-constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
@@ -48,7 +45,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       pace_(kStalest_s) {
   if (options.push) {
     push_.emplace(device, *options.push);
-    editTimes_us_.reserve(kEditTimesReserved);
+    editTimes_us_.reserve(kEditTimesKept);
   }
   buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
@@ -81,7 +78,8 @@ void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
   list->begin();
   {
     const auto section = list->section("edit");
-    push_->record(*list, live_.side(), live_.count(), contact_.state(), kLongestMove * options_.radius);
+    push_->record(*list, live_.side(), live_.count(), contact_.state(),
+                  static_cast<double>(shared::kLongestMove) * options_.radius);
     hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.count(), sort);
     refit_.record(*list, hash_.view(live_.otherSide(), live_.count()), log_, options_.radius);
   }
@@ -132,19 +130,7 @@ bool TouchSide::answerWithin(double budget_us) {
   return true;
 }
 
-Contact TouchSide::held(const Pose& pose) const {
-  Contact contact{.proxy = pose.hip, .valid = true};
-  const double age_s = pose.time_s - lastPose_.time_s;
-  if (!last_.valid || !last_.touching || age_s > kStalest_s) return contact;
-  const double depth = glm::dot(last_.proxy - pose.hip, last_.normal);
-  if (depth <= 0) return contact;
-  const double softness = std::clamp((kStalest_s - age_s) / (kStalest_s - kStale_s), 0.0, 1.0);
-  contact.touching = true;
-  contact.proxy = pose.hip + softness * depth * last_.normal;
-  contact.normal = last_.normal;
-  contact.neighbours = last_.neighbours;
-  return contact;
-}
+Contact TouchSide::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
 
 void TouchSide::editIfYielding(bool realtime) {
   const double depth = glm::distance(last_.proxy, lastPose_.hip);

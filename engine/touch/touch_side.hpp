@@ -38,8 +38,7 @@ class TouchSide final : public TouchBackend {
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
-  /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it
-  /// was found, then ever softer, and past 20 ms not at all.
+  /// When the GPU is late, the last answer is held (heldContact), and `fresh` says so.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
@@ -68,7 +67,7 @@ class TouchSide final : public TouchBackend {
   void ask(const Pose& pose);
   // Takes the answer into last_ when it comes within the budget (0: whenever it comes).
   bool answerWithin(double budget_us);
-  // What the last answer says to a pose that got none of its own: the tangent plane at the last proxy.
+  // What the last answer says to a pose that got none of its own.
   Contact held(const Pose& pose) const;
   void recordQuery(std::uint32_t parity);
   void recordEdit(std::uint32_t parity, SortMethod sort);

@@ -9,6 +9,9 @@ PALPATE_SHARED_BEGIN
 // seen so far; reached only where a hundred thousand points share a place.
 const uint kRefitWorkBudget = 20000;
 
+// Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
+const float kLongestMove = 0.25f;
+
 struct PushArgs {
   PALPATE_ADDRESS(Vec4s) positions;  // in and out
   PALPATE_ADDRESS(Vec4s) normals;    // w set to 1 where a point moved

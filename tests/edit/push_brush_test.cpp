@@ -4,8 +4,7 @@
 #include <bit>
 #include <set>
 
-#include "engine/cloud/eigen3.hpp"
-#include "engine/contact/surface_reference.hpp"
+#include "engine/edit/push_reference.hpp"
 #include "engine/edit/refit_normals.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
@@ -16,58 +15,6 @@
 namespace palpate {
 
 namespace {
-
-// Where the push sends a point: shaders/edit/push.comp in double precision.
-DVec3 pushed(const DVec3& p, const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove) {
-  const double depth = glm::length(spring);
-  if (depth <= options.tau) return p;
-  const DVec3 outward = spring / depth;
-  const DVec3 center = hip + (options.tau + options.toolRadius) * outward;
-  const double distance = glm::distance(p, center);
-  if (distance >= options.toolRadius) return p;
-  const DVec3 away = distance > 0 ? (p - center) / distance : -outward;
-  return p + std::min(options.beta * (options.toolRadius - distance), longestMove) * away;
-}
-
-struct FittedNormal {
-  DVec3 normal{0};
-  double flatness = 0;  // smallest over middle eigenvalue: near 1 the direction means nothing
-};
-
-FittedNormal fitted(const CpuHash& hash, std::span<const Vec3> positions, const DVec3& center, const DVec3& old,
-                    double radius) {
-  double weights = 0;
-  DVec3 mean(0);
-  SymmetricMatrix3 moment{};
-  std::size_t neighbours = 0;
-  hash.forEachNear(center, radius, [&](std::uint32_t i) {
-    const DVec3 d = DVec3(positions[i]) - center;
-    const double w = wendland(glm::length(d) / radius);
-    weights += w;
-    mean += w * d;
-    moment.xx += w * d.x * d.x;
-    moment.xy += w * d.x * d.y;
-    moment.xz += w * d.x * d.z;
-    moment.yy += w * d.y * d.y;
-    moment.yz += w * d.y * d.z;
-    moment.zz += w * d.z * d.z;
-    ++neighbours;
-  });
-  if (neighbours < shared::kMinNeighbours) return {old, 0};
-  mean /= weights;
-  SymmetricMatrix3 covariance = moment;
-  for (double* entry : {&covariance.xx, &covariance.xy, &covariance.xz, &covariance.yy, &covariance.yz, &covariance.zz})
-    *entry /= weights;
-  covariance.xx -= mean.x * mean.x;
-  covariance.xy -= mean.x * mean.y;
-  covariance.xz -= mean.x * mean.z;
-  covariance.yy -= mean.y * mean.y;
-  covariance.yz -= mean.y * mean.z;
-  covariance.zz -= mean.z * mean.z;
-  const Eigen3 eigen = eigenSymmetric(covariance);
-  const DVec3 normal = eigen.vectors[0];
-  return {glm::dot(normal, old) < 0 ? -normal : normal, eigen.values[0] / eigen.values[1]};
-}
 
 class PushFixture : public GpuFixture {
  protected:
@@ -90,7 +37,7 @@ class PushFixture : public GpuFixture {
                {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .started = 1, .unused = {}}});
     CommandList list(device, device.touch(), "edit");
     list.begin();
-    brush.record(list, live.side(), live.count(), state, kLongestMove * radius);
+    brush.record(list, live.side(), live.count(), state, static_cast<double>(shared::kLongestMove) * radius);
     hash.recordBuild(list, live.side(), live.otherSide(), live.count(), hash.sort());
     refit.record(list, hash.view(live.otherSide(), live.count()), log, radius);
     list.end();
@@ -111,8 +58,6 @@ class PushFixture : public GpuFixture {
     moved.entries = download<shared::EditEntry>(device, log.entriesBuffer(), head);
     return moved;
   }
-
-  static constexpr double kLongestMove = 0.25;
 };
 
 }  // namespace
@@ -123,12 +68,12 @@ TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the 
   for (const PushOptions options :
        {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
-    const double longestMove = kLongestMove * scene.radius;
+    const PushedPlaces pushed(hip, spring, options, static_cast<double>(shared::kLongestMove) * scene.radius);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = pushed(before, hip, spring, options, longestMove);
+      const DVec3 expected = pushed.of(before);
       if (expected == before) {
         // A point within rounding of the tool's border may go either way; by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);
@@ -174,7 +119,10 @@ TEST_CASE_FIXTURE(PushFixture, "normals of moved points are those of the new sha
   std::size_t clear = 0;
   for (const auto& entry : moved.entries) {
     const DVec3 old(scene.cloud.normals[entry.id]);
-    const FittedNormal expected = fitted(hash, positions, DVec3(entry.position), old, scene.radius);
+    const DVec3 place(entry.position);
+    NormalFit fit(scene.radius);
+    hash.forEachNear(place, scene.radius, [&](std::uint32_t i) { fit.add(DVec3(positions[i]) - place); });
+    const NormalFit::Result expected = fit.normal(old);
     CHECK(glm::dot(DVec3(entry.normal), old) > -1e-5);
     if (expected.flatness < 0.5 && glm::dot(expected.normal, old) > 0.01) {
       ++clear;

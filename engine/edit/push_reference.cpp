@@ -1,0 +1,45 @@
+#include "engine/edit/push_reference.hpp"
+
+#include <algorithm>
+
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+PushedPlaces::PushedPlaces(const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove)
+    : toolRadius_(options.toolRadius), beta_(options.beta), longestMove_(longestMove) {
+  const double depth = glm::length(spring);
+  yields_ = depth > options.tau;
+  if (!yields_) return;
+  outward_ = spring / depth;
+  center_ = hip + (options.tau + options.toolRadius) * outward_;
+}
+
+DVec3 PushedPlaces::of(const DVec3& place) const {
+  constexpr double kAtCenter = 1e-6;  // of the tool's radius: from here there is no way out but the tip's
+  const DVec3 fromCenter = place - center_;
+  const double distance = glm::length(fromCenter);
+  if (!yields_ || distance >= toolRadius_) return place;
+  const DVec3 away = distance > kAtCenter * toolRadius_ ? fromCenter / distance : -outward_;
+  return place + std::min(beta_ * (toolRadius_ - distance), longestMove_) * away;
+}
+
+NormalFit::Result NormalFit::normal(const DVec3& old) const {
+  if (neighbours_ < shared::kMinNeighbours || weights_ <= 0) return {.normal = old};
+  const DVec3 mean = sum_ / weights_;
+  const SymmetricMatrix3 spread{.xx = squares_.xx / weights_ - mean.x * mean.x,
+                                .yy = squares_.yy / weights_ - mean.y * mean.y,
+                                .zz = squares_.zz / weights_ - mean.z * mean.z,
+                                .xy = squares_.xy / weights_ - mean.x * mean.y,
+                                .xz = squares_.xz / weights_ - mean.x * mean.z,
+                                .yz = squares_.yz / weights_ - mean.y * mean.z};
+  const Eigen3 eigen = eigenSymmetric(spread);
+  // Points on a line, or all in one place, leave more than one direction of least spread.
+  constexpr double kLeastGap = 1e-5;
+  if (eigen.values[1] - eigen.values[0] <= kLeastGap * (eigen.values[2] - eigen.values[0])) return {.normal = old};
+  const DVec3 normal = eigen.vectors[0];
+  return {.normal = glm::dot(normal, old) < 0 ? -normal : normal,
+          .flatness = std::max(0.0, eigen.values[0] / eigen.values[1])};
+}
+
+}  // namespace palpate

@@ -1,0 +1,62 @@
+// An edit in double precision on the CPU: what shaders/edit/push.comp and refit_normals.comp compute.
+#pragma once
+
+#include "engine/cloud/eigen3.hpp"
+#include "engine/contact/surface_reference.hpp"
+#include "engine/core/touch_backend.hpp"
+
+namespace palpate {
+
+/// Where a round tool sends points, for one position of the hand (thesis section 5.2). Places relative to the cloud's
+/// origin, model units.
+class PushedPlaces {
+ public:
+  /// `spring`: from HIP to proxy. No point moves further than `longestMove`.
+  PushedPlaces(const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove);
+
+  /// False where the spring is no longer than tau: nothing yields.
+  bool yields() const { return yields_; }
+  /// The ball whose points move: all those nearer than the tool's radius to its centre.
+  const DVec3& center() const { return center_; }
+  double toolRadius() const { return toolRadius_; }
+  /// Where a point at `place` goes; outside the ball, and where nothing yields, it stays.
+  DVec3 of(const DVec3& place) const;
+
+ private:
+  bool yields_;
+  DVec3 outward_{0}, center_{0};
+  double toolRadius_, beta_, longestMove_;
+};
+
+/// The weighted moments of the neighbours of a place, whose direction of least spread is its normal (Hoppe et al. 1992,
+/// section 3.2).
+class NormalFit {
+ public:
+  /// `radius`: support radius, model units.
+  explicit NormalFit(double radius) : inverseRadius_(1.0 / radius) {}
+
+  /// `offset`: from the place to a neighbour within the support radius, the place itself among them.
+  void add(const DVec3& offset) {
+    const double w = wendland(glm::length(offset) * inverseRadius_);
+    weights_ += w;
+    sum_ += w * offset;
+    squares_.addSquare(std::sqrt(w) * offset);
+    ++neighbours_;
+  }
+
+  struct Result {
+    DVec3 normal{0};      ///< unit, on the side of the old normal
+    double flatness = 1;  ///< smallest over middle eigenvalue, 0 to 1: near 1 the direction means nothing
+  };
+  /// The old normal where the neighbours are too few to say, or do not spread over a surface.
+  Result normal(const DVec3& old) const;
+
+ private:
+  double inverseRadius_;
+  double weights_ = 0;
+  std::uint32_t neighbours_ = 0;
+  DVec3 sum_{0};
+  SymmetricMatrix3 squares_;
+};
+
+}  // namespace palpate

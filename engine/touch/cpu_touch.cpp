@@ -1,0 +1,155 @@
+#include "engine/touch/cpu_touch.hpp"
+
+#include <algorithm>
+#include <fstream>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/touch/held_contact.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kRefitBatch = 64;  // points that a thread takes at a time
+
+HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
+  return makeHashGrid(Vec3(boundsOf(cloud).min), options.cell > 0 ? options.cell : options.radius, cloud.size(),
+                      options.bucketKey);
+}
+
+std::string processorName() {
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);)
+    if (line.starts_with("model name"))
+      if (const auto at = line.find(": "); at != std::string::npos) return line.substr(at + 2);
+  return "CPU";
+}
+
+}  // namespace
+
+CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
+    : options_(options),
+      origin_(cloud.origin),
+      positions_(cloud.positions),
+      normals_(cloud.normals),
+      grid_(gridFor(cloud, options), options.threads),
+      tracker_(options.radius),
+      pace_(kStalest_s) {
+  PALPATE_CHECK_EQ(normals_.size(), positions_.size());
+  const Stopwatch watch;
+  grid_.build(positions_);
+  buildTime_us_ = watch.elapsed_us();
+  if (!options.push) return;
+  moved_.reserve(positions_.size());
+  editTimes_us_.reserve(kEditTimesKept);
+  edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
+}
+
+SurfaceSample CpuTouch::surface(const DVec3& x) const {
+  SurfaceSums sums(options_.radius);
+  grid_.forEachNear(x, options_.radius, [&](const SortedGrid::Placed& point) {
+    sums.add(DVec3(point.position) - x, normals_[point.number]);
+  });
+  return sums.sample();
+}
+
+Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
+  const Contact invalid{.proxy = pose.hip};
+  if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
+  try {
+    if (!editFinishedWithin(budget_us)) return heldContact(last_, lastPose_, pose);
+    answer(pose);
+    if (last_.valid) editIfYielding(budget_us > 0);
+    return last_;
+  } catch (...) {
+    failure_ = std::current_exception();
+    return invalid;
+  }
+}
+
+void CpuTouch::answer(const Pose& pose) {
+  tracker_.follow(*this, pose.hip - origin_);
+  const SurfaceSample& surface = tracker_.surface();
+  last_ = {.proxy = tracker_.touching() ? tracker_.proxy() + origin_ : pose.hip,
+           .normal = surface.normal,
+           .touching = tracker_.touching(),
+           .fresh = true,
+           .valid = isFinite(tracker_.proxy()) && isFinite(surface.normal),
+           .neighbours = surface.neighbours};
+  lastPose_ = pose;
+}
+
+void CpuTouch::editIfYielding(bool realtime) {
+  if (!edit_ || !last_.touching) return;
+  const double longestMove = static_cast<double>(shared::kLongestMove) * options_.radius;
+  tool_.emplace(lastPose_.hip - origin_, last_.proxy - lastPose_.hip, *options_.push, longestMove);
+  if (!tool_->yields()) return;
+  if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
+    ++shortfalls_.editsTooSlow;
+    return;
+  }
+  if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
+  editTime_s_ = lastPose_.time_s;
+  editing_ = true;
+  edit_->start();
+}
+
+void CpuTouch::edit() {
+  const Stopwatch watch;
+  moved_.clear();
+  grid_.forEachNear(tool_->center(), tool_->toolRadius(),
+                    [&](const SortedGrid::Placed& point) { moved_.push_back(point.number); });
+  for (const std::uint32_t point : moved_) positions_[point] = Vec3(tool_->of(DVec3(positions_[point])));
+  grid_.build(positions_);
+  const std::size_t batches = (moved_.size() + kRefitBatch - 1) / kRefitBatch;
+  grid_.team().forEach(batches, [&](std::size_t batch) {
+    const std::size_t end = std::min(moved_.size(), (batch + 1) * kRefitBatch);
+    for (std::size_t i = batch * kRefitBatch; i < end; ++i) refit(moved_[i]);
+  });
+  editTime_us_ = watch.elapsed_us();
+}
+
+void CpuTouch::refit(std::uint32_t point) {
+  const DVec3 place(positions_[point]);
+  NormalFit fit(options_.radius);
+  grid_.forEachNear(place, options_.radius,
+                    [&](const SortedGrid::Placed& near) { fit.add(DVec3(near.position) - place); });
+  normals_[point] = Vec3(fit.normal(DVec3(normals_[point])).normal);
+}
+
+bool CpuTouch::editFinishedWithin(double budget_us) {
+  if (!editing_) return true;
+  if (!edit_->finishedWithin(budget_us)) return false;
+  editing_ = false;
+  pace_.took(editTime_s_, editTime_us_ * 1e-6);
+  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(editTime_us_);
+  return true;
+}
+
+void CpuTouch::finish() {
+  if (failure_) std::rethrow_exception(failure_);
+  editFinishedWithin(0);
+}
+
+std::size_t CpuTouch::readBack(PointCloud& cloud) const {
+  PALPATE_CHECK_EQ(cloud.size(), positions_.size());
+  if (edit_) edit_->finishedWithin(0);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < positions_.size(); ++i) {
+    if (positions_[i] == cloud.positions[i]) continue;
+    ++moved;
+    cloud.positions[i] = positions_[i];
+    cloud.normals[i] = normals_[i];
+  }
+  return moved;
+}
+
+std::string CpuTouch::machine() const {
+  const std::size_t threads = grid_.threads();
+  return fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
+}
+
+}  // namespace palpate

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <optional>
+
+#include "engine/contact/proxy_tracker.hpp"
+#include "engine/core/background_task.hpp"
+#include "engine/core/touch_backend.hpp"
+#include "engine/edit/push_reference.hpp"
+#include "engine/spatial/sorted_grid.hpp"
+#include "engine/touch/edit_pace.hpp"
+
+namespace palpate {
+
+struct CpuTouchOptions {
+  double radius = 0;  ///< support radius, model units
+  double cell = 0;    ///< edge of a grid cell, model units; 0: the support radius
+  BucketKey bucketKey = BucketKey::teschner;
+  std::optional<PushOptions> push;  ///< edit while touching
+  unsigned threads = 0;             ///< that build the index and refit normals; 0: one per core
+};
+
+/// The whole loop on the CPU, in double precision: for machines without a GPU, and the peer that GPUs are held against.
+/// The surface is evaluated wherever the proxy goes, straight from the index. When the surface yields, a thread of its
+/// own edits the points and builds the index anew; nobody waits for it but the next tick's query.
+class CpuTouch final : public TouchBackend, private SurfaceField {
+ public:
+  /// Copies what it needs of `cloud`, which must have normals, and builds the index.
+  CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options);
+
+  /// While an edit outlasts the budget, the last answer is held (heldContact), and `fresh` says so. The query itself is
+  /// not cut short: on an even cloud it takes some ten microseconds.
+  Contact query(const Pose& pose, double budget_us) noexcept override;
+  void finish() override;
+  std::size_t readBack(PointCloud& cloud) const override;
+
+  /// The processor, and how many threads build and edit; one answers.
+  std::string machine() const override;
+  double buildTime_us() const override { return buildTime_us_; }
+  const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
+  std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
+  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  double cell() const override { return 1.0 / static_cast<double>(grid_.grid().inverseCell); }
+
+ private:
+  SurfaceSample surface(const DVec3& x) const override;
+  void answer(const Pose& pose);
+  void editIfYielding(bool realtime);
+  // On the edit's own thread: everything up to last_ is its alone until it has finished.
+  void edit();
+  void refit(std::uint32_t point);
+  bool editFinishedWithin(double budget_us);
+
+  CpuTouchOptions options_;
+  DVec3 origin_;
+  std::vector<Vec3> positions_, normals_;  // in file order
+  SortedGrid grid_;
+  std::optional<PushedPlaces> tool_;  // of the edit that runs
+  std::vector<std::uint32_t> moved_;  // by the edit that runs
+  double editTime_us_ = 0;            // of the edit that ran last
+
+  ProxyTracker tracker_;
+  Contact last_;
+  Pose lastPose_;
+  double buildTime_us_ = 0;
+  bool editing_ = false;
+  double editTime_s_ = 0;  // of the pose whose answer led to the last edit
+  EditPace pace_;
+  std::vector<double> editTimes_us_;
+  std::optional<double> firstEditTime_s_;
+  TouchShortfalls shortfalls_;
+  std::exception_ptr failure_;
+  std::unique_ptr<BackgroundTask> edit_;  // with push; goes first
+};
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+#include "engine/core/background_task.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+namespace palpate {
+
+TEST_CASE("a task runs once for each start, and what it wrote is there when it has finished") {
+  int runs = 0;
+  BackgroundTask task([&] { ++runs; });
+  CHECK(task.finishedWithin(0));  // nothing has been started
+  for (int i = 1; i <= 100; ++i) {
+    task.start();
+    CHECK(task.finishedWithin(0));
+    CHECK(runs == i);
+  }
+}
+
+TEST_CASE("waiting ends with the budget, and the destructor waits for the run") {
+  std::atomic<bool> go = false, done = false;
+  {
+    BackgroundTask task([&] {
+      go.wait(false);
+      done = true;
+    });
+    task.start();
+    CHECK_FALSE(task.finishedWithin(100));
+    go = true;
+    go.notify_all();
+  }
+  CHECK(done);
+}
+
+TEST_CASE("what a run throws comes out once where it is waited for") {
+  BackgroundTask task([] { throw std::runtime_error("edit"); });
+  task.start();
+  CHECK_THROWS_WITH(task.finishedWithin(0), "edit");
+  CHECK(task.finishedWithin(0));
+}
+
+}  // namespace palpate

@@ -1,0 +1,103 @@
+// The same path on the CPU and on the GPU: the same contacts, and the same points moved to the same places.
+#include <algorithm>
+
+#include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+class BackendsFixture : public GpuFixture {
+ protected:
+  struct Story {
+    std::size_t touched = 0, disagreed = 0;
+    double worstProxy = 0;  // distance of the proxies, support radii
+    double worstNormal_deg = 0;
+    PointCloud onGpu, onCpu;
+    std::size_t movedOnGpu = 0, movedOnCpu = 0;
+  };
+
+  Story play(const Scene& scene, const std::vector<DVec3>& path, const std::optional<PushOptions>& push = {}) {
+    TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .push = push});
+    CpuTouch cpu(scene.cloud, {.radius = scene.radius, .push = push});
+    Story story{.onGpu = scene.cloud, .onCpu = scene.cloud};
+    double time_s = 0;
+    for (const DVec3& hip : path) {
+      const Pose pose{.time_s = time_s += 1e-3, .hip = hip};
+      const Contact a = gpu.query(pose, 0), b = cpu.query(pose, 0);
+      CHECK(a.valid);
+      CHECK(b.valid);
+      story.touched += b.touching;
+      story.disagreed += a.touching != b.touching;
+      story.worstProxy = std::max(story.worstProxy, glm::distance(a.proxy, b.proxy) / scene.radius);
+      if (a.touching && b.touching)
+        story.worstNormal_deg = std::max(story.worstNormal_deg, angleBetween_deg(a.normal, b.normal));
+    }
+    gpu.finish();
+    cpu.finish();
+    CHECK(gpu.firstEditTime_s() == cpu.firstEditTime_s());
+    CHECK(gpu.editTimes_us().size() == cpu.editTimes_us().size());
+    story.movedOnGpu = gpu.readBack(story.onGpu);
+    story.movedOnCpu = cpu.readBack(story.onCpu);
+    return story;
+  }
+};
+
+std::vector<DVec3> press(const DVec3& outward, double depth, int ticks) {
+  std::vector<DVec3> path;
+  for (int i = 0; i <= ticks; ++i) path.push_back((51 - (1 + depth) * std::min(1.0, i / (0.5 * ticks))) * outward);
+  return path;
+}
+
+double worstDistance(const PointCloud& a, const PointCloud& b) {
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    worst = std::max(worst, glm::distance(DVec3(a.positions[i]), DVec3(b.positions[i])));
+  return worst;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU feel the same on a static cloud of every shape") {
+  for (const std::string_view name : shapeNames()) {
+    CAPTURE(name);
+    const Scene scene = makeScene(name, 10'000);
+    const Story story = play(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 2));
+    CHECK(story.touched > 20);
+    CHECK(story.disagreed == 0);
+    CHECK(story.worstProxy < 1e-4);
+    CHECK(story.worstNormal_deg < 0.1);
+    CHECK(story.movedOnGpu + story.movedOnCpu == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same places, within rounding") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
+  const Story story =
+      play(scene, {51.0 * outward, 47.0 * outward}, PushOptions{.tau = 0.3, .beta = 0.5, .toolRadius = 8});
+  CHECK(story.movedOnCpu > 50);
+  // A point within rounding of the tool's border may go either way; by less than that.
+  CHECK(std::abs(static_cast<double>(story.movedOnCpu) - static_cast<double>(story.movedOnGpu)) <= 2);
+  CHECK(worstDistance(story.onGpu, story.onCpu) < 1e-4 * scene.radius);
+  double worst_deg = 0;
+  for (std::size_t i = 0; i < story.onCpu.size(); ++i)
+    worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(story.onGpu.normals[i]), DVec3(story.onCpu.normals[i])));
+  CHECK(worst_deg < 0.1);
+}
+
+TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both, tick by tick") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const Story story = play(scene, press(DVec3(0, 0, 1), 3, 100), PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8});
+  CHECK(story.touched > 50);
+  CHECK(story.disagreed == 0);
+  CHECK(story.worstProxy < 1e-4);
+  CHECK(story.worstNormal_deg < 0.1);
+  CHECK(story.movedOnCpu > 50);
+  CHECK(worstDistance(story.onGpu, story.onCpu) < 1e-3 * scene.radius);
+}
+
+}  // namespace palpate

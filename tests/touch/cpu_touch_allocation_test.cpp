@@ -1,0 +1,50 @@
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/scenes.hpp"
+
+namespace {
+
+std::atomic<bool> counting = false;
+std::atomic<int> allocations = 0;
+
+}  // namespace
+
+// For the whole test program; counts only while a test says so, on every thread.
+void* operator new(std::size_t size) {
+  if (counting) ++allocations;
+  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace palpate {
+
+TEST_CASE("no tick on the CPU allocates memory, whether it edits or not") {
+  const Scene scene = makeScene("sphere", 30'000);
+  CpuTouchOptions options{.radius = scene.radius, .threads = 3};
+  SUBCASE("static") {}
+  SUBCASE("edited") { options.push = PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+  CpuTouch touch(scene.cloud, options);
+  touch.query({.hip = {0, 0, 51}}, 0);
+  allocations = 0;
+  counting = true;
+  for (int i = 0; i < 60; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 50.5 - 0.05 * i}}, i % 2 ? 0 : 500);
+  counting = false;
+  CHECK(allocations == 0);
+  touch.finish();
+  if (options.push) CHECK(touch.editTimes_us().size() > 10);
+
+  counting = true;
+  int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out
+  delete kept;
+  counting = false;
+  CHECK(allocations == 1);  // the counter counts
+}
+
+}  // namespace palpate

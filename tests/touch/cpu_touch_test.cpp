@@ -1,0 +1,196 @@
+// The CPU back end against double precision that looks everywhere. Needs no GPU.
+#include "engine/touch/cpu_touch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "engine/contact/contact_reference.hpp"
+#include "shaders/shared/edit.h"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+PushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+
+// The HIP goes straight down on the top of a sphere of radius 50, to `depth` below it, and stays.
+std::vector<Pose> pressPath(double depth, int ticks) {
+  std::vector<Pose> poses;
+  for (int i = 0; i <= ticks; ++i)
+    poses.push_back({.time_s = 1e-3 * i, .hip = {0, 0, 51 - (1 + depth) * std::min(1.0, i / (0.5 * ticks))}});
+  return poses;
+}
+
+std::vector<Contact> play(CpuTouch& touch, std::span<const Pose> poses) {
+  std::vector<Contact> contacts;
+  for (const Pose& pose : poses) contacts.push_back(touch.query(pose, 0));
+  touch.finish();
+  return contacts;
+}
+
+void checkEqualsReference(const Scene& scene, const std::vector<DVec3>& path, const CpuTouchOptions& options) {
+  CpuTouch touch(scene.cloud, options);
+  ContactReference reference(scene.cloud, options.radius);
+  std::size_t touched = 0, wrong = 0;
+  for (const DVec3& hip : path) {
+    const Contact answer = touch.query({.hip = hip}, 0), expected = reference.query({.hip = hip}, 0);
+    touched += expected.touching;
+    wrong += !answer.valid || !answer.fresh || answer.touching != expected.touching ||
+             answer.neighbours != expected.neighbours ||
+             glm::distance(answer.proxy, expected.proxy) > 1e-9 * options.radius ||
+             glm::distance(answer.normal, expected.normal) > 1e-9;
+  }
+  CHECK(wrong == 0);
+  CHECK(touched > path.size() / 10);
+  CHECK(touched < path.size());
+}
+
+}  // namespace
+
+TEST_CASE("the CPU back end equals the reference over random paths on every shape") {
+  for (const std::string_view name : shapeNames()) {
+    CAPTURE(name);
+    const Scene scene = makeScene(name, 20'000);
+    std::vector<DVec3> path;
+    for (const std::uint32_t seed : {1u, 2u, 3u}) {
+      std::ranges::copy(wanderingPath(scene, 150, 0.5 * scene.radius, seed), std::back_inserter(path));
+      path.push_back(1000.0 * path.back());  // lets go before the next place
+    }
+    checkEqualsReference(scene, path, {.radius = scene.radius});
+  }
+}
+
+TEST_CASE("so it does far from the origin, with either bucket key, and whatever the cell") {
+  const Scene far = makeScene("torus", 10'000, DVec3(1e6, -2e6, 3e6));
+  checkEqualsReference(far, wanderingPath(far, 150, 0.5 * far.radius, 5), {.radius = far.radius});
+  const Scene scene = makeScene("bumpy-sphere", 10'000);
+  for (const double cell : {0.01 * scene.radius, 0.3 * scene.radius, 3 * scene.radius, 1000.0})
+    checkEqualsReference(scene, wanderingPath(scene, 100, 0.5 * scene.radius, 4),
+                         {.radius = scene.radius, .cell = cell, .bucketKey = BucketKey::morton});
+}
+
+TEST_CASE("clouds without a surface never touch on the CPU; many points in one place do") {
+  for (const std::size_t count : {0, 1, 2, 100'000}) {
+    PointCloud cloud;
+    cloud.positions.assign(count, Vec3(1, 2, 3));
+    cloud.normals.assign(count, Vec3(0, 0, 1));
+    CpuTouch touch(cloud, {.radius = 1, .push = softPush()});
+    bool touched = false;
+    for (const double z : {5.0, 3.5, 3.1, 2.9, 2.6}) {
+      const Contact contact = touch.query({.hip = {1, 2, z}}, 0);
+      CHECK(contact.valid);
+      touched = touched || contact.touching;
+    }
+    touch.finish();
+    CHECK(touched == (count > 2));
+  }
+}
+
+TEST_CASE("a HIP that is not a number is answered on the CPU with an invalid contact, and nothing breaks") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush()});
+  CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);
+  CHECK_FALSE(touch.query({.hip = {0, 1e300, 0}}, 0).valid);
+  CHECK(touch.query({.hip = {0, 0, 60}}, 0).valid);
+  CHECK(touch.query({.hip = {0, 0, 49}}, 0).touching);
+  touch.finish();
+}
+
+TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau behind") {
+  const Scene scene = makeScene("sphere", 20'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush()});
+  const auto poses = pressPath(4, 200);
+  const auto contacts = play(touch, poses);
+  CHECK(contacts.back().touching);
+  CHECK(contacts.back().proxy.z < 46.8);  // from 50 down to 46 + tau, less the little that averaging rounds off
+  CHECK(contacts.back().proxy.z > 46.1);
+  REQUIRE(touch.firstEditTime_s());
+  CHECK(*touch.firstEditTime_s() > 0.02);
+  CHECK(touch.editTimes_us().size() > 100);
+
+  PointCloud sculpted = scene.cloud;
+  const std::size_t moved = touch.readBack(sculpted);
+  CHECK(moved > 60);
+  CHECK(moved < sculpted.size() / 4);
+  double deepest = 50;
+  for (const Vec3& position : sculpted.positions) deepest = std::min(deepest, double{glm::length(position)});
+  CHECK(deepest == doctest::Approx(46.3).epsilon(0.01));
+  for (const Vec3& normal : sculpted.normals) CHECK(glm::length(normal) == doctest::Approx(1).epsilon(1e-4));
+
+  // The index followed: what it answers now is what the reference finds on the sculpted cloud.
+  const ContactReference reference(sculpted, scene.radius);
+  const Contact last = touch.query({.time_s = 1, .hip = poses.back().hip}, 0);
+  const SurfaceSample surface = reference.surface(last.proxy);
+  CHECK(std::abs(surface.distance) < 1e-4 * scene.radius);
+  CHECK(glm::distance(surface.normal, last.normal) < 1e-9);
+  CHECK(surface.neighbours == last.neighbours);
+}
+
+TEST_CASE("one edited tick moves each point where the tool says, and no further than a quarter of a support radius") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const PushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = options});
+  touch.query({.hip = {0, 0, 51}}, 0);
+  const DVec3 hip(0.3, -0.2, 47);
+  const Contact contact = touch.query({.hip = hip}, 0);
+  touch.finish();
+  PointCloud after = scene.cloud;
+  CHECK(touch.readBack(after) > 50);
+  const double longestMove = static_cast<double>(shared::kLongestMove) * scene.radius;
+  const PushedPlaces pushed(hip, contact.proxy - hip, options, longestMove);
+  std::size_t wrong = 0;
+  double furthest = 0;
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const DVec3 before(scene.cloud.positions[i]);
+    wrong += after.positions[i] != Vec3(pushed.of(before));
+    furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
+  }
+  CHECK(wrong == 0);
+  CHECK(furthest == doctest::Approx(longestMove).epsilon(1e-4));
+}
+
+TEST_CASE("the same presses give the same contacts and the same cloud with any number of threads") {
+  const Scene scene = makeScene("sphere", 20'000);
+  std::vector<Contact> first;
+  PointCloud firstCloud;
+  for (const unsigned threads : {1u, 2u, 3u}) {
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush(), .threads = threads});
+    const auto contacts = play(touch, pressPath(3, 60));
+    PointCloud cloud = scene.cloud;
+    touch.readBack(cloud);
+    if (threads == 1) {
+      first = contacts;
+      firstCloud = cloud;
+    }
+    for (std::size_t i = 0; i < contacts.size(); ++i) CHECK(contacts[i].proxy == first[i].proxy);
+    CHECK(cloud.positions == firstCloud.positions);
+    CHECK(cloud.normals == firstCloud.normals);
+  }
+}
+
+TEST_CASE("in real time an edit that outlasts the budget is bridged by the last answer, and an edit too slow rests") {
+  const Scene scene = makeScene("sphere", 100'000);
+  // A tool as wide as the model: an edit moves half of the points.
+  const PushOptions wide{.tau = 0.1, .beta = 1e-6, .toolRadius = 60};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = wide, .threads = 1});
+  constexpr double kNoTime_us = 1;
+  touch.query({.time_s = 0, .hip = {0, 0, 51}}, kNoTime_us);
+  const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, kNoTime_us);
+  REQUIRE(fresh.touching);
+  CHECK(fresh.fresh);
+  const Contact held = touch.query({.time_s = 0.002, .hip = {0, 0, 48.5}}, kNoTime_us);
+  CHECK(held.valid);
+  CHECK_FALSE(held.fresh);
+  CHECK(held.touching);
+  CHECK(held.proxy.z == doctest::Approx(fresh.proxy.z).epsilon(1e-3));
+  touch.finish();
+  REQUIRE(touch.editTimes_us().size() == 1);
+  CHECK(touch.query({.time_s = 0.003, .hip = {0, 0, 48.5}}, kNoTime_us).fresh);
+  touch.finish();
+  const bool slow = touch.editTimes_us()[0] > 20'000;
+  CHECK(touch.shortfalls().editsTooSlow == (slow ? 1 : 0));
+}
+
+}  // namespace palpate
