@@ -1,5 +1,7 @@
 #include "apps/backend.hpp"
 
+#include "engine/touch/cpu_touch.hpp"
+
 namespace palpate {
 
 namespace {
@@ -10,9 +12,13 @@ double cellFor(const Model& model, const BackendOptions& options) {
   return 0;
 }
 
+BucketKey bucketKey(const BackendOptions& options) {
+  return options.bucketKey == "morton" ? BucketKey::morton : BucketKey::teschner;
+}
+
 TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
   TouchOptions touch{.radius = supportRadius(options.radius, model), .cell = cellFor(model, options), .push = push};
-  if (options.bucketKey == "morton") touch.bucketKey = BucketKey::morton;
+  touch.bucketKey = bucketKey(options);
   if (options.sort == "radix") touch.sort = SortMethod::radix;
   if (options.sort == "radix-lookback") touch.sort = SortMethod::radixLookBack;
   if (options.sort == "counting") touch.sort = SortMethod::counting;
@@ -30,9 +36,11 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   const auto choice = [&](const char* name, std::string& value, std::vector<std::string> values, const char* what) {
     sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
   };
-  choice("--backend", options.backend, {"vulkan"}, "what answers: vulkan");
-  choice("--method", options.method, {"fused"},
-         "how neighbours are found: fused, gather, surface and proxy in one dispatch");
+  choice("--backend", options.backend, {"vulkan", "cpu"},
+         "what answers: vulkan, or cpu, the same loop in double precision without a GPU");
+  sub.add_option("--method", options.method,
+                 "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch")
+      ->check(CLI::IsMember({"fused"}));
   choice("--surface", options.surface, {"average"}, "what the points define: average, weighted position and normal");
   choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
   choice("--bucket-key", options.bucketKey, {"teschner", "morton"},
@@ -54,8 +62,26 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
       ->excludes(cell);
 }
 
+void checkBackendOptions(const BackendOptions& options) {
+  if (options.backend != "cpu") return;
+  if (!options.method.empty()) throw UsageError("--method: with --backend cpu there is only one");
+  if (!options.wait.empty()) throw UsageError("--wait: with --backend cpu there is no GPU to wait for");
+  if (options.timePasses) throw UsageError("--print-tick: with --backend cpu a tick has no GPU passes");
+}
+
+std::string methodName(const BackendOptions& options) {
+  if (options.backend == "cpu") return "direct";
+  return options.method.empty() ? "fused" : options.method;
+}
+
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
                                           const std::optional<PushOptions>& push) {
+  if (options.backend == "cpu")
+    return std::make_unique<CpuTouch>(model.cloud, CpuTouchOptions{.radius = supportRadius(options.radius, model),
+                                                                   .cell = cellFor(model, options),
+                                                                   .bucketKey = bucketKey(options),
+                                                                   .push = push,
+                                                                   .threads = context.threads()});
   return std::make_unique<TouchSide>(context.device(), model.cloud, touchOptions(model, options, push));
 }
 

@@ -7,16 +7,20 @@
 namespace palpate {
 
 struct BackendOptions {
-  std::string backend = "vulkan", method = "fused", surface = "average", index = "rebuild";
-  std::string bucketKey = "teschner", sort = "auto", wait;
+  std::string backend = "vulkan", surface = "average", index = "rebuild", bucketKey = "teschner", sort = "auto";
+  std::string method, wait;  ///< empty: the back end's own choice
   bool deterministic = false, realtime = false;
   std::string radius = "auto";
   double cell_mm = 0, grid = 0;
   bool timePasses = false;
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);
+/// Throws UsageError for options that do not go together; before anything is loaded.
+void checkBackendOptions(const BackendOptions& options);
+/// The method that is used.
+std::string methodName(const BackendOptions& options);
 
-/// A cloud ready to be touched. Keeps a reference to the model. Throws UsageError for what does not go together.
+/// A cloud ready to be touched. Keeps a reference to the model. Opens the GPU only for a back end that is one.
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
                                           const std::optional<PushOptions>& push);
 

@@ -101,6 +101,7 @@ class SightSide {
 };
 
 void touch(Context& context, const TouchCommandOptions& options) {
+  checkBackendOptions(options.backend);
   checkPictureOptions(options.picture);
   if (!options.saveFile.empty() && options.edit == "none") throw UsageError("--save: nothing changes with --edit none");
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
@@ -134,8 +135,9 @@ void touch(Context& context, const TouchCommandOptions& options) {
   PointCloud sculpted;
   if (push) sculpted = model.cloud;
   TouchReport report{.points = model.cloud.size(),
+                     .backend = options.backend.backend,
                      .machine = backend->machine(),
-                     .method = options.backend.method,
+                     .method = methodName(options.backend),
                      .build_us = backend->buildTime_us(),
                      .trace = summarize(result.trace),
                      .edit_us = summarize(backend->editTimes_us()),

@@ -33,13 +33,14 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto& shortfalls = report.shortfalls;
   row("points", fmt::format("{}, spacing {:.3g} mm, support radius {:.3g} mm", report.points, report.spacing_mm,
                             report.radius_mm));
-  row("GPU", report.machine);
+  row("machine", report.machine);
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
   row("step p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (pose to force)", trace.step_us.p50, trace.step_us.p999));
-  row("GPU time p50 / p99.9", fmt::format("{:.1f} / {:.1f} us", trace.gpu_us.p50, trace.gpu_us.p999));
+  if (trace.gpu_us.count)
+    row("GPU time p50 / p99.9", fmt::format("{:.1f} / {:.1f} us", trace.gpu_us.p50, trace.gpu_us.p999));
   if (report.edits)
-    row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (GPU, {} ticks), {} points moved", report.edit_us.p50,
+    row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
   if (trace.contactTicks == 0)
     row("contact",
@@ -57,7 +58,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
                                     report.realtimePriority ? "" : " (no real-time priority was granted)"));
   if (shortfalls.editsTooSlow)
     row("edits left out",
-        fmt::format("{}: one takes this GPU longer than a force can be held", shortfalls.editsTooSlow));
+        fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
     row("edits left out", fmt::format("{}: the picture had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.thinnedTicks)
@@ -83,6 +84,7 @@ Json toJson(const TouchReport& report) {
       {"fresh_fraction", trace.freshFraction},
       {"peak_force_N", trace.peakForce_N},
       {"moved_points", report.movedPoints},
+      {"backend", report.backend},
       {"gpu", report.machine},
       {"method", report.method},
       {"index", "rebuild"},

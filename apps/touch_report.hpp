@@ -18,7 +18,7 @@ ContactError contactError(const Trace& trace, const Model& model, double radius,
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
-  std::string machine, method;
+  std::string backend, machine, method;
   double build_us = 0;
   TraceSummary trace;
   Summary edit_us;

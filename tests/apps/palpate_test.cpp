@@ -175,6 +175,55 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   CHECK(std::filesystem::exists(folder / "touched.png"));
 }
 
+TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces, on a still and on a yielding cloud") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  works("make sphere -n 30000 -o " + model);
+  for (const std::string edit : {"", " --edit push --penetration 3"}) {
+    CAPTURE(edit);
+    std::vector<Row> traces[2];
+    std::size_t moved[2] = {0, 0};
+    for (const int k : {0, 1}) {
+      const std::string backend = k == 0 ? "vulkan" : "cpu";
+      const auto trace = folder / (backend + ".csv"), json = folder / (backend + ".json");
+      works("touch " + model + edit + " --backend " + backend + " --trace " + trace.string() + " --json " +
+            json.string());
+      traces[k] = readTrace(trace);
+      moved[k] = jsonOf(json)["moved_points"];
+      CHECK(jsonOf(json)["backend"] == backend);
+      CHECK(jsonOf(json)["contact_error_mm"] < 0.001);
+    }
+    REQUIRE(traces[0].size() == traces[1].size());
+    double worst_N = 0;
+    std::size_t touched = 0;
+    for (std::size_t i = 0; i < traces[0].size(); ++i) {
+      worst_N = std::max(worst_N, glm::distance(traces[0][i].force, traces[1][i].force));
+      touched += traces[1][i].contact;
+      CHECK(traces[0][i].contact == traces[1][i].contact);
+    }
+    CHECK(touched > 200);
+    CHECK(worst_N < 1e-3);
+    CHECK((moved[1] > 0) == !edit.empty());
+    CHECK(std::abs(static_cast<double>(moved[0]) - static_cast<double>(moved[1])) < 5);
+  }
+}
+
+TEST_CASE("the CPU needs no GPU unless a picture is asked for, sculpts and saves, and the same again byte by byte") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "torus.ply").string();
+  works("make torus -n 20000 -o " + model);
+  for (const std::string run : {"a", "b"})
+    works("touch " + model + " --gpu 'no such card' --backend cpu --path builtin:slide --edit push --tau 0.3 --trace " +
+          (folder / (run + ".csv")).string() + " --save " + (folder / (run + ".ply")).string() +
+          (run == "a" ? " --threads 1" : " --threads 3"));
+  CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));
+  CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
+  CHECK(readPly(folder / "a.ply").positions != readPly(model).positions);
+  works("touch " + model + " --backend cpu --bucket-key morton --grid 64 --edit push --realtime --picture " +
+        (folder / "p.png").string() + " --size 320x200 --validate");
+  CHECK(contentOf(folder / "p.png").starts_with("\x89PNG"));
+}
+
 TEST_CASE("an interrupted session keeps its trace and says that it was interrupted") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
@@ -269,6 +318,10 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
   fails("touch " + model + " --edit push --tau nan", 2, "--tau");
   fails("touch " + model + " --surface sharpest", 2, "--surface");
+  fails("touch " + model + " --backend abacus", 2, "--backend");
+  fails("touch " + model + " --backend cpu --method fused", 2, "--method");
+  fails("touch " + model + " --backend cpu --wait spin", 2, "--wait");
+  fails("touch " + model + " --backend cpu --print-tick", 2, "--print-tick");
   fails("touch " + model + " --mm-per-unit inf", 2, "--mm-per-unit");
   fails("touch " + model + " --picture " + out + " --size 0x0", 2, "--size");
   fails("touch " + model + " --trace " + (folder / "no/where.csv").string(), 1, "where.csv");
