@@ -1,5 +1,9 @@
 #include "apps/backend.hpp"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
 #include "engine/touch/cpu_touch.hpp"
 
 namespace palpate {
@@ -19,6 +23,8 @@ BucketKey bucketKey(const BackendOptions& options) {
 TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
   TouchOptions touch{.radius = supportRadius(options.radius, model), .cell = cellFor(model, options), .push = push};
   touch.bucketKey = bucketKey(options);
+  for (const auto& [name, method] : kQueryMethods)
+    if (options.method == name) touch.method = method;
   if (options.sort == "radix") touch.sort = SortMethod::radix;
   if (options.sort == "radix-lookback") touch.sort = SortMethod::radixLookBack;
   if (options.sort == "counting") touch.sort = SortMethod::counting;
@@ -36,13 +42,21 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   const auto choice = [&](const char* name, std::string& value, std::vector<std::string> values, const char* what) {
     sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
   };
-  choice("--backend", options.backend, {"vulkan", "cpu"},
+  choice("--backend", options.backend, backendChoices(),
          "what answers: vulkan, or cpu, the same loop in double precision without a GPU");
   sub.add_option("--method", options.method,
-                 "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch")
-      ->check(CLI::IsMember({"fused"}));
+                 "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch; "
+                 "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
+                 "two-step, counts first and the host launches; brute, looks at every point");
   choice("--surface", options.surface, {"average"}, "what the points define: average, weighted position and normal");
   choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
+  addIndexOptions(sub, options);
+}
+
+void addIndexOptions(CLI::App& sub, BackendOptions& options) {
+  const auto choice = [&](const char* name, std::string& value, std::vector<std::string> values, const char* what) {
+    sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
+  };
   choice("--bucket-key", options.bucketKey, {"teschner", "morton"},
          "teschner scatters every cell, morton keeps blocks of cells together in memory");
   choice(
@@ -62,16 +76,35 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
       ->excludes(cell);
 }
 
+std::vector<std::string> backendChoices() { return {"vulkan", "cpu"}; }
+
+std::vector<std::string> methodChoices(std::string_view backend) {
+  if (backend == "cpu") return {"direct"};
+  std::vector<std::string> methods;
+  for (const auto& [name, method] : kQueryMethods) methods.emplace_back(name);
+  return methods;
+}
+
 void checkBackendOptions(const BackendOptions& options) {
+  const auto methods = methodChoices(options.backend);
+  if (!options.method.empty() && std::ranges::find(methods, options.method) == methods.end())
+    throw UsageError("--method: {} is none of --backend {}, which has {}", options.method, options.backend,
+                     fmt::join(methods, ", "));
   if (options.backend != "cpu") return;
-  if (!options.method.empty()) throw UsageError("--method: with --backend cpu there is only one");
   if (!options.wait.empty()) throw UsageError("--wait: with --backend cpu there is no GPU to wait for");
   if (options.timePasses) throw UsageError("--print-tick: with --backend cpu a tick has no GPU passes");
 }
 
 std::string methodName(const BackendOptions& options) {
-  if (options.backend == "cpu") return "direct";
-  return options.method.empty() ? "fused" : options.method;
+  if (!options.method.empty()) return options.method;
+  return options.backend == "cpu" ? "direct" : "fused";
+}
+
+HashGrid gridFor(const Model& model, const BackendOptions& options) {
+  const double radius = supportRadius(options.radius, model);
+  const double cell = cellFor(model, options);
+  return makeHashGrid(Vec3(boundsOf(model.cloud).min), std::max(cell > 0 ? cell : radius, smallestCell(radius)),
+                      model.cloud.size(), bucketKey(options));
 }
 
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,

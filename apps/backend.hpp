@@ -15,10 +15,18 @@ struct BackendOptions {
   bool timePasses = false;
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);
+/// Those of them that say how the index is laid out and built, and how the GPU is waited for.
+void addIndexOptions(CLI::App& command, BackendOptions& options);
+/// The back ends that this program has, and the methods of one of them.
+std::vector<std::string> backendChoices();
+std::vector<std::string> methodChoices(std::string_view backend);
 /// Throws UsageError for options that do not go together; before anything is loaded.
 void checkBackendOptions(const BackendOptions& options);
 /// The method that is used.
 std::string methodName(const BackendOptions& options);
+
+/// The grid that the options ask for.
+HashGrid gridFor(const Model& model, const BackendOptions& options);
 
 /// A cloud ready to be touched. Keeps a reference to the model. Opens the GPU only for a back end that is one.
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,

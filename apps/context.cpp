@@ -14,7 +14,8 @@ void Context::addOptions(CLI::App& app) {
   app.add_option("--json", json_, "write a machine-readable result to this file, or to stdout with -")
       ->type_name("FILE|-")
       ->check([](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; });
-  app.add_option("--threads", threads_, "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)");
+  app.add_option("--threads", threads_,
+                 "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)");
   app.add_flag("--quiet", quiet_, "no remarks and no progress; results are still printed");
 }
 

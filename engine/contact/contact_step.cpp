@@ -15,6 +15,14 @@ std::uint64_t spilledPoints(std::uint32_t points) {
   return most - std::min(most, shared::kSharedPatch);
 }
 
+// The forms of the fused step that a session may need: which one a tick takes shows in the answer before it, but for
+// cells so small that one workgroup would need many rounds for them.
+std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32_t cells) {
+  if (options.split) return {*options.split ? shared::kGatherSplit : shared::kGatherAlone};
+  if (cells >= shared::kSplitCells) return {shared::kGatherSplit};
+  return {shared::kGatherAlone, shared::kGatherSplit};
+}
+
 }  // namespace
 
 double smallestCell(double radius) {
@@ -23,31 +31,72 @@ double smallestCell(double radius) {
   return 1.01 * 2.0 * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius / cellsPerSide;
 }
 
-ContactStep::ContactStep(Device& device, double radius, std::uint32_t points)
-    : radius_(radius),
+ContactStep::ContactStep(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points)
+    : options_(options),
+      gather_(makeGather(device, options.method, grid, options.radius, points)),
+      forms_(fusedForms(options, cellsPerGather(grid, options.radius))),
       step_(device, shader_code::contact_contact_step,
             {.workgroupSize = shared::kContactWorkgroup, .pushBytes = sizeof(shared::ContactStepArgs)}),
       pose_(Buffer::of<shared::ContactPose>(device, 1, Memory::upload, "contact pose")),
       state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "contact state")),
       sample_(Buffer::of<shared::ContactSample>(device, 1, Memory::readback, "contact sample")),
-      spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")) {
-  PALPATE_CHECK_LT(0.0, radius);
+      spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")),
+      patch_(makeGatheredPatch(device, gather_ ? gather_->slots()
+                                               : std::uint64_t{gatherRounds(cellsPerGather(grid, options.radius))} *
+                                                     shared::kPatchRoundCandidates)) {
+  PALPATE_CHECK_LT(0.0, options.radius);
+  PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
   upload(device, state_, std::vector<shared::ContactState>(1));
   pose() = {};
+  sample_.mapped<shared::ContactSample>()[0] = {};
 }
 
-void ContactStep::record(CommandList& list, const shared::CloudView& cloud, DeviceAddress logHead) const {
-  PALPATE_CHECK_LE(smallestCell(radius_) * cloud.grid.inverseCell, 1.0 + 1e-5);
-  const auto section = list.section("contact");
-  list.dispatch(step_, shared::kContactWorkgroup,
-                shared::ContactStepArgs{.cloud = cloud,
-                                        .pose = pose_.address(),
-                                        .state = state_.address(),
-                                        .result = sample_.address(),
-                                        .spill = spill_.address(),
-                                        .logHead = logHead,
-                                        .radius = static_cast<float>(radius_),
-                                        .unused = 0});
+std::uint32_t ContactStep::lists() const {
+  return gather_ ? gather_->submissions() : static_cast<std::uint32_t>(forms_.size());
+}
+
+void ContactStep::record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud,
+                         DeviceAddress logHead) const {
+  const auto section = commands.section("contact");
+  if (!gather_) return recordSolve(commands, cloud, logHead, forms_[list]);
+  {
+    const auto gathering = commands.section("gather");
+    gather_->record(commands, list,
+                    {.cloud = cloud,
+                     .pose = pose_.address(),
+                     .state = state_.address(),
+                     .patch = patch_.address(),
+                     .radius = static_cast<float>(options_.radius)});
+  }
+  if (list + 1 < gather_->submissions()) return;
+  const auto solving = commands.section("solve");
+  recordSolve(commands, cloud, logHead, shared::kGatherGiven);
+}
+
+void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
+                              std::uint32_t gather) const {
+  const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : 1;
+  commands.dispatch(step_, workgroups * shared::kContactWorkgroup,
+                    shared::ContactStepArgs{.cloud = cloud,
+                                            .pose = pose_.address(),
+                                            .state = state_.address(),
+                                            .result = sample_.address(),
+                                            .spill = spill_.address(),
+                                            .logHead = logHead,
+                                            .gathered = patch_.address(),
+                                            .radius = static_cast<float>(options_.radius),
+                                            .gather = gather});
+}
+
+std::uint32_t ContactStep::firstList() const {
+  const bool choice = !gather_ && forms_.size() > 1;
+  return choice && sample().neighbours >= shared::kSplitNeighbours ? 1 : 0;
+}
+
+std::optional<std::uint32_t> ContactStep::nextList(std::uint32_t list) const {
+  if (!gather_ || list + 1 == gather_->submissions()) return std::nullopt;
+  gather_->resume();
+  return list + 1;
 }
 
 }  // namespace palpate

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+
+#include "engine/contact/gather.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/shared/contact.h"
 
@@ -8,17 +11,31 @@ namespace palpate {
 /// Edge of the smallest hash cells that one gather can cover at a support radius; both in the same unit.
 double smallestCell(double radius);
 
-/// The fused step: gathers the neighbours of the probe through the hash, evaluates the surface and moves the proxy, in
-/// one dispatch of one workgroup. Surface after Adamson and Alexa 2003 with Wendland's C2 weight; proxy by
-/// tangent-plane tracking (Salisbury and Tarr 1997), entered where the HIP's motion crosses the surface from outside.
+struct ContactOptions {
+  double radius = 0;  ///< support radius, model units
+  QueryMethod method = QueryMethod::fused;
+  std::optional<bool> split;  ///< fused: whether a few workgroups share a gather; where not given, as the patch's size
+                              ///< asks for. The answers are the same, bit by bit.
+};
+
+/// The contact step: gathers the neighbours of the probe by one of the query methods, evaluates the surface and moves
+/// the proxy. Surface after Adamson and Alexa 2003 with Wendland's C2 weight; proxy by tangent-plane tracking
+/// (Salisbury and Tarr 1997), entered where the HIP's motion crosses the surface from outside.
+///
+/// A tick runs firstList() of the lists recorded here, then nextList() until there is none.
 class ContactStep {
  public:
-  /// `radius`: support radius, model units. `points`: how many the cloud may have.
-  ContactStep(Device& device, double radius, std::uint32_t points);
+  /// `grid`: of the hash that record() is going to see. `points`: how many the cloud may have.
+  ContactStep(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points);
 
-  /// The next run reads the pose that stands in pose() and leaves its answer in sample(). `logHead`: address of a
-  /// uint32 that is copied into the answer.
-  void record(CommandList& list, const shared::CloudView& cloud, DeviceAddress logHead) const;
+  /// Command lists to record ahead.
+  std::uint32_t lists() const;
+  /// The run of these lists reads the pose that stands in pose() and leaves its answer in sample(). `logHead`: address
+  /// of a uint32 that is copied into the answer.
+  void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead) const;
+  std::uint32_t firstList() const;
+  /// What runs after `list` has run; does the host's part between them.
+  std::optional<std::uint32_t> nextList(std::uint32_t list) const;
 
   /// Host-written; valid for the next run.
   shared::ContactPose& pose() const { return pose_.mapped<shared::ContactPose>()[0]; }
@@ -26,12 +43,17 @@ class ContactStep {
   const shared::ContactSample& sample() const { return sample_.mapped<const shared::ContactSample>()[0]; }
   /// The state on the GPU, for passes that follow in the same tick.
   const Buffer& state() const { return state_; }
-  double radius() const { return radius_; }
+  double radius() const { return options_.radius; }
 
  private:
-  double radius_;
+  void recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
+                   std::uint32_t gather) const;
+
+  ContactOptions options_;
+  std::unique_ptr<Gather> gather_;    // none: fused
+  std::vector<std::uint32_t> forms_;  // fused: kGather... of each list
   ComputePipeline step_;
-  Buffer pose_, state_, sample_, spill_;
+  Buffer pose_, state_, sample_, spill_, patch_;
 };
 
 }  // namespace palpate

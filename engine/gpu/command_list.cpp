@@ -13,6 +13,9 @@ constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TR
 constexpr VkAccessFlags2 kReads =
     VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
 
+constexpr std::size_t kTimedPasses = 200;  // the rest of the timer is for sections
+static_assert(kTimedPasses < GpuTimer::kMaxScopes);
+
 void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 to, VkAccessFlags2 access) {
   const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                  .pNext = nullptr,
@@ -101,12 +104,12 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
 }
 
 void CommandList::dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups,
-                                        std::span<const std::byte> args) {
-  PALPATE_CHECK_LE(sizeof(VkDispatchIndirectCommand), groups.bytes());
+                                        std::span<const std::byte> args, std::uint64_t offset) {
+  PALPATE_CHECK_LE(offset + sizeof(VkDispatchIndirectCommand), groups.bytes());
   orderAfterPrevious();
   openPass(pipeline.name(), 0, args.size());
   bind(pipeline, args);
-  device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), 0);
+  device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), offset);
   closePass();
 }
 
@@ -141,11 +144,11 @@ void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_
 void CommandList::openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes) {
   passes_.push_back({.section = section_, .name = name, .threads = threads, .bytes = bytes, .waits = waits_});
   openLabel(name);
-  if (timing_ == Timing::passes) passTimers_.push_back(timer_->open(commands_));
+  if (timing_ == Timing::passes && passes_.size() <= kTimedPasses) passTimers_.push_back(timer_->open(commands_));
 }
 
 void CommandList::closePass() {
-  if (timing_ == Timing::passes) timer_->close(commands_, passTimers_.back());
+  if (passTimers_.size() == passes_.size()) timer_->close(commands_, passTimers_.back());
   closeLabel();
 }
 

@@ -24,7 +24,7 @@ struct PassRecord {
   std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills, and where the GPU decides
   std::uint64_t bytes = 0;    ///< bytes of the arguments, or moved by a copy or fill
   bool waits = true;          ///< for all that came before it
-  double gpu_us = 0;          ///< last measured time; 0 unless every pass is timed
+  double gpu_us = 0;          ///< last measured time; 0 unless passes are timed, and past the first 200 of a list
 };
 
 /// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in
@@ -48,11 +48,13 @@ class CommandList {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
     dispatchBytes(pipeline, threads, std::as_bytes(std::span(&args, 1)));
   }
-  /// The same for a number of workgroups that an earlier pass wrote: three uint32 (x, y, z) at the start of `groups`.
+  /// The same for a number of workgroups that an earlier pass wrote: three uint32 (x, y, z), `offset` bytes into
+  /// `groups`.
   template <class Args>
-  void dispatchIndirect(const ComputePipeline& pipeline, const Buffer& groups, const Args& args) {
+  void dispatchIndirect(const ComputePipeline& pipeline, const Buffer& groups, const Args& args,
+                        std::uint64_t offset = 0) {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
-    dispatchIndirectBytes(pipeline, groups, std::as_bytes(std::span(&args, 1)));
+    dispatchIndirectBytes(pipeline, groups, std::as_bytes(std::span(&args, 1)), offset);
   }
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
             std::uint64_t toOffset = 0);
@@ -99,7 +101,8 @@ class CommandList {
   enum class Overlap { no, first, yes };
 
   void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args);
-  void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args);
+  void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args,
+                             std::uint64_t offset);
   void bind(const ComputePipeline& pipeline, std::span<const std::byte> args);
   void orderAfterPrevious();
   void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
@@ -118,7 +121,7 @@ class CommandList {
   std::string section_;
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;
   std::vector<PassRecord> passes_;
-  std::vector<std::uint32_t> passTimers_;
+  std::vector<std::uint32_t> passTimers_;  // of the first passes
   mutable bool submitted_ = false;
 };
 

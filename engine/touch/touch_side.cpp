@@ -39,7 +39,8 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       origin_(cloud.origin),
       live_(device, fitting(device, cloud, options)),
       hash_(device, gridFor(cloud, options), live_.count(), options.sort, options.bucketOrder),
-      contact_(device, options.radius, live_.count()),
+      contact_(device, {.radius = options.radius, .method = options.method, .split = options.split}, hash_.grid(),
+               live_.count()),
       log_(device, options.push ? live_.count() : 0),
       refit_(device, options.push ? live_.count() : 0),
       pace_(kStalest_s) {
@@ -64,11 +65,13 @@ TouchSide::~TouchSide() {
 }
 
 void TouchSide::recordQuery(std::uint32_t parity) {
-  auto& list = queries_[parity];
-  list = std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing);
-  list->begin();
-  contact_.record(*list, hash_.view(live_.side(), live_.count()), log_.head());
-  list->end();
+  for (std::uint32_t i = 0; i < contact_.lists(); ++i) {
+    auto& list = queries_[parity].emplace_back(
+        std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing));
+    list->begin();
+    contact_.record(*list, i, hash_.view(live_.side(), live_.count()), log_.head());
+    list->end();
+  }
 }
 
 void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
@@ -106,14 +109,25 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
 
 void TouchSide::ask(const Pose& pose) {
   contact_.pose() = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_};
-  asked_ = Asked{pose, live_.parity(), device_.touch().submit(*queries_[live_.parity()])};
+  const std::uint32_t first = contact_.firstList();
+  const Run run{live_.parity(), first, first};
+  asked_ = Asked{pose, run, device_.touch().submit(lastList(run))};
 }
 
 bool TouchSide::answerWithin(double budget_us) {
-  if (!device_.touch().wait(asked_->ticket, wait_, budget_us)) return false;
+  const Stopwatch watch;
+  while (true) {
+    const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
+    if (!device_.touch().wait(asked_->ticket, wait_, left_us)) return false;
+    asked_->gpu_us += lastList(asked_->run).sectionTime_us("contact");
+    const auto next = contact_.nextList(asked_->run.last);
+    if (!next) break;
+    asked_->run.last = *next;
+    asked_->ticket = device_.touch().submit(lastList(asked_->run));
+  }
   const Asked asked = *asked_;
   asked_.reset();
-  lastQuery_ = asked.parity;
+  lastQuery_ = asked.run;
   const shared::ContactSample sample = contact_.sample();
   collectEdit();
   log_.publish(sample.logHead);
@@ -125,7 +139,7 @@ bool TouchSide::answerWithin(double budget_us) {
            .fresh = true,
            .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
            .neighbours = sample.neighbours,
-           .gpu_us = queries_[asked.parity]->sectionTime_us("contact")};
+           .gpu_us = asked.gpu_us};
   lastPose_ = asked.pose;
   return true;
 }
@@ -169,7 +183,9 @@ void TouchSide::finish() {
 }
 
 std::vector<PassRecord> TouchSide::passes() const {
-  std::vector<PassRecord> all = queries_[lastQuery_]->passes();
+  std::vector<PassRecord> all;
+  for (std::uint32_t list = lastQuery_.first; list <= lastQuery_.last; ++list)
+    std::ranges::copy(queries_[lastQuery_.parity][list]->passes(), std::back_inserter(all));
   if (push_) {
     const CommandList& edit = lastEdit_ ? *lastEdit_ : *edits_[live_.parity()].at(hash_.sort());
     std::ranges::copy(edit.passes(), std::back_inserter(all));

@@ -23,14 +23,17 @@ struct TouchOptions {
   BucketKey bucketKey = BucketKey::teschner;
   std::optional<SortMethod> sort;                 ///< of the index; the device's default when not given
   BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
-  std::optional<PushOptions> push;                ///< edit while touching
-  std::optional<Wait> wait;  ///< how the servo thread waits for the GPU; the device's default when not given
+  QueryMethod method = QueryMethod::fused;
+  std::optional<bool> split;        ///< fused: whether a few workgroups share a gather (ContactOptions)
+  std::optional<PushOptions> push;  ///< edit while touching
+  std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
-/// ahead (pose, gather, surface, proxy, answer). When the answer says that the surface yields, a second one is
-/// submitted that edits the points and builds the index anew; nobody waits for it but the next tick's query.
+/// ahead (pose, gather, surface, proxy, answer); two where the query method brings the host in between. When the answer
+/// says that the surface yields, a second one is submitted that edits the points and builds the index anew; nobody
+/// waits for it but the next tick's query.
 class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -58,13 +61,19 @@ class TouchSide final : public TouchBackend {
   std::vector<PassRecord> passes() const;
 
  private:
-  // A question that is out.
+  // The lists of queries_[parity] that a question ran or runs, from `first` to `last`.
+  struct Run {
+    std::uint32_t parity = 0, first = 0, last = 0;
+  };
+  // A question that is out: the last list of its run was submitted.
   struct Asked {
     Pose pose;
-    std::uint32_t parity;
+    Run run;
     Queue::Ticket ticket;
+    double gpu_us = 0;  // of the lists before it
   };
   void ask(const Pose& pose);
+  const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
   // Takes the answer into last_ when it comes within the budget (0: whenever it comes).
   bool answerWithin(double budget_us);
   // What the last answer says to a pose that got none of its own.
@@ -85,7 +94,7 @@ class TouchSide final : public TouchBackend {
   std::optional<PushBrush> push_;
   RefitNormals refit_;
   // One for each side of the live cloud; an edit's also for each sort that its build may need.
-  std::array<std::unique_ptr<CommandList>, 2> queries_;
+  std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
   std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> edits_;
   std::uint32_t tick_ = 0;
   std::optional<Asked> asked_;
@@ -95,8 +104,8 @@ class TouchSide final : public TouchBackend {
   bool editInFlight_ = false;
   std::vector<double> editTimes_us_;
   EditPace pace_;
-  double editTime_s_ = 0;        // of the pose whose answer led to the last edit
-  std::uint32_t lastQuery_ = 0;  // parity of the list that ran last
+  double editTime_s_ = 0;  // of the pose whose answer led to the last edit
+  Run lastQuery_;
   const CommandList* lastEdit_ = nullptr;
   TouchShortfalls shortfalls_;
   std::optional<double> firstEditTime_s_;

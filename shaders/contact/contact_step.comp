@@ -1,19 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The fused step: one workgroup gathers the points around the probe, evaluates the surface and moves the proxy, in one
-// dispatch. Every invocation follows the same path with the same numbers; engine/contact/contact_reference.cpp walks it
+// The contact step: gathers the points around the probe, evaluates the surface and moves the proxy. Fused, that is one
+// dispatch of one workgroup; the first patch may also come from several workgroups, or from the passes of another query
+// method. Every invocation follows the same path with the same numbers; engine/contact/contact_reference.cpp walks it
 // in double precision. Places are relative to the HIP: far from the origin, single precision would lose in absolute
 // coordinates the very differences that the surface is made of.
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/probe.glsl"
+#include "shaders/lib/split_gather.glsl"
 #include "shaders/lib/surface.glsl"
 
 layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
 
 // The surface at a place; gathers a new patch when the place has left the old one.
 Surface surfaceNear(vec3 x) {
-  const float slack = kPatchSlack * args.radius;
-  if (!patchGathered || distance(x, patchCentre) > slack)
-    gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, args.radius + slack);
+  if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
+    gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, patchReach(args.radius));
   return surfaceAt(args.spill, x - patchCentre, args.radius);
 }
 
@@ -22,13 +24,24 @@ vec3 shortened(vec3 step, float longest) {
   return size > longest ? step * (longest / size) : step;
 }
 
+// False in a workgroup that has done its share of a split gather and may go.
+bool takeFirstPatch(Probe probe) {
+  if (args.gather == kGatherSplit)
+    return gatherTogether(args.cloud, args.gathered, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius));
+  if (args.gather == kGatherGiven) {
+    const bool thinned = args.gathered.header.thinned != 0;
+    takePatch(args.gathered, args.spill, args.gathered.header.centre, args.gathered.header.segments, args.gathered.header.steps,
+              thinned);
+  }
+  return true;
+}
+
 void main() {
-  const vec3 hip = args.pose.at[0].hip;
-  const bool started = args.state.at[0].started != 0;
-  const vec3 lastHip = started ? args.state.at[0].lastHip - hip : vec3(0.0);
-  bool touching = started && args.state.at[0].touching != 0;
-  uint side = started ? args.state.at[0].side : kSideUnknown;
-  vec3 proxy = touching ? args.state.at[0].spring + lastHip : vec3(0.0);
+  const Probe probe = probeOf(args.pose, args.state, args.radius);
+  if (!takeFirstPatch(probe)) return;
+  bool touching = probe.touching;
+  uint side = probe.side;
+  vec3 proxy = probe.proxy;
 
   const float longest = kLongestStep * args.radius;
   Surface surface = Surface(false, 0.0, vec3(0.0), 0);
@@ -37,15 +50,14 @@ void main() {
 
   // Free: walk the segment of the HIP's motion and touch where it comes from outside to inside.
   if (!touching) {
-    const uint steps = clamp(uint(ceil(length(lastHip) / longest)), 1u, kMaxSubsteps);
-    vec3 outside = lastHip;
-    for (uint s = 1; s <= steps && !touching; ++s) {
+    vec3 outside = probe.lastHip;
+    for (uint s = 1; s <= probe.substeps && !touching; ++s) {
       truncated = workDone > kContactWorkBudget;
       if (truncated) {
         side = kSideUnknown;
         break;
       }
-      const vec3 x = lastHip * (float(steps - s) / float(steps));
+      const vec3 x = placeOnWay(probe, s);
       surface = surfaceNear(x);
       ++workDone;
       if (!surface.defined) {
@@ -96,7 +108,7 @@ void main() {
 
   if (gl_LocalInvocationIndex != 0) return;
   args.state.at[0].touching = touching ? 1 : 0;
-  args.state.at[0].lastHip = hip;
+  args.state.at[0].lastHip = probe.hip;
   args.state.at[0].side = side;
   args.state.at[0].started = 1;
   args.state.at[0].spring = proxy;

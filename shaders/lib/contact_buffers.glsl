@@ -7,13 +7,23 @@
 layout(buffer_reference) buffer ContactPoses;
 layout(buffer_reference) buffer ContactStates;
 layout(buffer_reference) buffer ContactSamples;
+layout(buffer_reference) coherent buffer GatheredPatch;
+layout(buffer_reference) buffer GatherCells;
 // Written and read by different invocations of one workgroup.
 layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer SpilledPoints { vec4 at[]; };
 
 #include "shaders/shared/contact.h"
+#include "shaders/shared/gather.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses { ContactPose at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactStates { ContactState at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactSamples { ContactSample at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer GatherCells { GatherCell at[]; };
+// Written and read by different workgroups of one dispatch, where the gather is split.
+layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer GatheredPatch {
+  GatherHeader header;
+  uvec2 segments[kMostSegments];
+  vec4 points[];
+};
 
 #endif

@@ -15,6 +15,12 @@ const uint kPatchRoundCandidates = 16384;  // looked at for every kContactWorkgr
 const uint kPatchMaxCells = 2048;       // visited by one gather; SpatialHash cells must not be smaller than allows
 const uint kMostPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
 
+// A first patch that is large is gathered by a few workgroups, which pays once they save more than they cost by
+// finishing one after the other.
+const uint kSplitWorkgroups = 8;
+const uint kSplitNeighbours = 1024;  // of the last answer: from here on
+const uint kSplitCells = 257;        // that a gather may visit: from here on, whatever they hold
+
 const uint kMinNeighbours = 3;          // fewer points than this within the support radius are no surface
 const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no side, so no surface
 
@@ -65,6 +71,11 @@ struct ContactSample {
 };
 PALPATE_SIZE(ContactSample, 48);
 
+// Who gathers the first patch of a step. Later ones, where the proxy leaves it, the step gathers by itself.
+const uint kGatherAlone = 0;  // the step's one workgroup
+const uint kGatherSplit = 1;  // all its workgroups; the one that finishes last goes on alone
+const uint kGatherGiven = 2;  // passes before it
+
 struct ContactStepArgs {
   CloudView cloud;
   PALPATE_ADDRESS(ContactPoses) pose;
@@ -72,10 +83,11 @@ struct ContactStepArgs {
   PALPATE_ADDRESS(ContactSamples) result;
   PALPATE_ADDRESS(SpilledPoints) spill;  // 2 per point: place relative to the patch's centre, normal
   PALPATE_ADDRESS(Uints) logHead;
-  float radius;  // support radius, model units
-  uint unused;
+  PALPATE_ADDRESS(GatheredPatch) gathered;  // of the first gather, unless it is kGatherAlone
+  float radius;                          // support radius, model units
+  uint gather;                           // kGather...
 };
-PALPATE_SIZE(ContactStepArgs, 104);
+PALPATE_SIZE(ContactStepArgs, 112);
 
 PALPATE_SHARED_END
 #endif

@@ -1,0 +1,50 @@
+#include "engine/contact/gather.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/contact/gather_brute.hpp"
+#include "engine/contact/gather_indirect.hpp"
+#include "engine/contact/gather_naive.hpp"
+#include "engine/contact/gather_two_step.hpp"
+#include "engine/gpu/transfer.hpp"
+
+namespace palpate {
+
+std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {
+  constexpr double kRounding = 0.01;  // of a cell, and more than boxAround() in lib/cells.glsl adds
+  const double reach = 1.001 * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius;
+  const double side = std::floor(2.0 * reach * static_cast<double>(grid.inverseCell) + kRounding) + 2.0;
+  return static_cast<std::uint32_t>(std::min(side * side * side, static_cast<double>(shared::kPatchMaxCells)));
+}
+
+std::uint32_t gatherRounds(std::uint32_t cells) {
+  return (cells + shared::kContactWorkgroup - 1) / shared::kContactWorkgroup;
+}
+
+std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const shared::HashGrid& grid, double radius,
+                                   std::uint32_t points) {
+  const std::uint32_t cells = cellsPerGather(grid, radius);
+  switch (method) {
+    case QueryMethod::brute:
+      return std::make_unique<GatherBrute>(device, points);
+    case QueryMethod::twoStep:
+      return std::make_unique<GatherTwoStep>(device, cells);
+    case QueryMethod::naive:
+      return std::make_unique<GatherNaive>(device, cells);
+    case QueryMethod::indirect:
+      return std::make_unique<GatherIndirect>(device, cells);
+    case QueryMethod::fused:
+      break;
+  }
+  return nullptr;
+}
+
+Buffer makeGatheredPatch(Device& device, std::uint64_t slots) {
+  constexpr std::uint64_t kHead = sizeof(shared::GatherHeader) + shared::kMostSegments * sizeof(UVec2);
+  Buffer patch(device, kHead + 2 * sizeof(Vec4) * slots, Memory::device, "gathered patch");
+  upload(device, patch, std::vector<shared::GatherHeader>(1));
+  return patch;
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "engine/contact/gather.hpp"
+
+namespace palpate {
+
+/// Brute force (thesis section 4.3.1): looks at every point of the cloud and needs no index.
+class GatherBrute final : public Gather {
+ public:
+  /// `points`: how many the cloud may have.
+  GatherBrute(Device& device, std::uint32_t points);
+  std::uint64_t slots() const override;
+  void record(CommandList& list, std::uint32_t submission, const GatherIo& io) const override;
+
+ private:
+  std::uint32_t points_;
+  ComputePipeline gather_, sum_;
+  Buffer starts_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace palpate {
+
+/// How the neighbours of the probe are found (thesis section 4.3). All give the same points; all but brute, which takes
+/// them in another order, give the same bits.
+enum class QueryMethod {
+  brute,     ///< looks at every point
+  twoStep,   ///< counts on the GPU, then the host launches buckets x largest count threads
+  naive,     ///< one launch by the GPU for each bucket
+  indirect,  ///< the GPU lists the buckets and makes one launch for all (array-based dynamic parallelism)
+  fused,     ///< gather, surface and proxy in one dispatch
+};
+
+/// The methods by the names that users know.
+inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryMethods{{
+    {"fused", QueryMethod::fused},
+    {"indirect", QueryMethod::indirect},
+    {"naive", QueryMethod::naive},
+    {"two-step", QueryMethod::twoStep},
+    {"brute", QueryMethod::brute},
+}};
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The brute gather (thesis section 4.3.1): looks at every point of the cloud. Run twice, around a sum of the counts:
+// the first run counts what each chunk keeps, the second writes it where the sum says.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/cells.glsl"
+#include "shaders/lib/probe.glsl"
+
+layout(push_constant, scalar) uniform Push { GatherBruteArgs args; };
+
+void main() {
+  const uint chunk = workgroupIndex();
+  if (chunk >= args.chunks) return;
+  uint place = 0;
+  if (args.fill != 0) {
+    place = args.starts.at[chunk];
+    if (place == args.starts.at[chunk + 1]) return;
+  }
+  const Probe probe = probeOf(args.pose, args.state, args.radius);
+  const vec3 centre = firstPlace(probe);
+  const float reach = patchReach(args.radius);
+  const uint stride = args.fill != 0 ? bruteStride(args.starts.at[args.chunks]) : 1;
+  uint count = 0;
+  for (uint item = 0; item < kBruteItems; ++item) {
+    const uint i = chunk * kBruteChunk + item * kContactWorkgroup + scanIndex();
+    vec3 at = vec3(0.0);
+    bool keep = false;
+    if (i < args.cloud.count) {
+      at = placeInPatch(args.cloud.positions.at[i].xyz, probe.hip, centre);
+      keep = inReach(at, reach);
+    }
+    if (args.fill == 0) {
+      count += keep ? 1 : 0;
+      continue;
+    }
+    uint kept;
+    const uint index = place + workgroupExclusiveScan(keep ? 1 : 0, kept);
+    place += kept;
+    if (!keep || index % stride != 0) continue;
+    const uint slot = index / stride;
+    args.gathered.points[2 * slot] = vec4(at, 0.0);
+    args.gathered.points[2 * slot + 1] = vec4(args.cloud.normals.at[i].xyz, 0.0);
+  }
+  if (args.fill != 0) return;
+  uint total;
+  workgroupExclusiveScan(count, total);
+  if (gl_LocalInvocationIndex == 0) args.starts.at[chunk] = total;
+}

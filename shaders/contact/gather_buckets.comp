@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Gathers the candidates of planned cells into the patch: a cell for each row of workgroups, its chunks over the
+// workgroups of the row, one invocation for each candidate. A chunk's points go to its own slots in their order, so
+// that it does not matter which workgroup comes first.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/cells.glsl"
+
+layout(push_constant, scalar) uniform Push { GatherBucketsArgs args; };
+
+void main() {
+  const uint entry = args.firstCell + gl_WorkGroupID.y;
+  const ivec3 cell = args.cells.at[entry].cell;
+  const uint first = args.cells.at[entry].first;
+  const uint stride = args.cells.at[entry].stride;
+  const uint taken = args.cells.at[entry].taken;
+  const uint segment = args.cells.at[entry].segment;
+  const vec3 hip = args.pose.at[0].hip;
+  const vec3 centre = args.gathered.header.centre;
+  const float reach = patchReach(args.radius);
+  for (uint chunk = gl_WorkGroupID.x; chunk * kGatherChunk < taken; chunk += gl_NumWorkGroups.x) {
+    const uint k = chunk * kGatherChunk + scanIndex();
+    const uint i = first + k * stride;
+    bool keep = false;
+    vec3 place;
+    if (k < taken) {
+      const vec3 position = args.cloud.positions.at[i].xyz;
+      place = placeInPatch(position, hip, centre);
+      // Another cell of this gather may share the bucket: its points are taken once, by that cell.
+      keep = cellOf(args.cloud.grid, position) == cell && inReach(place, reach);
+    }
+    const uint slot = (segment + chunk) * kGatherChunk;
+    uint kept;
+    const uint at = slot + workgroupExclusiveScan(keep ? 1 : 0, kept);
+    if (keep) {
+      args.gathered.points[2 * at] = vec4(place, 0.0);
+      args.gathered.points[2 * at + 1] = vec4(args.cloud.normals.at[i].xyz, 0.0);
+    }
+    if (gl_LocalInvocationIndex == 0) args.gathered.segments[segment + chunk] = uvec2(slot, kept);
+  }
+}

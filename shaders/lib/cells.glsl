@@ -1,0 +1,88 @@
+// The cells around a place, and the points that their buckets hold: the candidates of a patch. They are looked at in
+// rounds of kContactWorkgroup cells, in the order of the cells and then of the points, so that what follows from them
+// comes out the same every time and by every method.
+#ifndef PALPATE_LIB_CELLS_GLSL
+#define PALPATE_LIB_CELLS_GLSL
+
+#include "shaders/lib/contact_buffers.glsl"
+#include "shaders/lib/workgroup_scan.glsl"
+
+shared uint cellStart[kContactWorkgroup];  // candidates before this cell's, in this round
+shared uint cellFirst[kContactWorkgroup];  // its first point
+
+struct CellBox {
+  ivec3 low;
+  uvec3 size;
+  uint cells;
+};
+
+CellBox boxAround(CloudView cloud, vec3 place, float reach) {
+  const float margin = 1.001 * reach;  // the place is rounded
+  CellBox box;
+  box.low = cellOf(cloud.grid, place - margin);
+  box.size = uvec3(cellOf(cloud.grid, place + margin) - box.low + 1);
+  box.cells = cloud.count == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, kPatchMaxCells);
+  return box;
+}
+
+ivec3 cellAt(CellBox box, uint c) {
+  return box.low + ivec3(c % box.size.x, c / box.size.x % box.size.y, c / (box.size.x * box.size.y));
+}
+
+// Loads the round that begins with cell `first`: all invocations of a workgroup of kContactWorkgroup together. `count`:
+// candidates of this invocation's cell, the one at scanIndex(). Gives the candidates of the round.
+uint loadRound(CloudView cloud, CellBox box, uint first, out uint count) {
+  const uint kMostInCell = 1u << 22;  // keeps the sum within 32 bits
+  const uint lane = scanIndex();
+  uvec2 range = uvec2(0);
+  if (first + lane < box.cells) range = cloud.ranges.at[bucketOf(cloud.grid, cellAt(box, first + lane))];
+  count = min(range.y - range.x, kMostInCell);
+  uint total;
+  cellStart[lane] = workgroupExclusiveScan(count, total);
+  cellFirst[lane] = range.x;
+  barrier();
+  return total;
+}
+
+// Every so-manyth candidate of a round is taken.
+uint strideOf(uint candidates) { return max(1, (candidates + kPatchRoundCandidates - 1) / kPatchRoundCandidates); }
+uint takenOf(uint candidates, uint stride) { return (candidates + stride - 1) / stride; }
+
+// The same for all the points that a brute gather keeps.
+uint bruteStride(uint kept) { return max(1, (kept + kMostPatchPoints - 1) / kMostPatchPoints); }
+
+// Loop steps that a round costs where one workgroup does it alone, less those inside its scans.
+uint patchSteps(uint taken) { return (taken + kContactWorkgroup - 1) / kContactWorkgroup + 1; }
+
+// The last cell of the round whose candidates begin at or before `candidate`; steps written out, since a loop would
+// count against the work budget.
+uint cellOfCandidate(uint candidate) {
+  uint cell = 0;
+  if (cellStart[cell + 128] <= candidate) cell += 128;
+  if (cellStart[cell + 64] <= candidate) cell += 64;
+  if (cellStart[cell + 32] <= candidate) cell += 32;
+  if (cellStart[cell + 16] <= candidate) cell += 16;
+  if (cellStart[cell + 8] <= candidate) cell += 8;
+  if (cellStart[cell + 4] <= candidate) cell += 4;
+  if (cellStart[cell + 2] <= candidate) cell += 2;
+  if (cellStart[cell + 1] <= candidate) cell += 1;
+  return cell;
+}
+
+float patchReach(float radius) {
+  precise float reach = radius + kPatchSlack * radius;
+  return reach;
+}
+
+// Where a point stands in a patch.
+vec3 placeInPatch(vec3 position, vec3 hip, vec3 centre) {
+  precise vec3 place = (position - hip) - centre;
+  return place;
+}
+bool inReach(vec3 place, float reach) {
+  precise float squared = place.x * place.x + place.y * place.y + place.z * place.z;
+  precise float limit = reach * reach;
+  return squared < limit;
+}
+
+#endif

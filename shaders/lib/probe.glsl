@@ -1,0 +1,39 @@
+// Where the probe stands when a tick begins, and the place that its first patch is gathered around. Every method has
+// to find the same bits here: hence `precise`.
+#ifndef PALPATE_LIB_PROBE_GLSL
+#define PALPATE_LIB_PROBE_GLSL
+
+#include "shaders/lib/contact_buffers.glsl"
+
+// Places relative to the HIP, but the HIP itself.
+struct Probe {
+  vec3 hip;  // model units relative to the cloud's origin
+  vec3 lastHip;
+  vec3 proxy;
+  bool touching;
+  uint side;
+  uint substeps;  // of a free HIP's way since the last tick
+};
+
+Probe probeOf(ContactPoses pose, ContactStates state, float radius) {
+  Probe probe;
+  probe.hip = pose.at[0].hip;
+  const bool started = state.at[0].started != 0;
+  probe.lastHip = started ? state.at[0].lastHip - probe.hip : vec3(0.0);
+  probe.touching = started && state.at[0].touching != 0;
+  probe.side = started ? state.at[0].side : kSideUnknown;
+  probe.proxy = probe.touching ? state.at[0].spring + probe.lastHip : vec3(0.0);
+  precise float way = length(probe.lastHip) / (kLongestStep * radius);
+  probe.substeps = clamp(uint(ceil(min(way, float(kMaxSubsteps)))), 1u, kMaxSubsteps);
+  return probe;
+}
+
+// Where a free HIP is after `substep` of its sub-steps.
+vec3 placeOnWay(Probe probe, uint substep) {
+  precise vec3 place = probe.lastHip * (float(probe.substeps - substep) / float(probe.substeps));
+  return place;
+}
+
+vec3 firstPlace(Probe probe) { return probe.touching ? probe.proxy : placeOnWay(probe, 1); }
+
+#endif

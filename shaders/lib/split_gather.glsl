@@ -1,0 +1,70 @@
+// A first patch that several workgroups gather together: each takes a share of the cells, or of the candidates of one
+// round, and the last to finish takes the patch over. Nobody waits for anybody, so that it works on drivers that run
+// workgroups one after another (the counter is that of the "threadfence reduction" in NVIDIA's CUDA samples).
+#ifndef PALPATE_LIB_SPLIT_GATHER_GLSL
+#define PALPATE_LIB_SPLIT_GATHER_GLSL
+
+#include "shaders/lib/patch.glsl"
+
+shared bool finishedLast;
+
+// The candidates from `begin` to `end` of the loaded round that belong to the patch, in order, to slots from `slot` on.
+uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin, uint end,
+                 uint slot, vec3 hip, vec3 centre, float reach) {
+  uint count = 0;
+  for (uint base = begin; base < end; base += kContactWorkgroup) {
+    const uint k = base + scanIndex();
+    Candidate candidate = Candidate(false, 0, vec3(0.0));
+    if (k < end) candidate = candidateAt(cloud, box, firstCell, k * stride, hip, centre, reach);
+    uint kept;
+    const uint place = slot + count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
+    if (candidate.kept) {
+      gathered.points[2 * place] = vec4(candidate.place, 0.0);
+      gathered.points[2 * place + 1] = vec4(cloud.normals.at[candidate.point].xyz, 0.0);
+    }
+    count += kept;
+  }
+  return count;
+}
+
+// Gathers this workgroup's share. True in the workgroup that finishes last, which has the whole patch then.
+bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill, vec3 hip, vec3 centre, float reach) {
+  const CellBox box = boxAround(cloud, hip + centre, reach);
+  const uint rounds = (box.cells + kContactWorkgroup - 1) / kContactWorkgroup;
+  const uint slices = rounds == 0 ? 0 : max(1, gl_NumWorkGroups.x / rounds);
+  for (uint share = gl_WorkGroupID.x; share < rounds * slices; share += gl_NumWorkGroups.x) {
+    const uint round = share / slices;
+    uint inCell;
+    const uint total = loadRound(cloud, box, round * kContactWorkgroup, inCell);
+    const uint stride = strideOf(total);
+    const uint taken = takenOf(total, stride);
+    const uint each = (taken + slices - 1) / slices;
+    const uint begin = min(share % slices * each, taken);
+    const uint slot = round * kPatchRoundCandidates + begin;
+    const uint kept = fillSegment(cloud, gathered, box, round * kContactWorkgroup, stride, begin, min(begin + each, taken),
+                                  slot, hip, centre, reach);
+    if (gl_LocalInvocationIndex == 0) {
+      gathered.segments[share] = uvec2(slot, kept);
+      if (share % slices == 0) atomicAdd(gathered.header.steps, patchSteps(taken));
+      if (stride > 1) atomicOr(gathered.header.thinned, 1);
+    }
+    barrier();
+  }
+
+  memoryBarrierBuffer();
+  barrier();
+  if (gl_LocalInvocationIndex == 0)
+    finishedLast = atomicAdd(gathered.header.finished, 1) == gl_NumWorkGroups.x - 1;
+  barrier();
+  if (!finishedLast) return false;
+  memoryBarrierBuffer();
+  takePatch(gathered, spill, centre, rounds * slices, gathered.header.steps, gathered.header.thinned != 0);
+  if (gl_LocalInvocationIndex == 0) {  // ready for the next tick
+    gathered.header.finished = 0;
+    gathered.header.steps = 0;
+    gathered.header.thinned = 0;
+  }
+  return true;
+}
+
+#endif
