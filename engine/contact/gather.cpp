@@ -27,7 +27,7 @@ std::unique_ptr<Gather> makeGather(Device& device, QueryMethod method, const sha
   const std::uint32_t cells = cellsPerGather(grid, radius);
   switch (method) {
     case QueryMethod::brute:
-      return std::make_unique<GatherBrute>(device, points);
+      return std::make_unique<GatherBrute>(device, points, gatherRounds(cells) * shared::kPatchRoundCandidates);
     case QueryMethod::twoStep:
       return std::make_unique<GatherTwoStep>(device, cells);
     case QueryMethod::naive:

@@ -18,8 +18,9 @@ std::uint32_t chunksOf(std::uint32_t points) {
 
 }  // namespace
 
-GatherBrute::GatherBrute(Device& device, std::uint32_t points)
+GatherBrute::GatherBrute(Device& device, std::uint32_t points, std::uint32_t mostPoints)
     : points_(points),
+      mostPoints_(mostPoints),
       gather_(device, shader_code::contact_gather_brute, brutePipeline()),
       sum_(device, shader_code::contact_gather_brute_sum, brutePipeline()),
       starts_(Buffer::of<std::uint32_t>(device, std::uint64_t{chunksOf(points)} + 1, Memory::device, "brute starts")) {
@@ -27,7 +28,7 @@ GatherBrute::GatherBrute(Device& device, std::uint32_t points)
   PALPATE_CHECK_LE(2 * (chunksOf(points) / shared::kContactWorkgroup + 1), shared::kContactWorkBudget);
 }
 
-std::uint64_t GatherBrute::slots() const { return std::min(points_, shared::kMostPatchPoints); }
+std::uint64_t GatherBrute::slots() const { return std::min(points_, mostPoints_); }
 
 void GatherBrute::record(CommandList& list, std::uint32_t, const GatherIo& io) const {
   PALPATE_CHECK_LE(io.cloud.count, points_);
@@ -39,7 +40,7 @@ void GatherBrute::record(CommandList& list, std::uint32_t, const GatherIo& io) c
                                .radius = io.radius,
                                .chunks = chunksOf(io.cloud.count),
                                .fill = 0,
-                               .unused = 0};
+                               .mostPoints = mostPoints_};
   const std::uint64_t threads = std::uint64_t{args.chunks} * shared::kContactWorkgroup;
   list.dispatch(gather_, threads, args);
   list.dispatch(sum_, shared::kContactWorkgroup, args);

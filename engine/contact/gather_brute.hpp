@@ -7,13 +7,13 @@ namespace palpate {
 /// Brute force (thesis section 4.3.1): looks at every point of the cloud and needs no index.
 class GatherBrute final : public Gather {
  public:
-  /// `points`: how many the cloud may have.
-  GatherBrute(Device& device, std::uint32_t points);
+  /// `points`: how many the cloud may have. `mostPoints`: that a patch may take; of more in reach, every so-manyth.
+  GatherBrute(Device& device, std::uint32_t points, std::uint32_t mostPoints);
   std::uint64_t slots() const override;
   void record(CommandList& list, std::uint32_t submission, const GatherIo& io) const override;
 
  private:
-  std::uint32_t points_;
+  std::uint32_t points_, mostPoints_;
   ComputePipeline gather_, sum_;
   Buffer starts_;
 };

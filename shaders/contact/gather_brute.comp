@@ -19,7 +19,7 @@ void main() {
   const Probe probe = probeOf(args.pose, args.state, args.radius);
   const vec3 centre = firstPlace(probe);
   const float reach = patchReach(args.radius);
-  const uint stride = args.fill != 0 ? bruteStride(args.starts.at[args.chunks]) : 1;
+  const uint stride = args.fill != 0 ? strideOf(args.starts.at[args.chunks], args.mostPoints) : 1;
   uint count = 0;
   for (uint item = 0; item < kBruteItems; ++item) {
     const uint i = chunk * kBruteChunk + item * kContactWorkgroup + scanIndex();

@@ -23,7 +23,7 @@ void main() {
   }
   if (gl_LocalInvocationIndex != 0) return;
   args.starts.at[args.chunks] = total;
-  const uint stride = bruteStride(total);
+  const uint stride = strideOf(total, args.mostPoints);
   const uint taken = takenOf(total, stride);
   args.gathered.segments[0] = uvec2(0, taken);
   args.gathered.header.centre = firstPlace(probeOf(args.pose, args.state, args.radius));

@@ -29,7 +29,7 @@ void main() {
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
     uint candidates;
     const uint total = loadRound(args.cloud, box, first, candidates);
-    const uint stride = strideOf(total);
+    const uint stride = strideOf(total, kPatchRoundCandidates);
     thinned = thinned || stride > 1;
     steps += patchSteps(takenOf(total, stride));
     const uint start = cellStart[lane];

@@ -44,12 +44,9 @@ uint loadRound(CloudView cloud, CellBox box, uint first, out uint count) {
   return total;
 }
 
-// Every so-manyth candidate of a round is taken.
-uint strideOf(uint candidates) { return max(1, (candidates + kPatchRoundCandidates - 1) / kPatchRoundCandidates); }
+// Every so-manyth candidate is taken, so that no more are than `most`.
+uint strideOf(uint candidates, uint most) { return max(1, (candidates + most - 1) / most); }
 uint takenOf(uint candidates, uint stride) { return (candidates + stride - 1) / stride; }
-
-// The same for all the points that a brute gather keeps.
-uint bruteStride(uint kept) { return max(1, (kept + kMostPatchPoints - 1) / kMostPatchPoints); }
 
 // Loop steps that a round costs where one workgroup does it alone, less those inside its scans.
 uint patchSteps(uint taken) { return (taken + kContactWorkgroup - 1) / kContactWorkgroup + 1; }

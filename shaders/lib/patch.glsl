@@ -66,7 +66,7 @@ void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, fl
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
     uint inCell;
     const uint total = loadRound(cloud, box, first, inCell);
-    const uint stride = strideOf(total);
+    const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     patchThinned = patchThinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {

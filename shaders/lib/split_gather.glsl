@@ -36,7 +36,7 @@ bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill
     const uint round = share / slices;
     uint inCell;
     const uint total = loadRound(cloud, box, round * kContactWorkgroup, inCell);
-    const uint stride = strideOf(total);
+    const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     const uint each = (taken + slices - 1) / slices;
     const uint begin = min(share % slices * each, taken);

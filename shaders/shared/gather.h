@@ -73,8 +73,8 @@ struct GatherBruteArgs {
   PALPATE_ADDRESS(Uints) starts;  // of every chunk: points kept, then points kept before it; the last word is the sum
   float radius;                   // support radius, model units
   uint chunks;
-  uint fill;  // 0: counts, 1: fills
-  uint unused;
+  uint fill;        // 0: counts, 1: fills
+  uint mostPoints;  // taken, evenly, where more are in reach
 };
 PALPATE_SIZE(GatherBruteArgs, 104);
 
