@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "engine/core/parallel.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/touch/cpu_touch.hpp"
 
 namespace palpate {
@@ -98,6 +100,11 @@ void checkBackendOptions(const BackendOptions& options) {
 std::string methodName(const BackendOptions& options) {
   if (!options.method.empty()) return options.method;
   return options.backend == "cpu" ? "direct" : "fused";
+}
+
+std::string machineOf(Context& context, std::string_view backend) {
+  if (backend == "cpu") return fmt::format("{}, {} threads", processorName(), threadCount(context.threads()));
+  return context.device().name();
 }
 
 HashGrid gridFor(const Model& model, const BackendOptions& options) {

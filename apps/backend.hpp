@@ -25,6 +25,9 @@ void checkBackendOptions(const BackendOptions& options);
 /// The method that is used.
 std::string methodName(const BackendOptions& options);
 
+/// The machine that a back end runs on, in words.
+std::string machineOf(Context& context, std::string_view backend);
+
 /// The grid that the options ask for.
 HashGrid gridFor(const Model& model, const BackendOptions& options);
 

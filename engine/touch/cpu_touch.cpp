@@ -1,11 +1,11 @@
 #include "engine/touch/cpu_touch.hpp"
 
 #include <algorithm>
-#include <fstream>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/processor.hpp"
 #include "engine/touch/held_contact.hpp"
 #include "shaders/shared/edit.h"
 
@@ -18,14 +18,6 @@ constexpr std::size_t kRefitBatch = 64;  // points that a thread takes at a time
 HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
   return makeHashGrid(Vec3(boundsOf(cloud).min), options.cell > 0 ? options.cell : options.radius, cloud.size(),
                       options.bucketKey);
-}
-
-std::string processorName() {
-  std::ifstream cpuinfo("/proc/cpuinfo");
-  for (std::string line; std::getline(cpuinfo, line);)
-    if (line.starts_with("model name"))
-      if (const auto at = line.find(": "); at != std::string::npos) return line.substr(at + 2);
-  return "CPU";
 }
 
 }  // namespace

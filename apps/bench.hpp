@@ -1,0 +1,69 @@
+// What the benches share: the models that are measured, a record for every measurement, and tables of them.
+#pragma once
+
+#include "apps/backend.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/statistics.hpp"
+
+namespace palpate {
+
+struct BenchOptions {
+  std::vector<std::string> names, models, backends{"vulkan"}, methods;
+  std::vector<std::int64_t> sizes;
+  std::int64_t repeat = 200;
+  double limit_s = 5;
+  double rate_Hz = 1e6;
+  double movedShare = 0.01;
+  std::string plotFile;
+  BackendOptions backend;
+
+  bool wants(std::string_view name) const;  ///< whether a back end is to be measured
+};
+
+/// What is measured: a file, or a sculpture of so many points.
+struct Subject {
+  std::string name;
+  Model model;
+};
+
+/// One measurement: so many repetitions of one way to do a job on one subject.
+struct BenchRecord {
+  std::string bench;    ///< build, query or step
+  std::string backend;  ///< vulkan, cuda or cpu
+  std::string way;      ///< the sort or the query method
+  std::string input;    ///< what was done: "file order", "last order", "static", "edited", …
+  std::string subject;
+  std::size_t points = 0;
+  Summary gpu_us;   ///< time on the GPU; no samples where it was not measured
+  Summary wall_us;  ///< time on the CPU's clock; no samples where it was not measured
+};
+Json toJson(const BenchRecord& record);
+
+/// Repeats `once` as the options say: `repeat` times, or until the limit has passed with five samples at least.
+template <class Once>
+void repeatMeasurement(const BenchOptions& options, Once&& once) {
+  constexpr std::int64_t kFewest = 5;
+  const Stopwatch watch;
+  for (std::int64_t i = 0; i < options.repeat; ++i) {
+    if (options.limit_s > 0 && i >= kFewest && watch.elapsed_s() > options.limit_s) return;
+    once(i);
+  }
+}
+
+/// One table in the layout of the thesis (Tables 4.1 and 5.4): models down, by size, and ways across; medians
+/// and 99.9th percentiles in us of `time`. Ways that were not measured have no column.
+void printTable(std::FILE* out, const std::string& title, const std::vector<BenchRecord>& records,
+                Summary BenchRecord::*time);
+
+/// The benches. Each adds what it has measured.
+void benchBuild(Context& context, const Subject& subject, const BenchOptions& options,
+                std::vector<BenchRecord>& records);
+void benchQuery(Context& context, const Subject& subject, const BenchOptions& options,
+                std::vector<BenchRecord>& records);
+void benchStep(Context& context, const Subject& subject, const BenchOptions& options,
+               std::vector<BenchRecord>& records);
+
+/// Draws times against points, one line for each way, into a PNG. Needs python3 with matplotlib; throws Error without.
+void plotRecords(const Json& result, const std::string& file);
+
+}  // namespace palpate

@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <thread>
+
+#include "apps/bench.hpp"
+#include "engine/spatial/kd_tree_search.hpp"
+#include "engine/spatial/multimap_hash.hpp"
+#include "engine/spatial/sorted_grid.hpp"
+#include "haptics/builtin_path.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct StepTimes {
+  Summary gpu_us, wall_us, edit_us;
+};
+
+// Goes along `approach`, then asks at its end again and again, at most `rate_Hz` times a second: a GPU that is always
+// busy answers sooner than one at rest.
+StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, const BenchOptions& options) {
+  double time_s = 0;
+  const auto ask = [&](const DVec3& hip) {
+    const Contact contact = backend.query({.time_s = time_s += 1e-3, .hip = hip}, 0);
+    if (!contact.valid) backend.finish();  // throws what was wrong
+    return contact;
+  };
+  for (const DVec3& hip : approach) ask(hip);
+  const std::size_t editsBefore = backend.editTimes_us().size();
+  std::vector<double> gpu, wall;
+  const Stopwatch session;
+  repeatMeasurement(options, [&](std::int64_t i) {
+    while (session.elapsed_s() < static_cast<double>(i) / options.rate_Hz) std::this_thread::yield();
+    const Stopwatch watch;
+    const Contact contact = ask(approach.back());
+    wall.push_back(watch.elapsed_us());
+    if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);
+  });
+  backend.finish();
+  const auto& edits = backend.editTimes_us();
+  return {summarize(gpu), summarize(wall),
+          summarize({edits.begin() + static_cast<std::ptrdiff_t>(editsBefore), edits.end()})};
+}
+
+// A press that ends in contact, tick by tick.
+std::vector<DVec3> pressOn(const Model& model) {
+  const Path path = builtinPath("press", model.cloud, model.scale);
+  std::vector<DVec3> hips;
+  for (double t_s = 0; t_s < path.duration_s(); t_s += 1e-3) hips.push_back(path.at(t_s));
+  hips.push_back(path.at(path.duration_s()));
+  return hips;
+}
+
+// Half a support radius above the surface, where one gather and one surface are all there is to do.
+DVec3 placeAbove(const Model& model, double radius) {
+  const auto press = pressOn(model);
+  const DVec3 outward = glm::normalize(press.front() - press.back());
+  const std::size_t nearest = [&] {
+    std::size_t best = 0;
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < model.cloud.size(); ++i) {
+      const DVec3 d = model.cloud.fileCoordinates(i) - press.back();
+      const double aside = glm::length(d - glm::dot(d, outward) * outward) - 0.1 * glm::dot(d, outward);
+      if (aside < least) {
+        least = aside;
+        best = i;
+      }
+    }
+    return best;
+  }();
+  return model.cloud.fileCoordinates(nearest) + 0.5 * radius * DVec3(model.cloud.normals[nearest]);
+}
+
+std::vector<std::string> methodsOf(const std::string& backend, const BenchOptions& options) {
+  std::vector<std::string> methods = methodChoices(backend);
+  if (!options.methods.empty())
+    std::erase_if(methods, [&](const std::string& method) {
+      return std::ranges::find(options.methods, method) == options.methods.end();
+    });
+  return methods;
+}
+
+// Calls measure(backend, method, options) for every method of every back end that is wanted.
+template <class Measure>
+void forEachMethod(const BenchOptions& options, Measure&& measure) {
+  for (const std::string& backend : options.backends)
+    for (const std::string& method : methodsOf(backend, options)) {
+      BackendOptions one = options.backend;
+      one.backend = backend;
+      one.method = method;
+      measure(one);
+    }
+}
+
+BenchRecord recordOf(const char* bench, const BackendOptions& way, const char* input, const Subject& subject) {
+  return {.bench = bench,
+          .backend = way.backend,
+          .way = way.method,
+          .input = input,
+          .subject = subject.name,
+          .points = subject.model.cloud.size(),
+          .gpu_us = {},
+          .wall_us = {}};
+}
+
+}  // namespace
+
+void benchQuery(Context& context, const Subject& subject, const BenchOptions& options,
+                std::vector<BenchRecord>& records) {
+  const double radius = supportRadius(options.backend.radius, subject.model);
+  const DVec3 hip = placeAbove(subject.model, radius);
+  forEachMethod(options, [&](const BackendOptions& way) {
+    const auto backend = makeBackend(context, subject.model, way, std::nullopt);
+    const StepTimes times = measureAt(*backend, {hip}, options);
+    records.push_back(recordOf("query", way, "at rest", subject));
+    records.back().gpu_us = times.gpu_us;
+    records.back().wall_us = times.wall_us;
+  });
+  if (!options.wants("cpu")) return;
+  // The search alone, for structures that know no surface: the peers of the grid.
+  const HashGrid grid = gridFor(subject.model, options.backend);
+  MultimapHash multimap(grid);
+  SortedGrid sorted(grid, context.threads());
+  KdTreeSearch tree;
+  for (NeighbourSearch* search : std::initializer_list<NeighbourSearch*>{&multimap, &sorted, &tree}) {
+    search->build(subject.model.cloud.positions);
+    std::vector<double> times;
+    std::vector<std::uint32_t> found;
+    repeatMeasurement(options, [&](std::int64_t) {
+      found.clear();
+      const Stopwatch watch;
+      search->near(hip - subject.model.cloud.origin, radius, found);
+      times.push_back(watch.elapsed_us());
+    });
+    records.push_back(
+        recordOf("query", {.backend = "cpu", .method = std::string(search->name())}, "neighbours alone", subject));
+    records.back().wall_us = summarize(times);
+  }
+}
+
+void benchStep(Context& context, const Subject& subject, const BenchOptions& options,
+               std::vector<BenchRecord>& records) {
+  const Model& model = subject.model;
+  const auto press = pressOn(model);
+  forEachMethod(options, [&](const BackendOptions& way) {
+    const auto still = makeBackend(context, model, way, std::nullopt);
+    const StepTimes times = measureAt(*still, press, options);
+    records.push_back(recordOf("step", way, "static", subject));
+    records.back().gpu_us = times.gpu_us;
+    records.back().wall_us = times.wall_us;
+  });
+  const PushOptions push{.tau = model.scale.toUnits(0.1), .beta = 1e-4, .toolRadius = model.scale.toUnits(6)};
+  forEachMethod(options, [&](const BackendOptions& way) {
+    const auto edited = makeBackend(context, model, way, push);
+    const StepTimes times = measureAt(*edited, press, options);
+    records.push_back(recordOf("step", way, "edited", subject));
+    records.back().gpu_us = times.gpu_us;
+    records.back().wall_us = times.wall_us;
+    records.push_back(recordOf("step", way, "the edit in it", subject));
+    (way.backend == "cpu" ? records.back().wall_us : records.back().gpu_us) = times.edit_us;
+  });
+}
+
+}  // namespace palpate
