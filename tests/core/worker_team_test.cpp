@@ -20,10 +20,11 @@ TEST_CASE("a team does every part of every job once, whatever its size") {
 
 TEST_CASE("what one job wrote the next one reads, on every thread") {
   WorkerTeam team(3);
-  std::vector<int> values(1000, 0);
-  for (int job = 1; job <= 50; ++job)
-    team.forEach(values.size(),
-                 [&](std::size_t part) { values[part] = values[(part + 1) % values.size()] >= 0 ? job : -1; });
+  std::vector<int> values(1000, 0), next(1000, 0);
+  for (int job = 1; job <= 50; ++job) {
+    team.forEach(values.size(), [&](std::size_t part) { next[part] = values[(part + 1) % values.size()] + 1; });
+    std::swap(values, next);
+  }
   for (const int value : values) CHECK(value == 50);
 }
 
