@@ -24,14 +24,13 @@ class CpuHash {
   /// order().
   template <class Visit>
   void forEachNear(const DVec3& center, double radius, Visit&& visit) const {
-    cellsAround(grid_, center, radius).forEachUntil([&](const IVec3& cell) {
+    cellsAround(grid_, center, radius).forEach([&](const IVec3& cell) {
       const UVec2 places = range(bucketOf(grid_, cell));
       for (std::uint32_t place = places.x; place < places.y; ++place) {
         const Vec3& position = positions_[order_[place]];
         const DVec3 d = DVec3(position) - center;
         if (glm::dot(d, d) < radius * radius && cellOf(grid_, position) == cell) visit(order_[place]);
       }
-      return true;
     });
   }
 

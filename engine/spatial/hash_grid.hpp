@@ -31,13 +31,12 @@ struct CellBox {
     const DVec3 sides = DVec3(high) - DVec3(low) + 1.0;
     return sides.x * sides.y * sides.z;
   }
-  /// Calls visit(cell) for every cell, x fastest, until it says false.
+  /// Calls visit(cell) for every cell, x fastest.
   template <class Visit>
-  void forEachUntil(Visit&& visit) const {
+  void forEach(Visit&& visit) const {
     for (int z = low.z; z <= high.z; ++z)
       for (int y = low.y; y <= high.y; ++y)
-        for (int x = low.x; x <= high.x; ++x)
-          if (!visit(IVec3(x, y, z))) return;
+        for (int x = low.x; x <= high.x; ++x) visit(IVec3(x, y, z));
   }
 };
 

@@ -34,13 +34,12 @@ void MultimapHash::near(const DVec3& center, double radius, std::vector<std::uin
       if (isNear(point)) found.push_back(point.number);
     return;
   }
-  box.forEachUntil([&](const IVec3& cell) {
+  box.forEach([&](const IVec3& cell) {
     const auto [first, last] = map_.equal_range(bucketOf(grid_, cell));
     for (auto entry = first; entry != last; ++entry) {
       const Point& point = entry->second;
       if (isNear(point) && cellOf(grid_, point.position) == cell) found.push_back(point.number);
     }
-    return true;
   });
 }
 

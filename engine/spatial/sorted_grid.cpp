@@ -97,16 +97,6 @@ void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint3
   forEachNear(center, radius, [&](const Placed& point) { found.push_back(point.number); });
 }
 
-bool SortedGrid::cameBefore(const CellBox& box, const IVec3& cell, std::uint32_t bucket) const {
-  bool came = false;
-  box.forEachUntil([&](const IVec3& earlier) {
-    if (earlier == cell) return false;
-    came = bucketOf(grid_, earlier) == bucket;
-    return !came;
-  });
-  return came;
-}
-
 std::size_t SortedGrid::bytes() const {
   const auto of = [](const auto& values) { return values.size() * sizeof(values[0]); };
   return of(keys_) + of(halfway_) + of(halfwayLow_) + of(placed_) + of(starts_) + of(grouped_) +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "engine/core/worker_team.hpp"
@@ -52,11 +53,17 @@ class SortedGrid final : public NeighbourSearch {
   void scatterToGroups(Part& part);
   void sortGroup(std::size_t group);
 
-  // Visits the points of places_ [begin, end) that are near, without a branch that the processor must guess.
+  // Where the points of a cell's bucket stand in placed_: first and one-past-last.
+  UVec2 bucketRange(const IVec3& cell) const {
+    const std::uint32_t bucket = bucketOf(grid_, cell);
+    return {starts_[bucket], starts_[bucket + 1]};
+  }
+  static constexpr std::uint32_t kFewCells = 64;
   template <class Visit>
-  void visitNear(std::uint32_t begin, std::uint32_t end, const DVec3& center, double squared, Visit&& visit) const;
-  // True when a cell before `cell` in the box has the same bucket.
-  bool cameBefore(const CellBox& box, const IVec3& cell, std::uint32_t bucket) const;
+  void visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const;
+  // Visits the points of a range that are near, without a branch that the processor must guess.
+  template <class Visit>
+  void visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const;
 
   HashGrid grid_;
   WorkerTeam team_;
@@ -72,16 +79,15 @@ class SortedGrid final : public NeighbourSearch {
 };
 
 template <class Visit>
-void SortedGrid::visitNear(std::uint32_t begin, std::uint32_t end, const DVec3& center, double squared,
-                           Visit&& visit) const {
+void SortedGrid::visitNear(UVec2 range, const DVec3& center, double squared, Visit&& visit) const {
   constexpr std::uint32_t kBatch = 64;
   std::array<std::uint32_t, kBatch> hits;
-  while (begin < end) {
-    const std::uint32_t batchEnd = end - begin > kBatch ? begin + kBatch : end;
+  for (std::uint32_t place = range.x; place < range.y;) {
+    const std::uint32_t batchEnd = place + std::min(range.y - place, kBatch);
     std::uint32_t count = 0;
-    for (; begin < batchEnd; ++begin) {
-      const DVec3 d = DVec3(placed_[begin].position) - center;
-      hits[count] = begin;
+    for (; place < batchEnd; ++place) {
+      const DVec3 d = DVec3(placed_[place].position) - center;
+      hits[count] = place;
       count += glm::dot(d, d) < squared;
     }
     for (std::uint32_t i = 0; i < count; ++i) visit(placed_[hits[i]]);
@@ -92,35 +98,34 @@ template <class Visit>
 void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) const {
   const CellBox box = cellsAround(grid_, center, radius);
   const double squared = radius * radius;
-  if (box.cells() > static_cast<double>(placed_.size())) {  // looking at every point is less
-    visitNear(0, static_cast<std::uint32_t>(placed_.size()), center, squared, visit);
-    return;
+  if (box.cells() <= kFewCells) {
+    visitFewCells(box, center, squared, visit);
+  } else if (box.cells() < static_cast<double>(placed_.size())) {
+    box.forEach([&](const IVec3& cell) {
+      visitNear(bucketRange(cell), center, squared, [&](const Placed& point) {
+        if (cellOf(grid_, point.position) == cell) visit(point);
+      });
+    });
+  } else {  // looking at every point is less
+    visitNear({0, static_cast<std::uint32_t>(placed_.size())}, center, squared, visit);
   }
+}
+
+template <class Visit>
+void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
   // All buckets first, then their points: memory answers many questions at a time. Two cells may share a bucket, whose
-  // points are then looked at once; a small filter of the buckets met so far says when to make sure.
-  constexpr std::uint32_t kMostWaiting = 64, kFilterWords = 8, kWordBits = 64;
-  std::array<UVec2, kMostWaiting> waiting;
-  std::uint32_t waits = 0;
-  std::array<std::uint64_t, kFilterWords> met{};
-  const auto visitWaiting = [&] {
-    for (std::uint32_t i = 0; i < waits; ++i) visitNear(waiting[i].x, waiting[i].y, center, squared, visit);
-    waits = 0;
-  };
-  box.forEachUntil([&](const IVec3& cell) {
-    const std::uint32_t bucket = bucketOf(grid_, cell);
-    const UVec2 range(starts_[bucket], starts_[bucket + 1]);
-    if (range.x == range.y) return true;
-    std::uint64_t& word = met[bucket / kWordBits % kFilterWords];
-    const std::uint64_t bit = std::uint64_t{1} << (bucket % kWordBits);
-    if ((word & bit) != 0 && cameBefore(box, cell, bucket)) return true;
-    word |= bit;
+  // points are then looked at once, which costs less than asking each of them for its cell.
+  std::array<UVec2, kFewCells> ranges;
+  std::size_t count = 0;
+  box.forEach([&](const IVec3& cell) {
+    const UVec2 range = bucketRange(cell);
+    if (range.x == range.y || std::find(ranges.begin(), ranges.begin() + count, range) != ranges.begin() + count)
+      return;
     __builtin_prefetch(&placed_[range.x]);
     __builtin_prefetch(&placed_[range.y - 1]);
-    waiting[waits++] = range;
-    if (waits == kMostWaiting) visitWaiting();
-    return true;
+    ranges[count++] = range;
   });
-  visitWaiting();
+  for (std::size_t i = 0; i < count; ++i) visitNear(ranges[i], center, squared, visit);
 }
 
 }  // namespace palpate
