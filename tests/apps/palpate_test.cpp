@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -123,6 +124,32 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
     CHECK(!a.empty());
     CHECK(a == contentOf(folder / ("b" + std::string(ending))));
   }
+}
+
+TEST_CASE(
+    "every query method gives the same trace, byte by byte; brute, which adds up in another order, the same force") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  works("make sphere -n 20000 -o " + model);
+  const auto traceOf = [&](const std::string& method) {
+    const std::string trace = (folder / (method + ".csv")).string(), json = (folder / (method + ".json")).string();
+    works("touch " + model + " --path builtin:slide --method " + method + " --trace " + trace + " --json " + json);
+    CHECK(jsonOf(json).at("method") == method);
+    return trace;
+  };
+  const std::string fused = traceOf("fused");
+  CHECK(!contentOf(fused).empty());
+  for (const char* method : {"indirect", "naive", "two-step"}) {
+    CAPTURE(method);
+    CHECK(contentOf(traceOf(method)) == contentOf(fused));
+  }
+  const auto rows = readTrace(fused), brute = readTrace(traceOf("brute"));
+  REQUIRE(brute.size() == rows.size());
+  double worst_N = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    worst_N = std::max(worst_N, glm::distance(rows[i].force, brute[i].force));
+  CHECK(worst_N < 1e-3);
+  CHECK(std::ranges::any_of(rows, &Row::contact));
 }
 
 TEST_CASE("a push leaves a dent in the saved file, and carries everything else through") {

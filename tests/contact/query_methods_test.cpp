@@ -130,14 +130,15 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same on every shape, and
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 8'000);
-    const auto path = leapingPath(scene, 3, 0.5 * scene.radius);
+    const auto path = leapingPath(scene, 6, 0.5 * scene.radius);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side") {
+TEST_CASE_FIXTURE(MethodsFixture,
+                  "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
-  const auto path = leapingPath(scene, 6, 0.5 * scene.radius);
+  const auto path = leapingPath(scene, 10, 0.5 * scene.radius);
   for (const double cell : {2.5 * scene.radius, scene.radius, scene.radius / 3}) {
     CAPTURE(cell);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius, .cell = cell}));
@@ -153,7 +154,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same far from the origin
 TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's cells share a few buckets") {
   const Scene scene = makeScene("sphere", 900);  // 256 buckets, of which a gather visits each several times
   const TouchOptions options{.radius = scene.radius, .cell = smallestCell(scene.radius)};
-  const auto path = leapingPath(scene, 8, 0.5 * scene.radius);
+  const auto path = leapingPath(scene, 20, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, options));
 }
 
@@ -186,7 +187,8 @@ TEST_CASE_FIXTURE(MethodsFixture, "where the cloud is thinned, the methods that 
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "every method lives with clouds of no, one, two, and a hundred thousand equal points") {
+TEST_CASE_FIXTURE(MethodsFixture,
+                  "every method lives with clouds of no, one, two, and a hundred thousand equal points") {
   const std::vector<DVec3> path{{1, 2, 5}, {1, 2, 3.5}, {1, 2, 3.1}, {1, 2, 2.8}, {1, 2, 2.5}, {9, 9, 9}};
   for (const std::size_t count : {0, 1, 2, 100'000}) {
     CAPTURE(count);
@@ -308,8 +310,7 @@ TEST_CASE("two steps that come late are held at either of them, and answered in 
   const Scene scene = makeScene("sphere", 20'000);
   // GPU-assisted validation waits at every submission: nothing is ever late.
   Device device({.gpu = "", .validate = false});
-  TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .method = QueryMethod::twoStep, .wait = Wait::block});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .method = QueryMethod::twoStep, .wait = Wait::block});
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
   const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, 0);
   REQUIRE(fresh.touching);

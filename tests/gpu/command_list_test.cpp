@@ -108,6 +108,37 @@ TEST_CASE_FIXTURE(CommandListFixture,
   }
 }
 
+TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch takes its command from anywhere in a buffer") {
+  constexpr std::uint32_t kCount = 1000;
+  const Buffer a = words(kCount), b = words(kCount), groups = words(9);
+  upload(device, groups, std::vector<std::uint32_t>{0, 1, 1, 2, 1, 1, 5, 1, 1});
+  CommandList list(device, device.touch(), "offset");
+  list.begin();
+  list.fill(a, 8, a.bytes());
+  list.fill(b, 0, b.bytes());
+  list.dispatchIndirect(addOne, groups, args(a, b, kCount), 12);
+  list.end();
+  device.touch().run(list);
+  CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 9u) == 2 * 64);
+}
+
+TEST_CASE_FIXTURE(CommandListFixture, "a list of more passes than can be timed is still timed as a whole") {
+  const Buffer a = words(10), b = words(10);
+  CommandList list(device, device.touch(), "long", CommandList::Timing::passes);
+  list.begin();
+  for (int part = 0; part < 2; ++part) {
+    const auto section = list.section(part == 0 ? "first" : "second");
+    for (int i = 0; i < 300; ++i) list.dispatch(addOne, 10, args(a, b, 10));
+  }
+  list.end();
+  device.touch().run(list);
+  const auto passes = list.passes();
+  REQUIRE(passes.size() == 600);
+  CHECK(passes.front().gpu_us > 0);
+  CHECK(passes.back().gpu_us == 0);
+  CHECK(list.sectionTime_us("second") > 0);
+}
+
 TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted and timed") {
   const Buffer a = words(100'000), b = words(100'000);
   CommandList list(device, device.touch(), "timed", CommandList::Timing::passes);
