@@ -33,17 +33,17 @@ double smallestCell(double radius) {
 
 ContactStep::ContactStep(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points)
     : options_(options),
+      cells_(cellsPerGather(grid, options.radius)),
       gather_(makeGather(device, options.method, grid, options.radius, points)),
-      forms_(fusedForms(options, cellsPerGather(grid, options.radius))),
+      forms_(fusedForms(options, cells_)),
       step_(device, shader_code::contact_contact_step,
             {.workgroupSize = shared::kContactWorkgroup, .pushBytes = sizeof(shared::ContactStepArgs)}),
       pose_(Buffer::of<shared::ContactPose>(device, 1, Memory::upload, "contact pose")),
       state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "contact state")),
       sample_(Buffer::of<shared::ContactSample>(device, 1, Memory::readback, "contact sample")),
       spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")),
-      patch_(makeGatheredPatch(device, gather_ ? gather_->slots()
-                                               : std::uint64_t{gatherRounds(cellsPerGather(grid, options.radius))} *
-                                                     shared::kPatchRoundCandidates)) {
+      patch_(makeGatheredPatch(
+          device, gather_ ? gather_->slots() : std::uint64_t{gatherRounds(cells_)} * shared::kPatchRoundCandidates)) {
   PALPATE_CHECK_LT(0.0, options.radius);
   PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
   upload(device, state_, std::vector<shared::ContactState>(1));
@@ -85,7 +85,9 @@ void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cl
                                             .logHead = logHead,
                                             .gathered = patch_.address(),
                                             .radius = static_cast<float>(options_.radius),
-                                            .gather = gather});
+                                            .gather = gather,
+                                            .mostCells = cells_,
+                                            .unused = 0});
 }
 
 std::uint32_t ContactStep::firstList() const {

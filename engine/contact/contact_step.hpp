@@ -50,6 +50,7 @@ class ContactStep {
                    std::uint32_t gather) const;
 
   ContactOptions options_;
+  std::uint32_t cells_;               // of one gather, at most
   std::unique_ptr<Gather> gather_;    // none: fused
   std::vector<std::uint32_t> forms_;  // fused: kGather... of each list
   ComputePipeline step_;

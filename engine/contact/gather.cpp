@@ -12,7 +12,7 @@
 namespace palpate {
 
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {
-  constexpr double kRounding = 0.01;  // of a cell, and more than boxAround() in lib/cells.glsl adds
+  constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells from the grid's origin
   const double reach = 1.001 * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius;
   const double side = std::floor(2.0 * reach * static_cast<double>(grid.inverseCell) + kRounding) + 2.0;
   return static_cast<std::uint32_t>(std::min(side * side * side, static_cast<double>(shared::kPatchMaxCells)));

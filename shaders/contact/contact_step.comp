@@ -15,7 +15,7 @@ layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
 // The surface at a place; gathers a new patch when the place has left the old one.
 Surface surfaceNear(vec3 x) {
   if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
-    gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, patchReach(args.radius));
+    gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, patchReach(args.radius), args.mostCells);
   return surfaceAt(args.spill, x - patchCentre, args.radius);
 }
 
@@ -27,11 +27,11 @@ vec3 shortened(vec3 step, float longest) {
 // False in a workgroup that has done its share of a split gather and may go.
 bool takeFirstPatch(Probe probe) {
   if (args.gather == kGatherSplit)
-    return gatherTogether(args.cloud, args.gathered, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius));
+    return gatherTogether(args.cloud, args.gathered, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius),
+                          args.mostCells);
   if (args.gather == kGatherGiven) {
-    const bool thinned = args.gathered.header.thinned != 0;
-    takePatch(args.gathered, args.spill, args.gathered.header.centre, args.gathered.header.segments, args.gathered.header.steps,
-              thinned);
+    takePatch(args.gathered, args.spill, args.gathered.header.centre, args.gathered.header.segments,
+              args.gathered.header.steps, args.gathered.header.thinned != 0);
   }
   return true;
 }

@@ -19,8 +19,7 @@ void writeCommand(uint command, uint x, uint y) {
 void main() {
   const Probe probe = probeOf(args.pose, args.state, args.radius);
   const vec3 centre = firstPlace(probe);
-  CellBox box = boxAround(args.cloud, probe.hip + centre, patchReach(args.radius));
-  box.cells = min(box.cells, args.mostCells);
+  const CellBox box = boxAround(args.cloud, probe.hip + centre, patchReach(args.radius), args.mostCells);
   const uint lane = scanIndex();
   if (lane == 0) largest = 0;
 

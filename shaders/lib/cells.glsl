@@ -16,12 +16,13 @@ struct CellBox {
   uint cells;
 };
 
-CellBox boxAround(CloudView cloud, vec3 place, float reach) {
+// `mostCells`: of one gather. Only where a place is so far out that it is rounded by whole cells are there more.
+CellBox boxAround(CloudView cloud, vec3 place, float reach, uint mostCells) {
   const float margin = 1.001 * reach;  // the place is rounded
   CellBox box;
   box.low = cellOf(cloud.grid, place - margin);
   box.size = uvec3(cellOf(cloud.grid, place + margin) - box.low + 1);
-  box.cells = cloud.count == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, kPatchMaxCells);
+  box.cells = cloud.count == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, mostCells);
   return box;
 }
 

@@ -59,8 +59,8 @@ void patchIsAt(vec3 centre, uint count) {
 }
 
 // Fills the patch around `centre`, relative to `hip`. All invocations call it together with the same arguments.
-void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, float reach) {
-  const CellBox box = boxAround(cloud, hip + centre, reach);
+void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, float reach, uint mostCells) {
+  const CellBox box = boxAround(cloud, hip + centre, reach, mostCells);
   uint count = 0;
   barrier();  // the last evaluation may still be reading the old patch
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {

@@ -28,8 +28,9 @@ uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firs
 }
 
 // Gathers this workgroup's share. True in the workgroup that finishes last, which has the whole patch then.
-bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill, vec3 hip, vec3 centre, float reach) {
-  const CellBox box = boxAround(cloud, hip + centre, reach);
+bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill, vec3 hip, vec3 centre, float reach,
+                    uint mostCells) {
+  const CellBox box = boxAround(cloud, hip + centre, reach, mostCells);
   const uint rounds = (box.cells + kContactWorkgroup - 1) / kContactWorkgroup;
   const uint slices = rounds == 0 ? 0 : max(1, gl_NumWorkGroups.x / rounds);
   for (uint share = gl_WorkGroupID.x; share < rounds * slices; share += gl_NumWorkGroups.x) {

@@ -86,8 +86,10 @@ struct ContactStepArgs {
   PALPATE_ADDRESS(GatheredPatch) gathered;  // of the first gather, unless it is kGatherAlone
   float radius;                          // support radius, model units
   uint gather;                           // kGather...
+  uint mostCells;                        // of one gather, by the room in its buffers
+  uint unused;
 };
-PALPATE_SIZE(ContactStepArgs, 112);
+PALPATE_SIZE(ContactStepArgs, 120);
 
 PALPATE_SHARED_END
 #endif

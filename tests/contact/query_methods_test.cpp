@@ -151,6 +151,27 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same far from the origin
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
 }
 
+TEST_CASE_FIXTURE(MethodsFixture,
+                  "so far out that places are rounded by whole cells, no method writes past its buffers") {
+  PointCloud cloud = makeScene("sphere", 3'000).cloud;
+  for (Vec3& position : cloud.positions) position = 0.02f * position + Vec3(1e8f, 1e8f, 1e8f);
+  cloud.positions.emplace_back(0, 0, 0);
+  cloud.normals.emplace_back(0, 0, 1);
+  std::vector<DVec3> path;
+  for (int i = 0; i < 12; ++i) path.emplace_back(1e8, 1e8, 1e8 + 24 - 4 * i);
+  for (const double cell : {0.0, 0.4}) {
+    TouchOptions options{.radius = 1, .cell = cell, .split = false};
+    const Played fused = play(cloud, path, options);
+    for (const Way& way : kOtherWays) {
+      CAPTURE(way.name);
+      options.method = way.method;
+      options.split = way.split;
+      const Played other = play(cloud, path, options);
+      if (way.method != QueryMethod::brute) checkSame(other, fused);
+    }
+  }
+}
+
 TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's cells share a few buckets") {
   const Scene scene = makeScene("sphere", 900);  // 256 buckets, of which a gather visits each several times
   const TouchOptions options{.radius = scene.radius, .cell = smallestCell(scene.radius)};
