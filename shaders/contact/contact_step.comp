@@ -26,13 +26,13 @@ vec3 shortened(vec3 step, float longest) {
 
 // False in a workgroup that has done its share of a split gather and may go.
 bool takeFirstPatch(Probe probe) {
-  if (args.gather == kGatherSplit)
-    return gatherTogether(args.cloud, args.gathered, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius),
-                          args.mostCells);
-  if (args.gather == kGatherGiven) {
-    takePatch(args.gathered, args.spill, args.gathered.header.centre, args.gathered.header.segments,
-              args.gathered.header.steps, args.gathered.header.thinned != 0);
+  if (args.gather == kGatherAlone) return true;
+  if (args.gather == kGatherSplit) {
+    gatherShare(args.cloud, args.gathered, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
+    if (!finishesLast(args.gathered)) return false;
   }
+  takePatch(args.gathered, args.spill);
+  if (args.gather == kGatherSplit) clearShares(args.gathered);
   return true;
 }
 
@@ -45,7 +45,6 @@ void main() {
 
   const float longest = kLongestStep * args.radius;
   Surface surface = Surface(false, 0.0, vec3(0.0), 0);
-  if (touching) surface = surfaceNear(proxy);
   bool truncated = false;
 
   // Free: walk the segment of the HIP's motion and touch where it comes from outside to inside.
@@ -72,7 +71,6 @@ void main() {
         side = kSideInside;
       }
     }
-    if (touching) surface = surfaceNear(proxy);
   }
 
   // Touching: project onto the surface and follow the HIP in the tangent plane until the proxy rests.
@@ -80,7 +78,9 @@ void main() {
   if (touching) {
     vec3 lastSlide = vec3(0.0);
     float relaxation = 1.0;
-    for (; trackingSteps < kMaxTrackingSteps && surface.defined; ++trackingSteps) {
+    while (true) {
+      surface = surfaceNear(proxy);
+      if (trackingSteps == kMaxTrackingSteps || !surface.defined) break;
       const vec3 n = surface.normal;
       const vec3 lift = -surface.distance * n;
       const vec3 slide = dot(proxy, n) * n - proxy;
@@ -91,7 +91,7 @@ void main() {
       if (dot(slide, lastSlide) < 0.0) relaxation *= 0.5;
       lastSlide = slide;
       proxy += shortened(lift, longest) + shortened(relaxation * slide, longest);
-      surface = surfaceNear(proxy);
+      ++trackingSteps;
     }
     if (!surface.defined) {
       touching = false;

@@ -86,8 +86,9 @@ void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, fl
 
 // Takes over a patch whose segments others have filled. It is charged what gathering it here would have cost, so that
 // a step that runs out of budget ends at the same place by every method.
-void takePatch(GatheredPatch gathered, SpilledPoints spill, vec3 centre, uint segments, uint steps, bool thinned) {
+void takePatch(GatheredPatch gathered, SpilledPoints spill) {
   const uint lane = scanIndex();
+  const uint segments = gathered.header.segments;
   uint count = 0;
   for (uint first = 0; first < segments; first += kContactWorkgroup) {
     const uvec2 segment = first + lane < segments ? gathered.segments[first + lane] : uvec2(0);
@@ -103,9 +104,9 @@ void takePatch(GatheredPatch gathered, SpilledPoints spill, vec3 centre, uint se
     count += total;
     barrier();
   }
-  patchThinned = patchThinned || thinned;
-  chargeSteps(steps);
-  patchIsAt(centre, count);
+  patchThinned = gathered.header.thinned != 0;
+  chargeSteps(gathered.header.steps);
+  patchIsAt(gathered.header.centre, count);
 }
 
 #endif

@@ -9,8 +9,8 @@
 shared bool finishedLast;
 
 // The candidates from `begin` to `end` of the loaded round that belong to the patch, in order, to slots from `slot` on.
-uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin, uint end,
-                 uint slot, vec3 hip, vec3 centre, float reach) {
+uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin,
+                 uint end, uint slot, vec3 hip, vec3 centre, float reach) {
   uint count = 0;
   for (uint base = begin; base < end; base += kContactWorkgroup) {
     const uint k = base + scanIndex();
@@ -27,23 +27,23 @@ uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firs
   return count;
 }
 
-// Gathers this workgroup's share. True in the workgroup that finishes last, which has the whole patch then.
-bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill, vec3 hip, vec3 centre, float reach,
-                    uint mostCells) {
+// Gathers this workgroup's share. The first one also says where the patch is.
+void gatherShare(CloudView cloud, GatheredPatch gathered, vec3 hip, vec3 centre, float reach, uint mostCells) {
   const CellBox box = boxAround(cloud, hip + centre, reach, mostCells);
   const uint rounds = (box.cells + kContactWorkgroup - 1) / kContactWorkgroup;
   const uint slices = rounds == 0 ? 0 : max(1, gl_NumWorkGroups.x / rounds);
   for (uint share = gl_WorkGroupID.x; share < rounds * slices; share += gl_NumWorkGroups.x) {
     const uint round = share / slices;
+    const uint firstCell = round * kContactWorkgroup;
     uint inCell;
-    const uint total = loadRound(cloud, box, round * kContactWorkgroup, inCell);
+    const uint total = loadRound(cloud, box, firstCell, inCell);
     const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     const uint each = (taken + slices - 1) / slices;
     const uint begin = min(share % slices * each, taken);
+    const uint end = min(begin + each, taken);
     const uint slot = round * kPatchRoundCandidates + begin;
-    const uint kept = fillSegment(cloud, gathered, box, round * kContactWorkgroup, stride, begin, min(begin + each, taken),
-                                  slot, hip, centre, reach);
+    const uint kept = fillSegment(cloud, gathered, box, firstCell, stride, begin, end, slot, hip, centre, reach);
     if (gl_LocalInvocationIndex == 0) {
       gathered.segments[share] = uvec2(slot, kept);
       if (share % slices == 0) atomicAdd(gathered.header.steps, patchSteps(taken));
@@ -51,21 +51,29 @@ bool gatherTogether(CloudView cloud, GatheredPatch gathered, SpilledPoints spill
     }
     barrier();
   }
+  if (gl_LocalInvocationIndex == 0 && gl_WorkGroupID.x == 0) {
+    gathered.header.centre = centre;
+    gathered.header.segments = rounds * slices;
+  }
+}
 
+// Says that this workgroup has done its share. True in the one that says it last, which sees what all have written.
+bool finishesLast(GatheredPatch gathered) {
   memoryBarrierBuffer();
   barrier();
   if (gl_LocalInvocationIndex == 0)
     finishedLast = atomicAdd(gathered.header.finished, 1) == gl_NumWorkGroups.x - 1;
   barrier();
-  if (!finishedLast) return false;
   memoryBarrierBuffer();
-  takePatch(gathered, spill, centre, rounds * slices, gathered.header.steps, gathered.header.thinned != 0);
-  if (gl_LocalInvocationIndex == 0) {  // ready for the next tick
-    gathered.header.finished = 0;
-    gathered.header.steps = 0;
-    gathered.header.thinned = 0;
-  }
-  return true;
+  return finishedLast;
+}
+
+// Makes ready for the next tick, once every invocation has taken the patch.
+void clearShares(GatheredPatch gathered) {
+  if (gl_LocalInvocationIndex != 0) return;
+  gathered.header.finished = 0;
+  gathered.header.steps = 0;
+  gathered.header.thinned = 0;
 }
 
 #endif

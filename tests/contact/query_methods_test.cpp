@@ -138,7 +138,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same on every shape, and
 TEST_CASE_FIXTURE(MethodsFixture,
                   "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
-  const auto path = leapingPath(scene, 10, 0.5 * scene.radius);
+  const auto path = leapingPath(scene, 14, 0.5 * scene.radius);
   for (const double cell : {2.5 * scene.radius, scene.radius, scene.radius / 3}) {
     CAPTURE(cell);
     checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius, .cell = cell}));
@@ -174,7 +174,7 @@ TEST_CASE_FIXTURE(MethodsFixture,
 
 TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's cells share a few buckets") {
   const Scene scene = makeScene("sphere", 900);  // 256 buckets, of which a gather visits each several times
-  const TouchOptions options{.radius = scene.radius, .cell = smallestCell(scene.radius)};
+  const TouchOptions options{.radius = scene.radius, .cell = 0.5 * scene.radius};
   const auto path = leapingPath(scene, 20, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, options));
 }
