@@ -70,7 +70,7 @@ class TouchSide final : public TouchBackend {
     Pose pose;
     Run run;
     Queue::Ticket ticket;
-    double gpu_us = 0;  // of the lists before it
+    double gpu_us = 0;  // of the lists that have run
   };
   void ask(const Pose& pose);
   const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
