@@ -1,6 +1,8 @@
 #include "engine/contact/contact_step.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "engine/gpu/transfer.hpp"
@@ -90,13 +92,27 @@ void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cl
                                             .unused = 0});
 }
 
+shared::ContactSample ContactStep::sample() const {
+  // The GPU may write while this reads: every word is read once, from memory.
+  constexpr std::size_t kWords = sizeof(shared::ContactSample) / sizeof(std::uint32_t);
+  const volatile std::uint32_t* from = sample_.mapped<const std::uint32_t>().data();
+  std::array<std::uint32_t, kWords> words;
+  for (std::size_t i = 0; i < kWords; ++i) words[i] = from[i];
+  return std::bit_cast<shared::ContactSample>(words);
+}
+
+bool ContactStep::hasAnswered(std::uint32_t tick) const {
+  const shared::ContactSample answer = sample();
+  return answer.tick == tick && answer.seal == shared::sealOf(answer);
+}
+
 std::uint32_t ContactStep::firstList() const {
   const bool choice = !gather_ && forms_.size() > 1;
   return choice && sample().neighbours >= shared::kSplitNeighbours ? 1 : 0;
 }
 
 std::optional<std::uint32_t> ContactStep::nextList(std::uint32_t list) const {
-  if (!gather_ || list + 1 == gather_->submissions()) return std::nullopt;
+  if (answers(list)) return std::nullopt;
   gather_->resume();
   return list + 1;
 }

@@ -40,7 +40,11 @@ class ContactStep {
   /// Host-written; valid for the next run.
   shared::ContactPose& pose() const { return pose_.mapped<shared::ContactPose>()[0]; }
   /// Host-read, after a run.
-  const shared::ContactSample& sample() const { return sample_.mapped<const shared::ContactSample>()[0]; }
+  shared::ContactSample sample() const;
+  /// Whether the answer to `tick` is there, whole; true some us before the driver knows that the run is over.
+  bool hasAnswered(std::uint32_t tick) const;
+  /// Whether `list` ends in an answer.
+  bool answers(std::uint32_t list) const { return !gather_ || list + 1 == gather_->submissions(); }
   /// The state on the GPU, for passes that follow in the same tick.
   const Buffer& state() const { return state_; }
   double radius() const { return options_.radius; }

@@ -1,6 +1,7 @@
 #include "engine/touch/touch_side.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/clock.hpp"
@@ -108,6 +109,9 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
 }
 
 void TouchSide::ask(const Pose& pose) {
+  // The answer may have been seen some us before the driver lets its list run again.
+  if (ended_) device_.touch().wait(*ended_, Wait::spin);
+  if (ended_ && wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
   contact_.pose() = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_};
   const std::uint32_t first = contact_.firstList();
   const Run run{live_.parity(), first, first};
@@ -118,19 +122,22 @@ bool TouchSide::answerWithin(double budget_us) {
   const Stopwatch watch;
   while (true) {
     const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
-    if (!device_.touch().wait(asked_->ticket, wait_, left_us)) return false;
+    if (!runEndsWithin(left_us)) return false;
     const CommandList& ran = lastList(asked_->run);
     const auto next = contact_.nextList(asked_->run.last);
     if (next) {
       asked_->run.last = *next;
       asked_->ticket = device_.touch().submit(lastList(asked_->run));
     }
-    asked_->gpu_us += ran.sectionTime_us("contact");
+    if (next || wait_ != Wait::spin) asked_->gpu_us += ran.sectionTime_us("contact");
     if (!next) break;
   }
   const Asked asked = *asked_;
   asked_.reset();
+  ended_ = asked.ticket;
   lastQuery_ = asked.run;
+  // Seen in memory, an answer comes before its time does: then it tells that of the run before.
+  const double time_us = wait_ == Wait::spin ? std::exchange(lastTime_us_, asked.gpu_us) : asked.gpu_us;
   const shared::ContactSample sample = contact_.sample();
   collectEdit();
   log_.publish(sample.logHead);
@@ -140,11 +147,26 @@ bool TouchSide::answerWithin(double budget_us) {
            .normal = DVec3(sample.normal),
            .touching = sample.touching != 0,
            .fresh = true,
-           .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
+           .valid = contact_.hasAnswered(tick_) && isFinite(sample.spring) && isFinite(sample.normal),
            .neighbours = sample.neighbours,
-           .gpu_us = asked.gpu_us};
+           .gpu_us = time_us};
   lastPose_ = asked.pose;
   return true;
+}
+
+bool TouchSide::runEndsWithin(double budget_us) {
+  Queue& queue = device_.touch();
+  if (wait_ != Wait::spin || !contact_.answers(asked_->run.last)) return queue.wait(asked_->ticket, wait_, budget_us);
+  // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
+  // none will come.
+  constexpr int kLooks = 256;
+  const Stopwatch watch;
+  while (true) {
+    for (int look = 0; look < kLooks; ++look)
+      if (contact_.hasAnswered(tick_)) return true;
+    if (queue.isDone(asked_->ticket)) return true;
+    if (budget_us > 0 && watch.elapsed_us() > budget_us) return false;
+  }
 }
 
 Contact TouchSide::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
@@ -162,7 +184,7 @@ void TouchSide::editIfYielding(bool realtime) {
     return;
   }
   lastEdit_ = edits_[live_.parity()].at(hash_.sort()).get();
-  device_.touch().submit(*lastEdit_);
+  editTicket_ = device_.touch().submit(*lastEdit_);
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
   editInFlight_ = true;
@@ -170,8 +192,9 @@ void TouchSide::editIfYielding(bool realtime) {
 }
 
 void TouchSide::collectEdit() {
-  // Called after a later submission to the same queue has completed, so the edit has as well.
+  // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
   if (!editInFlight_) return;
+  device_.touch().wait(editTicket_, Wait::spin);
   const double time_us = lastEdit_->sectionTime_us("edit");
   pace_.took(editTime_s_, time_us * 1e-6);
   editInFlight_ = false;

@@ -78,6 +78,8 @@ class TouchSide final : public TouchBackend {
   bool answerWithin(double budget_us);
   // What the last answer says to a pose that got none of its own.
   Contact held(const Pose& pose) const;
+  // Whether the list that was submitted last has done its part, as `wait_` looks at it (0: waits until it has).
+  bool runEndsWithin(double budget_us);
   void recordQuery(std::uint32_t parity);
   void recordEdit(std::uint32_t parity, SortMethod sort);
   void editIfYielding(bool realtime);
@@ -102,6 +104,9 @@ class TouchSide final : public TouchBackend {
   Pose lastPose_;
   double buildTime_us_ = 0;
   bool editInFlight_ = false;
+  Queue::Ticket editTicket_ = 0;
+  std::optional<Queue::Ticket> ended_;  // of the last query that was answered
+  double lastTime_us_ = 0;              // on the GPU, of its lists whose time is known
   std::vector<double> editTimes_us_;
   EditPace pace_;
   double editTime_s_ = 0;  // of the pose whose answer led to the last edit

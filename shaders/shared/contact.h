@@ -68,8 +68,24 @@ struct ContactSample {
   uint trackingSteps;
   uint logHead;  // entries of the edit log complete before this tick
   uint flags;    // kSample...
+  uint seal;     // sealOf() the rest
+  uint unused[3];
 };
-PALPATE_SIZE(ContactSample, 48);
+PALPATE_SIZE(ContactSample, 64);
+
+// Tells a sample that has arrived whole from one whose words are still on their way to the host: they may come in any
+// order. A step of FNV-1a (Fowler, Noll, Vo 1991) for each word.
+PALPATE_FUNCTION uint sealedWith(uint seal, uint word) { return (seal ^ word) * 16777619u; }
+PALPATE_FUNCTION uint sealedWith(uint seal, vec3 v) {
+  seal = sealedWith(seal, floatBitsToUint(v.x));
+  seal = sealedWith(seal, floatBitsToUint(v.y));
+  return sealedWith(seal, floatBitsToUint(v.z));
+}
+PALPATE_FUNCTION uint sealOf(ContactSample s) {
+  uint seal = sealedWith(sealedWith(sealedWith(2166136261u, s.spring), s.normal), s.touching);
+  seal = sealedWith(sealedWith(sealedWith(seal, s.neighbours), s.tick), s.trackingSteps);
+  return sealedWith(sealedWith(seal, s.logHead), s.flags);
+}
 
 // Who gathers the first patch of a step. Later ones, where the proxy leaves it, the step gathers by itself.
 const uint kGatherAlone = 0;  // the step's one workgroup

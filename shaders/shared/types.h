@@ -31,6 +31,7 @@ using uvec2 = UVec2;
 using uvec3 = UVec3;
 using mat4 = Mat4;
 using glm::clamp;
+using glm::floatBitsToUint;
 using glm::floor;
 }  // namespace palpate::shared
 #else
