@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "apps/cuda_backend.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/processor.hpp"
 #include "engine/touch/cpu_touch.hpp"
@@ -45,11 +46,13 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
     sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
   };
   choice("--backend", options.backend, backendChoices(),
-         "what answers: vulkan, or cpu, the same loop in double precision without a GPU");
+         "what answers: vulkan; cuda, for comparison, where palpate was built with it; or cpu, the same loop in double "
+         "precision without a GPU");
   sub.add_option("--method", options.method,
                  "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch; "
                  "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
-                 "two-step, counts first and the host launches; brute, looks at every point");
+                 "two-step, counts first and the host launches; brute, looks at every point; with cuda " +
+                     fmt::format("{}", fmt::join(cudaMethods(), ", ")));
   choice("--surface", options.surface, {"average"}, "what the points define: average, weighted position and normal");
   choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
   addIndexOptions(sub, options);
@@ -78,10 +81,11 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
       ->excludes(cell);
 }
 
-std::vector<std::string> backendChoices() { return {"vulkan", "cpu"}; }
+std::vector<std::string> backendChoices() { return {"vulkan", "cuda", "cpu"}; }
 
 std::vector<std::string> methodChoices(std::string_view backend) {
   if (backend == "cpu") return {"direct"};
+  if (backend == "cuda") return cudaMethods();
   std::vector<std::string> methods;
   for (const auto& [name, method] : kQueryMethods) methods.emplace_back(name);
   return methods;
@@ -92,9 +96,9 @@ void checkBackendOptions(const BackendOptions& options) {
   if (!options.method.empty() && std::ranges::find(methods, options.method) == methods.end())
     throw UsageError("--method: {} is none of --backend {}, which has {}", options.method, options.backend,
                      fmt::join(methods, ", "));
-  if (options.backend != "cpu") return;
-  if (!options.wait.empty()) throw UsageError("--wait: with --backend cpu there is no GPU to wait for");
-  if (options.timePasses) throw UsageError("--print-tick: with --backend cpu a tick has no GPU passes");
+  if (options.backend == "vulkan") return;
+  if (!options.wait.empty()) throw UsageError("--wait: only --backend vulkan can be told how to wait");
+  if (options.timePasses) throw UsageError("--print-tick: only --backend vulkan knows its passes");
 }
 
 std::string methodName(const BackendOptions& options) {
@@ -122,7 +126,9 @@ std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, 
                                                                    .bucketKey = bucketKey(options),
                                                                    .push = push,
                                                                    .threads = context.threads()});
-  return std::make_unique<TouchSide>(context.device(), model.cloud, touchOptions(model, options, push));
+  const TouchOptions touch = touchOptions(model, options, push);
+  if (options.backend == "cuda") return makeCudaBackend(model, touch, methodName(options));
+  return std::make_unique<TouchSide>(context.device(), model.cloud, touch);
 }
 
 }  // namespace palpate

@@ -1,0 +1,27 @@
+#include "apps/cuda_backend.hpp"
+
+#include <algorithm>
+
+#include "engine/cuda/cuda_touch.hpp"
+
+namespace palpate {
+
+std::unique_ptr<TouchBackend> makeCudaBackend(const Model& model, const TouchOptions& options,
+                                              const std::string& method) {
+  const double cell = std::max(options.cell > 0 ? options.cell : options.radius, smallestCell(options.radius));
+  const auto& names = cudaMethods();
+  const auto place = std::ranges::find(names, method) - names.begin();
+  return std::make_unique<CudaTouch>(
+      model.cloud, CudaTouchOptions{.radius = options.radius,
+                                    .grid = makeHashGrid(Vec3(boundsOf(model.cloud).min), cell, model.cloud.size(),
+                                                         options.bucketKey),
+                                    .method = static_cast<CudaMethod>(place),
+                                    .push = options.push});
+}
+
+const std::vector<std::string>& cudaMethods() {
+  static const std::vector<std::string> names(cudaMethodNames().begin(), cudaMethodNames().end());
+  return names;
+}
+
+}  // namespace palpate

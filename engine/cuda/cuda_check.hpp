@@ -1,0 +1,14 @@
+// How calls of the CUDA runtime are checked. Free of fmt, so that device code compiles quickly.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+namespace palpate::cu {
+
+/// Throws CudaError unless `status` is cudaSuccess. `what`: what was being done, in words ("building the index").
+void checkCuda(cudaError_t status, const char* what);
+
+/// The same for the launches just made by this thread.
+inline void checkLaunch(const char* what) { checkCuda(cudaGetLastError(), what); }
+
+}  // namespace palpate::cu

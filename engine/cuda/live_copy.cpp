@@ -1,0 +1,48 @@
+#include "engine/cuda/live_copy.hpp"
+
+#include <bit>
+#include <limits>
+
+#include "engine/core/check.hpp"
+#include "engine/cuda/cuda_error.hpp"
+
+namespace palpate::cu {
+
+namespace {
+
+std::uint32_t checkedCount(const PointCloud& cloud) {
+  if (cloud.size() > std::numeric_limits<std::uint32_t>::max() / 2)
+    throw CudaError("CUDA: {} points are more than the index can number; take a smaller model", cloud.size());
+  PALPATE_CHECK_EQ(cloud.normals.size(), cloud.size());
+  return static_cast<std::uint32_t>(cloud.size());
+}
+
+}  // namespace
+
+LiveCopy::LiveCopy(const PointCloud& cloud, const Stream& stream)
+    : count_(checkedCount(cloud)), sides_{CloudSide(count_), CloudSide(count_)} {
+  std::vector<Vec4> packed(count_);
+  for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
+  sides_[0].positions.upload(packed, stream);
+  for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
+  sides_[0].normals.upload(packed, stream);
+}
+
+std::size_t LiveCopy::readBack(PointCloud& cloud, const Stream& stream) const {
+  PALPATE_CHECK_EQ(cloud.size(), std::size_t{count_});
+  const auto positions = sides_[current_].positions.download(stream);
+  const auto normals = sides_[current_].normals.download(stream);
+  std::size_t moved = 0;
+  for (std::uint32_t i = 0; i < count_; ++i) {
+    const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
+    PALPATE_CHECK_LT(id, count_);
+    const Vec3 position(positions[i]);
+    if (position == cloud.positions[id]) continue;
+    ++moved;
+    cloud.positions[id] = position;
+    cloud.normals[id] = Vec3(normals[i]);
+  }
+  return moved;
+}
+
+}  // namespace palpate::cu

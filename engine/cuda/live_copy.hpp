@@ -1,0 +1,29 @@
+#pragma once
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/cuda/cub_hash_build.hpp"
+
+namespace palpate::cu {
+
+/// The cloud on the GPU in its two orders, of which one counts at a time.
+class LiveCopy {
+ public:
+  /// `cloud` must have normals; uploads it.
+  LiveCopy(const PointCloud& cloud, const Stream& stream);
+
+  std::uint32_t count() const { return count_; }
+  unsigned parity() const { return current_; }
+  void flip() { current_ = 1 - current_; }
+  CloudSide& side(unsigned parity) { return sides_[parity]; }
+
+  /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
+  /// points moved. Waits for `stream`.
+  std::size_t readBack(PointCloud& cloud, const Stream& stream) const;
+
+ private:
+  std::uint32_t count_;
+  CloudSide sides_[2];
+  unsigned current_ = 0;
+};
+
+}  // namespace palpate::cu

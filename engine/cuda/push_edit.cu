@@ -1,0 +1,159 @@
+#include "engine/cuda/push_edit.hpp"
+
+#include "engine/cuda/gather_plan.cuh"
+#include "engine/cuda/smallest_eigenvector.cuh"
+#include "engine/cuda/weight.cuh"
+
+namespace palpate::cu {
+
+namespace {
+
+constexpr unsigned kBlock = 256;
+
+unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
+
+__global__ void __launch_bounds__(kBlock) pushPoints(const __grid_constant__ PushArgs args) {
+  const uint i = blockIdx.x * kBlock + threadIdx.x;
+  if (i >= args.count) return;
+  const ContactState& state = *reinterpret_cast<const ContactState*>(args.state);
+  const float depth = glm::length(state.spring);
+  if (state.touching == 0 || depth <= args.tau) return;
+  const vec3 outward = state.spring / depth;
+  const vec3 center = (state.lastHip + args.tau * outward) + args.toolRadius * outward;
+
+  const float4 point = loadPoint(args.positions, i);
+  const vec3 fromCenter = xyz(point) - center;
+  const float distance = glm::length(fromCenter);
+  if (distance >= args.toolRadius) return;
+  const vec3 away = distance > 1e-6f * args.toolRadius ? fromCenter / distance : -outward;
+  const float move = fminf(args.beta * (args.toolRadius - distance), args.longestMove);
+  const vec3 to = xyz(point) + move * away;
+  reinterpret_cast<float4*>(args.positions)[i] = make_float4(to.x, to.y, to.z, point.w);
+  reinterpret_cast<float4*>(args.normals)[i].w = 1.0f;
+}
+
+// The places of the marked points, in any order: what follows costs by their number and not by the cloud's.
+__global__ void __launch_bounds__(kBlock) collectMoved(const __grid_constant__ CollectMovedArgs args) {
+  const uint i = blockIdx.x * kBlock + threadIdx.x;
+  const bool moved = i < args.count && loadPoint(args.normals, i).w != 0.0f;
+  const unsigned marked = __ballot_sync(kAllLanes, moved);
+  if (marked == 0) return;
+  const uint lane = threadIdx.x % kWarp;
+  uint first = 0;
+  if (lane == 0) first = atomicAdd(reinterpret_cast<uint*>(args.movedCount), uint(__popc(marked)));
+  first = __shfl_sync(kAllLanes, first, 0);
+  if (moved) reinterpret_cast<uint*>(args.moved)[first + __popc(marked & ((1u << lane) - 1))] = i;
+}
+
+// Weighted moments of the neighbours about a place.
+struct Moments {
+  float weight;
+  uint neighbours;
+  vec3 mean;      // sum of w d
+  vec3 diagonal;  // sums of w dx dx, w dy dy, w dz dz
+  vec3 mixed;     // sums of w dx dy, w dy dz, w dz dx
+};
+
+// Of the points around `center`, summed over the warp.
+__device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, float radius) {
+  const ivec3 low = cellOf(cloud.grid, center - radius);
+  const ivec3 high = cellOf(cloud.grid, center + radius);
+  Moments m{0.0f, 0, vec3(0.0f), vec3(0.0f), vec3(0.0f)};
+  uint work = 0;
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const ivec3 cell(x, y, z);
+        const uint2 range = reinterpret_cast<const uint2*>(cloud.ranges)[bucketOf(cloud.grid, cell)];
+        ++work;
+        for (uint j = range.x + threadIdx.x % kWarp; j < range.y && work < kRefitWorkBudget; j += kWarp, ++work) {
+          const vec3 position = xyz(loadPoint(cloud.positions, j));
+          const vec3 d = position - center;
+          if (!inReach(cloud, position, cell, d, radius)) continue;
+          const float w = wendland(sqrtf(glm::dot(d, d)) / radius);
+          m.weight += w;
+          m.neighbours += 1;
+          m.mean += w * d;
+          m.diagonal += w * d * d;
+          m.mixed += w * d * vec3(d.y, d.z, d.x);
+        }
+      }
+  return {warpSum(m.weight), warpSum(m.neighbours), warpSum(m.mean), warpSum(m.diagonal), warpSum(m.mixed)};
+}
+
+// Direction of least spread (Hoppe et al. 1992, section 3.2) on the side of the old normal.
+__device__ vec3 fittedNormal(const CloudView& cloud, const vec3& center, const vec3& old, float radius) {
+  const Moments m = momentsAbout(cloud, center, radius);
+  if (m.neighbours < kMinNeighbours || m.weight <= 0.0f) return old;
+  const vec3 mean = m.mean / m.weight;
+  const vec3 diagonal = m.diagonal / m.weight - mean * mean;
+  const vec3 mixed = m.mixed / m.weight - mean * vec3(mean.y, mean.z, mean.x);
+  const vec3 normal = smallestEigenvector(glm::mat3(diagonal.x, mixed.x, mixed.z,  //
+                                                    mixed.x, diagonal.y, mixed.y,  //
+                                                    mixed.z, mixed.y, diagonal.z));
+  if (glm::dot(normal, normal) < 0.5f) return old;
+  return glm::dot(normal, old) < 0.0f ? -normal : normal;
+}
+
+// A warp for each moved point, in turns.
+__global__ void __launch_bounds__(kBlock)
+    refitNormals(const __grid_constant__ CloudView cloud, const uint* moved, const uint* movedCount, float radius) {
+  const uint warps = gridDim.x * (kBlock / kWarp);
+  for (uint which = (blockIdx.x * kBlock + threadIdx.x) / kWarp; which < *movedCount; which += warps) {
+    const uint i = moved[which];
+    const vec3 old = xyz(loadPoint(cloud.normals, i));
+    const vec3 normal = fittedNormal(cloud, xyz(loadPoint(cloud.positions, i)), old, radius);
+    if (threadIdx.x % kWarp == 0)
+      reinterpret_cast<float4*>(cloud.normals)[i] = make_float4(normal.x, normal.y, normal.z, 0.0f);
+  }
+}
+
+std::uint64_t addressOf(const void* pointer) { return reinterpret_cast<std::uint64_t>(pointer); }
+
+// Enough blocks to fill the GPU, whatever the number of moved points turns out to be.
+unsigned fillingBlocks() {
+  int processors = 0, blocks = 0;
+  checkCuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, 0), "asking for the GPU's size");
+  checkCuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, refitNormals, kBlock, 0), "asking for occupancy");
+  return static_cast<unsigned>(processors * blocks);
+}
+
+}  // namespace
+
+PushEdit::PushEdit(const PushOptions& options, double radius, double longestMove, std::uint32_t points)
+    : options_(options),
+      radius_(radius),
+      longestMove_(longestMove),
+      refitBlocks_(fillingBlocks()),
+      moved_(points),
+      movedCount_(1) {}
+
+void PushEdit::recordPush(const Stream& stream, const CloudSide& side, std::uint32_t count,
+                          const ContactState* state) const {
+  if (count == 0) return;
+  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>({.positions = addressOf(side.positions.data()),
+                                                             .normals = addressOf(side.normals.data()),
+                                                             .state = addressOf(state),
+                                                             .count = count,
+                                                             .tau = static_cast<float>(options_.tau),
+                                                             .beta = static_cast<float>(options_.beta),
+                                                             .toolRadius = static_cast<float>(options_.toolRadius),
+                                                             .longestMove = static_cast<float>(longestMove_),
+                                                             .unused = 0});
+  checkLaunch("launching the push");
+}
+
+void PushEdit::recordRefit(const Stream& stream, const CloudView& cloud) const {
+  if (cloud.count == 0) return;
+  checkCuda(cudaMemsetAsync(movedCount_.data(), 0, sizeof(std::uint32_t), stream.get()), "clearing a count");
+  collectMoved<<<blocksFor(cloud.count), kBlock, 0, stream.get()>>>({.normals = cloud.normals,
+                                                                     .moved = addressOf(moved_.data()),
+                                                                     .movedCount = addressOf(movedCount_.data()),
+                                                                     .count = cloud.count,
+                                                                     .unused = 0});
+  refitNormals<<<refitBlocks_, kBlock, 0, stream.get()>>>(cloud, moved_.data(), movedCount_.data(),
+                                                          static_cast<float>(radius_));
+  checkLaunch("launching the refit of normals");
+}
+
+}  // namespace palpate::cu

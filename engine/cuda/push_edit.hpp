@@ -1,0 +1,29 @@
+#pragma once
+
+#include "engine/core/touch_backend.hpp"
+#include "engine/cuda/cub_hash_build.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate::cu {
+
+/// The push and the normals of the points that it moved: shaders/edit/push.comp, collect_moved.comp and
+/// refit_normals.comp. The number of moved points never leaves the device.
+class PushEdit {
+ public:
+  /// `radius`: support radius; `longestMove`: of one point in one tick; model units.
+  PushEdit(const PushOptions& options, double radius, double longestMove, std::uint32_t points);
+
+  /// Submits only. Pushes the points on `side` as the contact state says, and marks those that move.
+  void recordPush(const Stream& stream, const CloudSide& side, std::uint32_t count,
+                  const shared::ContactState* state) const;
+  /// Submits only. After the rebuild: refits the normals of the marked points and takes the marks away.
+  void recordRefit(const Stream& stream, const shared::CloudView& cloud) const;
+
+ private:
+  PushOptions options_;
+  double radius_, longestMove_;
+  unsigned refitBlocks_;
+  DeviceArray<std::uint32_t> moved_, movedCount_;
+};
+
+}  // namespace palpate::cu

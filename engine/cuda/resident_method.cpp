@@ -1,0 +1,73 @@
+#include "engine/cuda/resident_method.hpp"
+
+#include <thread>
+
+#include "engine/core/clock.hpp"
+#include "engine/cuda/cuda_error.hpp"
+#include "engine/cuda/step_kernels.hpp"
+
+namespace palpate::cu {
+
+namespace {
+constexpr int kMostRevivals = 3;          // more for one query is no coincidence
+constexpr double kLongestFarewell_s = 2;  // a step takes some us, and an idle kernel ends after 50 ms
+}  // namespace
+
+ResidentMethod::ResidentMethod(const StepBuffers& buffers, const shared::CloudView (&views)[2])
+    : buffers_(buffers), views_{views[0], views[1]} {}
+
+ResidentMethod::~ResidentMethod() {
+  try {
+    rest();
+  } catch (const CudaError&) {  // the GPU has failed, and the kernel with it
+  }
+}
+
+void ResidentMethod::ask(const shared::ContactPose& pose, unsigned parity, bool) {
+  revivals_ = 0;
+  Letter& letter = buffers_.letter();
+  letter.pose = pose;
+  letter.parity = parity;
+  letter.stop = 0;
+  post();
+  if (!begun_) begin();
+}
+
+void ResidentMethod::post() {
+  answered_ = posted_++;
+  storeRelease(buffers_.letter().sequence, posted_);
+}
+
+void ResidentMethod::begin() {
+  launchResident(buffers_.argsFor(views_[0]), views_, answered_, stream_.get());
+  begun_ = true;
+}
+
+void ResidentMethod::revive() {
+  if (++revivals_ > kMostRevivals) throw CudaError("CUDA: the resident kernel ends without an answer");
+  begin();
+}
+
+double ResidentMethod::time_us() {
+  // The clock of the step is the processor's, whose rate changes; its mean rate so far comes from the wall's clock,
+  // once that has ticked often enough.
+  constexpr std::uint64_t kLeast_ns = 100'000;
+  const Answer& answer = buffers_.answer();
+  if (answer.alive_ns < kLeast_ns || answer.alive_clocks == 0) return 0;
+  const double clocks_per_ns = static_cast<double>(answer.alive_clocks) / static_cast<double>(answer.alive_ns);
+  return 1e-3 * static_cast<double>(answer.step_clocks) / clocks_per_ns;
+}
+
+void ResidentMethod::rest() {
+  if (!begun_) return;
+  begun_ = false;
+  buffers_.letter().stop = 1;
+  post();
+  const Stopwatch watch;
+  while (!stream_.idle("ending the resident kernel")) {
+    if (watch.elapsed_s() > kLongestFarewell_s) throw CudaError("CUDA: the resident kernel does not end");
+    std::this_thread::yield();
+  }
+}
+
+}  // namespace palpate::cu

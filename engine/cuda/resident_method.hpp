@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/cuda/query_method.hpp"
+
+namespace palpate::cu {
+
+/// A kernel that stays on the GPU, on a stream of its own, and reads poses from host memory. It begins with the first
+/// query and ends by itself when none comes for a while, or at rest(); the next query begins it again.
+class ResidentMethod final : public QueryMethod {
+ public:
+  ResidentMethod(const StepBuffers& buffers, const shared::CloudView (&views)[2]);
+  ~ResidentMethod() override;
+
+  void ask(const shared::ContactPose& pose, unsigned parity, bool timed) override;
+  bool ended() override { return stream_.idle("answering from the resident kernel"); }
+  /// It had ended before it saw the letter.
+  void revive() override;
+  double time_us() override;
+  void rest() override;
+  bool inStreamOrder() const override { return false; }
+
+ private:
+  void begin();
+  void post();
+
+  const StepBuffers& buffers_;
+  shared::CloudView views_[2];
+  Stream stream_;
+  bool begun_ = false;
+  int revivals_ = 0;            // for the present query
+  std::uint32_t posted_ = 0;    // sequence of the last letter
+  std::uint32_t answered_ = 0;  // and of the one before it, which needs no answer any more
+};
+
+}  // namespace palpate::cu

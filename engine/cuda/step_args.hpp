@@ -1,0 +1,85 @@
+// What host and device say to each other in a tick of the CUDA back end.
+#pragma once
+
+#include "shaders/shared/contact.h"
+
+namespace palpate::cu {
+
+/// Slots for candidates of one gather: as many as a gather looks at.
+inline constexpr std::uint32_t kMostSlots = shared::kMostPatchPoints;
+/// Points that one block of the brute force looks at.
+inline constexpr std::uint32_t kBruteChunk = 4096;
+
+/// The answer to one pose, in mapped host memory. `sequence` is written last, so whoever sees it sees the rest.
+struct Answer {
+  shared::ContactSample sample;
+  std::uint32_t sequence;      ///< the pose's tick
+  std::uint32_t launchError;   ///< of a launch from the device; a cudaError_t, 0 when all went well
+  std::uint64_t step_clocks;   ///< resident kernel: from pose read to answer
+  std::uint64_t alive_clocks;  ///< resident kernel: since it began, on the same clock,
+  std::uint64_t alive_ns;      ///< and on the wall's, which ticks too coarsely for one step
+};
+
+/// What the host asks, in mapped host memory. The resident kernel waits for `sequence`, which is written last.
+struct Letter {
+  shared::ContactPose pose;
+  std::uint32_t parity;  ///< which side of the cloud counts
+  std::uint32_t stop;
+  std::uint32_t sequence;  ///< grows by one with each letter
+};
+
+/// The part of one cell's points that a gather looks at: numbers first, first + stride, ... into slots of their own.
+/// Slots follow the order of cells and of candidates, so whoever fills them, the patch comes out the same.
+struct CellRun {
+  std::uint32_t cell;  ///< number in the gather's box, x fastest
+  std::uint32_t first, stride, taken;
+  std::uint32_t slot;
+};
+
+/// The cells that a gather visits.
+struct CellBox {
+  shared::ivec3 low;
+  shared::uvec3 size;
+  std::uint32_t cells;
+};
+
+/// One gather, as its kernels hand it on.
+struct Gather {
+  shared::vec3 hip;     ///< model units
+  shared::vec3 centre;  ///< of the patch, relative to the HIP
+  float reach;
+  CellBox box;
+  std::uint32_t slots;    ///< in use
+  std::uint32_t thinned;  ///< 1: only every so-manyth candidate was taken
+  std::uint32_t runs;     ///< cells with candidates, in order
+  std::uint32_t longestRun;
+};
+
+/// Where the plan of a two-step query is read by the host, which then launches the rest.
+struct PlanReport {
+  std::uint32_t runs, longestRun;
+  std::uint32_t sequence;
+};
+
+/// Buffers of the back end, in device memory where not said otherwise. Positions in slots are relative to the patch's
+/// centre, w 1 where the point is in reach.
+struct StepArgs {
+  shared::CloudView cloud;
+  const Letter* letter;  ///< mapped host memory
+  Answer* answer;        ///< mapped host memory
+  PlanReport* report;    ///< mapped host memory
+  shared::ContactState* state;
+  shared::vec4* spill;  ///< 2 per point that does not fit in shared memory: place, normal
+  Gather* gather;
+  CellRun* runs;               ///< kPatchMaxCells
+  shared::vec4* slots;         ///< 2 per slot: place, normal
+  std::uint32_t* chunkCounts;  ///< brute force: points in reach, one count per chunk
+  float radius;                ///< support radius, model units
+};
+
+inline std::uint32_t bruteChunks(std::uint32_t points) {
+  const std::uint32_t chunks = points / kBruteChunk + (points % kBruteChunk != 0);
+  return chunks ? chunks : 1;
+}
+
+}  // namespace palpate::cu
