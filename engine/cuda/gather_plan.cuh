@@ -10,7 +10,11 @@ namespace palpate::cu {
 using namespace shared;
 
 /// Points stand at addresses of 16 bytes and are read in one piece, which glm::vec4 alone would not promise.
-inline __device__ float4 loadPoint(std::uint64_t points, uint i) { return reinterpret_cast<const float4*>(points)[i]; }
+inline __device__ float4 loadPoint(std::uint64_t points, uint i) {
+  const float4* const at = reinterpret_cast<const float4*>(points) + i;
+  __builtin_assume(__isGlobal(at));
+  return *at;
+}
 inline __device__ vec3 xyz(const float4& v) { return {v.x, v.y, v.z}; }
 
 /// The state of the last tick relative to the HIP of this one.

@@ -380,6 +380,21 @@ TEST_CASE("a script may name the way that is the default") {
         " --device path --backend vulkan --method fused --surface average --index rebuild --grid 128");
 }
 
+TEST_CASE("a back end that is not there, and a method that it does not have, are told apart") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  const Outcome cuda = palpate("touch " + model + " --backend cuda --method graph");
+  if (cuda.code != 0) {
+    CHECK(cuda.code == 1);
+    CHECK(cuda.text.find("CUDA") != std::string::npos);
+  }
+  const Outcome wrong = palpate("touch " + model + " --backend cuda --method nothing");
+  CHECK(wrong.code == 2);
+  CHECK(wrong.text.find("array-dp") != std::string::npos);
+  CHECK(palpate("touch " + model + " --method naive-dp").code == 2);
+}
+
 TEST_CASE("doctor, version and help answer") {
   CHECK(palpate("--version").text.find("palpate ") == 0);
   CHECK(palpate("--help").code == 0);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/core/clock.hpp"
 #include "engine/core/statistics.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
@@ -33,6 +34,33 @@ TEST_CASE("CUB's build is timed from the cloud's own order, then from the last b
     CHECK(std::ranges::all_of(times.steady_us, [](double time_us) { return time_us > 0 && time_us < 1e6; }));
     MESSAGE("build of " << scene.cloud.size() << " points, share moved " << movedShare << ": first " << times.first_us
                         << " us, steady " << summarize(times.steady_us).p50 << " us");
+  }
+}
+
+TEST_CASE("a tick of every method is timed, back to back, at a million points") {
+  NEEDS_CUDA_DEVICE();
+  const Scene scene = makeScene("sculpture", 1'000'000);
+  const auto path = wanderingPath(scene, 2000, 0.5 * scene.radius, 1);
+  for (const CudaMethod method : allCudaMethods()) {
+    std::vector<double> wall_us, gpu_us;
+    for (const bool timeGpu : {false, true}) {
+      CudaTouchOptions options = cudaOptions(scene.cloud, scene.radius, method);
+      options.timeGpu = timeGpu;
+      CudaTouch touch(scene.cloud, options);
+      for (const DVec3& hip : path) {
+        const Stopwatch watch;
+        const Contact contact = touch.query({.hip = hip}, 0);
+        if (!timeGpu) wall_us.push_back(watch.elapsed_us());
+        if (timeGpu) gpu_us.push_back(contact.gpu_us);
+        REQUIRE(contact.valid);
+      }
+      touch.finish();
+    }
+    const Summary wall = summarize(wall_us), gpu = summarize(gpu_us);
+    CHECK(wall.p50 > 0);
+    CHECK(gpu.p50 > 0);
+    MESSAGE(nameOf(method) << ": pose to answer " << wall.p50 << " / " << wall.p999 << " us, on the GPU " << gpu.p50
+                           << " / " << gpu.p999 << " us (median / p99.9)");
   }
 }
 
