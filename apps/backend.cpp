@@ -108,6 +108,7 @@ std::string methodName(const BackendOptions& options) {
 
 std::string machineOf(Context& context, std::string_view backend) {
   if (backend == "cpu") return fmt::format("{}, {} threads", processorName(), threadCount(context.threads()));
+  if (backend == "cuda") return cudaMachine();
   return context.device().name();
 }
 

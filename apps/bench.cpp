@@ -61,6 +61,7 @@ void bench(Context& context, const BenchOptions& options) {
     for (const std::string& name : options.names) {
       context.log().say("{}: {}, {} points", name, subject.name, subject.model.cloud.size());
       if (name == "build") benchBuild(context, subject, options, records);
+      if (name == "sort") benchSort(context, subject, options, records);
       if (name == "query") benchQuery(context, subject, options, records);
       if (name == "step") benchStep(context, subject, options, records);
     }
@@ -73,8 +74,8 @@ void bench(Context& context, const BenchOptions& options) {
     fmt::print(out, "{}: {}\n", backend, machine.get<std::string>());
   fmt::print(out, "us, median / p99.9\n");
   for (const std::string& name : options.names) printTables(out, name, records);
-  if (!options.plotFile.empty()) plotRecords(result, options.plotFile);
   context.writeJson(result);
+  if (!options.plotFile.empty()) plotRecords(result, options.plotFile);
 }
 
 }  // namespace
@@ -127,11 +128,13 @@ void printTable(std::FILE* out, const std::string& title, const std::vector<Benc
 
 void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
-      "bench", "measure on this machine: build (the index), query (a probe at rest), step (a haptic tick)");
+      "bench",
+      "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
+      "haptic tick)");
   auto options = std::make_shared<BenchOptions>();
-  sub->add_option("names", options->names, "build, query, step")
+  sub->add_option("names", options->names, "build, sort, query, step")
       ->required()
-      ->check(CLI::IsMember({"build", "query", "step"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step"}))
       ->type_name("NAME...");
   sub->add_option("--models", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")

@@ -28,7 +28,7 @@ struct Subject {
 
 /// One measurement: so many repetitions of one way to do a job on one subject.
 struct BenchRecord {
-  std::string bench;    ///< build, query or step
+  std::string bench;    ///< build, sort, query or step
   std::string backend;  ///< vulkan, cuda or cpu
   std::string way;      ///< the sort or the query method
   std::string input;    ///< what was done: "file order", "last order", "static", "edited", …
@@ -58,6 +58,8 @@ void printTable(std::FILE* out, const std::string& title, const std::vector<Benc
 /// The benches. Each adds what it has measured.
 void benchBuild(Context& context, const Subject& subject, const BenchOptions& options,
                 std::vector<BenchRecord>& records);
+void benchSort(Context& context, const Subject& subject, const BenchOptions& options,
+               std::vector<BenchRecord>& records);
 void benchQuery(Context& context, const Subject& subject, const BenchOptions& options,
                 std::vector<BenchRecord>& records);
 void benchStep(Context& context, const Subject& subject, const BenchOptions& options,

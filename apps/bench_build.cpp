@@ -2,6 +2,7 @@
 #include <numeric>
 
 #include "apps/bench.hpp"
+#include "apps/cuda_backend.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "engine/spatial/kd_tree_search.hpp"
 #include "engine/spatial/multimap_hash.hpp"
@@ -124,6 +125,10 @@ void benchBuild(Context& context, const Subject& subject, const BenchOptions& op
           measureVulkan(device, input.cloud, grid, SortMethod::counting, BucketOrder::arrival, options), {});
     }
   }
+  if (options.wants("cuda"))
+    for (const Input& input : inputs)
+      add("cuda", "CUB", input.name, summarize(cubBuildTimes_us(input.cloud, grid, static_cast<int>(options.repeat))),
+          {});
   if (options.wants("cpu")) {
     MultimapHash multimap(grid);
     SortedGrid sorted(grid, context.threads());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "engine/cuda/cuda_error.hpp"
+#include "engine/cuda/cuda_measure.hpp"
 #include "engine/cuda/cuda_touch.hpp"
 
 namespace palpate {
@@ -22,6 +24,16 @@ std::unique_ptr<TouchBackend> makeCudaBackend(const Model& model, const TouchOpt
 const std::vector<std::string>& cudaMethods() {
   static const std::vector<std::string> names(cudaMethodNames().begin(), cudaMethodNames().end());
   return names;
+}
+
+std::string cudaMachine() { return cudaDeviceName(); }
+
+std::vector<double> cubBuildTimes_us(const PointCloud& cloud, const HashGrid& grid, int repeat) {
+  return timeCubBuild(cloud, grid, repeat);
+}
+
+std::vector<double> cubSortTimes_us(std::span<const std::uint32_t> keys, unsigned bits, int repeat) {
+  return timeCubSort(keys, bits, repeat);
 }
 
 }  // namespace palpate

@@ -9,10 +9,22 @@ const std::vector<std::string>& cudaMethods() {
   return names;
 }
 
-std::unique_ptr<TouchBackend> makeCudaBackend(const Model&, const TouchOptions&, const std::string&) {
+namespace {
+
+[[noreturn]] void refuse() {
   throw Error(
       "--backend cuda: this palpate was built without CUDA; build it again where nvcc is found (cmake "
       "-DPALPATE_CUDA=ON), or take --backend vulkan");
 }
+
+}  // namespace
+
+std::unique_ptr<TouchBackend> makeCudaBackend(const Model&, const TouchOptions&, const std::string&) { refuse(); }
+
+std::string cudaMachine() { refuse(); }
+
+std::vector<double> cubBuildTimes_us(const PointCloud&, const HashGrid&, int) { refuse(); }
+
+std::vector<double> cubSortTimes_us(std::span<const std::uint32_t>, unsigned, int) { refuse(); }
 
 }  // namespace palpate

@@ -33,18 +33,25 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-int runPython(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "python3");
+int run(const std::string& program, std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), program);
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   pid_t child = 0;
-  if (posix_spawnp(&child, "python3", nullptr, nullptr, pointers.data(), environ) != 0)
-    throw Error("--plot: python3 could not be started; install python3-matplotlib");
+  if (posix_spawnp(&child, program.c_str(), nullptr, nullptr, pointers.data(), environ) != 0) return 127;
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
+}
+
+// The system's own python knows the system's packages; another one may come first on the path.
+std::string pythonWithMatplotlib() {
+  for (const char* python : {"/usr/bin/python3", "python3"})
+    if (run(python, {"-c", "import importlib.util, sys; sys.exit(not importlib.util.find_spec('matplotlib'))"}) == 0)
+      return python;
+  throw Error("--plot: no python3 with matplotlib was found; install python3-matplotlib");
 }
 
 }  // namespace
@@ -53,8 +60,8 @@ void plotRecords(const Json& result, const std::string& file) {
   const ScratchFolder folder;
   const std::string json = folder.path() / "result.json";
   std::ofstream(json) << result.dump();
-  if (runPython({"-c", plot_script::kBench, json, std::filesystem::absolute(file).string()}) != 0)
-    throw Error("{}: the plot could not be drawn; install python3-matplotlib, and see what it said above", file);
+  if (run(pythonWithMatplotlib(), {"-c", plot_script::kBench, json, std::filesystem::absolute(file).string()}) != 0)
+    throw Error("{}: the plot could not be drawn; see what it said above", file);
 }
 
 }  // namespace palpate

@@ -1,12 +1,9 @@
 #include "engine/cuda/cuda_measure.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "engine/cuda/cuda_error.hpp"
 #include "engine/cuda/live_copy.hpp"
-#include "engine/cuda/move_points.hpp"
 
 namespace palpate {
 
@@ -24,7 +21,7 @@ double timed_us(const cu::Graph& graph, const cu::Stream& stream) {
 
 }  // namespace
 
-CubSortTimes timeCubSort(std::span<const std::uint32_t> keys, unsigned bits, int repeat) {
+std::vector<double> timeCubSort(std::span<const std::uint32_t> keys, unsigned bits, int repeat) {
   cudaDeviceName();  // the plain error where there is no GPU
   const auto count = static_cast<std::uint32_t>(keys.size());
   const cu::Stream stream;
@@ -43,7 +40,7 @@ CubSortTimes timeCubSort(std::span<const std::uint32_t> keys, unsigned bits, int
   };
   const cu::PairBuffers pairs{{keysIn.data(), keysAlt.data()}, {valuesIn.data(), valuesAlt.data()}};
   const cu::Graph sort(stream, [&] { cu::cubSort(pairs, count, bits, scratch.data(), scratchBytes, stream.get()); });
-  CubSortTimes times;
+  std::vector<double> times;
   for (int i = 0; i < repeat; ++i) {
     restore(unsorted, keysIn);
     restore(numbers, valuesIn);
@@ -52,31 +49,14 @@ CubSortTimes timeCubSort(std::span<const std::uint32_t> keys, unsigned bits, int
   return times;
 }
 
-CubBuildTimes timeCubBuild(const PointCloud& cloud, const shared::HashGrid& grid, int repeat, double movedShare) {
+std::vector<double> timeCubBuild(const PointCloud& cloud, const shared::HashGrid& grid, int repeat) {
   cudaDeviceName();
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(grid, live.count());
-  const auto graphFrom = [&](unsigned parity) {
-    return cu::Graph(stream, [&] { build.record(stream, live.side(parity), live.side(1 - parity), live.count()); });
-  };
-  const cu::Graph graphs[2] = {graphFrom(0), graphFrom(1)};
-  const auto period = movedShare > 0 ? static_cast<std::uint32_t>(std::clamp(std::round(1 / movedShare), 1.0, 4e9)) : 0;
-  CubBuildTimes times;
-  for (int i = 0; i <= repeat; ++i) {
-    if (i > 0 && period > 0) {
-      // A cell and a half there and back again, so that the cloud stays where it is over many builds.
-      const auto round = static_cast<std::uint32_t>(i - 1);
-      const float offset = (round % 2 ? -1.5f : 1.5f) / grid.inverseCell;
-      cu::launchMovePoints(live.side(live.parity()), live.count(), period, round / 2 % period, offset, stream);
-    }
-    const double time_us = timed_us(graphs[live.parity()], stream);
-    if (i == 0)
-      times.first_us = time_us;
-    else
-      times.steady_us.push_back(time_us);
-    live.flip();
-  }
+  const cu::Graph graph(stream, [&] { build.record(stream, live.side(0), live.side(1), live.count()); });
+  std::vector<double> times;
+  for (int i = 0; i < repeat; ++i) times.push_back(timed_us(graph, stream));
   return times;
 }
 

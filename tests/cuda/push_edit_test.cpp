@@ -3,14 +3,15 @@
 #include <bit>
 
 #include "engine/cuda/live_copy.hpp"
+#include "engine/edit/push_reference.hpp"
+#include "engine/spatial/cpu_hash.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
-#include "tests/edit/push_reference.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kLongestMove = 0.25;
+const double kLongestMove{shared::kLongestMove};
 
 struct Moved {
   std::vector<Vec4> positions, normals;  // in id order
@@ -56,10 +57,11 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
        {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
+    const PushedPlaces pushed(hip, spring, options, kLongestMove * scene.radius);
     std::size_t inRange = 0, wrong = 0, marked = 0, disturbed = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = pushed(before, hip, spring, options, kLongestMove * scene.radius);
+      const DVec3 expected = pushed.of(before);
       inRange += expected != before;
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;
@@ -91,7 +93,10 @@ TEST_CASE("normals of moved points are those of the new shape, on their old side
     if (!movedAt(moved, scene.cloud, i)) continue;
     ++count;
     const DVec3 old(scene.cloud.normals[i]), normal{Vec3(moved.normals[i])};
-    const FittedNormal expected = fitted(hash, positions, DVec3(positions[i]), old, scene.radius);
+    NormalFit fit(scene.radius);
+    const DVec3 center(positions[i]);
+    hash.forEachNear(center, scene.radius, [&](std::uint32_t j) { fit.add(DVec3(positions[j]) - center); });
+    const NormalFit::Result expected = fit.normal(old);
     turned += glm::dot(normal, old) < -1e-5;
     notUnit += std::abs(glm::length(normal) - 1) > 1e-5;
     if (expected.flatness < 0.5 && glm::dot(expected.normal, old) > 0.01) {
