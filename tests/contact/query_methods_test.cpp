@@ -346,12 +346,18 @@ TEST_CASE("two steps that come late are held at either of them, and answered in 
     const Contact contact = touch.query({.time_s = time_s, .hip = {0, 0, 49}}, kNoTime_us);
     return contact.valid && contact.touching && !contact.fresh;
   };
-  device.touch().submit(work);
-  CHECK(isLate(0.002));  // before it has counted
-  device.waitIdle();
-  device.touch().submit(work);
-  CHECK(isLate(0.003));  // the count is there, the launch stands behind other work
-  CHECK(isLate(0.004));
+  const auto lateAtBoth = [&] {
+    device.waitIdle();
+    device.touch().submit(work);
+    if (!isLate(0.002)) return false;  // before it has counted
+    device.waitIdle();
+    device.touch().submit(work);
+    return isLate(0.003) && isLate(0.004);  // the count is there, the launch stands behind other work
+  };
+  // A machine that is busy elsewhere may stop this thread until the answer is there after all.
+  bool wasLate = false;
+  for (int attempt = 0; attempt < 5 && !wasLate; ++attempt) wasLate = lateAtBoth();
+  CHECK(wasLate);
   const Contact after = touch.query({.time_s = 0.005, .hip = {0, 0, 49}}, 0);
   CHECK(after.fresh);
   CHECK(after.proxy == fresh.proxy);
