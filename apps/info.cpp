@@ -35,8 +35,11 @@ void info(Context& context, const std::string& file) {
   fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,
              scale.toMm(spacing), kDefaultLongestSide_mm);
   fmt::print(
-      out, "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + drawn cloud {:.1f} + edit log {:.1f}\n",
-      mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.drawnCloud), mib(memory.editLog));
+      out,
+      "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + edit log "
+      "{:.1f}\n",
+      mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
+      mib(memory.editLog));
   Json attributes = Json::array();
   for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
   context.writeJson({{"points", cloud.size()},
@@ -50,6 +53,7 @@ void info(Context& context, const std::string& file) {
                      {"gpu_bytes",
                       {{"live_cloud", memory.liveCloud},
                        {"index", memory.index},
+                       {"contact", memory.contact},
                        {"drawn_cloud", memory.drawnCloud},
                        {"edit_log", memory.editLog},
                        {"total", memory.total()}}}});

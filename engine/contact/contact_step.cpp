@@ -12,9 +12,9 @@ namespace palpate {
 
 namespace {
 
-std::uint64_t spilledPoints(std::uint32_t points) {
-  const std::uint32_t most = std::min(points, shared::kMostPatchPoints);
-  return most - std::min(most, shared::kSharedPatch);
+std::uint64_t spilledPoints(std::uint64_t points) {
+  const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMostPatchPoints);
+  return most - std::min<std::uint64_t>(most, shared::kSharedPatch);
 }
 
 // The forms of the fused step that a session may need: which one a tick takes shows in the answer before it, but for
@@ -90,6 +90,11 @@ void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cl
                                             .gather = gather,
                                             .mostCells = cells_,
                                             .unused = 0});
+}
+
+std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
+  constexpr std::uint64_t kPerPoint = 2 * sizeof(Vec4);  // place and normal
+  return kPerPoint * (spilledPoints(points) + shared::kPatchRoundCandidates);
 }
 
 shared::ContactSample ContactStep::sample() const {

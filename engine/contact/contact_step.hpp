@@ -48,6 +48,8 @@ class ContactStep {
   /// The state on the GPU, for passes that follow in the same tick.
   const Buffer& state() const { return state_; }
   double radius() const { return options_.radius; }
+  /// Bytes on the GPU of a fused step with cells as wide as the support radius.
+  static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
   void recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,

@@ -1,6 +1,8 @@
 #include "engine/touch/memory.hpp"
 
+#include "engine/contact/contact_step.hpp"
 #include "engine/edit/edit_log.hpp"
+#include "engine/gpu/device.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 
 namespace palpate {
@@ -9,8 +11,17 @@ GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
   constexpr std::uint64_t kVec4 = 16, kWord = 4;
   return {.liveCloud = 2 * 2 * kVec4 * points,
           .index = SpatialHash::predictedBytes(points),
+          .contact = ContactStep::predictedBytes(points),
           .drawnCloud = (2 * kVec4 + kWord + (colors ? kWord : 0)) * points,
           .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry) + kWord * points};
+}
+
+void requireGpuMemory(const Device& device, std::uint64_t points, bool edits) {
+  const GpuMemory needs = predictGpuMemory(points, false);
+  const std::uint64_t bytes = needs.liveCloud + needs.index + needs.contact + (edits ? needs.editLog : 0);
+  if (bytes > device.ownMemory())
+    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model",
+                         device.name(), points, bytes >> 20, device.ownMemory() >> 20);
 }
 
 }  // namespace palpate

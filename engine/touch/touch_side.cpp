@@ -17,11 +17,7 @@ namespace {
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
-  const GpuMemory needs = predictGpuMemory(cloud.size(), cloud.hasColors());
-  const std::uint64_t bytes = needs.liveCloud + needs.index + (options.push ? needs.editLog : 0);
-  if (bytes > device.ownMemory())
-    throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model",
-                         device.name(), cloud.size(), bytes >> 20, device.ownMemory() >> 20);
+  requireGpuMemory(device, cloud.size(), options.push.has_value());
   return cloud;
 }
 

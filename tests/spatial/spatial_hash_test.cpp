@@ -95,6 +95,16 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "all points equal fall into one bucket, in
   checkBuild(cloudOf(std::vector<Vec3>(10'007, Vec3(3, -4, 5))), makeHashGrid(Vec3(0), 1, 10'007));
 }
 
+TEST_CASE_FIXTURE(SpatialHashFixture, "a line, a plane along the axes, and every point three times") {
+  std::vector<Vec3> line, plane, thrice;
+  for (int i = 0; i < 20'000; ++i) line.emplace_back(0.01f * static_cast<float>(i), 0, 0);
+  for (int i = 0; i < 20'000; ++i)
+    plane.emplace_back(0.3f * static_cast<float>(i % 141), 0.3f * static_cast<float>(i / 141), 0);
+  for (const Vec3& position : randomPositions(5000, Vec3(0), 20)) thrice.insert(thrice.end(), 3, position);
+  for (const auto& positions : {line, plane, thrice})
+    checkBuild(cloudOf(positions), makeHashGrid(Vec3(-50), 1.5, positions.size()));
+}
+
 TEST_CASE_FIXTURE(SpatialHashFixture, "negative and far coordinates") {
   checkBuild(cloudOf(randomPositions(5000, Vec3(-1e6f, 2e6f, -3e6f), 100)), makeHashGrid(Vec3(0), 2, 5000));
   checkBuild(cloudOf(randomPositions(5000, Vec3(-40, -40, -40), 10)), makeHashGrid(Vec3(0), 0.7, 5000));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/render/drawn_cloud.hpp"
 #include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
@@ -173,11 +174,25 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "the memory that is foretold is the memory that is taken, within a twentieth") {
-  for (const std::uint32_t points : {10'000u, 1'000'003u}) {
-    const SpatialHash hash(device, makeHashGrid(Vec3(0), 1, points), points);
-    const auto foretold = static_cast<double>(predictGpuMemory(points, false).index);
-    CHECK(static_cast<double>(hash.bytes()) == doctest::Approx(foretold).epsilon(0.05));
+  for (const std::size_t points : {20'000u, 500'003u}) {
+    CAPTURE(points);
+    const Scene scene = makeScene("sphere", points);
+    const GpuMemory foretold = predictGpuMemory(points, false);
+    const std::uint64_t before = device.allocatedBytes();
+    const TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+    const std::uint64_t taken = device.allocatedBytes() - before;
+    CHECK(static_cast<double>(taken) ==
+          doctest::Approx(static_cast<double>(foretold.total() - foretold.drawnCloud)).epsilon(0.05));
+    const DrawnCloud drawn(device, scene.cloud);
+    CHECK(static_cast<double>(device.allocatedBytes() - before) ==
+          doctest::Approx(static_cast<double>(foretold.total())).epsilon(0.05));
   }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a cloud that cannot fit is refused with the numbers") {
+  const std::uint64_t tooMany = device.ownMemory() / 64;  // two orders of two vec4 alone take all there is
+  CHECK_NOTHROW(requireGpuMemory(device, tooMany / 2, false));
+  CHECK_THROWS_WITH_AS(requireGpuMemory(device, tooMany, false), doctest::Contains("MiB"), OutOfGpuMemory);
 }
 
 }  // namespace palpate
