@@ -33,6 +33,7 @@ void ForceLaw::reset() noexcept {
   touching_ = false;
   stretch_mm_ = DVec3(0);
   force_N_ = DVec3(0);
+  demand_N_ = 0;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
@@ -53,6 +54,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
 
   touching_ = true;
   stretch_mm_ = stretch_mm;
+  demand_N_ = glm::length(force_N);
   // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
   const DVec3 result = pushes(force_N) ? limited(force_N, dt_s) : DVec3(0);

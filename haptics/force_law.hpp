@@ -29,6 +29,9 @@ class ForceLaw {
   /// on any fault or number that is not finite, and when spring and damper together would pull into the surface.
   DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
 
+  /// The size of what spring and damper asked for at the last tick, before any limit, N.
+  double demand_N() const noexcept { return demand_N_; }
+
   /// Forgets the contact, as if nothing had been touched yet.
   void reset() noexcept;
 
@@ -40,6 +43,7 @@ class ForceLaw {
   bool touching_ = false;
   DVec3 stretch_mm_{0};  ///< from HIP to proxy, at the last tick
   DVec3 force_N_{0};     ///< at the last tick
+  double demand_N_ = 0;
 };
 
 }  // namespace palpate

@@ -16,10 +16,20 @@ struct DeviceState {
   bool ok = false;            ///< false: the device failed; the other fields say nothing
 };
 
+/// What a device bears and what it is; a Geomagic Touch unless an adapter knows better.
 struct DeviceLimits {
   double peakForce_N = kTouchPeakForce_N;
-  double continuousForce_N =
-      0.88;  ///< what the motors bear for minutes; a Geomagic Touch unless an adapter knows better
+  double continuousForce_N = 0.88;  ///< what the motors bear for minutes
+  /// No hand moves a stylus faster (a hard throw reaches about a third of it); a larger step between two reads means
+  /// that the device lost its count.
+  double fastest_mm_per_s = 5000;
+  /// The strongest damping that the device still renders calmly. A damper that answers about two ticks late shakes a
+  /// mass m at about m / (2 T), 22 N s/m for the Touch at 1 kHz; a quarter of it leaves room for the encoder's steps.
+  double mostDamping_N_s_per_mm = 0.005;
+  int forceDelay_ticks = 0;  ///< whole ticks between write() and the force being there, 0 to 3
+  /// A hand, or a model of one, feels the force and yields to it. False for a script that moves whatever it meets:
+  /// there is no one to protect from the start of a session, and no closed loop that could become unstable.
+  bool handHeld = true;
 };
 
 /// Axes x right, y up, z towards the user. read() and write() come from one thread, once per tick each; they throw
@@ -36,6 +46,10 @@ class HapticDevice {
 
   /// False when the force did not reach the device.
   virtual bool write(const DVec3& force_N) noexcept = 0;
+
+  /// Takes the force away for good: no later write() brings it back. Called from signal handlers, on any thread and in
+  /// the middle of a write(), so it may only do what is async-signal-safe: no lock, no memory, no exception.
+  virtual void emergencyStop() noexcept = 0;
 
   /// The first fault in words and what to do about it; empty while all is well. Never called during a tick.
   virtual std::string faultText() const = 0;

@@ -6,7 +6,7 @@ namespace palpate {
 
 DeviceLimits PathDevice::limits() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
-  return {.peakForce_N = kNone, .continuousForce_N = kNone};
+  return {.peakForce_N = kNone, .continuousForce_N = kNone, .fastest_mm_per_s = kNone, .handHeld = false};
 }
 
 DeviceState PathDevice::read(double time_s) noexcept { return {.position = path_.at(time_s), .ok = true}; }

@@ -12,10 +12,11 @@ class PathDevice final : public HapticDevice {
   explicit PathDevice(Path path) : path_(std::move(path)) {}
 
   std::string_view name() const override { return "path"; }
-  /// No motor can be harmed: what the user asks for is what the trace shows.
+  /// No motor and no hand can be harmed, and a script may jump: what the user asks for is what the trace shows.
   DeviceLimits limits() const override;
   DeviceState read(double time_s) noexcept override;
   bool write(const DVec3& force_N) noexcept override;
+  void emergencyStop() noexcept override {}  // there is nothing that could pull
   std::string faultText() const override { return {}; }
 
   const Path& path() const { return path_; }

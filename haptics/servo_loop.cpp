@@ -1,10 +1,10 @@
 #include "haptics/servo_loop.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
+#include "haptics/crash_stop.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {
@@ -13,6 +13,8 @@ namespace {
 constexpr double kHighestRate_Hz = 100'000;
 constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
 constexpr double kSmallestBudget_us = 20;  // a budget of 0 would mean to wait as long as it takes
+constexpr double kMostReserve = 0.2;       // of a tick
+constexpr double kSmallestJump_mm = 1;     // encoder steps and late reads look fast from tick to tick
 
 class ZeroForceAtExit {
  public:
@@ -44,8 +46,19 @@ std::uint64_t ticksFor(const ServoOptions& options) {
 }  // namespace
 
 ServoLoop::ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options)
-    : device_(device), query_(query), law_(std::move(law)), options_(options), plannedTicks_(ticksFor(options)) {
-  law_.limitTo(device_.limits().peakForce_N);
+    : device_(device),
+      query_(query),
+      law_(std::move(law)),
+      options_(options),
+      plannedTicks_(ticksFor(options)),
+      limits_(device.limits()),
+      passivityMode_(options.passivity.value_or(limits_.handHeld ? PassivityMode::on : PassivityMode::off)),
+      passivity_(passivityMode_, limits_),
+      gate_(limits_, 1 / options.rate_Hz) {
+  law_.limitTo(limits_.peakForce_N);
+  if (passivityMode_ == PassivityMode::on && !limits_.handHeld)
+    throw UsageError("passivity on: the device '{}' yields to no force, so there is nothing to brake; observe it",
+                     device_.name());
 }
 
 ServoResult ServoLoop::run(const TickObserver& observer) {
@@ -53,8 +66,13 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
   result.trace.virtualTime = !options_.realtime;
   result.trace.rows.resize(plannedTicks_);  // written here, so that no tick waits for a page of memory
   law_.reset();
+  passivity_ = Passivity(passivityMode_, limits_);
+  gate_ = ForceGate(limits_, 1 / options_.rate_Hz);
+  lastPosition_.reset();
   const std::size_t done = play(observer, result);
   result.trace.rows.resize(done);
+  result.withheld = gate_.counts();
+  if (passivityMode_ != PassivityMode::off) result.leastEnergy_mJ = passivity_.leastEnergy_mJ();
   if (result.deviceFailed) {
     result.fault = device_.faultText();
     if (result.fault.empty()) result.fault = fmt::format("{}: the device failed without saying why", device_.name());
@@ -70,7 +88,9 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
     pacer.emplace(options_.rate_Hz);
     result.realtimePriority = priority->granted();
   }
+  const CrashStop crash(device_);
   const ZeroForceAtExit zero(device_);  // goes first, still under the raised priority
+  const double reserve_us = std::min(options_.reserve_us, kMostReserve * 1e6 / options_.rate_Hz);
 
   std::size_t done = 0;
   double lastTime_s = -1 / options_.rate_Hz;
@@ -82,7 +102,8 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
       result.trace.missedTicks += due - index;
       index = due;
       if (index == plannedTicks_) break;
-      budget_us = std::max(pacer->remaining_us(index + 1) - options_.reserve_us, kSmallestBudget_us);
+      result.late_us.add(-pacer->remaining_us(index));
+      budget_us = std::max(pacer->remaining_us(index + 1) - reserve_us, kSmallestBudget_us);
     }
     const double time_s = static_cast<double>(index) / options_.rate_Hz;
     TraceRow& row = result.trace.rows[done];
@@ -90,6 +111,7 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
     result.deviceFailed = !tick(time_s, time_s - lastTime_s, budget_us, row);
     ++done;
     if (result.deviceFailed) break;
+    result.step_us.add(row.step_us);
     lastTime_s = time_s;
     if (observer && !pacer) observer(row);
   }
@@ -108,9 +130,22 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   }
   const Pose pose{.time_s = time_s, .hip = hip};
   const Contact contact = trusted(query_.query(pose, budget_us), hip);
-  const DVec3 force_N = law_.update(contact, pose, dt_s);
+  const bool jumped = hasJumped(state.position, dt_s);
+  if (jumped) {
+    law_.reset();
+    passivity_.lift();
+  }
+  const DVec3 spring_N = law_.update(contact, pose, dt_s);
+  const DVec3 hand_mm = limits_.handHeld ? state.position : law_.scale().toMm(1) * hip;
+  const DVec3 braked_N = passivity_.damped(spring_N, hand_mm, dt_s);
+  const bool on = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed);
+  const DVec3 force_N = gate_.pass(
+      braked_N,
+      {.on = on, .answered = contact.valid, .fresh = contact.fresh, .jumped = jumped, .demand_N = law_.demand_N()},
+      dt_s);
   const double step_us = watch.elapsed_us();
   const bool written = device_.write(force_N);
+  passivity_.acted(written ? force_N : DVec3(0));
 
   row.hip = hip;
   row.proxy = contact.proxy;
@@ -124,6 +159,13 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
   return written;
+}
+
+bool ServoLoop::hasJumped(const DVec3& position, double dt_s) noexcept {
+  const double reach_mm = limits_.fastest_mm_per_s * std::max(dt_s, 0.0) + kSmallestJump_mm;
+  const bool jumped = lastPosition_ && glm::distance(position, *lastPosition_) > reach_mm;
+  lastPosition_ = position;
+  return jumped;
 }
 
 }  // namespace palpate

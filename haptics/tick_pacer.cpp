@@ -1,6 +1,7 @@
 #include "haptics/tick_pacer.hpp"
 
 #include <pthread.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,6 +13,19 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
+/// Waking up takes the kernel some tens of microseconds; spinning that long instead keeps a tick to the microsecond. A
+/// longer spin only burns a core.
+constexpr double kSpin_ns = 50'000;
+constexpr double kMostOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
+/// With fewer cores the spin would take the time of the driver's threads, on whose answer the tick depends.
+constexpr int kCoresToSpin = 4;
+
+int coresToUse() noexcept {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
+}
+
 std::int64_t now_ns() noexcept {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
@@ -21,6 +35,8 @@ std::int64_t now_ns() noexcept {
 }  // namespace
 
 RealtimePriority::RealtimePriority() noexcept {
+  oldSlack_ns_ = ::prctl(PR_GET_TIMERSLACK);
+  ::prctl(PR_SET_TIMERSLACK, 1UL);  // 50 us by default, half a tick of 10 kHz; real-time threads have none
   if (::pthread_getschedparam(::pthread_self(), &oldPolicy_, &oldParameters_) != 0) return;
   // Above ordinary real-time work, below the kernel's own threads, whose interrupts the GPU's answer needs.
   const int lowest = ::sched_get_priority_min(SCHED_FIFO), highest = ::sched_get_priority_max(SCHED_FIFO);
@@ -31,9 +47,13 @@ RealtimePriority::RealtimePriority() noexcept {
 
 RealtimePriority::~RealtimePriority() {
   if (granted_) ::pthread_setschedparam(::pthread_self(), oldPolicy_, &oldParameters_);
+  if (oldSlack_ns_ > 0) ::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(oldSlack_ns_));
 }
 
-TickPacer::TickPacer(double rate_Hz) noexcept : period_ns_(1e9 / rate_Hz), start_ns_(now_ns()) {}
+TickPacer::TickPacer(double rate_Hz) noexcept
+    : period_ns_(1e9 / rate_Hz),
+      spin_ns_(coresToUse() < kCoresToSpin ? 0 : std::llround(std::min(kSpin_ns, kMostOfPeriod * period_ns_))),
+      start_ns_(now_ns()) {}
 
 std::int64_t TickPacer::due_ns(std::uint64_t index) const noexcept {
   return start_ns_ + std::llround(static_cast<double>(index) * period_ns_);
@@ -41,8 +61,11 @@ std::int64_t TickPacer::due_ns(std::uint64_t index) const noexcept {
 
 std::uint64_t TickPacer::waitFor(std::uint64_t index) const noexcept {
   const std::int64_t due = due_ns(index);
-  const timespec until{.tv_sec = due / kSecond_ns, .tv_nsec = due % kSecond_ns};
+  const std::int64_t wake = due - spin_ns_;
+  const timespec until{.tv_sec = wake / kSecond_ns, .tv_nsec = wake % kSecond_ns};
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+  while (now_ns() < due) {
   }
   const auto late_ns = static_cast<double>(now_ns() - due);
   return late_ns > period_ns_ ? index + static_cast<std::uint64_t>(late_ns / period_ns_) : index;

@@ -7,8 +7,8 @@
 
 namespace palpate {
 
-/// Asks for SCHED_FIFO for the calling thread and gives its old scheduling back when it goes. Destroy it on the thread
-/// that made it.
+/// Asks for SCHED_FIFO and the finest timer for the calling thread and gives its old scheduling back when it goes.
+/// Destroy it on the thread that made it.
 class RealtimePriority {
  public:
   RealtimePriority() noexcept;
@@ -22,6 +22,7 @@ class RealtimePriority {
  private:
   int oldPolicy_ = 0;
   sched_param oldParameters_{};
+  int oldSlack_ns_ = 0;  ///< how late the kernel may wake the thread to save wake-ups
   bool granted_ = false;
 };
 
@@ -30,8 +31,9 @@ class TickPacer {
  public:
   explicit TickPacer(double rate_Hz) noexcept;
 
-  /// Sleeps until tick `index` is due and returns the tick to do now: `index`, or a later one when more than a whole
-  /// period went by unused. Ticks between are lost; they are never made up for in a burst.
+  /// Waits until tick `index` is due, asleep but for the last moment where cores are to spare, and returns the tick to
+  /// do now: `index`, or a later one when more than a whole period went by unused. Ticks between are lost; they are
+  /// never made up for in a burst.
   std::uint64_t waitFor(std::uint64_t index) const noexcept;
 
   /// Time until tick `index` is due; negative once it is.
@@ -41,6 +43,7 @@ class TickPacer {
   std::int64_t due_ns(std::uint64_t index) const noexcept;
 
   double period_ns_;
+  std::int64_t spin_ns_;   ///< of each wait, at its end
   std::int64_t start_ns_;  ///< CLOCK_MONOTONIC
 };
 

@@ -38,6 +38,7 @@ class CountingDevice final : public HapticDevice {
     return play_.read(time_s);
   }
   bool write(const DVec3& force_N) noexcept override { return play_.write(force_N); }
+  void emergencyStop() noexcept override {}
   std::string faultText() const override { return {}; }
 
  private:

@@ -48,6 +48,7 @@ class FaultyDevice : public HapticDevice {
     last_N = force_N;
     return now_s_ < failsWriteAt_s;
   }
+  void emergencyStop() noexcept override {}
   std::string faultText() const override { return text; }
 
   double failsReadAt_s = 1e9, failsWriteAt_s = 1e9, losesPositionAt_s = 1e9;
@@ -126,10 +127,12 @@ TEST_CASE("the workspace map places the device in the model") {
 }
 
 TEST_CASE("the device's peak force is never exceeded") {
-  FaultyDevice device(Path({{0, {0, 0, 30}}}));
+  FaultyDevice device(Path({{0, {0, 0, 51}}, {0.6, {0, 0, 51}}, {0.7, {0, 0, 30}}}));
   SphereContact sphere(kRadius);
-  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.01));
-  for (const TraceRow& row : loop.run().trace.rows) CHECK(glm::length(row.force_N) == doctest::Approx(1));
+  ServoLoop loop(device, sphere, ForceLaw(kSpringOnly, {}), lasting(0.8));
+  const Trace trace = loop.run().trace;
+  for (const TraceRow& row : trace.rows) CHECK(glm::length(row.force_N) <= 1 + 1e-12);
+  CHECK(glm::length(trace.rows[690].force_N) == doctest::Approx(1));
 }
 
 TEST_CASE("a fault of the device ends the session with zero force from that tick on and says why") {
@@ -143,7 +146,7 @@ TEST_CASE("a fault of the device ends the session with zero force from that tick
   CHECK(result.deviceFailed);
   CHECK(result.fault == device.text);
   REQUIRE(result.trace.rows.size() == 201);
-  CHECK(glm::length(result.trace.rows[199].force_N) > 0.5);
+  CHECK(glm::length(result.trace.rows[199].force_N) > 0.3);  // still ramping up
   CHECK(result.trace.rows[200].force_N == DVec3(0));
   CHECK_FALSE(result.trace.rows[200].valid);
   CHECK(glm::distance(result.trace.rows[200].hip, result.trace.rows[199].hip) < 0.1);
@@ -182,7 +185,10 @@ TEST_CASE("a fault of the query means zero force at its ticks, and the session g
     if (faulty) CHECK(row.force_N == DVec3(0));
   }
   CHECK(glm::length(result.trace.rows[199].force_N) > 0.5);
-  CHECK((glm::length(result.trace.rows[299].force_N) > 0.5) == (until_s < 0.3));
+  // A hand feels the surface come back slowly.
+  CHECK((glm::length(result.trace.rows[299].force_N) > 0.05) == (until_s < 0.3));
+  CHECK(glm::length(result.trace.rows[299].force_N) < 0.15);
+  CHECK(result.withheld.errors == 1);
   CHECK(device.lastForce_N() == DVec3(0));
 }
 

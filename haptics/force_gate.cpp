@@ -1,0 +1,76 @@
+#include "haptics/force_gate.hpp"
+
+#include <algorithm>
+
+namespace palpate {
+namespace {
+
+/// From nothing to the whole force. Long enough for a hand to brace itself, short enough not to be waited for.
+constexpr double kRamp_s = 0.5;
+/// A demand up to this counts as small: a tenth of a newton is felt but moves nobody's hand.
+constexpr double kSmallDemand_N = 0.1;
+/// An error up to this long is a hiccup: the hand is still where it was, so the force ramps up again without waiting.
+constexpr double kLongestHiccup_s = 0.1;
+/// Time lost between two ticks from which on the hand may be anywhere.
+constexpr double kLongestPause_s = 0.05;
+/// Old data keep their force for this long: at 0.25 m/s, a fast stroke, the hand has then moved 5 mm.
+constexpr double kFreshFor_s = 0.02;
+/// And lose it over this long; a sudden end would be felt as a knock.
+constexpr double kFade_s = 0.05;
+
+}  // namespace
+
+ForceGate::ForceGate(const DeviceLimits& limits, double period_s) noexcept
+    : motors_(limits.peakForce_N, limits.continuousForce_N),
+      period_s_(period_s),
+      share_(limits.handHeld ? 0 : 1),
+      waiting_(limits.handHeld) {}
+
+DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s) noexcept {
+  const bool error = isError(wanted_N, signs, dt_s);
+  if (error) {
+    counts_.errors += errorFor_s_ == 0;
+    errorFor_s_ += dt_s > 0 ? dt_s : period_s_;
+  }
+  if (!signs.on || signs.jumped || errorFor_s_ > kLongestHiccup_s) waiting_ = true;
+  if (!error) errorFor_s_ = 0;
+  // Only a surface that was really asked may end the wait: no answer, or an old one, is not a small demand.
+  if (signs.on && !error && signs.fresh && signs.demand_N <= kSmallDemand_N) waiting_ = false;
+  if (!signs.on || error || waiting_) {
+    close();
+    return limited(DVec3(0), dt_s);
+  }
+  age(signs.fresh, dt_s);
+  return limited(share_ * wanted_N, dt_s);
+}
+
+bool ForceGate::isError(const DVec3& wanted_N, const TickSigns& signs, double dt_s) const noexcept {
+  if (!signs.answered || signs.jumped || !isFinite(wanted_N)) return true;
+  return !(dt_s >= 0) || dt_s - period_s_ > kLongestPause_s;
+}
+
+void ForceGate::close() noexcept {
+  share_ = 0;
+  staleFor_s_ = 0;
+}
+
+void ForceGate::age(bool fresh, double dt_s) noexcept {
+  staleFor_s_ = fresh ? 0 : staleFor_s_ + dt_s;
+  if (staleFor_s_ <= kFreshFor_s) {
+    share_ = std::min(1.0, share_ + dt_s / kRamp_s);
+    return;
+  }
+  share_ = std::max(0.0, share_ - dt_s / kFade_s);
+  ++counts_.stale;
+}
+
+DVec3 ForceGate::limited(const DVec3& force_N, double dt_s) noexcept {
+  const double wanted_N = glm::length(force_N), most_N = motors_.allowed_N();
+  const bool tooMuch = wanted_N > most_N;
+  if (tooMuch && motors_.isWarm()) ++counts_.hot;
+  const DVec3 result = !std::isfinite(wanted_N) ? DVec3(0) : tooMuch ? force_N * (most_N / wanted_N) : force_N;
+  motors_.spend(glm::length(result), dt_s);
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,51 @@
+// Whether the rendered surface gives more energy than it was given, and a damper that takes the surplus back.
+#pragma once
+
+#include <array>
+
+#include "engine/core/vec.hpp"
+#include "haptics/haptic_device.hpp"
+
+namespace palpate {
+
+enum class PassivityMode {
+  off,
+  observe,  ///< count the energy, change no force
+  on        ///< count it and brake
+};
+
+/// Time-domain passivity (Hannaford, Ryu 2002): an observer and a controller at the port between the hand and the
+/// surface. Energies are what the surface has taken in, in mJ (N mm): pressing it adds, being pushed out by it takes
+/// away, so a surface with springs and dampers only, felt without delay, never falls below zero. What falls below was
+/// made by sampling, delay or an active surface.
+class Passivity {
+ public:
+  Passivity(PassivityMode mode, const DeviceLimits& limits) noexcept;
+
+  /// Counts what happened since the last tick, in which the hand came to `position_mm` (millimetres of the device), and
+  /// returns the wanted force with the controller's damping: it brakes the motion, but never turns a push into a pull.
+  DVec3 damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s) noexcept;
+
+  /// The force that the device was given at this tick. Once no force is left the next contact counts from zero: what
+  /// one contact took in must not pay for the next.
+  void acted(const DVec3& force_N) noexcept;
+
+  /// Forgets where the hand was, so that a jump is not taken for work.
+  void lift() noexcept;
+
+  double energy_mJ() const noexcept { return energy_mJ_; }
+  double leastEnergy_mJ() const noexcept { return leastEnergy_mJ_; }
+
+ private:
+  static constexpr std::size_t kMostDelay = 3;
+
+  PassivityMode mode_;
+  double mostDamping_N_s_per_mm_;
+  std::size_t delay_;
+  std::array<DVec3, kMostDelay + 1> forces_N_{};  ///< written at the last tick, the one before it, ...
+  DVec3 position_mm_{0};
+  bool known_ = false;  ///< position_mm_ is that of the last tick
+  double energy_mJ_ = 0, leastEnergy_mJ_ = 0;
+};
+
+}  // namespace palpate

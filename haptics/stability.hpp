@@ -1,0 +1,42 @@
+// Which stiffness a hand can hold: the servo loop against the simulated Touch and a surface with a closed formula.
+#pragma once
+
+#include "haptics/passivity.hpp"
+#include "haptics/simulated_touch.hpp"
+
+namespace palpate {
+
+enum class StudySurface { plane, sphere };
+
+struct StabilityOptions {
+  double stiffness_N_per_mm = 0.4;
+  double damping_N_s_per_mm = 0.002;
+  PassivityMode passivity = PassivityMode::on;
+  double rate_Hz = 1000;
+  /// How much older than its tick each answer is, rounded to whole ticks: the force is that of the pose which the hand
+  /// had then. The worst a late answer can do; a back end that carries its last answer on to the present pose does
+  /// better.
+  double delay_ms = 0;
+  StudySurface surface = StudySurface::plane;
+  double radius_mm = 20;          ///< of the sphere
+  double depth_mm = 2;            ///< below the surface, where the hand means to rest
+  double approach_mm_per_s = 50;  ///< how fast it gets there
+  SimulatedTouchOptions touch;    ///< its lead_s is not used
+};
+
+struct StabilityResult {
+  bool limitCycle = false;    ///< at rest the stylus still moves by more than one encoder step
+  double restMotion_mm = 0;   ///< longest side of the box in which the stylus moves over the last half second
+  double leastEnergy_mJ = 0;  ///< that the surface had ever taken in; see Passivity. 0 with the observer off
+  double peakForce_N = 0;
+};
+
+/// The hand waits until forces are fully on, presses onto the surface and rests there for two seconds of virtual time.
+/// Takes some milliseconds; the same options give the same result. Throws UsageError for options out of range.
+StabilityResult measureStability(const StabilityOptions& options);
+
+/// The largest stiffness, N/mm, without a limit cycle, by bisection between `low` and `high` to one part in a hundred:
+/// `low` where that already has one, `high` where even that has none. The other options as given.
+double largestStableStiffness(const StabilityOptions& options, double low_N_per_mm = 0.01, double high_N_per_mm = 30);
+
+}  // namespace palpate

@@ -1,0 +1,155 @@
+#include "haptics/force_gate.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double kTick_s = 0.001;
+const DVec3 kPush(0, 0, 0.8);
+
+/// Ticks of a gate with a wanted force of 0.8 N.
+struct Gate {
+  ForceGate gate{DeviceLimits{}, kTick_s};
+
+  double tick(TickSigns signs = {}, const DVec3& wanted_N = kPush) {
+    signs.demand_N = std::isfinite(wanted_N.z) ? glm::length(wanted_N) : 0;
+    return glm::length(gate.pass(wanted_N, signs, kTick_s));
+  }
+  /// The force at the end of `time_s`.
+  double after(double time_s, TickSigns signs = {}, const DVec3& wanted_N = kPush) {
+    double last = 0;
+    for (int i = 0; i < std::lround(time_s / kTick_s); ++i) last = tick(signs, wanted_N);
+    return last;
+  }
+  double free(double time_s) { return after(time_s, {}, DVec3(0)); }
+};
+
+Gate engaged() {
+  Gate gate;
+  gate.free(0.6);
+  REQUIRE(gate.tick() == doctest::Approx(0.8));
+  return gate;
+}
+
+}  // namespace
+
+TEST_CASE("forces ramp up over half a second after they are enabled, and not again with each contact") {
+  Gate gate;
+  gate.free(kTick_s);
+  double last = gate.tick();
+  CHECK(last < 0.004);
+  for (int i = 2; i < 499; ++i) {
+    const double now = gate.tick();
+    CHECK(now > last);
+    CHECK(now - last < 0.8 * kTick_s / 0.5 + 1e-12);
+    last = now;
+  }
+  CHECK(gate.tick() == doctest::Approx(0.8));
+  CHECK(gate.free(0.1) == 0);
+  CHECK(gate.tick() == doctest::Approx(0.8));
+}
+
+TEST_CASE("a session that starts inside gives no force until the hand has come out once") {
+  Gate gate;
+  CHECK(gate.after(2) == 0);
+  CHECK(gate.after(kTick_s, {}, DVec3(0, 0, 0.05)) > 0);  // a demand below 0.1 N is as good as outside
+  CHECK(gate.tick() < 0.01);
+  CHECK(gate.after(0.6) == doctest::Approx(0.8));
+}
+
+TEST_CASE("an old answer does not count as coming out") {
+  Gate gate;
+  gate.after(0.1, {.fresh = false}, DVec3(0));
+  CHECK(gate.after(1) == 0);
+}
+
+TEST_CASE("a short error means zero and then the ramp; a long one also waits for a small demand") {
+  Gate gate = engaged();
+  TickSigns error;
+  DVec3 wanted = kPush;
+  SUBCASE("no valid answer") { error.answered = false; }
+  SUBCASE("a force that is no number") { wanted.z = std::numeric_limits<double>::quiet_NaN(); }
+  SUBCASE("an infinite force") { wanted.z = std::numeric_limits<double>::infinity(); }
+  CHECK(gate.after(0.05, error, wanted) == 0);
+  CHECK(gate.tick() < 0.01);
+  CHECK(gate.after(0.25) == doctest::Approx(0.4).epsilon(0.01));
+  CHECK(gate.after(0.3) == doctest::Approx(0.8));
+  CHECK(gate.after(0.2, error, wanted) == 0);
+  CHECK(gate.after(1) == 0);
+  CHECK(gate.free(0.6) == 0);
+  CHECK(gate.tick() == doctest::Approx(0.8));
+  CHECK(gate.gate.counts().errors == 2);
+}
+
+TEST_CASE("after a jump of the device the hand has to come out before it feels anything") {
+  Gate gate = engaged();
+  CHECK(gate.tick({.jumped = true}) == 0);
+  CHECK(gate.after(1) == 0);
+  gate.free(kTick_s);
+  CHECK(gate.tick() < 0.01);
+}
+
+TEST_CASE("a pause in the ticks counts as an error") {
+  Gate gate = engaged();
+  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.02)) == doctest::Approx(0.8));
+  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, 0.08)) == 0);
+  CHECK(gate.tick() < 0.01);
+  gate = engaged();
+  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, -1)) == 0);
+  CHECK(glm::length(gate.gate.pass(kPush, {.demand_N = 0.8}, std::numeric_limits<double>::quiet_NaN())) == 0);
+}
+
+TEST_CASE("a slow rate is no pause") {
+  ForceGate gate(DeviceLimits{}, 0.2);
+  gate.pass(DVec3(0), {}, 0.2);
+  for (int i = 0; i < 3; ++i) gate.pass(kPush, {.demand_N = 0.8}, 0.2);
+  CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, 0.2)) == doctest::Approx(0.8));
+}
+
+TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the force comes back with the ramp") {
+  Gate gate = engaged();
+  CHECK(gate.after(0.019, {.fresh = false}) == doctest::Approx(0.8));
+  double last = gate.tick({.fresh = false});
+  for (int i = 0; i < 49; ++i) {
+    const double now = gate.tick({.fresh = false});
+    CHECK(now < last);
+    CHECK(last - now < 0.017);
+    last = now;
+  }
+  CHECK(gate.after(1, {.fresh = false}) == doctest::Approx(0));
+  CHECK(gate.gate.counts().stale > 1000);
+  CHECK(gate.tick() < 0.01);
+  CHECK(gate.after(0.5) == doctest::Approx(0.8));
+}
+
+TEST_CASE("forces switched off are zero at once and come back only through a small demand and the ramp") {
+  Gate gate = engaged();
+  CHECK(gate.tick({.on = false}) == 0);
+  CHECK(gate.after(0.3, {.on = false}, DVec3(0)) == 0);
+  CHECK(gate.after(1) == 0);  // switched on in the middle of a contact
+  gate.free(kTick_s);
+  CHECK(gate.after(0.25) == doctest::Approx(0.4).epsilon(0.01));
+}
+
+TEST_CASE("the peak is never exceeded, and hot motors get the continuous force") {
+  Gate gate = engaged();
+  const DVec3 hard(0, 30, 40);
+  CHECK(gate.tick({}, hard) == doctest::Approx(3.3));
+  CHECK(gate.after(30, {}, hard) == doctest::Approx(0.88).epsilon(0.01));
+  CHECK(gate.gate.counts().hot > 20'000);
+  gate.free(30);
+  CHECK(gate.tick({}, hard) == doctest::Approx(3.3));
+}
+
+TEST_CASE("a script without a hand starts with the gate open, and its errors still ramp") {
+  ForceGate gate({.handHeld = false}, kTick_s);
+  CHECK(gate.pass(kPush, {.demand_N = 0.8}, kTick_s) == kPush);
+  CHECK(gate.pass(kPush, {.answered = false, .demand_N = 0.8}, kTick_s) == DVec3(0));
+  CHECK(glm::length(gate.pass(kPush, {.demand_N = 0.8}, kTick_s)) < 0.01);
+}
+
+}  // namespace palpate
