@@ -18,10 +18,12 @@ struct StabilityOptions {
   /// better.
   double delay_ms = 0;
   StudySurface surface = StudySurface::plane;
-  double radius_mm = 20;          ///< of the sphere
-  double depth_mm = 2;            ///< below the surface, where the hand means to rest
-  double approach_mm_per_s = 50;  ///< how fast it gets there
-  SimulatedTouchOptions touch;    ///< its lead_s is not used
+  double radius_mm = 20;  ///< of the sphere
+  /// Below the surface, where the hand means to rest. Its stiffness times this is best kept below the device's
+  /// continuous force: hot motors give way, and the study would take that for motion.
+  double depth_mm = 2;
+  double approach_mm_per_s = 100;  ///< how fast it gets there: a brisk tap, since a gentle one excites less
+  SimulatedTouchOptions touch;     ///< its lead_s is not used
 };
 
 struct StabilityResult {

@@ -1,0 +1,127 @@
+#include "haptics/passivity.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+
+namespace palpate {
+namespace {
+
+constexpr double kTick_s = 0.001;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A spring of 1 N/mm above z = 0, pressed from above; its force is that of some ticks ago.
+class Spring {
+ public:
+  explicit Spring(PassivityMode mode, std::size_t lateTicks = 0)
+      : passivity(mode, DeviceLimits{}), depths_mm_(lateTicks, 0.0) {}
+
+  double wanted_N() const { return std::max(0.0, late_mm_); }
+
+  double tick(double depth_mm) {
+    depths_mm_.push_back(depth_mm);
+    late_mm_ = depths_mm_.front();
+    depths_mm_.pop_front();
+    const DVec3 force_N = passivity.damped({0, 0, wanted_N()}, {0, 0, -depth_mm}, kTick_s);
+    passivity.acted(force_N);
+    return force_N.z;
+  }
+
+  Passivity passivity;
+
+ private:
+  std::deque<double> depths_mm_;
+  double late_mm_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("pressing a spring adds its energy, and being pushed out takes it away") {
+  Spring spring(PassivityMode::observe);
+  for (int i = 0; i <= 1000; ++i) spring.tick(2e-3 * i);
+  CHECK(spring.passivity.energy_mJ() == doctest::Approx(0.5 * 2 * 2).epsilon(0.002));
+  for (int i = 1000; i >= 1; --i) spring.tick(2e-3 * i);
+  // The held force of a sampled spring gives a little more than it took: stiffness times step times depth.
+  CHECK(spring.passivity.energy_mJ() == doctest::Approx(-2e-3 * 2).epsilon(0.01));
+  CHECK(spring.passivity.leastEnergy_mJ() == spring.passivity.energy_mJ());
+}
+
+TEST_CASE("a contact that is over leaves neither credit nor debt for the next") {
+  Spring spring(PassivityMode::observe);
+  for (int i = 0; i <= 100; ++i) spring.tick(0.02 * i);
+  spring.tick(-1);
+  CHECK(spring.passivity.energy_mJ() == 0);
+  spring.tick(-2);
+  spring.tick(-3);
+  CHECK(spring.passivity.energy_mJ() == 0);
+}
+
+TEST_CASE("an observer changes no force") {
+  Spring spring(PassivityMode::observe, 5);
+  for (int i = 0; i < 2000; ++i) {
+    const double force_N = spring.tick(1 + std::sin(0.05 * i));
+    CHECK(force_N == spring.wanted_N());
+  }
+  CHECK(spring.passivity.leastEnergy_mJ() < -0.5);
+}
+
+TEST_CASE("the controller takes back what delay makes, and never turns a push into a pull") {
+  Spring observed(PassivityMode::observe, 5), braked(PassivityMode::on, 5);
+  for (int i = 0; i < 2000; ++i) {
+    const double depth_mm = 2 + std::sin(0.05 * i);
+    observed.tick(depth_mm);
+    CHECK(braked.tick(depth_mm) >= 0);
+  }
+  CHECK(observed.passivity.leastEnergy_mJ() < -10);
+  CHECK(braked.passivity.leastEnergy_mJ() > 0.4 * observed.passivity.leastEnergy_mJ());
+}
+
+TEST_CASE("the damping stays within what the device renders calmly") {
+  Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003});
+  DVec3 position(0);
+  double strongest_N_s_per_mm = 0;
+  for (int i = 0; i < 100; ++i) {
+    const double step_mm = i % 2 ? 0.02 : 0.03;
+    position.z += step_mm;  // pushed out without end
+    const DVec3 wanted(0, 0, 3);
+    const DVec3 force = passivity.damped(wanted, position, kTick_s);
+    strongest_N_s_per_mm = std::max(strongest_N_s_per_mm, (wanted.z - force.z) / (step_mm / kTick_s));
+    passivity.acted(force);
+  }
+  CHECK(strongest_N_s_per_mm == doctest::Approx(0.003));
+}
+
+TEST_CASE("a force that comes a tick late is counted when it acts") {
+  Passivity late(PassivityMode::observe, {.forceDelay_ticks = 1});
+  late.damped(DVec3(0), DVec3(0), kTick_s);
+  late.acted({1, 0, 0});
+  late.damped({1, 0, 0}, {1, 0, 0}, kTick_s);  // not there yet
+  late.acted({1, 0, 0});
+  CHECK(late.energy_mJ() == 0);
+  late.damped({1, 0, 0}, {3, 0, 0}, kTick_s);
+  CHECK(late.energy_mJ() == -2);
+}
+
+TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
+  Passivity passivity(PassivityMode::on, {});
+  const DVec3 force(0, 0, 1);
+  passivity.damped(force, {0, 0, 0}, kTick_s);
+  passivity.acted(force);
+  passivity.lift();
+  CHECK(passivity.damped(force, {0, 0, 100}, kTick_s) == force);
+  CHECK(passivity.damped(force, {0, kNaN, 0}, kTick_s) == force);
+  CHECK(passivity.damped(force, {0, 0, 100}, 0) == force);
+  CHECK(passivity.leastEnergy_mJ() == 0);
+
+  Passivity off(PassivityMode::off, {});
+  for (int i = 0; i < 10; ++i) {
+    CHECK(off.damped(force, {0, 0, 1.0 * i}, kTick_s) == force);
+    off.acted(force);
+  }
+  CHECK(off.leastEnergy_mJ() == 0);
+}
+
+}  // namespace palpate

@@ -1,0 +1,172 @@
+// The safety list through the whole loop, with a device that a hand holds.
+#include <doctest/doctest.h>
+
+#include <functional>
+
+#include "engine/core/error.hpp"
+#include "haptics/path_device.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+
+namespace palpate {
+namespace {
+
+/// A hand that goes where a path says and cannot be pushed, on a device that has the Touch's limits.
+class HeldDevice final : public HapticDevice {
+ public:
+  explicit HeldDevice(Path path) : path_(std::move(path)) {}
+  std::string_view name() const override { return "held"; }
+  DeviceLimits limits() const override { return {}; }
+  DeviceState read(double time_s) noexcept override { return {.position = path_.at(time_s), .ok = true}; }
+  bool write(const DVec3& force_N) noexcept override {
+    last_N = force_N;
+    return true;
+  }
+  void emergencyStop() noexcept override {}
+  std::string faultText() const override { return {}; }
+
+  DVec3 last_N{9};
+
+ private:
+  Path path_;
+};
+
+/// A sphere whose answers a test may spoil.
+class SpoiltSphere final : public ContactQuery {
+ public:
+  explicit SpoiltSphere(std::function<void(const Pose&, Contact&)> spoil) : spoil_(std::move(spoil)) {}
+  Contact query(const Pose& pose, double budget_us) noexcept override {
+    Contact contact = sphere_.query(pose, budget_us);
+    spoil_(pose, contact);
+    return contact;
+  }
+
+ private:
+  SphereContact sphere_{50};
+  std::function<void(const Pose&, Contact&)> spoil_;
+};
+
+/// Outside until 0.6 s, then 1 unit deep within 0.1 s, and there until 3 s.
+Path press() { return Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 49}}, {3, {0, 0, 49}}}); }
+
+ServoOptions lasting(double duration_s) { return {.duration_s = duration_s, .passivity = PassivityMode::off}; }
+
+double forceAt(const ServoResult& result, double time_s) {
+  return glm::length(result.trace.rows[static_cast<std::size_t>(std::lround(time_s * 1000))].force_N);
+}
+
+ServoResult played(HapticDevice& device, const ServoOptions& options = lasting(3)) {
+  SphereContact sphere(50);
+  return ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+}
+
+}  // namespace
+
+TEST_CASE("a hand that is outside while forces ramp up feels the whole surface afterwards") {
+  HeldDevice device(press());
+  const ServoResult result = played(device);
+  CHECK(forceAt(result, 0.5) == 0);
+  CHECK(forceAt(result, 2) == doctest::Approx(0.8));
+  CHECK(result.withheld.errors + result.withheld.stale + result.withheld.hot == 0);
+}
+
+TEST_CASE("a hand that is inside when the session starts feels nothing until it has been outside") {
+  const Path path({{0, {0, 0, 49}}, {1, {0, 0, 49}}, {1.1, {0, 0, 51}}, {1.2, {0, 0, 49}}, {3, {0, 0, 49}}});
+  HeldDevice held(path);
+  double rate_Hz = 1000;
+  SUBCASE("at 1 kHz") {}
+  SUBCASE("at 10 kHz, where the slew limit makes every first force small") { rate_Hz = 10'000; }
+  ServoOptions options = lasting(3);
+  options.rate_Hz = rate_Hz;
+  const ServoResult result = played(held, options);
+  const auto at = [&](double time_s) {
+    return glm::length(result.trace.rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
+  };
+  for (double t = 0; t < 1; t += 0.001) REQUIRE(at(t) == 0);
+  CHECK(at(1.25) > 0.05);
+  CHECK(at(1.25) < 0.4);
+  CHECK(at(2) == doctest::Approx(0.8));
+}
+
+TEST_CASE("a script is a measuring instrument: it feels the whole force from its first tick, and may jump") {
+  PathDevice device(Path({{0, {0, 0, 49}}, {0.1, {0, 0, 49}}, {0.101, {0, 0, 80}}, {0.102, {0, 0, 49}}}));
+  const ServoResult result = played(device, {.duration_s = 0.2});
+  CHECK(forceAt(result, 0.01) == doctest::Approx(0.8));
+  CHECK(forceAt(result, 0.19) == doctest::Approx(0.8));
+  CHECK_FALSE(result.leastEnergy_mJ);
+}
+
+TEST_CASE("a device that jumps farther than a hand can throw it gives no force until it has been outside") {
+  const auto jumping = [](double to) {
+    return Path({{0, {0, 0, 60}}, {0.8, {0, 0, 60}}, {0.801, {0, 0, to}}, {3, {0, 0, to}}});
+  };
+  HeldDevice thrown(jumping(56)), lost(jumping(48.5));
+  CHECK(played(thrown).withheld.errors == 0);  // 4 mm in a tick: fast, but a hand can
+  const ServoResult result = played(lost);
+  CHECK(result.withheld.errors == 1);
+  for (const TraceRow& row : result.trace.rows) REQUIRE(row.force_N == DVec3(0));
+}
+
+TEST_CASE("answers that are never fresh lose their force, however valid they say they are") {
+  HeldDevice device(press());
+  SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.fresh = pose.time_s < 1 || pose.time_s >= 2; });
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  CHECK(forceAt(result, 1.015) == doctest::Approx(0.8));
+  CHECK(forceAt(result, 1.08) == 0);
+  CHECK(forceAt(result, 1.99) == 0);
+  CHECK(forceAt(result, 2.1) < 0.2);
+  CHECK(forceAt(result, 2.6) == doctest::Approx(0.8));
+}
+
+TEST_CASE("a query that is lost for good leaves zero force for good") {
+  HeldDevice device(press());
+  SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  CHECK(forceAt(result, 0.999) == doctest::Approx(0.8));
+  for (double t = 1; t < 3; t += 0.001) REQUIRE(forceAt(result, t) == 0);
+}
+
+TEST_CASE("one switch takes the force away at once and gives it back slowly") {
+  HeldDevice device(Path({{0, {0, 0, 52}},
+                          {0.6, {0, 0, 52}},
+                          {0.7, {0, 0, 49}},
+                          {1.5, {0, 0, 49}},
+                          {1.6, {0, 0, 51}},
+                          {1.7, {0, 0, 49}},
+                          {3, {0, 0, 49}}}));
+  SphereContact sphere(50);
+  std::atomic<bool> on = true;
+  ServoOptions options = lasting(3);
+  options.forcesOn = &on;
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), options);
+  const ServoResult result = loop.run([&](const TraceRow& row) { on = row.time_s < 1 || row.time_s > 1.2; });
+  CHECK(forceAt(result, 1) == doctest::Approx(0.8));
+  CHECK(forceAt(result, 1.001) == 0);
+  CHECK(forceAt(result, 1.45) == 0);  // on again, but the hand is still inside
+  CHECK(forceAt(result, 1.7) < 0.4);
+  CHECK(forceAt(result, 2.5) == doctest::Approx(0.8));
+  CHECK(result.trace.rows[1300].contact);
+}
+
+TEST_CASE("motors that are driven too hard for too long get what they bear") {
+  HeldDevice device(Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 44}}, {12, {0, 0, 44}}}));
+  const ServoResult result = played(device, lasting(12));
+  CHECK(forceAt(result, 1) == doctest::Approx(3.3));
+  CHECK(forceAt(result, 11.9) == doctest::Approx(0.88).epsilon(0.01));
+  CHECK(result.withheld.hot > 5000);
+  for (std::size_t i = 1000; i < result.trace.rows.size(); ++i)
+    REQUIRE(glm::distance(result.trace.rows[i].force_N, result.trace.rows[i - 1].force_N) < 0.02);
+}
+
+TEST_CASE("a controller that brakes needs a device that yields") {
+  PathDevice script(press());
+  SphereContact sphere(50);
+  ServoOptions options{.duration_s = 3, .passivity = PassivityMode::on};
+  CHECK_THROWS_AS(ServoLoop(script, sphere, ForceLaw({}, {}), options), UsageError);
+  options.passivity = PassivityMode::observe;
+  const ServoResult result = ServoLoop(script, sphere, ForceLaw({}, {}), options).run();
+  REQUIRE(result.leastEnergy_mJ);
+  CHECK(*result.leastEnergy_mJ == 0);  // it only ever pressed
+}
+
+}  // namespace palpate

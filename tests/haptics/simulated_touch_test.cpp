@@ -1,0 +1,174 @@
+#include "haptics/simulated_touch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+
+namespace palpate {
+namespace {
+
+const DVec3 kRight(1, 0, 0);
+constexpr SimulatedTouchOptions kNoHand{.handStiffness_N_per_mm = 0, .handDamping_N_s_per_mm = 0};
+
+SimulatedTouch resting(const SimulatedTouchOptions& options = kNoHand) {
+  return SimulatedTouch(Path({{0, DVec3(0)}}), {}, options);
+}
+
+/// Ticks of 1 ms under a constant force; where the stylus is after them.
+double pushed(SimulatedTouch& touch, double force_N, int from, int to) {
+  for (int i = from; i < to; ++i) {
+    touch.read(1e-3 * i);
+    touch.write(force_N * kRight);
+  }
+  touch.read(1e-3 * to);
+  return touch.position_mm().x;
+}
+
+}  // namespace
+
+TEST_CASE("friction holds what is weaker than it, without the smallest motion") {
+  SimulatedTouch touch = resting();
+  CHECK(pushed(touch, 0.259, 0, 1000) == 0);
+  CHECK(pushed(touch, 0.30, 1000, 2000) > 1);
+}
+
+TEST_CASE("a free mass is accelerated by what friction leaves, up to where viscosity holds it") {
+  SimulatedTouch touch = resting();
+  // 1 N less 0.26 N on 45 g for the 19 ms that the force has been there; viscosity takes a tenth of that.
+  const double exact_mm = 0.5 * (0.74 / 0.045) * 1e3 * 0.019 * 0.019;
+  CHECK(pushed(touch, 1, 0, 20) == doctest::Approx(exact_mm).epsilon(0.12));
+  const SimulatedTouchOptions thick{
+      .handStiffness_N_per_mm = 0, .handDamping_N_s_per_mm = 0, .viscosity_N_s_per_mm = 0.01};
+  SimulatedTouch slow = resting(thick);
+  const double before_mm = pushed(slow, 1, 0, 400);
+  CHECK(pushed(slow, 1, 400, 500) - before_mm == doctest::Approx(0.1 * 0.74 / 0.01).epsilon(0.001));
+}
+
+TEST_CASE("a force acts one tick after it was written and is held until the next") {
+  SimulatedTouch touch = resting();
+  touch.read(0);
+  touch.write(3.0 * kRight);
+  touch.read(0.001);
+  touch.write(DVec3(0));
+  CHECK(touch.position_mm().x == 0);
+  touch.read(0.002);
+  const double after_mm = touch.position_mm().x;
+  CHECK(after_mm == doctest::Approx(0.5 * (2.74 / 0.045) * 1e3 * 1e-6).epsilon(0.1));
+}
+
+TEST_CASE("friction brings a moving stylus to rest and leaves it there") {
+  SimulatedTouch touch = resting();
+  pushed(touch, 2, 0, 10);
+  const double stopped_mm = pushed(touch, 0, 10, 1000);
+  CHECK(pushed(touch, 0, 1000, 2000) == stopped_mm);
+}
+
+TEST_CASE("positions come in whole encoder steps") {
+  SimulatedTouch touch(Path({{0, DVec3(0)}, {1, {7, -5, 3}}}), {});
+  for (int i = 0; i < 1000; ++i) {
+    const DVec3 steps = touch.read(1e-3 * i).position / 0.055;
+    for (int k = 0; k < 3; ++k) REQUIRE(steps[k] == doctest::Approx(std::round(steps[k])));
+  }
+  CHECK(touch.position_mm().x > 5);
+}
+
+TEST_CASE("the hand follows its intention to within what friction holds") {
+  SimulatedTouch touch(Path({{0, DVec3(0)}, {0.4, {10, 0, 0}}}), {});
+  for (int i = 0; i <= 1000; ++i) touch.read(1e-3 * i);
+  CHECK(std::abs(touch.position_mm().x - 10) <= 0.26 / 0.4 + 1e-9);
+}
+
+TEST_CASE("the amplifiers saturate at the peak, and a force that is no number becomes none") {
+  SimulatedTouch strong = resting(), stronger = resting();
+  CHECK(pushed(strong, 3.3, 0, 30) == doctest::Approx(pushed(stronger, 1e6, 0, 30)));
+  SimulatedTouch touch = resting();
+  touch.read(0);
+  CHECK_FALSE(touch.write({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+  touch.read(0.1);
+  CHECK(touch.position_mm() == DVec3(0));
+}
+
+TEST_CASE("after an emergency stop no force moves it") {
+  SimulatedTouch touch = resting();
+  touch.emergencyStop();
+  CHECK(pushed(touch, 3, 0, 100) == 0);
+}
+
+TEST_CASE("the workspace has ends") {
+  SimulatedTouch touch(Path({{0, DVec3(0)}, {1, {500, 500, -500}}}), {});
+  for (int i = 0; i <= 2000; ++i) touch.read(1e-3 * i);
+  CHECK(touch.position_mm() == DVec3(80, 60, -35));
+  SimulatedTouch outside(Path({{0, {500, 0, 0}}}), {});
+  CHECK(std::abs(outside.read(0).position.x - 80) < 0.055);
+}
+
+TEST_CASE("the same reads and writes give the same positions, and an earlier time begins anew") {
+  SimulatedTouch touch(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {});
+  std::vector<DVec3> first;
+  for (int run = 0; run < 2; ++run)
+    for (int i = 0; i < 300; ++i) {
+      touch.read(1e-3 * i);
+      touch.write({0, 0.01 * (i % 7), 0});
+      if (run == 0)
+        first.push_back(touch.position_mm());
+      else
+        REQUIRE(touch.position_mm() == first[static_cast<std::size_t>(i)]);
+    }
+}
+
+TEST_CASE("lost ticks and slow rates change the physics little") {
+  SimulatedTouch fine(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {}), coarse(Path({{0, DVec3(0)}, {0.2, {9, 2, 1}}}), {});
+  for (int i = 0; i <= 3000; ++i) fine.read(1e-4 * i);
+  for (int i = 0; i <= 30; ++i) coarse.read(1e-2 * i);
+  CHECK(glm::distance(fine.position_mm(), coarse.position_mm()) < 0.05);
+}
+
+TEST_CASE("a path is put into the workspace true to scale where it fits, and shrunk where not") {
+  const ModelScale scale{10};
+  const WorkspaceMap small = workspaceAround(Path({{0, {100, 0, 0}}, {1, {102, 4, 1}}}), scale);
+  CHECK(small.scale == doctest::Approx(0.1));
+  CHECK(small.toModel(DVec3(0)) == DVec3(101, 2, 0.5));
+  const WorkspaceMap large = workspaceAround(Path({{0, DVec3(0)}, {1, {10, 4, 12.6}}}), scale);
+  CHECK(large.scale == doctest::Approx(0.2));  // 12.6 units in 63 mm
+}
+
+TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the same every time") {
+  std::vector<TraceRow> first;
+  for (int run = 0; run < 2; ++run) {
+    const Path path({{0, {0, 0, 53}}, {0.2, {0, 0, 48}}, {0.6, {0, 0, 48}}});
+    SimulatedTouch device(path, workspaceAround(path, {}), {.lead_s = 0.5});
+    SphereContact sphere(50);
+    ServoLoop loop(device, sphere, ForceLaw({}, {}),
+                   {.duration_s = device.duration_s(), .map = workspaceAround(path, {})});
+    const ServoResult result = loop.run();
+    REQUIRE(result.trace.rows.size() == 1100);
+    CHECK(glm::distance(result.trace.rows.front().hip, DVec3(0, 0, 53)) < 0.055);
+    const TraceRow& last = result.trace.rows.back();
+    // At rest the spring of the surface, the hand's and friction hold each other.
+    CHECK(last.force_N.z == doctest::Approx(0.8 * last.penetration_mm));
+    CHECK(std::abs(last.force_N.z - 0.4 * (2 - last.penetration_mm)) <= 0.26 + 0.03);
+    CHECK(last.force_N.z > 0.3);
+    REQUIRE(result.leastEnergy_mJ);
+    CHECK(*result.leastEnergy_mJ > -0.1);
+    if (run == 0) first = result.trace.rows;
+    for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(first[i].force_N == result.trace.rows[i].force_N);
+  }
+}
+
+TEST_CASE("a model of a hand and a stylus needs sensible numbers") {
+  const auto made = [](const SimulatedTouchOptions& options) { return resting(options).name(); };
+  CHECK_NOTHROW(made({}));
+  CHECK_THROWS_AS(made({.handStiffness_N_per_mm = -1}), UsageError);
+  CHECK_THROWS_AS(made({.handDamping_N_s_per_mm = std::numeric_limits<double>::infinity()}), UsageError);
+  CHECK_THROWS_AS(made({.mass_kg = 0}), UsageError);
+  CHECK_THROWS_AS(made({.friction_N = std::numeric_limits<double>::quiet_NaN()}), UsageError);
+  CHECK_THROWS_AS(made({.encoderStep_mm = 0}), UsageError);
+  CHECK_THROWS_AS(SimulatedTouch(Path({{0, DVec3(0)}}), {.scale = 0}), UsageError);
+}
+
+}  // namespace palpate
