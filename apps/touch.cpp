@@ -3,10 +3,10 @@
 
 #include "apps/backend.hpp"
 #include "apps/picture.hpp"
+#include "apps/stylus.hpp"
 #include "apps/touch_report.hpp"
 #include "engine/cloud/ply_writer.hpp"
 #include "haptics/builtin_path.hpp"
-#include "haptics/path_device.hpp"
 #include "haptics/servo_loop.hpp"
 
 namespace palpate {
@@ -21,7 +21,8 @@ struct TouchCommandOptions {
   ModelOptions model;
   BackendOptions backend;
   PictureOptions picture;
-  std::string path = "builtin:press", edit = "none", device = "path";
+  StylusOptions stylus;
+  std::string path = "builtin:press", edit = "none";
   std::string traceFile, saveFile, pictureFile;
   double penetration_mm = 2, rate_Hz = 1000;
   double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
@@ -108,13 +109,15 @@ void touch(Context& context, const TouchCommandOptions& options) {
   for (const std::string* file : {&options.traceFile, &options.saveFile, &options.pictureFile})
     Context::checkWritable(*file);
   const Model model = loadModel(context, options.model);
-  PathDevice device(pathFor(options, model));
+  const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
   const auto push = pushOptions(options, model.scale);
   const double radius = supportRadius(options.backend.radius, model);
   ForceLaw law(options.force, model.scale);
   ServoOptions servo{.rate_Hz = options.rate_Hz,
-                     .duration_s = device.path().duration_s() + 1 / options.rate_Hz,  // the path's end is a tick too
+                     .duration_s = stylus.duration_s + 1 / options.rate_Hz,  // the path's end is a tick too
                      .realtime = options.realtime,
+                     .map = stylus.map,
+                     .passivity = stylus.passivity,
                      .stop = &stopRequested};
   BackendOptions backendOptions = options.backend;
   backendOptions.realtime = options.realtime;
@@ -124,7 +127,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (!options.pictureFile.empty() && touchSide)
     sight = std::make_unique<SightSide>(context.device(), model.cloud, touchSide->editLog());
 
-  ServoLoop loop(device, *backend, law, servo);
+  ServoLoop loop(*stylus.device, *backend, law, servo);
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopRequested = true; });
   if (sight && options.realtime) sight->follow();
   const ServoResult result = loop.run(sight && !options.realtime ? sight->observer(options.rate_Hz) : TickObserver{});
@@ -140,6 +143,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
                      .method = methodName(options.backend),
                      .build_us = backend->buildTime_us(),
                      .trace = summarize(result.trace),
+                     .servo = servoReport(result),
                      .edit_us = summarize(backend->editTimes_us()),
                      .shortfalls = backend->shortfalls(),
                      .movedPoints = push ? backend->readBack(sculpted) : 0,
@@ -213,9 +217,7 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
       ->capture_default_str();
   sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
   sub->add_flag("--realtime", options->realtime, "against the wall clock (default: virtual time, as fast as it goes)");
-  sub->add_option("--device", options->device, "what moves the HIP: path, a scripted one")
-      ->check(CLI::IsMember({"path"}))
-      ->capture_default_str();
+  addStylusOptions(*sub, options->stylus);
   addBackendOptions(*sub, options->backend);
   addForceOptions(*sub, options->force);
   addEditOptions(*sub, *options);

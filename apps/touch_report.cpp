@@ -27,6 +27,33 @@ ContactError contactError(const Trace& trace, const Model& model, double radius,
   return error;
 }
 
+ServoReport servoReport(const ServoResult& result) {
+  return {.step_us = result.step_us,
+          .late_us = result.late_us,
+          .withheld = result.withheld,
+          .leastEnergy_mJ = result.leastEnergy_mJ};
+}
+
+namespace {
+
+std::string compact(const TickHistogram& times) {
+  return fmt::format("50 % within {:.0f}, 99 % {:.0f}, 99.9 % {:.0f}, all {:.0f} us", times.quantile_us(0.5),
+                     times.quantile_us(0.99), times.quantile_us(0.999), times.max_us());
+}
+
+/// Of the bins that hold something: where each begins, and how many ticks it holds.
+Json toJson(const TickHistogram& times) {
+  Json from_us = Json::array(), ticks = Json::array();
+  for (std::size_t bin = 0; bin < TickHistogram::kBins; ++bin) {
+    if (times[bin] == 0) continue;
+    from_us.push_back(TickHistogram::from_us(bin));
+    ticks.push_back(times[bin]);
+  }
+  return {{"from", from_us}, {"ticks", ticks}, {"bins_per_octave", TickHistogram::kBinsPerOctave}};
+}
+
+}  // namespace
+
 void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
@@ -56,6 +83,16 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.realtime)
     row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,
                                     report.realtimePriority ? "" : " (no real-time priority was granted)"));
+  if (report.realtime) {
+    row("tick times", compact(report.servo.step_us));
+    row("woken late by", compact(report.servo.late_us));
+  }
+  if (report.servo.leastEnergy_mJ)
+    row("passivity", fmt::format("{:.3g} mJ at the least (below 0: made by the loop)", *report.servo.leastEnergy_mJ));
+  const GateCounts& withheld = report.servo.withheld;
+  if (withheld.errors + withheld.stale + withheld.hot)
+    row("force held back", fmt::format("after {} errors, at {} ticks with old data and {} with hot motors",
+                                       withheld.errors, withheld.stale, withheld.hot));
   if (shortfalls.editsTooSlow)
     row("edits left out",
         fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
@@ -91,6 +128,13 @@ Json toJson(const TouchReport& report) {
       {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
       {"contact_error_undefined", report.error.undefined},
       {"missed_ticks", trace.missedTicks},
+      {"tick_histogram_us", toJson(report.servo.step_us)},
+      {"late_histogram_us", toJson(report.servo.late_us)},
+      {"passivity_energy_mJ", report.servo.leastEnergy_mJ ? Json(*report.servo.leastEnergy_mJ) : Json(nullptr)},
+      {"safety",
+       {{"errors", report.servo.withheld.errors},
+        {"stale_ticks", report.servo.withheld.stale},
+        {"hot_ticks", report.servo.withheld.hot}}},
       {"interrupted", report.interrupted},
       {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
       {"thinned_ticks", report.shortfalls.thinnedTicks},

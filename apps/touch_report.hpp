@@ -2,7 +2,7 @@
 
 #include "apps/model.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "haptics/trace.hpp"
+#include "haptics/servo_loop.hpp"
 
 namespace palpate {
 
@@ -15,12 +15,21 @@ struct ContactError {
 };
 ContactError contactError(const Trace& trace, const Model& model, double radius, std::optional<double> firstEditTime_s);
 
+/// What the servo loop counted besides the trace.
+struct ServoReport {
+  TickHistogram step_us, late_us;
+  GateCounts withheld;
+  std::optional<double> leastEnergy_mJ;
+};
+ServoReport servoReport(const ServoResult& result);
+
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
   std::string backend, machine, method;
   double build_us = 0;
   TraceSummary trace;
+  ServoReport servo;
   Summary edit_us;
   TouchShortfalls shortfalls;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
