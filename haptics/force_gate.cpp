@@ -24,9 +24,11 @@ ForceGate::ForceGate(const DeviceLimits& limits, double period_s) noexcept
     : motors_(limits.peakForce_N, limits.continuousForce_N),
       period_s_(period_s),
       share_(limits.handHeld ? 0 : 1),
-      waiting_(limits.handHeld) {}
+      waiting_(limits.handHeld),
+      staleFor_s_(limits.handHeld ? std::numeric_limits<double>::infinity() : 0) {}
 
 DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s) noexcept {
+  age(signs, dt_s);
   const bool error = isError(wanted_N, signs, dt_s);
   if (error) {
     counts_.errors += errorFor_s_ == 0;
@@ -35,12 +37,12 @@ DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s
   if (!signs.on || signs.jumped || errorFor_s_ > kLongestHiccup_s) waiting_ = true;
   if (!error) errorFor_s_ = 0;
   // Only a surface that was really asked may end the wait: no answer, or an old one, is not a small demand.
-  if (signs.on && !error && signs.fresh && signs.demand_N <= kSmallDemand_N) waiting_ = false;
+  if (signs.on && !error && staleFor_s_ <= kFreshFor_s && signs.demand_N <= kSmallDemand_N) waiting_ = false;
   if (!signs.on || error || waiting_) {
-    close();
+    share_ = 0;
     return limited(DVec3(0), dt_s);
   }
-  age(signs.fresh, dt_s);
+  raiseOrFade(dt_s);
   return limited(share_ * wanted_N, dt_s);
 }
 
@@ -49,13 +51,13 @@ bool ForceGate::isError(const DVec3& wanted_N, const TickSigns& signs, double dt
   return !(dt_s >= 0) || dt_s - period_s_ > kLongestPause_s;
 }
 
-void ForceGate::close() noexcept {
-  share_ = 0;
-  staleFor_s_ = 0;
+void ForceGate::age(const TickSigns& signs, double dt_s) noexcept {
+  staleFor_s_ += dt_s > 0 ? dt_s : 0;
+  if (signs.age_s < staleFor_s_) staleFor_s_ = std::max(signs.age_s, 0.0);
+  if (signs.fresh) staleFor_s_ = 0;
 }
 
-void ForceGate::age(bool fresh, double dt_s) noexcept {
-  staleFor_s_ = fresh ? 0 : staleFor_s_ + dt_s;
+void ForceGate::raiseOrFade(double dt_s) noexcept {
   if (staleFor_s_ <= kFreshFor_s) {
     share_ = std::min(1.0, share_ + dt_s / kRamp_s);
     return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "engine/core/vec.hpp"
 #include "haptics/haptic_device.hpp"
@@ -14,8 +15,10 @@ struct TickSigns {
   bool on = true;        ///< the user wants forces
   bool answered = true;  ///< the query gave a valid answer
   bool fresh = true;     ///< from this tick's own query
-  bool jumped = false;   ///< the device moved faster than any hand
-  double demand_N = 0;   ///< size of the force that spring and damper ask for, before any limit
+  /// How old the data of an answer that is not fresh are, as far as it says so.
+  double age_s = std::numeric_limits<double>::infinity();
+  bool jumped = false;  ///< the device moved faster than any hand
+  double demand_N = 0;  ///< size of the force that spring and damper ask for, before any limit
 };
 
 /// Ticks at which the gate held something back; each is zero in a good session.
@@ -46,8 +49,8 @@ class ForceGate {
 
  private:
   bool isError(const DVec3& wanted_N, const TickSigns& signs, double dt_s) const noexcept;
-  void close() noexcept;
-  void age(bool fresh, double dt_s) noexcept;
+  void age(const TickSigns& signs, double dt_s) noexcept;
+  void raiseOrFade(double dt_s) noexcept;
   DVec3 limited(const DVec3& force_N, double dt_s) noexcept;
 
   ThermalBudget motors_;
@@ -55,7 +58,7 @@ class ForceGate {
   double share_;
   bool waiting_;           ///< for a small demand
   double errorFor_s_ = 0;  ///< how long the present error has lasted; 0 without one
-  double staleFor_s_ = 0;  ///< since the last fresh answer
+  double staleFor_s_;      ///< age of the data: since the last fresh answer, or less if an answer says so
   GateCounts counts_;
 };
 

@@ -130,19 +130,7 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   }
   const Pose pose{.time_s = time_s, .hip = hip};
   const Contact contact = trusted(query_.query(pose, budget_us), hip);
-  const bool jumped = hasJumped(state.position, dt_s);
-  if (jumped) {
-    law_.reset();
-    passivity_.lift();
-  }
-  const DVec3 spring_N = law_.update(contact, pose, dt_s);
-  const DVec3 hand_mm = limits_.handHeld ? state.position : law_.scale().toMm(1) * hip;
-  const DVec3 braked_N = passivity_.damped(spring_N, hand_mm, dt_s);
-  const bool on = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed);
-  const DVec3 force_N = gate_.pass(
-      braked_N,
-      {.on = on, .answered = contact.valid, .fresh = contact.fresh, .jumped = jumped, .demand_N = law_.demand_N()},
-      dt_s);
+  const DVec3 force_N = forceFor(state.position, pose, contact, dt_s);
   const double step_us = watch.elapsed_us();
   const bool written = device_.write(force_N);
   passivity_.acted(written ? force_N : DVec3(0));
@@ -159,6 +147,22 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
   return written;
+}
+
+DVec3 ServoLoop::forceFor(const DVec3& position, const Pose& pose, const Contact& contact, double dt_s) noexcept {
+  TickSigns signs{.on = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed),
+                  .answered = contact.valid,
+                  .fresh = contact.fresh,
+                  .jumped = hasJumped(position, dt_s)};
+  if (contact.dataTime_s >= 0) signs.age_s = pose.time_s - contact.dataTime_s;
+  if (signs.jumped) {
+    law_.reset();
+    passivity_.lift();
+  }
+  const DVec3 spring_N = law_.update(contact, pose, dt_s);
+  signs.demand_N = law_.demand_N();
+  const DVec3 hand_mm = limits_.handHeld ? position : law_.scale().mm_per_unit * pose.hip;
+  return gate_.pass(passivity_.damped(spring_N, hand_mm, dt_s), signs, dt_s);
 }
 
 bool ServoLoop::hasJumped(const DVec3& position, double dt_s) noexcept {

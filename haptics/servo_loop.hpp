@@ -65,6 +65,8 @@ class ServoLoop {
   std::size_t play(const TickObserver& observer, ServoResult& result);
   /// False when the device failed.
   bool tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept;
+  /// The force to write, with the device at `position` in its own unit.
+  DVec3 forceFor(const DVec3& position, const Pose& pose, const Contact& contact, double dt_s) noexcept;
   /// Whether the device moved faster than a hand can since the last tick.
   bool hasJumped(const DVec3& position, double dt_s) noexcept;
 

@@ -23,6 +23,7 @@ struct Contact {
   bool valid = false;            ///< false: a fault; the force must be zero
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
+  double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known
 };
 
 /// Answers poses in order. query() never blocks past `budget_us` (0: as long as it takes, for virtual time), throws

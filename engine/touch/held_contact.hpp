@@ -13,6 +13,7 @@ constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 /// then ever softer, and past kStalest_s not at all. Not fresh.
 inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
   Contact contact{.proxy = pose.hip, .valid = true};
+  if (last.valid) contact.dataTime_s = lastPose.time_s;
   const double age_s = pose.time_s - lastPose.time_s;
   if (!last.valid || !last.touching || age_s > kStalest_s) return contact;
   const double depth = glm::dot(last.proxy - pose.hip, last.normal);

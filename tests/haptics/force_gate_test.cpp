@@ -126,6 +126,14 @@ TEST_CASE("stale data keep their force for 20 ms, lose it over 50 ms, and the fo
   CHECK(gate.after(0.5) == doctest::Approx(0.8));
 }
 
+TEST_CASE("answers that say how old they are keep their force while that is little, and not when it grows") {
+  Gate gate = engaged();
+  CHECK(gate.after(1, {.fresh = false, .age_s = 0.0004}) == doctest::Approx(0.8));
+  CHECK(gate.gate.counts().stale == 0);
+  CHECK(gate.after(0.05, {.fresh = false, .age_s = 0.5}) < 0.5);  // it cannot grow faster than time, but it ages
+  CHECK(gate.after(0.1, {.fresh = false, .age_s = 0.5}) == doctest::Approx(0));
+}
+
 TEST_CASE("forces switched off are zero at once and come back only through a small demand and the ramp") {
   Gate gate = engaged();
   CHECK(gate.tick({.on = false}) == 0);

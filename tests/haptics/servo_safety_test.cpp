@@ -118,6 +118,17 @@ TEST_CASE("answers that are never fresh lose their force, however valid they say
   CHECK(forceAt(result, 2.6) == doctest::Approx(0.8));
 }
 
+TEST_CASE("answers that are always a tick late, and say so, keep their force") {
+  HeldDevice device(press());
+  SpoiltSphere sphere([](const Pose& pose, Contact& contact) {
+    contact.fresh = false;
+    contact.dataTime_s = std::max(0.0, pose.time_s - 0.001);
+  });
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  CHECK(forceAt(result, 2) == doctest::Approx(0.8));
+  CHECK(result.withheld.stale == 0);
+}
+
 TEST_CASE("a query that is lost for good leaves zero force for good") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
