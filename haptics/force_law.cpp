@@ -30,8 +30,7 @@ void ForceLaw::limitTo(double peakForce_N) noexcept {
 }
 
 void ForceLaw::reset() noexcept {
-  touching_ = false;
-  stretch_mm_ = DVec3(0);
+  stretching_.reset();
   force_N_ = DVec3(0);
   demand_N_ = 0;
 }
@@ -44,16 +43,13 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     return DVec3(0);
   }
   const DVec3 stretch_mm = (contact.proxy - pose.hip) * scale_.mm_per_unit;
-  const bool moving = touching_ && dt_s > 0;
-  const DVec3 rate_mm_per_s = moving ? (stretch_mm - stretch_mm_) / dt_s : DVec3(0);
+  const DVec3 rate_mm_per_s = stretching_.add(stretch_mm, dt_s);
   const DVec3 force_N = options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
     return DVec3(0);
   }
 
-  touching_ = true;
-  stretch_mm_ = stretch_mm;
   demand_N_ = glm::length(force_N);
   // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };

@@ -3,6 +3,7 @@
 
 #include "engine/core/contact_query.hpp"
 #include "engine/core/units.hpp"
+#include "haptics/rate_estimate.hpp"
 
 namespace palpate {
 
@@ -40,9 +41,8 @@ class ForceLaw {
 
   ForceOptions options_;
   ModelScale scale_;
-  bool touching_ = false;
-  DVec3 stretch_mm_{0};  ///< from HIP to proxy, at the last tick
-  DVec3 force_N_{0};     ///< at the last tick
+  RateEstimate stretching_;  ///< of the way from HIP to proxy, mm/s
+  DVec3 force_N_{0};         ///< at the last tick
   double demand_N_ = 0;
 };
 

@@ -339,6 +339,9 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --path builtin:dance", 2, "press");
   fails("touch " + model + " --edit push --beta 2", 2, "--beta");
   fails("touch " + model + " --radius -1", 2, "--radius");
+  fails("touch " + model + " --passivity on", 2, "yields to no force");
+  fails("touch " + model + " --hand-stiffness 1", 2, "--device sim");
+  fails("touch " + model + " --device sim --map large", 2, "--map");
   fails("touch " + model + " --save x.ply", 2, "--edit");
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
@@ -370,6 +373,38 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   CHECK_FALSE(std::filesystem::exists(out));
   for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
     CHECK(entry.path().extension() != ".tmp");
+}
+
+TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and makes no energy") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), json = (folder / "t.json").string();
+  works("make sphere -n 20000 -o " + model);
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    for (const std::string run : {"a", "b"})
+      works("touch " + model + " --device sim --backend " + backend + " --trace " + (folder / run).string() +
+            " --json " + json);
+    CHECK(contentOf(folder / "a") == contentOf(folder / "b"));
+    const auto rows = readTrace(folder / "a");
+    CHECK(rows.front().force == DVec3(0));
+    // The hand means to be 2 mm deep, and yields: its own 0.4 N/mm against the surface's 0.8.
+    CHECK(rows.back().penetration_mm > 0.3);
+    CHECK(rows.back().penetration_mm < 1);
+    CHECK(glm::length(rows.back().force) == doctest::Approx(0.8 * rows.back().penetration_mm).epsilon(0.01));
+    const auto result = jsonOf(json);
+    CHECK(result["passivity_energy_mJ"] > -0.1);
+    std::size_t counted = 0;
+    for (const std::size_t ticks : result["tick_histogram_us"]["ticks"]) counted += ticks;
+    CHECK(counted == rows.size());
+    CHECK(result["safety"]["errors"] == 0);
+  }
+  works("touch " + model +
+        " --device sim --path builtin:scan --hand-stiffness 0.8 --hand-damping 0.004 --map identity "
+        "--passivity observe --backend cpu --duration 0.3 --realtime --rate 4000 --json " +
+        json);
+  CHECK(jsonOf(json)["ticks"].get<int>() + jsonOf(json)["missed_ticks"].get<int>() == 1201);
+  works("touch " + model + " --backend cpu --json " + json);
+  CHECK(jsonOf(json)["passivity_energy_mJ"].is_null());
 }
 
 TEST_CASE("a script may name the way that is the default") {

@@ -96,6 +96,25 @@ TEST_CASE("damping resists the motion and starts with the second tick of contact
   CHECK(pushed_N(law, 1) == doctest::Approx(0.8));
 }
 
+TEST_CASE("at 10 kHz the steps of an encoder do not become knocks") {
+  constexpr double kFast_s = 1e-4, kStep_mm = 0.055, kSpeed_mm_per_s = 20;
+  ForceLaw law({}, ModelScale{});
+  double least = 1e9, most = -1e9, sum = 0;
+  int count = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double depth_mm = 3 - kSpeed_mm_per_s * kFast_s * i;  // on the way out
+    const Pose pose = below(kStep_mm * std::round(depth_mm / kStep_mm));
+    const double excess_N = law.update(onPlane(pose), pose, kFast_s).z - (0.8 * depth_mm - 0.002 * kSpeed_mm_per_s);
+    if (i < 100) continue;  // the force still grows
+    least = std::min(least, excess_N);
+    most = std::max(most, excess_N);
+    sum += excess_N;
+    ++count;
+  }
+  CHECK(std::abs(sum / count) < 0.06);
+  CHECK(most - least < 0.2);
+}
+
 TEST_CASE("the damper never pulls into the surface") {
   ForceLaw law({.maxRise_N_per_s = kInfinity}, ModelScale{});
   pushed_N(law, 1);

@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <new>
 
-#include "haptics/path_device.hpp"
 #include "haptics/servo_loop.hpp"
+#include "haptics/simulated_touch.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 
 namespace {
@@ -30,27 +30,27 @@ namespace {
 /// Counts from the first read to the last write, with everything that happens between ticks.
 class CountingDevice final : public HapticDevice {
  public:
-  CountingDevice(Path path, double lastTick_s) : play_(std::move(path)), lastTick_s_(lastTick_s) {}
+  CountingDevice(Path path, double lastTick_s) : touch_(std::move(path), {}), lastTick_s_(lastTick_s) {}
   std::string_view name() const override { return "counting"; }
-  DeviceLimits limits() const override { return {}; }
+  DeviceLimits limits() const override { return touch_.limits(); }
   DeviceState read(double time_s) noexcept override {
     counting = time_s < lastTick_s_;
-    return play_.read(time_s);
+    return touch_.read(time_s);
   }
-  bool write(const DVec3& force_N) noexcept override { return play_.write(force_N); }
+  bool write(const DVec3& force_N) noexcept override { return touch_.write(force_N); }
   void emergencyStop() noexcept override {}
   std::string faultText() const override { return {}; }
 
  private:
-  PathDevice play_;
+  SimulatedTouch touch_;
   double lastTick_s_;
 };
 
 }  // namespace
 
 TEST_CASE("no tick allocates memory") {
-  CountingDevice device(Path({{0, {0, 0, 52}}, {0.05, {0, 0, 48}}, {0.1, {3, 0, 52}}}), 0.095);
-  SphereContact sphere(50);
+  CountingDevice device(Path({{0, {0, 0, 12}}, {0.05, {0, 0, 8}}, {0.1, {3, 0, 12}}}), 0.095);
+  SphereContact sphere(10);
   bool realtime = true;
   SUBCASE("in real time") {}
   SUBCASE("in virtual time") { realtime = false; }

@@ -99,6 +99,8 @@ TEST_CASE("on a sphere the force is zero outside and stiffness times depth along
     CHECK(glm::dot(row.normal, glm::normalize(row.hip)) == doctest::Approx(1));
   }
   CHECK(touching > 200);
+  CHECK(result.step_us.count() == 500);
+  CHECK(result.late_us.count() == 0);
   CHECK(device.lastForce_N() == DVec3(0));
   CHECK(sphere.largestBudget_us == 0);  // virtual time waits for the answer
 }
@@ -241,6 +243,23 @@ TEST_CASE("real time follows the wall clock, gives the query a budget and the sc
   CHECK(sphere.largestBudget_us <= 1000 - 200 + 1);
   CHECK(device.lastForce_N() == DVec3(0));
   CHECK(::sched_getscheduler(0) == policyBefore);
+}
+
+TEST_CASE("real time goes up to 10 kHz, counts every tick and leaves most of a tick to the query") {
+  PathDevice device(touchAndGo());
+  SphereContact sphere(kRadius);
+  ServoOptions options = lasting(0.3, true);
+  options.rate_Hz = 10'000;
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+  const std::size_t ticks = result.trace.rows.size();
+  CHECK(ticks + result.trace.missedTicks == 3000);
+  WARN(ticks > 2500);  // the machine's affair
+  CHECK(result.step_us.count() == ticks);
+  CHECK(result.late_us.count() == ticks);
+  WARN(result.late_us.quantile_us(0.5) < 50);
+  CHECK(sphere.smallestBudget_us > 0);
+  CHECK(sphere.largestBudget_us > 40);
+  CHECK(sphere.largestBudget_us <= 80 + 1);
 }
 
 TEST_CASE("a tick that takes too long is not made up for in a burst") {

@@ -1,0 +1,32 @@
+// How fast something changes, from samples that come in steps.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// A backward difference over the last tick, or over as many ticks as it takes to span a millisecond: an encoder step
+/// of 55 um looks like 55 mm/s over a millisecond, but like 550 mm/s over a tick of 10 kHz, which a damper would turn
+/// into knocks.
+class RateEstimate {
+ public:
+  /// The rate of change per second up to `value`, which comes `dt_s` after the one before; zero for the first.
+  DVec3 add(const DVec3& value, double dt_s) noexcept;
+
+  void reset() noexcept { count_ = 0; }
+
+ private:
+  static constexpr std::size_t kMost = 16;  // ticks in a difference: a millisecond up to 16 kHz
+
+  struct Sample {
+    DVec3 value;
+    double dt_s;  ///< since the one before
+  };
+  std::array<Sample, kMost + 1> samples_{};
+  std::size_t newest_ = 0, count_ = 0;
+};
+
+}  // namespace palpate
