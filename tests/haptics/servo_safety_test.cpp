@@ -82,7 +82,9 @@ TEST_CASE("a hand that is inside when the session starts feels nothing until it 
   const auto at = [&](double time_s) {
     return glm::length(result.trace.rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
   };
-  for (double t = 0; t < 1; t += 0.001) REQUIRE(at(t) == 0);
+  for (const TraceRow& row : result.trace.rows) {
+    if (row.time_s <= 1) REQUIRE(row.force_N == DVec3(0));
+  }
   CHECK(at(1.25) > 0.05);
   CHECK(at(1.25) < 0.4);
   CHECK(at(2) == doctest::Approx(0.8));
@@ -134,7 +136,7 @@ TEST_CASE("a query that is lost for good leaves zero force for good") {
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
   const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
   CHECK(forceAt(result, 0.999) == doctest::Approx(0.8));
-  for (double t = 1; t < 3; t += 0.001) REQUIRE(forceAt(result, t) == 0);
+  for (std::size_t i = 1000; i < 3000; ++i) REQUIRE(result.trace.rows[i].force_N == DVec3(0));
 }
 
 TEST_CASE("one switch takes the force away at once and gives it back slowly") {
