@@ -87,7 +87,7 @@ std::vector<std::string> methodChoices(std::string_view backend) {
   if (backend == "cpu") return {"direct"};
   if (backend == "cuda") return cudaMethods();
   std::vector<std::string> methods;
-  for (const auto& [name, method] : kQueryMethods) methods.emplace_back(name);
+  for (const auto& [name, method] : kQueryMethods) methods.insert(methods.begin(), std::string(name));
   return methods;
 }
 

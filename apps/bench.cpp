@@ -1,5 +1,7 @@
 #include "apps/bench.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -53,7 +55,18 @@ void printTables(std::FILE* out, const std::string& bench, const std::vector<Ben
   }
 }
 
+void checkMethods(const BenchOptions& options) {
+  for (const std::string& method : options.methods) {
+    std::vector<std::string> all;
+    for (const std::string& backend : options.backends)
+      std::ranges::copy(methodChoices(backend), std::back_inserter(all));
+    if (std::ranges::find(all, method) == all.end())
+      throw UsageError("--method: {} is none of {}", method, fmt::join(all, ", "));
+  }
+}
+
 void bench(Context& context, const BenchOptions& options) {
+  checkMethods(options);
   Context::checkWritable(options.plotFile);
   std::vector<BenchRecord> records;
   for (const auto& makeOne : subjectsOf(options)) {

@@ -7,7 +7,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 
 #include "engine/cloud/ply_reader.hpp"
@@ -442,13 +444,45 @@ TEST_CASE("doctor, version and help answer") {
   CHECK(outcome.text.find("touch: family") != std::string::npos);
 }
 
-TEST_CASE("bench measures the build and the step") {
+TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it") {
   const ScratchFolder folder;
-  works("bench build step --sizes 5000 --repeat 5 --json " + (folder / "b.json").string());
-  const auto json = jsonOf(folder / "b.json");
-  CHECK(json["build"][0]["points"] == 5000);
-  CHECK(json["build"][0]["steady_us"]["n"] == 5);
-  CHECK(json["step"][0]["edited"]["edit_gpu_us"]["p50"] > 0);
+  const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
+  const Outcome outcome =
+      palpate("bench build sort query step --sizes 2000 5000 --backend vulkan,cpu --repeat 5 --json " + json +
+              " --plot " + plot);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  std::map<std::string, std::set<std::string>> ways;  // by bench and back end
+  const auto result = jsonOf(json);
+  for (const auto& record : result["records"]) {
+    CAPTURE(record.dump());
+    const auto& time = record["wall_us"].is_null() ? record["gpu_us"] : record["wall_us"];
+    CHECK(time["n"] == 5);
+    CHECK(time["p50"] > 0);
+    CHECK(time["p999"] >= time["p50"]);
+    CHECK((record["points"] == 2000 || record["points"] == 5000));
+    ways[record["bench"].get<std::string>() + " " + record["backend"].get<std::string>()].insert(record["way"]);
+  }
+  CHECK(ways["build vulkan"].contains("radix"));
+  CHECK(ways["build vulkan"].contains("counting"));
+  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree"});
+  CHECK(ways["sort vulkan"].contains("radix"));
+  for (const char* bench : {"query vulkan", "step vulkan"})
+    CHECK(ways[bench] == std::set<std::string>{"brute", "two-step", "naive", "indirect", "fused"});
+  CHECK(ways["step cpu"] == std::set<std::string>{"direct"});
+  for (const char* title : {"step, vulkan, static, in all", "step, vulkan, edited, in all", "build, cpu, last order"})
+    CHECK(outcome.text.find(title) != std::string::npos);
+  CHECK(std::filesystem::file_size(plot) > 20'000);
+}
+
+TEST_CASE("bench refuses a method or a back end that there is not, and measures only what it is told") {
+  CHECK(palpate("bench step --sizes 2000 --backend quantum").code == 2);
+  const Outcome wrong = palpate("bench step --sizes 2000 --method persistent");
+  CHECK(wrong.code == 2);
+  CHECK(wrong.text.find("two-step") != std::string::npos);
+  const Outcome brute = palpate("bench query --sizes 2000 --method brute --repeat 5");
+  CHECK(brute.code == 0);
+  CHECK(brute.text.find("brute") != std::string::npos);
+  CHECK(brute.text.find("fused") == std::string::npos);
 }
 
 }  // namespace palpate
