@@ -25,7 +25,6 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
     return contact;
   };
   for (const DVec3& hip : approach) ask(hip);
-  const std::size_t editsBefore = backend.editTimes_us().size();
   std::vector<double> gpu, wall;
   const Stopwatch session;
   repeatMeasurement(options, [&](std::int64_t i) {
@@ -36,9 +35,10 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
     if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);
   });
   backend.finish();
+  // One edit for each measured tick; what came before belongs to the approach.
   const auto& edits = backend.editTimes_us();
-  return {summarize(gpu), summarize(wall),
-          summarize({edits.begin() + static_cast<std::ptrdiff_t>(editsBefore), edits.end()})};
+  const auto measured = static_cast<std::ptrdiff_t>(std::min(wall.size(), edits.size()));
+  return {summarize(gpu), summarize(wall), summarize({edits.end() - measured, edits.end()})};
 }
 
 // A press that ends in contact, tick by tick.
