@@ -3,6 +3,7 @@
 #include <bit>
 #include <limits>
 
+#include "engine/cloud/placed_points.hpp"
 #include "engine/core/check.hpp"
 #include "engine/cuda/cuda_error.hpp"
 
@@ -29,20 +30,8 @@ LiveCopy::LiveCopy(const PointCloud& cloud, const Stream& stream)
 }
 
 std::size_t LiveCopy::readBack(PointCloud& cloud, const Stream& stream) const {
-  PALPATE_CHECK_EQ(cloud.size(), std::size_t{count_});
-  const auto positions = sides_[current_].positions.download(stream);
-  const auto normals = sides_[current_].normals.download(stream);
-  std::size_t moved = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
-    PALPATE_CHECK_LT(id, count_);
-    const Vec3 position(positions[i]);
-    if (position == cloud.positions[id]) continue;
-    ++moved;
-    cloud.positions[id] = position;
-    cloud.normals[id] = Vec3(normals[i]);
-  }
-  return moved;
+  const CloudSide& side = sides_[current_];
+  return takeBack(cloud, side.positions.download(stream), side.normals.download(stream));
 }
 
 }  // namespace palpate::cu

@@ -3,6 +3,7 @@
 #include <bit>
 #include <limits>
 
+#include "engine/cloud/placed_points.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 
@@ -34,20 +35,8 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud)
 }
 
 std::size_t LiveCloud::readBack(PointCloud& cloud) const {
-  PALPATE_CHECK_EQ(cloud.size(), std::size_t{count_});
-  const auto positions = download<Vec4>(device_, side().positions, count_);
-  const auto normals = download<Vec4>(device_, side().normals, count_);
-  std::size_t moved = 0;
-  for (std::uint32_t i = 0; i < count_; ++i) {
-    const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
-    PALPATE_CHECK_LT(id, count_);
-    const Vec3 position(positions[i]);
-    if (position == cloud.positions[id]) continue;
-    ++moved;
-    cloud.positions[id] = position;
-    cloud.normals[id] = Vec3(normals[i]);
-  }
-  return moved;
+  return takeBack(cloud, download<Vec4>(device_, side().positions, count_),
+                  download<Vec4>(device_, side().normals, count_));
 }
 
 }  // namespace palpate
