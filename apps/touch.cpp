@@ -137,6 +137,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
 
   PointCloud sculpted;
   if (push) sculpted = model.cloud;
+  const auto bridged = backend->bridgeTimes_us();
   TouchReport report{.points = model.cloud.size(),
                      .backend = options.backend.backend,
                      .machine = backend->machine(),
@@ -145,6 +146,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
                      .trace = summarize(result.trace),
                      .servo = servoReport(result),
                      .edit_us = summarize(backend->editTimes_us()),
+                     .bridge_us = summarize({bridged.begin(), bridged.end()}),
                      .shortfalls = backend->shortfalls(),
                      .movedPoints = push ? backend->readBack(sculpted) : 0,
                      .realtimePriority = result.realtimePriority,

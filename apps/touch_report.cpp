@@ -93,6 +93,10 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (withheld.errors + withheld.stale + withheld.hot)
     row("force held back", fmt::format("after {} errors, at {} ticks with old data and {} with hot motors",
                                        withheld.errors, withheld.stale, withheld.hot));
+  if (report.bridge_us.count)
+    row("late answers bridged",
+        fmt::format("p50 / p99.9 {:.1f} / {:.1f} us on the CPU, from the last patch of points{}", report.bridge_us.p50,
+                    report.bridge_us.p999, shortfalls.thinnedPatches ? "; some were thinned" : ""));
   if (shortfalls.editsTooSlow)
     row("edits left out",
         fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
@@ -138,11 +142,13 @@ Json toJson(const TouchReport& report) {
       {"interrupted", report.interrupted},
       {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
       {"thinned_ticks", report.shortfalls.thinnedTicks},
+      {"thinned_patches", report.shortfalls.thinnedPatches},
       {"truncated_ticks", report.shortfalls.truncatedTicks},
       {"radius_mm", report.radius_mm},
       {"cell_mm", report.cell_mm},
       {"spacing_mm", report.spacing_mm},
       {"mm_per_unit", report.mm_per_unit}};
+  if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
   if (report.edits) {
     json["edit_us"] = summary(report.edit_us);
     json["edit_ticks"] = report.edit_us.count;

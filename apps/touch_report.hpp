@@ -30,7 +30,7 @@ struct TouchReport {
   double build_us = 0;
   TraceSummary trace;
   ServoReport servo;
-  Summary edit_us;
+  Summary edit_us, bridge_us;
   TouchShortfalls shortfalls;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;

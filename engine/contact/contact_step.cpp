@@ -40,7 +40,7 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
       forms_(fusedForms(options, cells_)),
       step_(device, shader_code::contact_contact_step,
             {.workgroupSize = shared::kContactWorkgroup, .pushBytes = sizeof(shared::ContactStepArgs)}),
-      pose_(Buffer::of<shared::ContactPose>(device, 1, Memory::upload, "contact pose")),
+      pose_(Buffer::of<shared::ContactQuestion>(device, 1, Memory::upload, "contact pose")),
       state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "contact state")),
       sample_(Buffer::of<shared::ContactSample>(device, 1, Memory::readback, "contact sample")),
       spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")),
@@ -49,7 +49,7 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
   PALPATE_CHECK_LT(0.0, options.radius);
   PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
   upload(device, state_, std::vector<shared::ContactState>(1));
-  pose() = {};
+  question() = {};
   sample_.mapped<shared::ContactSample>()[0] = {};
 }
 

@@ -30,15 +30,15 @@ class ContactStep {
 
   /// Command lists to record ahead.
   std::uint32_t lists() const;
-  /// The run of these lists reads the pose that stands in pose() and leaves its answer in sample(). `logHead`: address
-  /// of a uint32 that is copied into the answer.
+  /// The run of these lists reads the question that stands in question() and leaves its answer in sample(). `logHead`:
+  /// address of a uint32 that is copied into the answer.
   void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead) const;
   std::uint32_t firstList() const;
   /// What runs after `list` has run; does the host's part between them.
   std::optional<std::uint32_t> nextList(std::uint32_t list) const;
 
   /// Host-written; valid for the next run.
-  shared::ContactPose& pose() const { return pose_.mapped<shared::ContactPose>()[0]; }
+  shared::ContactQuestion& question() const { return pose_.mapped<shared::ContactQuestion>()[0]; }
   /// Host-read, after a run.
   shared::ContactSample sample() const;
   /// Whether the answer to `tick` is there, whole; true some us before the driver knows that the run is over.

@@ -11,11 +11,21 @@
 
 namespace palpate {
 
+namespace {
+
+constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells from the grid's origin
+constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/cells.glsl
+
+}  // namespace
+
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {
-  constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells from the grid's origin
-  const double reach = 1.001 * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius;
+  const double reach = kMargin * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius;
   const double side = std::floor(2.0 * reach * static_cast<double>(grid.inverseCell) + kRounding) + 2.0;
   return static_cast<std::uint32_t>(std::min(side * side * side, static_cast<double>(shared::kPatchMaxCells)));
+}
+
+double widestReach(const shared::HashGrid& grid, std::uint32_t cellsPerSide) {
+  return (cellsPerSide - 2.0 - kRounding) / (2.0 * kMargin * static_cast<double>(grid.inverseCell));
 }
 
 std::uint32_t gatherRounds(std::uint32_t cells) {

@@ -32,6 +32,8 @@ class Gather {
 
 /// Cells of edge 1 / grid.inverseCell that one gather visits at most.
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius);
+/// The reach, model units, that a gather over so many cells a side has wherever it stands within them.
+double widestReach(const shared::HashGrid& grid, std::uint32_t cellsPerSide);
 /// Rounds that so many cells are looked at in.
 std::uint32_t gatherRounds(std::uint32_t cells);
 

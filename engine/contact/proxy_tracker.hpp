@@ -22,6 +22,23 @@ class ProxyTracker {
   /// `radius`: support radius, model units.
   explicit ProxyTracker(double radius) : radius_(radius) {}
 
+  /// What one tick leaves to the next.
+  struct Story {
+    bool started = false;  ///< false: there was no tick yet
+    bool touching = false;
+    std::uint32_t side = 0;  ///< shared::kSide...
+    DVec3 lastHip{0}, proxy{0};
+  };
+  Story story() const { return {started_, touching_, side_, lastHip_, proxy_}; }
+  /// The next tick goes on from here, whoever told it so far.
+  void goOnFrom(const Story& story) {
+    started_ = story.started;
+    touching_ = story.touching;
+    side_ = story.side;
+    lastHip_ = story.lastHip;
+    proxy_ = story.proxy;
+  }
+
   /// One tick.
   void follow(const SurfaceField& field, const DVec3& hip);
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct TouchShortfalls {
   std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
   std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent
   std::uint64_t thinnedTicks = 0;    ///< more points were near than a tick looks at
+  std::uint64_t thinnedPatches = 0;  ///< more were near than the host takes to bridge late answers
 };
 
 /// A cloud that can be touched and edited.
@@ -42,6 +44,9 @@ class TouchBackend : public ContactQuery {
   virtual double buildTime_us() const = 0;
   /// Time of each edit so far with its rebuild of the index, us, on the machine that answers.
   virtual const std::vector<double>& editTimes_us() const = 0;
+  /// Times on the CPU of the ticks that were answered there because the GPU was late, us; the first ones, where a
+  /// back end keeps them.
+  virtual std::span<const double> bridgeTimes_us() const { return {}; }
   /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
   virtual std::optional<double> firstEditTime_s() const = 0;
   virtual const TouchShortfalls& shortfalls() const = 0;

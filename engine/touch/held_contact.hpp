@@ -6,24 +6,38 @@
 
 namespace palpate {
 
-/// An answer is good for the first time without loss, and says nothing about where the hand is after the second.
+/// An answer from points that have changed since, or from beyond them, is good for the first time without loss, and
+/// says nothing about where the surface is after the second.
 constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 
-/// What the last answer says to a pose that got none of its own: the tangent plane at the last proxy, in full at first,
-/// then ever softer, and past kStalest_s not at all. Not fresh.
-inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
-  Contact contact{.proxy = pose.hip, .valid = true};
-  if (last.valid) contact.dataTime_s = lastPose.time_s;
-  const double age_s = pose.time_s - lastPose.time_s;
-  if (!last.valid || !last.touching || age_s > kStalest_s) return contact;
-  const double depth = glm::dot(last.proxy - pose.hip, last.normal);
-  if (depth <= 0) return contact;
-  const double softness = std::clamp((kStalest_s - age_s) / (kStalest_s - kStale_s), 0.0, 1.0);
-  contact.touching = true;
-  contact.proxy = pose.hip + softness * depth * last.normal;
-  contact.normal = last.normal;
-  contact.neighbours = last.neighbours;
+/// What is left of a force at an age: all of it up to `from_s`, then ever less, nothing from `to_s` on.
+inline double shareLeft(double age_s, double from_s, double to_s) {
+  return std::clamp((to_s - age_s) / (to_s - from_s), 0.0, 1.0);
+}
+
+/// The contact with a share of its spring from the HIP to the proxy; with none it touches nothing.
+inline Contact softened(Contact contact, const Pose& pose, double share) {
+  if (!contact.touching || share >= 1) return contact;
+  contact.touching = share > 0;
+  contact.proxy = share > 0 ? glm::mix(pose.hip, contact.proxy, share) : pose.hip;
   return contact;
+}
+
+/// What the last answer says to a pose that got none of its own: the tangent plane at the last proxy, softened by its
+/// age. Not fresh.
+inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
+  const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = last.valid ? lastPose.time_s : -1};
+  if (!last.valid || !last.touching) return free;
+  const double depth = glm::dot(last.proxy - pose.hip, last.normal);
+  if (depth <= 0) return free;
+  const Contact held{.proxy = pose.hip + depth * last.normal,
+                     .normal = last.normal,
+                     .touching = true,
+                     .valid = true,
+                     .neighbours = last.neighbours,
+                     .dataTime_s = lastPose.time_s};
+  const Contact contact = softened(held, pose, shareLeft(pose.time_s - lastPose.time_s, kStale_s, kStalest_s));
+  return contact.touching ? contact : free;
 }
 
 }  // namespace palpate

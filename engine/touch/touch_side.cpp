@@ -15,6 +15,8 @@ namespace palpate {
 
 namespace {
 
+constexpr double kLook_us = 1;  // a budget that lets no thread sleep
+
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireGpuMemory(device, cloud.size(), options.push.has_value());
@@ -25,6 +27,17 @@ HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
   return makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size(),
                       options.bucketKey);
+}
+
+// What the GPU finds beside its question. Places relative to the cloud's origin.
+shared::ContactState stateOf(const std::optional<ProxyTracker::Story>& story) {
+  if (!story) return {};
+  return {.lastHip = Vec3(story->lastHip),
+          .touching = story->touching ? 1u : 0u,
+          .spring = Vec3(story->proxy - story->lastHip),
+          .side = story->side,
+          .started = story->started ? 1u : 0u,
+          .unused = {}};
 }
 
 }  // namespace
@@ -40,6 +53,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                live_.count()),
       log_(device, options.push ? live_.count() : 0),
       refit_(device, options.push ? live_.count() : 0),
+      bridge_(device, hash_.grid(), origin_, options.radius, live_.count()),
       pace_(kStalest_s) {
   if (options.push) {
     push_.emplace(device, *options.push);
@@ -48,6 +62,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
   buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());
+    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.count()));
     if (push_)
       for (const SortMethod sort : {hash_.sort(), hash_.fallback()}) recordEdit(live_.parity(), sort);
     live_.flip();
@@ -91,11 +106,12 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     const Stopwatch watch;
-    // An answer that came too late for its own tick is taken in now; nothing new is asked while one is out.
-    if (asked_ && !answerWithin(budget_us)) return held(pose);
+    // Nothing new is asked while a question is out.
+    if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_.answer(pose);
     ask(pose);
-    if (!answerWithin(budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0)) return held(pose);
-    // Only a fresh answer edits: after an edit the next one waits until the hand has felt the last.
+    if (budget_us > 0) bridge_.renew(pose, live_.parity());
+    const double left_us = budget_us > 0 ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
+    if (!answerWithin(left_us, pose.time_s)) return bridge_.answer(pose);
     if (last_.valid) editIfYielding(budget_us > 0);
     return last_;
   } catch (...) {
@@ -104,17 +120,28 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
   }
 }
 
+bool TouchSide::lateAnswerIsIn(const Pose& pose, double budget_us) {
+  const bool behindEdit = asked_->behindEdit;
+  if (!answerWithin(budget_us > 0 ? kLook_us : 0, pose.time_s)) return false;
+  // After an edit the next one waits for an answer in time: until the hand has felt the last. Where no edit was in the
+  // way the GPU is slower than the ticks, and late answers are all there are.
+  if (budget_us > 0 && last_.valid && !behindEdit) editIfYielding(true);
+  return true;
+}
+
 void TouchSide::ask(const Pose& pose) {
   // The answer may have been seen some us before the driver lets its list run again.
   if (ended_) device_.touch().wait(*ended_, Wait::spin);
   if (ended_ && wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
-  contact_.pose() = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_};
+  contact_.question() = {.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_},
+                         .carried = stateOf(bridge_.newerStory())};
+  bridge_.handedOver();
   const std::uint32_t first = contact_.firstList();
   const Run run{live_.parity(), first, first};
-  asked_ = Asked{pose, run, device_.touch().submit(lastList(run))};
+  asked_ = Asked{pose, run, device_.touch().submit(lastList(run)), editInFlight_};
 }
 
-bool TouchSide::answerWithin(double budget_us) {
+bool TouchSide::answerWithin(double budget_us, double now_s) {
   const Stopwatch watch;
   while (true) {
     const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
@@ -147,12 +174,17 @@ bool TouchSide::answerWithin(double budget_us) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
+  bridge_.answered(last_, lastPose_, sample.flags >> shared::kSampleSideShift, now_s);
+  shortfalls_.thinnedPatches = bridge_.thinnedPatches();
   return true;
 }
 
 bool TouchSide::runEndsWithin(double budget_us) {
   Queue& queue = device_.touch();
-  if (wait_ != Wait::spin || !contact_.answers(asked_->run.last)) return queue.wait(asked_->ticket, wait_, budget_us);
+  if (wait_ != Wait::spin || !contact_.answers(asked_->run.last)) {
+    if (budget_us <= kLook_us && budget_us > 0) return queue.isDone(asked_->ticket);
+    return queue.wait(asked_->ticket, wait_, budget_us);
+  }
   // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
   // none will come.
   constexpr int kLooks = 256;
@@ -164,8 +196,6 @@ bool TouchSide::runEndsWithin(double budget_us) {
     if (budget_us > 0 && watch.elapsed_us() > budget_us) return false;
   }
 }
-
-Contact TouchSide::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
 
 void TouchSide::editIfYielding(bool realtime) {
   const double depth = glm::distance(last_.proxy, lastPose_.hip);
@@ -184,6 +214,7 @@ void TouchSide::editIfYielding(bool realtime) {
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
   editInFlight_ = true;
+  bridge_.edited(lastPose_.time_s);
   live_.flip();
 }
 
@@ -199,7 +230,7 @@ void TouchSide::collectEdit() {
 
 void TouchSide::finish() {
   if (failure_) std::rethrow_exception(failure_);
-  if (asked_) answerWithin(0);
+  if (asked_) answerWithin(0, lastPose_.time_s);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit();
 }

@@ -14,6 +14,7 @@
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/touch/edit_pace.hpp"
+#include "engine/touch/patch_bridge.hpp"
 
 namespace palpate {
 
@@ -33,7 +34,8 @@ struct TouchOptions {
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
 /// ahead (pose, gather, surface, proxy, answer); two where the query method brings the host in between. When the answer
 /// says that the surface yields, a second one is submitted that edits the points and builds the index anew; nobody
-/// waits for it but the next tick's query.
+/// waits for it but the next tick's query. While a question is out past its tick's budget, ticks are answered on the
+/// CPU from the patch of points that the GPU brought last.
 class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -41,7 +43,7 @@ class TouchSide final : public TouchBackend {
   TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options);
   ~TouchSide() override;
 
-  /// When the GPU is late, the last answer is held (heldContact), and `fresh` says so.
+  /// When the GPU is late, the last patch answers (PatchBridge), and `fresh` says so.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
@@ -56,6 +58,7 @@ class TouchSide final : public TouchBackend {
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
   double cell() const override { return 1.0 / static_cast<double>(hash_.grid().inverseCell); }
   /// The passes of a tick in order, edit included, with their last times.
   std::vector<PassRecord> passes() const;
@@ -70,14 +73,15 @@ class TouchSide final : public TouchBackend {
     Pose pose;
     Run run;
     Queue::Ticket ticket;
-    double gpu_us = 0;  // of the lists that have run
+    bool behindEdit = false;  // an edit was still under way
+    double gpu_us = 0;        // of the lists that have run
   };
   void ask(const Pose& pose);
   const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
-  // Takes the answer into last_ when it comes within the budget (0: whenever it comes).
-  bool answerWithin(double budget_us);
-  // What the last answer says to a pose that got none of its own.
-  Contact held(const Pose& pose) const;
+  // Takes the answer into last_ when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
+  bool answerWithin(double budget_us, double now_s);
+  // Takes in the answer to an earlier tick's question. False while that is still out.
+  bool lateAnswerIsIn(const Pose& pose, double budget_us);
   // Whether the list that was submitted last has done its part, as `wait_` looks at it (0: waits until it has).
   bool runEndsWithin(double budget_us);
   void recordQuery(std::uint32_t parity);
@@ -95,6 +99,7 @@ class TouchSide final : public TouchBackend {
   EditLog log_;
   std::optional<PushBrush> push_;
   RefitNormals refit_;
+  PatchBridge bridge_;
   // One for each side of the live cloud; an edit's also for each sort that its build may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
   std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> edits_;

@@ -121,6 +121,7 @@ void main() {
   answer.trackingSteps = trackingSteps;
   answer.logHead = args.logHead.at[0];
   answer.flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
+  answer.flags |= side << kSampleSideShift;
   args.result.at[0].spring = answer.spring;
   args.result.at[0].touching = answer.touching;
   args.result.at[0].normal = answer.normal;

@@ -15,7 +15,10 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Sp
 #include "shaders/shared/contact.h"
 #include "shaders/shared/gather.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses { ContactPose at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses {
+  ContactPose at[1];
+  ContactState carried;  // with the pose, the ContactQuestion
+};
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactStates { ContactState at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactSamples { ContactSample at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer GatherCells { GatherCell at[]; };

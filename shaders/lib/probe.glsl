@@ -18,11 +18,16 @@ struct Probe {
 Probe probeOf(ContactPoses pose, ContactStates state, float radius) {
   Probe probe;
   probe.hip = pose.at[0].hip;
-  const bool started = state.at[0].started != 0;
-  probe.lastHip = started ? state.at[0].lastHip - probe.hip : vec3(0.0);
-  probe.touching = started && state.at[0].touching != 0;
-  probe.side = started ? state.at[0].side : kSideUnknown;
-  probe.proxy = probe.touching ? state.at[0].spring + probe.lastHip : vec3(0.0);
+  const bool carried = pose.carried.started != 0;
+  const bool started = carried || state.at[0].started != 0;
+  const vec3 lastHip = carried ? pose.carried.lastHip : state.at[0].lastHip;
+  const uint touching = carried ? pose.carried.touching : state.at[0].touching;
+  const uint side = carried ? pose.carried.side : state.at[0].side;
+  const vec3 spring = carried ? pose.carried.spring : state.at[0].spring;
+  probe.lastHip = started ? lastHip - probe.hip : vec3(0.0);
+  probe.touching = started && touching != 0;
+  probe.side = started ? side : kSideUnknown;
+  probe.proxy = probe.touching ? spring + probe.lastHip : vec3(0.0);
   precise float way = length(probe.lastHip) / (kLongestStep * radius);
   probe.substeps = clamp(uint(ceil(min(way, float(kMaxSubsteps)))), 1u, kMaxSubsteps);
   return probe;

@@ -57,6 +57,15 @@ PALPATE_SIZE(ContactState, 48);
 
 const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
 const uint kSampleThinned = 2;    // more points were near than a step looks at; every so-manyth was taken
+const uint kSampleSideShift = 30;  // from this bit on: kSide... of the HIP
+
+// What the host writes before a tick. `carried`: where it has gone on from by itself since the last one, in its place;
+// not started: it has not.
+struct ContactQuestion {
+  ContactPose pose;
+  ContactState carried;
+};
+PALPATE_SIZE(ContactQuestion, 64);
 
 // What the host reads after a tick.
 struct ContactSample {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/compute_pipeline.hpp"
+#include "engine/spatial/hash_grid.hpp"
+#include "shaders/shared/patch.h"
+
+namespace palpate {
+
+/// The points around a place, as the live cloud had them. Model units, relative to the cloud's origin.
+struct CarriedPatch {
+  Vec3 centre{0};
+  double reach = 0;              ///< every point nearer than this to the centre is there
+  std::span<const Vec4> points;  ///< two for each point: position with the id's bits, normal
+  bool thinned = false;          ///< only every so-manyth point is there
+};
+
+/// The pass that brings the patch to the host. A command list of its own runs it when a new patch is wanted, so that no
+/// answer waits for it, and the list's fence says when the patch is whole.
+class PatchFetch {
+ public:
+  /// `grid`: of the hash that record() is going to see. `points`: how many the cloud may have. `radius`: support
+  /// radius, model units.
+  PatchFetch(Device& device, const HashGrid& grid, double radius, std::uint32_t points);
+
+  void record(CommandList& commands, const shared::CloudView& cloud) const;
+  /// Where the next run fetches; not while one is under way.
+  void aimAt(const Vec3& centre);
+  /// What the last run brought; until the next one begins.
+  CarriedPatch patch() const;
+
+ private:
+  double reach_;
+  ComputePipeline pass_;
+  Buffer centre_, patch_, near_;
+  Vec3 aim_{0};
+};
+
+}  // namespace palpate

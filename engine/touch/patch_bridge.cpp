@@ -1,0 +1,75 @@
+#include "engine/touch/patch_bridge.hpp"
+
+#include <utility>
+
+#include "engine/core/clock.hpp"
+#include "engine/gpu/device.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRenewal = 0.5;  // of the support radius: so far from its centre a patch is fetched anew
+constexpr std::size_t kAnswerTimesKept = 1 << 16;
+
+}  // namespace
+
+PatchBridge::PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, double radius, std::uint32_t points)
+    : device_(device), radius_(radius), origin_(origin), pass_(device, grid, radius, points), contact_(radius, origin) {
+  answerTimes_us_.reserve(kAnswerTimesKept);
+}
+
+void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud) {
+  auto& list = lists_[parity];
+  list = std::make_unique<CommandList>(device_, device_.touch(), "fetch patch");
+  list->begin();
+  pass_.record(*list, cloud);
+  list->end();
+}
+
+void PatchBridge::renew(const Pose& pose, std::uint32_t parity) {
+  takeIn();
+  const ProxyTracker::Story story = contact_.story();
+  const DVec3 place = story.touching ? story.proxy : pose.hip - origin_;
+  if (underWay_ || !wanted(place)) return;
+  pass_.aimAt(Vec3(place));
+  underWay_ = Fetch{device_.touch().submit(*lists_[parity]), pose.time_s, edits_};
+}
+
+bool PatchBridge::wanted(const DVec3& place) const {
+  return !taken_ || taken_->edits != edits_ || glm::distance(place, contact_.centre()) > kRenewal * radius_;
+}
+
+void PatchBridge::takeIn() {
+  if (!underWay_ || !device_.touch().isDone(underWay_->ticket)) return;
+  taken_ = std::exchange(underWay_, std::nullopt);
+  const CarriedPatch patch = pass_.patch();
+  // The first edit that it does not see came after it was asked for.
+  contact_.take(patch, taken_->edits == edits_ ? std::nullopt : std::optional(taken_->time_s));
+  thinnedPatches_ += patch.thinned;
+}
+
+void PatchBridge::edited(double time_s) {
+  ++edits_;
+  contact_.edited(time_s);
+}
+
+void PatchBridge::answered(const Contact& contact, const Pose& pose, std::uint32_t side, double now_s) {
+  contact_.heard(now_s);
+  // A late answer, where the CPU has gone on since it was asked for, comes from the past.
+  if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, side);
+}
+
+std::optional<ProxyTracker::Story> PatchBridge::newerStory() const {
+  return contact_.isAhead() ? std::optional(contact_.story()) : std::nullopt;
+}
+
+Contact PatchBridge::answer(const Pose& pose) noexcept {
+  const Stopwatch watch;
+  takeIn();
+  const Contact contact = contact_.answer(pose);
+  if (answerTimes_us_.size() < answerTimes_us_.capacity()) answerTimes_us_.push_back(watch.elapsed_us());
+  return contact;
+}
+
+}  // namespace palpate

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+
+#include "engine/contact/patch_fetch.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/touch/patch_contact.hpp"
+
+namespace palpate {
+
+class Device;
+
+/// Bridges late answers of the GPU: keeps a patch of the live cloud on the host, fetched anew where the probe goes and
+/// after every edit, and answers from it. A fetch runs on the touch queue behind the question that was just asked; the
+/// host copies it once its fence says that it is whole, and only then asks for another.
+class PatchBridge {
+ public:
+  /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates. `radius`: support
+  /// radius, model units.
+  PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, double radius, std::uint32_t points);
+
+  /// Records the fetch for one side of the live cloud.
+  void record(std::uint32_t parity, const shared::CloudView& cloud);
+
+  /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
+  /// so that the host's part is done while the GPU works on that.
+  void renew(const Pose& pose, std::uint32_t parity);
+  /// An edit was submitted at `time_s`.
+  void edited(double time_s);
+  /// The GPU's answer to `pose`, taken in at `now_s`; `side`: shared::kSide...
+  void answered(const Contact& contact, const Pose& pose, std::uint32_t side, double now_s);
+
+  /// For a tick whose own answer is late.
+  Contact answer(const Pose& pose) noexcept;
+
+  /// What the GPU has to go on from at its next question, when that is not its own last answer.
+  std::optional<ProxyTracker::Story> newerStory() const;
+  /// It was told so, or there was nothing to tell.
+  void handedOver() { contact_.handedOver(); }
+
+  /// Times of answer(), us; as many as are kept.
+  const std::vector<double>& answerTimes_us() const { return answerTimes_us_; }
+  std::uint64_t thinnedPatches() const { return thinnedPatches_; }
+
+ private:
+  struct Fetch {
+    Queue::Ticket ticket = 0;
+    double time_s = 0;        // of the pose that it was asked for
+    std::uint64_t edits = 0;  // that it sees
+  };
+  void takeIn();
+  bool wanted(const DVec3& place) const;
+
+  Device& device_;
+  double radius_;
+  DVec3 origin_;
+  PatchFetch pass_;
+  std::array<std::unique_ptr<CommandList>, 2> lists_;
+  PatchContact contact_;
+  std::optional<Fetch> underWay_, taken_;
+  std::uint64_t edits_ = 0;  // submitted so far
+  std::uint64_t thinnedPatches_ = 0;
+  std::vector<double> answerTimes_us_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,95 @@
+#include "engine/touch/patch_contact.hpp"
+
+#include <algorithm>
+
+#include "engine/contact/patch_fetch.hpp"
+#include "engine/touch/held_contact.hpp"
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+PatchContact::PatchContact(double radius, const DVec3& origin) : radius_(radius), origin_(origin), tracker_(radius) {
+  points_.reserve(shared::kMostCarriedPoints);
+  near_.reserve(shared::kMostCarriedPoints);
+}
+
+void PatchContact::take(const CarriedPatch& patch, std::optional<double> missingSince_s) {
+  const std::size_t count = std::min<std::size_t>(patch.points.size() / 2, shared::kMostCarriedPoints);
+  points_.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 position(patch.points[2 * i]), normal(patch.points[2 * i + 1]);
+    if (isFinite(position) && isFinite(normal)) points_.push_back({DVec3(position), normal});
+  }
+  centre_ = DVec3(patch.centre);
+  reach_ = patch.reach;
+  missingSince_s_ = missingSince_s;
+  gathered_ = false;
+}
+
+void PatchContact::edited(double time_s) {
+  if (!missingSince_s_) missingSince_s_ = time_s;
+}
+
+void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, std::uint32_t side) {
+  last_ = contact;
+  lastPose_ = pose;
+  ahead_ = false;
+  if (contact.valid)
+    tracker_.goOnFrom({.started = true,
+                       .touching = contact.touching,
+                       .side = side,
+                       .lastHip = pose.hip - origin_,
+                       .proxy = contact.proxy - origin_});
+}
+
+Contact PatchContact::answer(const Pose& pose) noexcept {
+  if (!isFinite(pose.hip)) return {.proxy = pose.hip};
+  const ProxyTracker::Story before = tracker_.story();
+  crossedBorder_ = false;
+  tracker_.follow(*this, pose.hip - origin_);
+  const SurfaceSample& surface = tracker_.surface();
+  if (crossedBorder_ || !isFinite(tracker_.proxy()) || !isFinite(surface.normal)) {
+    tracker_.goOnFrom(before);
+    return softened(heldContact(last_, lastPose_, pose), pose, trust(pose.time_s));
+  }
+  ahead_ = true;
+  last_ = {.proxy = tracker_.touching() ? tracker_.proxy() + origin_ : pose.hip,
+           .normal = surface.normal,
+           .touching = tracker_.touching(),
+           .valid = true,
+           .neighbours = surface.neighbours};
+  lastPose_ = pose;
+  return softened(last_, pose, trust(pose.time_s));
+}
+
+double PatchContact::trust(double time_s) const {
+  const double edits = missingSince_s_ ? shareLeft(time_s - *missingSince_s_, kStale_s, kStalest_s) : 1;
+  return std::min(edits, shareLeft(time_s - heard_s_, kSilent_s, kMostSilent_s));
+}
+
+SurfaceSample PatchContact::surface(const DVec3& x) const {
+  if (needsMore(x)) {
+    crossedBorder_ = true;
+    return {};
+  }
+  if (!gathered_ || glm::distance(x, nearCentre_) > static_cast<double>(shared::kPatchSlack) * radius_) gatherAround(x);
+  SurfaceSums sums(radius_);
+  for (const Point& point : near_) {
+    const DVec3 offset = point.position - x;
+    if (glm::dot(offset, offset) < radius_ * radius_) sums.add(offset, point.normal);
+  }
+  return sums.sample();
+}
+
+void PatchContact::gatherAround(const DVec3& x) const {
+  const double reach = (1.0 + static_cast<double>(shared::kPatchSlack)) * radius_;
+  near_.clear();
+  for (const Point& point : points_) {
+    const DVec3 offset = point.position - x;
+    if (glm::dot(offset, offset) < reach * reach) near_.push_back(point);
+  }
+  nearCentre_ = x;
+  gathered_ = true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/contact/proxy_tracker.hpp"
+#include "engine/core/contact_query.hpp"
+#include "shaders/shared/patch.h"
+
+namespace palpate {
+
+struct CarriedPatch;
+
+/// Without a word from whoever holds the cloud, the patch is trusted in full for the first time and not at all after
+/// the second. An unedited cloud does not change: this is for a GPU that hangs.
+constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
+
+/// Answers poses on the CPU from the last patch of points, in double precision: the same surface and the same proxy as
+/// the GPU's, going on from the GPU's last answer. For a tick whose own answer is late. Allocates nothing after it was
+/// made.
+///
+/// Force ends softly where the patch does: past its border on the tangent plane of the last proxy within (heldContact),
+/// kStale_s to kStalest_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last word.
+class PatchContact final : private SurfaceField {
+ public:
+  /// `radius`: support radius, model units. `origin`: of the cloud, in the poses' coordinates.
+  PatchContact(double radius, const DVec3& origin);
+
+  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on.
+  void take(const CarriedPatch& patch, std::optional<double> missingSince_s);
+  /// An edit that the patch knows nothing of began at `time_s`.
+  void edited(double time_s);
+  /// Whoever holds the cloud was there at `time_s`.
+  void heard(double time_s) { heard_s_ = time_s; }
+  /// The answer to `pose` from whoever holds the cloud; the next one goes on from here. `side`: shared::kSide...
+  void goOnFrom(const Contact& contact, const Pose& pose, std::uint32_t side);
+
+  /// Not fresh.
+  Contact answer(const Pose& pose) noexcept;
+
+  /// What answer() and goOnFrom() have come to.
+  ProxyTracker::Story story() const { return tracker_.story(); }
+  /// Whether answer() has gone on since the last goOnFrom() or handedOver().
+  bool isAhead() const { return ahead_; }
+  /// The story so far is told to whoever holds the cloud.
+  void handedOver() { ahead_ = false; }
+  /// Whether a surface at `x`, relative to the cloud's origin, needs points from beyond the patch.
+  bool needsMore(const DVec3& x) const { return !(glm::distance(x, centre_) + radius_ <= reach_); }
+  /// Where the patch is, relative to the cloud's origin.
+  const DVec3& centre() const { return centre_; }
+
+ private:
+  struct Point {
+    DVec3 position;  // relative to the cloud's origin
+    Vec3 normal;
+  };
+  SurfaceSample surface(const DVec3& x) const override;
+  void gatherAround(const DVec3& x) const;
+  double trust(double time_s) const;
+
+  double radius_;
+  DVec3 origin_;
+  ProxyTracker tracker_;
+  std::vector<Point> points_;
+  DVec3 centre_{0};
+  double reach_ = 0;
+  std::optional<double> missingSince_s_;
+  double heard_s_ = 0;
+  Contact last_;  // that the story goes on from
+  Pose lastPose_;
+  bool ahead_ = false;
+  // What surface() works with: the points around the place that it looked at last, and whether it was asked for one
+  // past the border.
+  mutable std::vector<Point> near_;
+  mutable DVec3 nearCentre_{0};
+  mutable bool gathered_ = false, crossedBorder_ = false;
+};
+
+}  // namespace palpate

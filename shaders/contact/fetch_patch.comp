@@ -1,0 +1,52 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Fetches the patch of points around a place for the host, as they stand in the live cloud. One workgroup.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/patch.glsl"
+
+layout(buffer_reference) buffer FetchedPatch;
+// Written and read by different invocations.
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer NearPoints { uint at[]; };
+#include "shaders/shared/patch.h"
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FetchedPatch {
+  CarriedHead head;
+  vec4 points[];
+};
+
+layout(push_constant, scalar) uniform Push { PatchFetchArgs args; };
+
+void main() {
+  const vec3 centre = args.centre.at[0].xyz;
+  const CellBox box = boxAround(args.cloud, centre, args.reach, args.mostCells);
+  uint near = 0;
+  bool thinned = false;
+  for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
+    uint inCell;
+    const uint total = loadRound(args.cloud, box, first, inCell);
+    const uint stride = strideOf(total, kPatchRoundCandidates);
+    const uint taken = takenOf(total, stride);
+    thinned = thinned || stride > 1;
+    for (uint base = 0; base < taken; base += kContactWorkgroup) {
+      const uint k = base + scanIndex();
+      Candidate candidate = Candidate(false, 0, vec3(0.0));
+      if (k < taken) candidate = candidateAt(args.cloud, box, first, k * stride, centre, vec3(0.0), args.reach);
+      uint kept;
+      const uint place = near + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
+      if (candidate.kept) args.near.at[place] = candidate.point;
+      near += kept;
+    }
+    barrier();
+  }
+  memoryBarrierBuffer();
+  barrier();
+  const uint stride = strideOf(near, kMostCarriedPoints);
+  const uint count = takenOf(near, stride);
+  for (uint i = scanIndex(); i < count; i += kContactWorkgroup) {
+    const uint point = args.near.at[i * stride];
+    args.fetched.points[2 * i] = args.cloud.positions.at[point];
+    args.fetched.points[2 * i + 1] = args.cloud.normals.at[point];
+  }
+  if (gl_LocalInvocationIndex != 0) return;
+  args.fetched.head.count = count;
+  args.fetched.head.thinned = thinned || stride > 1 ? 1 : 0;
+}
