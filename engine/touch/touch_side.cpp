@@ -1,6 +1,8 @@
 #include "engine/touch/touch_side.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -16,6 +18,7 @@ namespace palpate {
 namespace {
 
 constexpr double kLook_us = 1;  // a budget that lets no thread sleep
+constexpr double kNap_us = 40;  // between looks, where spinning would starve the driver
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
@@ -108,7 +111,8 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
     const Stopwatch watch;
     // Nothing new is asked while a question is out.
     if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_.answer(pose);
-    ask(pose);
+    if (budget_us > 0 && !mayAsk()) return bridge_.answer(pose);
+    ask(pose, budget_us > 0);
     if (budget_us > 0) bridge_.renew(pose, live_.parity());
     const double left_us = budget_us > 0 ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
     if (!answerWithin(left_us, pose.time_s)) return bridge_.answer(pose);
@@ -129,10 +133,16 @@ bool TouchSide::lateAnswerIsIn(const Pose& pose, double budget_us) {
   return true;
 }
 
-void TouchSide::ask(const Pose& pose) {
+bool TouchSide::mayAsk() const {
+  // Some us after the answer was seen; where spinning starves the driver they are not waited for.
+  return wait_ == Wait::spin || !ended_ || device_.touch().isDone(*ended_);
+}
+
+void TouchSide::ask(const Pose& pose, bool realtime) {
   // The answer may have been seen some us before the driver lets its list run again.
   if (ended_) device_.touch().wait(*ended_, Wait::spin);
-  if (ended_ && wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
+  if (ended_ && seenEarly_) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
+  seenEarly_ = wait_ == Wait::spin || realtime;
   contact_.question() = {.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_},
                          .carried = stateOf(bridge_.newerStory())};
   bridge_.handedOver();
@@ -152,7 +162,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
       asked_->run.last = *next;
       asked_->ticket = device_.touch().submit(lastList(asked_->run));
     }
-    if (next || wait_ != Wait::spin) asked_->gpu_us += ran.sectionTime_us("contact");
+    if (next || !seenEarly_) asked_->gpu_us += ran.sectionTime_us("contact");
     if (!next) break;
   }
   const Asked asked = *asked_;
@@ -160,7 +170,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
   ended_ = asked.ticket;
   lastQuery_ = asked.run;
   // Seen in memory, an answer comes before its time does: then it tells that of the run before.
-  const double time_us = wait_ == Wait::spin ? std::exchange(lastTime_us_, asked.gpu_us) : asked.gpu_us;
+  const double time_us = seenEarly_ ? std::exchange(lastTime_us_, asked.gpu_us) : asked.gpu_us;
   const shared::ContactSample sample = contact_.sample();
   collectEdit();
   log_.publish(sample.logHead);
@@ -181,19 +191,23 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
 
 bool TouchSide::runEndsWithin(double budget_us) {
   Queue& queue = device_.touch();
-  if (wait_ != Wait::spin || !contact_.answers(asked_->run.last)) {
-    if (budget_us <= kLook_us && budget_us > 0) return queue.isDone(asked_->ticket);
-    return queue.wait(asked_->ticket, wait_, budget_us);
-  }
+  const bool answers = contact_.answers(asked_->run.last);
+  // In real time a thread that may not spin naps: asleep in the driver it would wait for the driver's own threads, which
+  // have no priority over anybody.
+  const bool naps = wait_ != Wait::spin && budget_us > 0;
+  if (!naps && (wait_ != Wait::spin || !answers)) return queue.wait(asked_->ticket, wait_, budget_us);
   // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
-  // none will come.
+  // none will come, but may hold us up.
   constexpr int kLooks = 256;
+  const bool asksDriver = !naps || !answers || budget_us <= kLook_us;
   const Stopwatch watch;
   while (true) {
-    for (int look = 0; look < kLooks; ++look)
+    for (int look = 0; answers && look < (naps ? 1 : kLooks); ++look)
       if (contact_.hasAnswered(tick_)) return true;
-    if (queue.isDone(asked_->ticket)) return true;
-    if (budget_us > 0 && watch.elapsed_us() > budget_us) return false;
+    if (asksDriver && queue.isDone(asked_->ticket)) return true;
+    const double left_us = budget_us > 0 ? budget_us - watch.elapsed_us() : kNap_us;
+    if (left_us <= kLook_us) return false;
+    if (naps) std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(std::min(kNap_us, left_us)));
   }
 }
 

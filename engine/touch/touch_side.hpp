@@ -76,7 +76,8 @@ class TouchSide final : public TouchBackend {
     bool behindEdit = false;  // an edit was still under way
     double gpu_us = 0;        // of the lists that have run
   };
-  void ask(const Pose& pose);
+  bool mayAsk() const;
+  void ask(const Pose& pose, bool realtime);
   const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
   // Takes the answer into last_ when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
   bool answerWithin(double budget_us, double now_s);
@@ -111,6 +112,7 @@ class TouchSide final : public TouchBackend {
   bool editInFlight_ = false;
   Queue::Ticket editTicket_ = 0;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered
+  bool seenEarly_ = false;              // the answer of that one, maybe before its time on the GPU was known
   double lastTime_us_ = 0;              // on the GPU, of its lists whose time is known
   std::vector<double> editTimes_us_;
   EditPace pace_;
