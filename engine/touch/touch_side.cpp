@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "engine/core/clock.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/touch/held_contact.hpp"
@@ -141,14 +140,17 @@ bool TouchSide::mayAsk() const {
 void TouchSide::ask(const Pose& pose, bool realtime) {
   // The answer may have been seen some us before the driver lets its list run again.
   if (ended_) device_.touch().wait(*ended_, Wait::spin);
-  if (ended_ && seenEarly_) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
-  seenEarly_ = wait_ == Wait::spin || realtime;
+  if (ended_ && wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
   contact_.question() = {.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_},
                          .carried = stateOf(bridge_.newerStory())};
   bridge_.handedOver();
   const std::uint32_t first = contact_.firstList();
   const Run run{live_.parity(), first, first};
-  asked_ = Asked{pose, run, device_.touch().submit(lastList(run)), editInFlight_};
+  asked_ = Asked{.pose = pose,
+                 .run = run,
+                 .ticket = device_.touch().submit(lastList(run)),
+                 .behindEdit = editInFlight_,
+                 .timed = wait_ == Wait::spin || !realtime};
 }
 
 bool TouchSide::answerWithin(double budget_us, double now_s) {
@@ -162,7 +164,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
       asked_->run.last = *next;
       asked_->ticket = device_.touch().submit(lastList(asked_->run));
     }
-    if (next || !seenEarly_) asked_->gpu_us += ran.sectionTime_us("contact");
+    if (asked_->timed && (next || wait_ != Wait::spin)) asked_->gpu_us += ran.sectionTime_us("contact");
     if (!next) break;
   }
   const Asked asked = *asked_;
@@ -170,9 +172,9 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
   ended_ = asked.ticket;
   lastQuery_ = asked.run;
   // Seen in memory, an answer comes before its time does: then it tells that of the run before.
-  const double time_us = seenEarly_ ? std::exchange(lastTime_us_, asked.gpu_us) : asked.gpu_us;
+  const double time_us = wait_ == Wait::spin ? std::exchange(lastTime_us_, asked.gpu_us) : asked.gpu_us;
   const shared::ContactSample sample = contact_.sample();
-  collectEdit();
+  collectEdit(asked.timed);
   log_.publish(sample.logHead);
   shortfalls_.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
   shortfalls_.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
@@ -192,8 +194,8 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
 bool TouchSide::runEndsWithin(double budget_us) {
   Queue& queue = device_.touch();
   const bool answers = contact_.answers(asked_->run.last);
-  // In real time a thread that may not spin naps: asleep in the driver it would wait for the driver's own threads, which
-  // have no priority over anybody.
+  // In real time a thread that may not spin naps: asleep in the driver it would wait for the driver's own threads,
+  // which have no priority over anybody.
   const bool naps = wait_ != Wait::spin && budget_us > 0;
   if (!naps && (wait_ != Wait::spin || !answers)) return queue.wait(asked_->ticket, wait_, budget_us);
   // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
@@ -228,15 +230,16 @@ void TouchSide::editIfYielding(bool realtime) {
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
   editInFlight_ = true;
+  sinceEdit_ = Stopwatch();
   bridge_.edited(lastPose_.time_s);
   live_.flip();
 }
 
-void TouchSide::collectEdit() {
+void TouchSide::collectEdit(bool timed) {
   // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
   if (!editInFlight_) return;
   device_.touch().wait(editTicket_, Wait::spin);
-  const double time_us = lastEdit_->sectionTime_us("edit");
+  const double time_us = timed ? lastEdit_->sectionTime_us("edit") : sinceEdit_.elapsed_us();
   pace_.took(editTime_s_, time_us * 1e-6);
   editInFlight_ = false;
   if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
@@ -246,7 +249,7 @@ void TouchSide::finish() {
   if (failure_) std::rethrow_exception(failure_);
   if (asked_) answerWithin(0, lastPose_.time_s);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
-  collectEdit();
+  collectEdit(true);
 }
 
 std::vector<PassRecord> TouchSide::passes() const {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "engine/contact/contact_step.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/push_brush.hpp"
@@ -74,6 +75,7 @@ class TouchSide final : public TouchBackend {
     Run run;
     Queue::Ticket ticket;
     bool behindEdit = false;  // an edit was still under way
+    bool timed = true;        // on the GPU; a driver that needs our cores may wait for all its work to tell a time
     double gpu_us = 0;        // of the lists that have run
   };
   bool mayAsk() const;
@@ -88,7 +90,8 @@ class TouchSide final : public TouchBackend {
   void recordQuery(std::uint32_t parity);
   void recordEdit(std::uint32_t parity, SortMethod sort);
   void editIfYielding(bool realtime);
-  void collectEdit();
+  // Not timed: takes the time until now for the edit's.
+  void collectEdit(bool timed);
 
   Device& device_;
   TouchOptions options_;
@@ -111,8 +114,8 @@ class TouchSide final : public TouchBackend {
   double buildTime_us_ = 0;
   bool editInFlight_ = false;
   Queue::Ticket editTicket_ = 0;
+  Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered
-  bool seenEarly_ = false;              // the answer of that one, maybe before its time on the GPU was known
   double lastTime_us_ = 0;              // on the GPU, of its lists whose time is known
   std::vector<double> editTimes_us_;
   EditPace pace_;
