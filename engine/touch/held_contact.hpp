@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// An answer from points that have changed since, or from beyond them, is good for the first time without loss, and
-/// says nothing about where the surface is after the second.
+/// The tangent plane of an answer is good for the first time without loss, and says nothing about where the surface is
+/// after the second.
 constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 
 /// What is left of a force at an age: all of it up to `from_s`, then ever less, nothing from `to_s` on.

@@ -63,7 +63,7 @@ Contact PatchContact::answer(const Pose& pose) noexcept {
 }
 
 double PatchContact::trust(double time_s) const {
-  const double edits = missingSince_s_ ? shareLeft(time_s - *missingSince_s_, kStale_s, kStalest_s) : 1;
+  const double edits = missingSince_s_ ? shareLeft(time_s - *missingSince_s_, kOutdated_s, kMostOutdated_s) : 1;
   return std::min(edits, shareLeft(time_s - heard_s_, kSilent_s, kMostSilent_s));
 }
 

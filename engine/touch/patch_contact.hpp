@@ -11,8 +11,11 @@ namespace palpate {
 
 struct CarriedPatch;
 
-/// Without a word from whoever holds the cloud, the patch is trusted in full for the first time and not at all after
-/// the second. An unedited cloud does not change: this is for a GPU that hangs.
+// A patch is trusted in full for the first of two times and not at all after the second.
+/// Since an edit that it knows nothing of, which moves a point by a quarter of a support radius at most. An edit in real time
+/// takes no longer than the first (EditPace), or others wait.
+constexpr double kOutdated_s = 0.02, kMostOutdated_s = 0.04;
+/// Since the last word from whoever holds the cloud. An unedited cloud does not change: this is for a GPU that hangs.
 constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
 
 /// Answers poses on the CPU from the last patch of points, in double precision: the same surface and the same proxy as
@@ -20,7 +23,7 @@ constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
 /// made.
 ///
 /// Force ends softly where the patch does: past its border on the tangent plane of the last proxy within (heldContact),
-/// kStale_s to kStalest_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last word.
+/// kOutdated_s to kMostOutdated_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last word.
 class PatchContact final : private SurfaceField {
  public:
   /// `radius`: support radius, model units. `origin`: of the cloud, in the poses' coordinates.
