@@ -57,7 +57,8 @@ Contact PatchContact::answer(const Pose& pose) noexcept {
            .normal = surface.normal,
            .touching = tracker_.touching(),
            .valid = true,
-           .neighbours = surface.neighbours};
+           .neighbours = surface.neighbours,
+           .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are as good as new
   lastPose_ = pose;
   return softened(last_, pose, trust(pose.time_s));
 }
