@@ -24,7 +24,13 @@ BucketKey bucketKey(const BackendOptions& options) {
 }
 
 TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
-  TouchOptions touch{.radius = supportRadius(options.radius, model), .cell = cellFor(model, options), .push = push};
+  const SurfaceOptions surface = surfaceOptions(model, options);
+  TouchOptions touch{.radius = surface.radius,
+                     .cell = cellFor(model, options),
+                     .surface = surface.kind,
+                     .localRadius = surface.localRadius,
+                     .friction = options.friction,
+                     .push = push};
   touch.bucketKey = bucketKey(options);
   for (const auto& [name, method] : kQueryMethods)
     if (options.method == name) touch.method = method;
@@ -53,7 +59,16 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
                  "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
                  "two-step, counts first and the host launches; brute, looks at every point; with cuda " +
                      fmt::format("{}", fmt::join(cudaMethods(), ", ")));
-  choice("--surface", options.surface, {"average"}, "what the points define: average, weighted position and normal");
+  std::vector<std::string> surfaces;
+  for (const auto& [name, kind] : kSurfaceKinds) surfaces.emplace_back(name);
+  sub.add_option("--surface", options.surface,
+                 "what the points define: sharp (default), a sphere that fits places and normals and keeps edges; "
+                 "sphere, the same without a sense for edges, in a third of the time; average, weighted position and "
+                 "normal, which sinks into curvature (the only one of cuda)")
+      ->check(CLI::IsMember(std::move(surfaces)));
+  sub.add_option("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
+      ->check(notNegative())
+      ->capture_default_str();
   choice("--index", options.index, {"rebuild"}, "how the index follows an edit: rebuild, whole and in the same tick");
   addIndexOptions(sub, options);
 }
@@ -72,7 +87,8 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
                "bit-identical results run after run; virtual time is so in any case");
   sub.add_option("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")
       ->check(CLI::IsMember({"spin", "poll", "block"}));
-  sub.add_option("--radius", options.radius, "support radius of the surface, mm, or auto (4 spacings)")
+  sub.add_option("--radius", options.radius,
+                 "support radius of the surface, mm, or auto (4 spacings, place by place where they differ)")
       ->capture_default_str();
   auto* cell = sub.add_option("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
                    ->check(positive());
@@ -96,6 +112,10 @@ void checkBackendOptions(const BackendOptions& options) {
   if (!options.method.empty() && std::ranges::find(methods, options.method) == methods.end())
     throw UsageError("--method: {} is none of --backend {}, which has {}", options.method, options.backend,
                      fmt::join(methods, ", "));
+  if (options.backend == "cuda" && !options.surface.empty() && options.surface != "average")
+    throw UsageError("--surface: --backend cuda has only average; take vulkan or cpu for {}", options.surface);
+  if (options.backend == "cuda" && options.friction > 0)
+    throw UsageError("--friction: --backend cuda has none; take vulkan or cpu");
   if (options.backend == "vulkan") return;
   if (!options.wait.empty()) throw UsageError("--wait: only --backend vulkan can be told how to wait");
   if (options.timePasses) throw UsageError("--print-tick: only --backend vulkan knows its passes");
@@ -106,6 +126,19 @@ std::string methodName(const BackendOptions& options) {
   return options.backend == "cpu" ? "direct" : "fused";
 }
 
+SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options) {
+  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too large.
+  constexpr double kUneven = 1.4, kWidest = 4;
+  const bool cuda = options.backend == "cuda";
+  SurfaceOptions surface{.radius = supportRadius(options.radius, model),
+                         .kind = cuda ? SurfaceKind::average : SurfaceKind::sharp};
+  for (const auto& [name, kind] : kSurfaceKinds)
+    if (options.surface == name) surface.kind = kind;
+  surface.localRadius = options.radius == "auto" && !cuda && model.wideSpacing > kUneven * model.spacing;
+  if (surface.localRadius) surface.radius *= std::min(kWidest, model.wideSpacing / model.spacing);
+  return surface;
+}
+
 std::string machineOf(Context& context, std::string_view backend) {
   if (backend == "cpu") return fmt::format("{}, {} threads", processorName(), threadCount(context.threads()));
   if (backend == "cuda") return cudaMachine();
@@ -113,7 +146,7 @@ std::string machineOf(Context& context, std::string_view backend) {
 }
 
 HashGrid gridFor(const Model& model, const BackendOptions& options) {
-  const double radius = supportRadius(options.radius, model);
+  const double radius = surfaceOptions(model, options).radius;
   const double cell = cellFor(model, options);
   return makeHashGrid(Vec3(boundsOf(model.cloud).min), std::max(cell > 0 ? cell : radius, smallestCell(radius)),
                       model.cloud.size(), bucketKey(options));
@@ -121,12 +154,17 @@ HashGrid gridFor(const Model& model, const BackendOptions& options) {
 
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
                                           const std::optional<PushOptions>& push) {
-  if (options.backend == "cpu")
-    return std::make_unique<CpuTouch>(model.cloud, CpuTouchOptions{.radius = supportRadius(options.radius, model),
+  if (options.backend == "cpu") {
+    const SurfaceOptions surface = surfaceOptions(model, options);
+    return std::make_unique<CpuTouch>(model.cloud, CpuTouchOptions{.radius = surface.radius,
                                                                    .cell = cellFor(model, options),
                                                                    .bucketKey = bucketKey(options),
+                                                                   .surface = surface.kind,
+                                                                   .localRadius = surface.localRadius,
+                                                                   .friction = options.friction,
                                                                    .push = push,
                                                                    .threads = context.threads()});
+  }
   const TouchOptions touch = touchOptions(model, options, push);
   if (options.backend == "cuda") return makeCudaBackend(model, touch, methodName(options));
   return std::make_unique<TouchSide>(context.device(), model.cloud, touch);

@@ -2,16 +2,18 @@
 #pragma once
 
 #include "apps/model.hpp"
+#include "engine/contact/surface_reference.hpp"
 #include "engine/touch/touch_side.hpp"
 
 namespace palpate {
 
 struct BackendOptions {
-  std::string backend = "vulkan", surface = "average", index = "rebuild", bucketKey = "teschner", sort = "auto";
-  std::string method, wait;  ///< empty: the back end's own choice
+  std::string backend = "vulkan", index = "rebuild", bucketKey = "teschner", sort = "auto";
+  std::string method, surface, wait;  ///< empty: the back end's own choice
   bool deterministic = false, realtime = false;
   std::string radius = "auto";
   double cell_mm = 0, grid = 0;
+  double friction = 0;
   bool timePasses = false;
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);
@@ -24,6 +26,9 @@ std::vector<std::string> methodChoices(std::string_view backend);
 void checkBackendOptions(const BackendOptions& options);
 /// The method that is used.
 std::string methodName(const BackendOptions& options);
+
+/// The surface and the support radius that the options ask for.
+SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options);
 
 /// The machine that a back end runs on, in words.
 std::string machineOf(Context& context, std::string_view backend);

@@ -13,7 +13,9 @@ namespace palpate {
 namespace {
 
 Subject loadSubject(Context& context, const std::string& file) {
-  return {std::filesystem::path(file).stem().string(), loadModel(context, {.file = file})};
+  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file})};
+  subject.model.wideSpacing = subject.model.spacing;  // every back end gets the same radius
+  return subject;
 }
 
 Subject makeSubject(Context& context, std::size_t count) {
@@ -145,6 +147,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
       "haptic tick)");
   auto options = std::make_shared<BenchOptions>();
+  options->backend.surface = "average";  // which every back end has
   sub->add_option("names", options->names, "build, sort, query, step")
       ->required()
       ->check(CLI::IsMember({"build", "sort", "query", "step"}))

@@ -106,7 +106,7 @@ BenchRecord recordOf(const char* bench, const BackendOptions& way, const char* i
 
 void benchQuery(Context& context, const Subject& subject, const BenchOptions& options,
                 std::vector<BenchRecord>& records) {
-  const double radius = supportRadius(options.backend.radius, subject.model);
+  const double radius = surfaceOptions(subject.model, options.backend).radius;
   const DVec3 hip = placeAbove(subject.model, radius);
   forEachMethod(options, [&](const BackendOptions& way) {
     const auto backend = makeBackend(context, subject.model, way, std::nullopt);

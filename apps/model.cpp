@@ -6,6 +6,7 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "shaders/shared/contact.h"
 
 namespace palpate {
 
@@ -36,14 +37,15 @@ Model loadModel(Context& context, const ModelOptions& options) {
   }
   model.scale =
       options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
-  model.spacing = meanSpacing(cloud, context.threads());
+  const SpacingRange spacing = spacingRange(cloud, context.threads());
+  model.spacing = spacing.mean;
+  model.wideSpacing = spacing.wide;
   return model;
 }
 
 double supportRadius(const std::string& text, const Model& model) {
-  constexpr double kSpacings = 4;  // about 50 neighbours on an even surface
   if (text == "auto") {
-    if (model.spacing > 0) return kSpacings * model.spacing;
+    if (model.spacing > 0) return static_cast<double>(shared::kSupportSpacings) * model.spacing;
     return model.scale.toUnits(1.0);  // nothing to measure: any length will do
   }
   double radius_mm = 0;

@@ -17,7 +17,8 @@ void addModelOptions(CLI::App& command, ModelOptions& options);
 struct Model {
   PointCloud cloud;
   ModelScale scale;
-  double spacing = 0;  ///< model units
+  double spacing = 0;      ///< model units
+  double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
 };
 /// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
 Model loadModel(Context& context, const ModelOptions& options);

@@ -111,7 +111,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   const Model model = loadModel(context, options.model);
   const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
   const auto push = pushOptions(options, model.scale);
-  const double radius = supportRadius(options.backend.radius, model);
+  const SurfaceOptions surface = surfaceOptions(model, options.backend);
   ForceLaw law(options.force, model.scale);
   ServoOptions servo{.rate_Hz = options.rate_Hz,
                      .duration_s = stylus.duration_s + 1 / options.rate_Hz,  // the path's end is a tick too
@@ -153,11 +153,11 @@ void touch(Context& context, const TouchCommandOptions& options) {
                      .realtime = options.realtime,
                      .interrupted = stopRequested,
                      .edits = push.has_value(),
-                     .radius_mm = model.scale.toMm(radius),
+                     .radius_mm = model.scale.toMm(surface.radius),
                      .cell_mm = model.scale.toMm(backend->cell()),
                      .spacing_mm = model.scale.toMm(model.spacing),
                      .mm_per_unit = model.scale.mm_per_unit,
-                     .error = contactError(result.trace, model, radius, backend->firstEditTime_s())};
+                     .error = contactError(result.trace, model, surface, backend->firstEditTime_s())};
   if (!options.saveFile.empty()) writePly(options.saveFile, sculpted);
   if (!options.pictureFile.empty()) {
     // A back end without an edit log is drawn once, as it ended.

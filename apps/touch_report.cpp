@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-ContactError contactError(const Trace& trace, const Model& model, double radius,
+ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
                           std::optional<double> firstEditTime_s) {
   constexpr std::size_t kMostTicks = 200;
   std::vector<const TraceRow*> rows;
@@ -14,13 +14,16 @@ ContactError contactError(const Trace& trace, const Model& model, double radius,
     if (row.contact && row.fresh && (!firstEditTime_s || row.time_s <= *firstEditTime_s)) rows.push_back(&row);
   ContactError error;
   if (rows.empty()) return error;
-  const ContactReference reference(model.cloud, radius);
+  const ContactReference reference(model.cloud, surface);
   const std::size_t stride = (rows.size() + kMostTicks - 1) / kMostTicks;
   for (std::size_t i = 0; i < rows.size(); i += stride) {
-    const SurfaceSample surface = reference.surface(rows[i]->proxy - model.cloud.origin);
+    // Behind a sheet the normal that is felt is not the points'.
+    const DVec3 proxy = rows[i]->proxy - model.cloud.origin, normal = rows[i]->normal;
+    const SurfaceSample front = reference.surface(proxy, normal), back = reference.surface(proxy, -normal);
+    const SurfaceSample& felt = back.neighbours > front.neighbours ? back : front;
     ++error.ticks;
-    if (surface.defined)
-      error.worst_mm = std::max(error.worst_mm, model.scale.toMm(std::abs(surface.distance)));
+    if (felt.defined)
+      error.worst_mm = std::max(error.worst_mm, model.scale.toMm(std::abs(felt.distance)));
     else
       ++error.undefined;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/model.hpp"
+#include "engine/contact/surface_reference.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "haptics/servo_loop.hpp"
 
@@ -13,7 +14,8 @@ struct ContactError {
   std::size_t ticks = 0;      ///< looked at
   std::size_t undefined = 0;  ///< of them, where double precision finds no surface at all
 };
-ContactError contactError(const Trace& trace, const Model& model, double radius, std::optional<double> firstEditTime_s);
+ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
+                          std::optional<double> firstEditTime_s);
 
 /// What the servo loop counted besides the trace.
 struct ServoReport {

@@ -48,20 +48,22 @@ double areaPerPlace(const PointTree& tree, const Vec3& place) {
 
 }  // namespace
 
-double meanSpacing(const PointCloud& cloud, unsigned threads) {
+double meanSpacing(const PointCloud& cloud, unsigned threads) { return spacingRange(cloud, threads).mean; }
+
+SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
   const double keep = std::min(1.0, static_cast<double>(kLargestTree) / static_cast<double>(cloud.size()));
   const Places places = distinctPlaces(keep < 1 ? thinned(cloud.positions, keep) : cloud.positions);
-  if (places.positions.size() < 2) return 0;
+  if (places.positions.size() < 2) return {};
   const PointTree tree(places.positions);
   std::vector<double> areas(std::min(kMostProbes, places.positions.size()));
   parallelFor(areas.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n)
       areas[n] = areaPerPlace(tree, places.positions[n * places.positions.size() / areas.size()]);
   });
-  const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
-  std::nth_element(areas.begin(), middle, areas.end());
+  std::ranges::sort(areas);
   // Thinning to a part makes the area per place grow by 1 / keep.
-  return std::sqrt(*middle * keep);
+  const auto spacing = [&](std::size_t place) { return std::sqrt(areas[place] * keep); };
+  return {.mean = spacing(areas.size() / 2), .wide = spacing(areas.size() - 1 - areas.size() / 50)};
 }
 
 }  // namespace palpate

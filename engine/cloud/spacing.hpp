@@ -9,4 +9,11 @@ namespace palpate {
 /// changes nothing. 0 for fewer than two different points.
 double meanSpacing(const PointCloud& cloud, unsigned threads = 0);
 
+/// Spacings over the regions of a cloud, model units; all 0 for fewer than two different points.
+struct SpacingRange {
+  double mean = 0;  ///< meanSpacing()
+  double wide = 0;  ///< only 2 % of the places have a wider one around them
+};
+SpacingRange spacingRange(const PointCloud& cloud, unsigned threads = 0);
+
 }  // namespace palpate

@@ -2,16 +2,16 @@
 
 namespace palpate {
 
-ContactReference::ContactReference(const PointCloud& cloud, double radius)
+ContactReference::ContactReference(const PointCloud& cloud, const SurfaceOptions& options, double friction)
     : cloud_(cloud),
-      radius_(radius),
-      hash_(cloud.positions, makeHashGrid(Vec3(0), radius, cloud.size())),
-      tracker_(radius) {}
+      options_(options),
+      hash_(cloud.positions, makeHashGrid(Vec3(0), options.radius, cloud.size())),
+      tracker_(options.radius, friction) {}
 
-SurfaceSample ContactReference::surface(const DVec3& x) const {
-  SurfaceSums sums(radius_);
-  hash_.forEachNear(x, radius_, [&](std::uint32_t i) { sums.add(DVec3(cloud_.positions[i]) - x, cloud_.normals[i]); });
-  return sums.sample();
+SurfaceSample ContactReference::surface(const DVec3& x, const DVec3& facing) const {
+  return surfaceOf(options_, facing, [&](double radius, auto&& visit) {
+    hash_.forEachNear(x, radius, [&](std::uint32_t i) { visit(DVec3(cloud_.positions[i]) - x, cloud_.normals[i]); });
+  });
 }
 
 Contact ContactReference::query(const Pose& pose, double) noexcept {

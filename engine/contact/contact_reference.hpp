@@ -11,15 +11,18 @@ namespace palpate {
 /// budgets.
 class ContactReference final : public ContactQuery, public SurfaceField {
  public:
-  /// Keeps a reference to `cloud`, which must have normals. `radius`: support radius, model units.
-  ContactReference(const PointCloud& cloud, double radius);
+  /// Keeps a reference to `cloud`, which must have normals.
+  ContactReference(const PointCloud& cloud, const SurfaceOptions& options, double friction = 0);
+  /// The average. `radius`: support radius, model units.
+  ContactReference(const PointCloud& cloud, double radius)
+      : ContactReference(cloud, SurfaceOptions{.radius = radius}) {}
 
   Contact query(const Pose& pose, double budget_us) noexcept override;
-  SurfaceSample surface(const DVec3& x) const override;
+  SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
 
  private:
   const PointCloud& cloud_;
-  double radius_;
+  SurfaceOptions options_;
   CpuHash hash_;
   ProxyTracker tracker_;
 };

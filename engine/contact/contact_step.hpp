@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "engine/contact/gather.hpp"
+#include "engine/contact/surface_kind.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/shared/contact.h"
 
@@ -14,6 +15,9 @@ double smallestCell(double radius);
 struct ContactOptions {
   double radius = 0;  ///< support radius, model units
   QueryMethod method = QueryMethod::fused;
+  SurfaceKind surface = SurfaceKind::average;
+  bool localRadius = false;   ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double friction = 0;        ///< coefficient, of a proxy that slides
   std::optional<bool> split;  ///< fused: whether a few workgroups share a gather; where not given, as the patch's size
                               ///< asks for. The answers are the same, bit by bit.
 };

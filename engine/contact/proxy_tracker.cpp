@@ -18,36 +18,57 @@ DVec3 shortened(const DVec3& step, double longest) {
 
 void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip) {
   if (!started_) lastHip_ = hip;
-  started_ = true;
   if (!touching_) walkFreely(field, hip);
   if (touching_) track(field, hip);
-  if (!touching_) {
-    proxy_ = hip;
-    surface_ = field.surface(hip);
-  }
+  if (!touching_) proxy_ = hip;
+  started_ = true;
   lastHip_ = hip;
+}
+
+// The surface of the points that face the side felt last. Past the edge of such a sheet every point counts.
+SurfaceSample ProxyTracker::feel(const SurfaceField& field, const DVec3& x) {
+  SurfaceSample sample = field.surface(x, facing_);
+  if (!sample.defined && facing_ != DVec3(0)) sample = field.surface(x, DVec3(0));
+  facing_ = sample.defined ? sample.normal : DVec3(0);
+  if (touching_ && side_ == shared::kSideBehind) {
+    sample.normal = -sample.normal;
+    sample.distance = -sample.distance;
+  }
+  return sample;
 }
 
 void ProxyTracker::walkFreely(const SurfaceField& field, const DVec3& hip) {
   const double longest = static_cast<double>(shared::kLongestStep) * radius_;
-  const double wanted = std::ceil(glm::distance(lastHip_, hip) / longest);
-  const auto steps = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(shared::kMaxSubsteps)));
-  DVec3 outside = lastHip_;
+  const double most = static_cast<double>(shared::kMaxSubsteps), wanted = glm::distance(lastHip_, hip) / longest;
+  const auto steps = static_cast<int>(std::clamp(std::ceil(wanted), 1.0, most));
+  const bool traced = started_ && wanted <= most;
+  DVec3 before = lastHip_;
   for (int s = 1; s <= steps && !touching_; ++s) {
     const DVec3 x = glm::mix(lastHip_, hip, static_cast<double>(s) / steps);
-    const SurfaceSample sample = field.surface(x);
-    if (!sample.defined) {
-      side_ = shared::kSideUnknown;
-    } else if (sample.distance > 0) {
-      side_ = shared::kSideOutside;
-      outside = x;
-    } else if (side_ == shared::kSideOutside) {
+    surface_ = feel(field, x);
+    const bool inFront = surface_.distance > 0;
+    if (!surface_.defined) {
+      if (side_ != shared::kSideInside) side_ = shared::kSideUnknown;
+    } else if ((inFront && side_ == shared::kSideBehind) || (!inFront && side_ == shared::kSideOutside)) {
       touching_ = true;
-      proxy_ = outside;
-    } else {
-      side_ = shared::kSideInside;
+      sticks_ = true;
+      proxy_ = before;
+    } else if (inFront) {
+      side_ = shared::kSideOutside;
+    } else if (side_ == shared::kSideUnknown) {
+      side_ = traced ? shared::kSideBehind : shared::kSideInside;
     }
+    before = x;
   }
+}
+
+// The part of a slide that friction leaves: the proxy is held while the force stays in the cone, and dragged along its
+// border once it has left it.
+DVec3 ProxyTracker::againstFriction(const DVec3& slide, double depth) {
+  const double size = glm::length(slide);
+  const double held = friction_ * std::max(0.0, depth);
+  if (size <= (sticks_ ? static_cast<double>(shared::kStaticFriction) * held : held)) return DVec3(0);
+  return slide * (1.0 - held / size);
 }
 
 void ProxyTracker::track(const SurfaceField& field, const DVec3& hip) {
@@ -55,25 +76,33 @@ void ProxyTracker::track(const SurfaceField& field, const DVec3& hip) {
   const double arrived = static_cast<double>(shared::kConvergence) * radius_;
   DVec3 lastSlide(0);
   double relaxation = 1;
-  surface_ = field.surface(proxy_);
+  bool slid = false;
+  surface_ = feel(field, proxy_);
   for (std::uint32_t step = 0; step < shared::kMaxTrackingSteps && surface_.defined; ++step) {
     const DVec3 n = surface_.normal;
     const DVec3 lift = -surface_.distance * n;
     const DVec3 toHip = hip - proxy_;
-    const DVec3 slide = toHip - glm::dot(toHip, n) * n;
-    if (glm::length(lift) < arrived && glm::length(slide) < arrived) break;
+    const double depth = -glm::dot(toHip, n);
+    const DVec3 slide = againstFriction(toHip + depth * n, depth);
+    if (glm::length(lift) < arrived && relaxation * glm::length(slide) < arrived) break;
+    // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
     if (glm::dot(slide, lastSlide) < 0) relaxation *= 0.5;
     lastSlide = slide;
+    if (slide != DVec3(0)) {
+      slid = true;
+      sticks_ = false;
+    }
     proxy_ += shortened(lift, longest) + shortened(relaxation * slide, longest);
-    surface_ = field.surface(proxy_);
+    surface_ = feel(field, proxy_);
   }
+  sticks_ = !slid;
   if (!surface_.defined) {
     touching_ = false;
-    side_ = shared::kSideUnknown;
+    side_ = shared::kSideInside;  // lost within: not caught again on the way out
   } else if (glm::dot(hip - proxy_, surface_.normal) > 0) {
     touching_ = false;
-    side_ = shared::kSideOutside;
   }
+  if (!touching_) surface_ = feel(field, hip);
 }
 
 }  // namespace palpate

@@ -7,33 +7,39 @@ namespace palpate {
 /// Whoever can say where the surface is, in double precision.
 class SurfaceField {
  public:
-  /// The surface at a place relative to the cloud's origin.
-  virtual SurfaceSample surface(const DVec3& x) const = 0;
+  /// The surface at a place relative to the cloud's origin. `facing`: the side that is felt (SurfaceSums), or zero.
+  virtual SurfaceSample surface(const DVec3& x, const DVec3& facing) const = 0;
 
  protected:
   ~SurfaceField() = default;
 };
 
 /// What shaders/contact/contact_step.comp does from tick to tick, over any surface: contact begins where the HIP's
-/// motion crosses the surface from outside, and the proxy tracks the tangent plane (Salisbury and Tarr 1997). All
-/// places relative to the cloud's origin.
+/// motion crosses the surface, and the proxy tracks the tangent plane (Salisbury and Tarr 1997), held or dragged by
+/// friction (Ruspini, Kolarov, Khatib 1997). A sheet is felt from the side that the HIP came from; a HIP that starts
+/// within reach behind a surface is not caught until it has been seen in front. All places relative to the cloud's
+/// origin.
 class ProxyTracker {
  public:
-  /// `radius`: support radius, model units.
-  explicit ProxyTracker(double radius) : radius_(radius) {}
+  /// `radius`: support radius, model units. `friction`: coefficient while the proxy slides.
+  explicit ProxyTracker(double radius, double friction = 0) : radius_(radius), friction_(friction) {}
 
   /// What one tick leaves to the next.
   struct Story {
     bool started = false;  ///< false: there was no tick yet
     bool touching = false;
-    std::uint32_t side = 0;  ///< shared::kSide...
+    bool sticks = false;     ///< the proxy has not slid in the last tick
+    std::uint32_t side = 0;  ///< shared::kSide...; while touching, the one that is felt
+    DVec3 facing{0};         ///< normal of the surface felt last, as the points have it
     DVec3 lastHip{0}, proxy{0};
   };
-  Story story() const { return {started_, touching_, side_, lastHip_, proxy_}; }
+  Story story() const { return {started_, touching_, sticks_, side_, facing_, lastHip_, proxy_}; }
   /// The next tick goes on from here, whoever told it so far.
   void goOnFrom(const Story& story) {
     started_ = story.started;
     touching_ = story.touching;
+    sticks_ = story.sticks;
+    facing_ = story.facing;
     side_ = story.side;
     lastHip_ = story.lastHip;
     proxy_ = story.proxy;
@@ -45,17 +51,21 @@ class ProxyTracker {
   bool touching() const { return touching_; }
   /// The HIP itself while nothing is touched.
   const DVec3& proxy() const { return proxy_; }
-  /// The surface at the proxy.
+  /// The surface at the proxy; its outside is the side that is felt.
   const SurfaceSample& surface() const { return surface_; }
 
  private:
   void walkFreely(const SurfaceField& field, const DVec3& hip);
   void track(const SurfaceField& field, const DVec3& hip);
+  SurfaceSample feel(const SurfaceField& field, const DVec3& x);
+  DVec3 againstFriction(const DVec3& slide, double depth);
 
-  double radius_;
+  double radius_, friction_;
   bool started_ = false;
   bool touching_ = false;
-  std::uint32_t side_ = 0;  // shared::kSide...
+  bool sticks_ = false;     // the proxy has not slid in the last tick
+  std::uint32_t side_ = 0;  // shared::kSide...; while touching, the one that is felt
+  DVec3 facing_{0};         // normal of the surface felt last, as the points have it
   DVec3 lastHip_{0};
   DVec3 proxy_{0};
   SurfaceSample surface_;

@@ -35,8 +35,8 @@ class ContactStep {
                     .touching = touching_ ? 1u : 0u,
                     .spring = proxy_,
                     .side = side_,
-                    .started = 1,
-                    .unused = {0, 0, 0}};
+                    .facing = vec3(0.0f),
+                    .started = 1};
     args_.answer->sample = {.spring = proxy_,
                             .touching = touching_ ? 1u : 0u,
                             .normal = surface_.normal,

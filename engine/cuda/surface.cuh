@@ -53,7 +53,10 @@ inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float rad
   const float normalLength = glm::length(n);
   surface.defined = surface.neighbours >= kMinNeighbours && normalLength > kLeastNormal * offsets.w && offsets.w > 0.0f;
   surface.normal = surface.defined ? n / normalLength : vec3(0.0f);
-  surface.distance = surface.defined ? -glm::dot(surface.normal, vec3(offsets)) / offsets.w : 0.0f;
+  const vec3 mean = surface.defined ? vec3(offsets) / offsets.w : vec3(0.0f);
+  surface.distance = -glm::dot(surface.normal, mean);
+  if (glm::length(mean + surface.distance * surface.normal) >= kFurthestAside * radius)
+    return {.defined = false, .distance = 0.0f, .normal = vec3(0.0f), .neighbours = surface.neighbours};
   return surface;
 }
 

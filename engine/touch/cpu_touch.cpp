@@ -28,7 +28,8 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
       positions_(cloud.positions),
       normals_(cloud.normals),
       grid_(gridFor(cloud, options), options.threads),
-      tracker_(options.radius),
+      surface_{.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius},
+      tracker_(options.radius, options.friction),
       pace_(kStalest_s) {
   PALPATE_CHECK_EQ(normals_.size(), positions_.size());
   const Stopwatch watch;
@@ -40,12 +41,11 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
   edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
 }
 
-SurfaceSample CpuTouch::surface(const DVec3& x) const {
-  SurfaceSums sums(options_.radius);
-  grid_.forEachNear(x, options_.radius, [&](const SortedGrid::Placed& point) {
-    sums.add(DVec3(point.position) - x, normals_[point.number]);
+SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
+  return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
+    grid_.forEachNear(
+        x, radius, [&](const SortedGrid::Placed& point) { visit(DVec3(point.position) - x, normals_[point.number]); });
   });
-  return sums.sample();
 }
 
 Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {

@@ -17,6 +17,9 @@ struct CpuTouchOptions {
   double radius = 0;  ///< support radius, model units
   double cell = 0;    ///< edge of a grid cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
+  SurfaceKind surface = SurfaceKind::average;
+  bool localRadius = false;         ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double friction = 0;              ///< coefficient, of a proxy that slides
   std::optional<PushOptions> push;  ///< edit while touching
   unsigned threads = 0;             ///< that build the index and refit normals; 0: one per core
 };
@@ -44,7 +47,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   double cell() const override { return 1.0 / static_cast<double>(grid_.grid().inverseCell); }
 
  private:
-  SurfaceSample surface(const DVec3& x) const override;
+  SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   void answer(const Pose& pose);
   void editIfYielding(bool realtime);
   // On the edit's own thread: everything up to last_ is its alone until it has finished.
@@ -60,6 +63,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   std::vector<std::uint32_t> moved_;  // by the edit that runs
   double editTime_us_ = 0;            // of the edit that ran last
 
+  SurfaceOptions surface_;
   ProxyTracker tracker_;
   Contact last_;
   Pose lastPose_;

@@ -14,8 +14,13 @@ constexpr std::size_t kAnswerTimesKept = 1 << 16;
 
 }  // namespace
 
-PatchBridge::PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, double radius, std::uint32_t points)
-    : device_(device), radius_(radius), origin_(origin), pass_(device, grid, radius, points), contact_(radius, origin) {
+PatchBridge::PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface,
+                         double friction, std::uint32_t points)
+    : device_(device),
+      radius_(surface.radius),
+      origin_(origin),
+      pass_(device, grid, surface.radius, points),
+      contact_(surface, friction, origin) {
   answerTimes_us_.reserve(kAnswerTimesKept);
 }
 
@@ -54,10 +59,10 @@ void PatchBridge::edited(double time_s) {
   contact_.edited(time_s);
 }
 
-void PatchBridge::answered(const Contact& contact, const Pose& pose, std::uint32_t side, double now_s) {
+void PatchBridge::answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s) {
   contact_.heard(now_s);
   // A late answer, where the CPU has gone on since it was asked for, comes from the past.
-  if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, side);
+  if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, story);
 }
 
 std::optional<ProxyTracker::Story> PatchBridge::newerStory() const {

@@ -17,9 +17,9 @@ class Device;
 /// host copies it once its fence says that it is whole, and only then asks for another.
 class PatchBridge {
  public:
-  /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates. `radius`: support
-  /// radius, model units.
-  PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, double radius, std::uint32_t points);
+  /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates.
+  PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface, double friction,
+              std::uint32_t points);
 
   /// Records the fetch for one side of the live cloud.
   void record(std::uint32_t parity, const shared::CloudView& cloud);
@@ -29,8 +29,8 @@ class PatchBridge {
   void renew(const Pose& pose, std::uint32_t parity);
   /// An edit was submitted at `time_s`.
   void edited(double time_s);
-  /// The GPU's answer to `pose`, taken in at `now_s`; `side`: shared::kSide...
-  void answered(const Contact& contact, const Pose& pose, std::uint32_t side, double now_s);
+  /// The GPU's answer to `pose`, taken in at `now_s`, and the story that it left.
+  void answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s);
 
   /// For a tick whose own answer is late.
   Contact answer(const Pose& pose) noexcept;

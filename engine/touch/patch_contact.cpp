@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-PatchContact::PatchContact(double radius, const DVec3& origin) : radius_(radius), origin_(origin), tracker_(radius) {
+PatchContact::PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin)
+    : surface_(surface), radius_(surface.radius), origin_(origin), tracker_(surface.radius, friction) {
   points_.reserve(shared::kMostCarriedPoints);
   near_.reserve(shared::kMostCarriedPoints);
 }
@@ -30,16 +31,11 @@ void PatchContact::edited(double time_s) {
   if (!missingSince_s_) missingSince_s_ = time_s;
 }
 
-void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, std::uint32_t side) {
+void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story) {
   last_ = contact;
   lastPose_ = pose;
   ahead_ = false;
-  if (contact.valid)
-    tracker_.goOnFrom({.started = true,
-                       .touching = contact.touching,
-                       .side = side,
-                       .lastHip = pose.hip - origin_,
-                       .proxy = contact.proxy - origin_});
+  if (contact.valid) tracker_.goOnFrom(story);
 }
 
 Contact PatchContact::answer(const Pose& pose) noexcept {
@@ -68,18 +64,18 @@ double PatchContact::trust(double time_s) const {
   return std::min(edits, shareLeft(time_s - heard_s_, kSilent_s, kMostSilent_s));
 }
 
-SurfaceSample PatchContact::surface(const DVec3& x) const {
+SurfaceSample PatchContact::surface(const DVec3& x, const DVec3& facing) const {
   if (needsMore(x)) {
     crossedBorder_ = true;
     return {};
   }
   if (!gathered_ || glm::distance(x, nearCentre_) > static_cast<double>(shared::kPatchSlack) * radius_) gatherAround(x);
-  SurfaceSums sums(radius_);
-  for (const Point& point : near_) {
-    const DVec3 offset = point.position - x;
-    if (glm::dot(offset, offset) < radius_ * radius_) sums.add(offset, point.normal);
-  }
-  return sums.sample();
+  return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
+    for (const Point& point : near_) {
+      const DVec3 offset = point.position - x;
+      if (glm::dot(offset, offset) < radius * radius) visit(offset, point.normal);
+    }
+  });
 }
 
 void PatchContact::gatherAround(const DVec3& x) const {

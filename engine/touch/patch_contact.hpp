@@ -12,8 +12,8 @@ namespace palpate {
 struct CarriedPatch;
 
 // A patch is trusted in full for the first of two times and not at all after the second.
-/// Since an edit that it knows nothing of, which moves a point by a quarter of a support radius at most. An edit in real time
-/// takes no longer than the first (EditPace), or others wait.
+/// Since an edit that it knows nothing of, which moves a point by a quarter of a support radius at most. An edit in
+/// real time takes no longer than the first (EditPace), or others wait.
 constexpr double kOutdated_s = 0.02, kMostOutdated_s = 0.04;
 /// Since the last word from whoever holds the cloud. An unedited cloud does not change: this is for a GPU that hangs.
 constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
@@ -23,11 +23,12 @@ constexpr double kSilent_s = 0.1, kMostSilent_s = 0.2;
 /// made.
 ///
 /// Force ends softly where the patch does: past its border on the tangent plane of the last proxy within (heldContact),
-/// kOutdated_s to kMostOutdated_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last word.
+/// kOutdated_s to kMostOutdated_s after an edit that it knows nothing of, and kSilent_s to kMostSilent_s after the last
+/// word.
 class PatchContact final : private SurfaceField {
  public:
-  /// `radius`: support radius, model units. `origin`: of the cloud, in the poses' coordinates.
-  PatchContact(double radius, const DVec3& origin);
+  /// `origin`: of the cloud, in the poses' coordinates.
+  PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin);
 
   /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on.
   void take(const CarriedPatch& patch, std::optional<double> missingSince_s);
@@ -35,8 +36,8 @@ class PatchContact final : private SurfaceField {
   void edited(double time_s);
   /// Whoever holds the cloud was there at `time_s`.
   void heard(double time_s) { heard_s_ = time_s; }
-  /// The answer to `pose` from whoever holds the cloud; the next one goes on from here. `side`: shared::kSide...
-  void goOnFrom(const Contact& contact, const Pose& pose, std::uint32_t side);
+  /// The answer to `pose` from whoever holds the cloud; the next one goes on from the story that it left.
+  void goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story);
 
   /// Not fresh.
   Contact answer(const Pose& pose) noexcept;
@@ -57,10 +58,11 @@ class PatchContact final : private SurfaceField {
     DVec3 position;  // relative to the cloud's origin
     Vec3 normal;
   };
-  SurfaceSample surface(const DVec3& x) const override;
+  SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   void gatherAround(const DVec3& x) const;
   double trust(double time_s) const;
 
+  SurfaceOptions surface_;
   double radius_;
   DVec3 origin_;
   ProxyTracker tracker_;

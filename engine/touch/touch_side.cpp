@@ -35,11 +35,27 @@ HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
 shared::ContactState stateOf(const std::optional<ProxyTracker::Story>& story) {
   if (!story) return {};
   return {.lastHip = Vec3(story->lastHip),
-          .touching = story->touching ? 1u : 0u,
+          .touching = !story->touching ? shared::kFree
+                      : story->sticks  ? shared::kSticking
+                                       : shared::kSliding,
           .spring = Vec3(story->proxy - story->lastHip),
           .side = story->side,
-          .started = story->started ? 1u : 0u,
-          .unused = {}};
+          .facing = Vec3(story->facing),
+          .started = story->started ? 1u : 0u};
+}
+
+// What the GPU's answer to a HIP, relative to the cloud's origin, leaves to the next tick.
+ProxyTracker::Story storyOf(const shared::ContactSample& sample, const DVec3& hip) {
+  const std::uint32_t side = sample.flags >> shared::kSampleSideShift;
+  const bool touching = sample.touching != shared::kFree;
+  const DVec3 normal(sample.normal);
+  return {.started = true,
+          .touching = touching,
+          .sticks = sample.touching == shared::kSticking,
+          .side = side,
+          .facing = touching && side == shared::kSideBehind ? -normal : normal,
+          .lastHip = hip,
+          .proxy = hip + DVec3(sample.spring)};
 }
 
 }  // namespace
@@ -51,11 +67,19 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       origin_(cloud.origin),
       live_(device, fitting(device, cloud, options)),
       hash_(device, gridFor(cloud, options), live_.count(), options.sort, options.bucketOrder),
-      contact_(device, {.radius = options.radius, .method = options.method, .split = options.split}, hash_.grid(),
-               live_.count()),
+      contact_(device,
+               {.radius = options.radius,
+                .method = options.method,
+                .surface = options.surface,
+                .localRadius = options.localRadius,
+                .friction = options.friction,
+                .split = options.split},
+               hash_.grid(), live_.count()),
       log_(device, options.push ? live_.count() : 0),
       refit_(device, options.push ? live_.count() : 0),
-      bridge_(device, hash_.grid(), origin_, options.radius, live_.count()),
+      bridge_(device, hash_.grid(), origin_,
+              {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
+              live_.count()),
       pace_(kStalest_s) {
   if (options.push) {
     push_.emplace(device, *options.push);
@@ -186,7 +210,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
-  bridge_.answered(last_, lastPose_, sample.flags >> shared::kSampleSideShift, now_s);
+  bridge_.answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
   shortfalls_.thinnedPatches = bridge_.thinnedPatches();
   return true;
 }

@@ -26,6 +26,9 @@ struct TouchOptions {
   std::optional<SortMethod> sort;                 ///< of the index; the device's default when not given
   BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
   QueryMethod method = QueryMethod::fused;
+  SurfaceKind surface = SurfaceKind::average;
+  bool localRadius = false;         ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double friction = 0;              ///< coefficient, of a proxy that slides
   std::optional<bool> split;        ///< fused: whether a few workgroups share a gather (ContactOptions)
   std::optional<PushOptions> push;  ///< edit while touching
   std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given

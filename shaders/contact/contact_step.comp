@@ -12,16 +12,42 @@
 
 layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
 
-// The surface at a place; gathers a new patch when the place has left the old one.
-Surface surfaceNear(vec3 x) {
+layout(constant_id = 3) const float kFriction = 0.0;
+
+bool touching, sticking;
+uint side;
+vec3 facing;
+
+// The surface at a place, of the points that face the side felt last; past the edge of such a sheet every point counts.
+// Its outside is the side that is felt. Gathers a new patch when the place has left the old one.
+Surface feel(vec3 x) {
   if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
     gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, patchReach(args.radius), args.mostCells);
-  return surfaceAt(args.spill, x - patchCentre, args.radius);
+  Surface surface;
+  for (uint look = 0; look < 2; ++look) {
+    surface = surfaceAt(args.spill, x - patchCentre, args.radius, facing);
+    if (surface.defined || facing == vec3(0.0)) break;
+    facing = vec3(0.0);
+  }
+  facing = surface.normal;
+  if (touching && side == kSideBehind) {
+    surface.normal = -surface.normal;
+    surface.distance = -surface.distance;
+  }
+  return surface;
 }
 
 vec3 shortened(vec3 step, float longest) {
   const float size = length(step);
   return size > longest ? step * (longest / size) : step;
+}
+
+// The part of a slide that friction leaves: the proxy is held while the force stays in the cone, and dragged along its
+// border once it has left it (Ruspini, Kolarov, Khatib 1997).
+vec3 againstFriction(vec3 slide, float depth) {
+  const float size = length(slide);
+  const float held = kFriction * max(0.0, depth);
+  return size <= (sticking ? kStaticFriction * held : held) ? vec3(0.0) : slide * (1.0 - held / size);
 }
 
 // False in a workgroup that has done its share of a split gather and may go.
@@ -36,85 +62,104 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
+// Free: walks the segment of the HIP's motion and touches where it crosses the surface.
+void walkFreely(Probe probe, inout vec3 proxy, inout Surface surface, inout bool truncated) {
+  vec3 before = probe.lastHip;
+  for (uint s = 1; s <= probe.substeps && !touching; ++s) {
+    truncated = workDone > kContactWorkBudget;
+    if (truncated) {
+      side = kSideInside;
+      break;
+    }
+    const vec3 x = placeOnWay(probe, s);
+    surface = feel(x);
+    ++workDone;
+    const bool inFront = surface.distance > 0.0;
+    if (!surface.defined) {
+      if (side != kSideInside) side = kSideUnknown;
+    } else if ((inFront && side == kSideBehind) || (!inFront && side == kSideOutside)) {
+      touching = true;
+      sticking = true;
+      proxy = before;
+    } else if (inFront) {
+      side = kSideOutside;
+    } else if (side == kSideUnknown) {
+      side = probe.traced ? kSideBehind : kSideInside;
+    }
+    before = x;
+  }
+}
+
+// Touching: projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. Gives back the
+// steps that it took.
+uint track(inout vec3 proxy, inout Surface surface, inout bool truncated) {
+  const float longest = kLongestStep * args.radius;
+  const float arrived = kConvergence * args.radius;
+  uint steps = 0;
+  vec3 lastSlide = vec3(0.0);
+  float relaxation = 1.0;
+  bool slid = false;
+  while (true) {
+    surface = feel(proxy);
+    if (steps == kMaxTrackingSteps || !surface.defined) break;
+    const vec3 n = surface.normal;
+    const vec3 lift = -surface.distance * n;
+    const float depth = dot(proxy, n);
+    const vec3 slide = againstFriction(depth * n - proxy, depth);
+    if (length(lift) < arrived && relaxation * length(slide) < arrived) break;
+    truncated = workDone > kContactWorkBudget;
+    if (truncated) break;
+    // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
+    if (dot(slide, lastSlide) < 0.0) relaxation *= 0.5;
+    lastSlide = slide;
+    if (slide != vec3(0.0)) {
+      slid = true;
+      sticking = false;
+    }
+    proxy += shortened(lift, longest) + shortened(relaxation * slide, longest);
+    ++steps;
+  }
+  sticking = !slid;
+  return steps;
+}
+
 void main() {
   const Probe probe = probeOf(args.pose, args.state, args.radius);
   if (!takeFirstPatch(probe)) return;
-  bool touching = probe.touching;
-  uint side = probe.side;
+  touching = probe.touching;
+  sticking = probe.sticking;
+  side = probe.side;
+  facing = probe.facing;
   vec3 proxy = probe.proxy;
-
-  const float longest = kLongestStep * args.radius;
   Surface surface = Surface(false, 0.0, vec3(0.0), 0);
   bool truncated = false;
-
-  // Free: walk the segment of the HIP's motion and touch where it comes from outside to inside.
-  if (!touching) {
-    vec3 outside = probe.lastHip;
-    for (uint s = 1; s <= probe.substeps && !touching; ++s) {
-      truncated = workDone > kContactWorkBudget;
-      if (truncated) {
-        side = kSideUnknown;
-        break;
-      }
-      const vec3 x = placeOnWay(probe, s);
-      surface = surfaceNear(x);
-      ++workDone;
-      if (!surface.defined) {
-        side = kSideUnknown;
-      } else if (surface.distance > 0.0) {
-        side = kSideOutside;
-        outside = x;
-      } else if (side == kSideOutside) {
-        touching = true;
-        proxy = outside;
-      } else {
-        side = kSideInside;
-      }
-    }
-  }
-
-  // Touching: project onto the surface and follow the HIP in the tangent plane until the proxy rests.
   uint trackingSteps = 0;
+
+  if (!touching) walkFreely(probe, proxy, surface, truncated);
   if (touching) {
-    vec3 lastSlide = vec3(0.0);
-    float relaxation = 1.0;
-    while (true) {
-      surface = surfaceNear(proxy);
-      if (trackingSteps == kMaxTrackingSteps || !surface.defined) break;
-      const vec3 n = surface.normal;
-      const vec3 lift = -surface.distance * n;
-      const vec3 slide = dot(proxy, n) * n - proxy;
-      if (length(lift) < kConvergence * args.radius && length(slide) < kConvergence * args.radius) break;
-      truncated = workDone > kContactWorkBudget;
-      if (truncated) break;
-      // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
-      if (dot(slide, lastSlide) < 0.0) relaxation *= 0.5;
-      lastSlide = slide;
-      proxy += shortened(lift, longest) + shortened(relaxation * slide, longest);
-      ++trackingSteps;
-    }
+    trackingSteps = track(proxy, surface, truncated);
     if (!surface.defined) {
       touching = false;
-      side = kSideUnknown;
+      side = kSideInside;  // lost within: not caught again on the way out
     } else if (dot(proxy, surface.normal) < 0.0) {
       touching = false;
-      side = kSideOutside;
     }
     if (!touching) {
       proxy = vec3(0.0);
-      surface = surfaceNear(proxy);
+      surface = feel(proxy);
     }
   }
 
   if (gl_LocalInvocationIndex != 0) return;
-  args.state.at[0].touching = touching ? 1 : 0;
+  args.state.at[0].touching = !touching ? kFree : sticking ? kSticking : kSliding;
+  args.state.at[0].facing = facing;
   args.state.at[0].lastHip = probe.hip;
   args.state.at[0].side = side;
   args.state.at[0].started = 1;
   args.state.at[0].spring = proxy;
   ContactSample answer;
   answer.spring = proxy;
-  answer.touching = touching ? 1 : 0;
+  answer.touching = !touching ? kFree : sticking ? kSticking : kSliding;
   answer.normal = surface.normal;
   answer.neighbours = surface.neighbours;
   answer.tick = args.pose.at[0].tick;

@@ -10,8 +10,11 @@ struct Probe {
   vec3 hip;  // model units relative to the cloud's origin
   vec3 lastHip;
   vec3 proxy;
+  bool traced;  // the sub-steps cover the way since the last tick
   bool touching;
+  bool sticking;
   uint side;
+  vec3 facing;
   uint substeps;  // of a free HIP's way since the last tick
 };
 
@@ -23,12 +26,16 @@ Probe probeOf(ContactPoses pose, ContactStates state, float radius) {
   const vec3 lastHip = carried ? pose.carried.lastHip : state.at[0].lastHip;
   const uint touching = carried ? pose.carried.touching : state.at[0].touching;
   const uint side = carried ? pose.carried.side : state.at[0].side;
+  const vec3 facing = carried ? pose.carried.facing : state.at[0].facing;
   const vec3 spring = carried ? pose.carried.spring : state.at[0].spring;
   probe.lastHip = started ? lastHip - probe.hip : vec3(0.0);
-  probe.touching = started && touching != 0;
+  probe.touching = started && touching != kFree;
+  probe.sticking = touching == kSticking;
   probe.side = started ? side : kSideUnknown;
+  probe.facing = started ? facing : vec3(0.0);
   probe.proxy = probe.touching ? spring + probe.lastHip : vec3(0.0);
   precise float way = length(probe.lastHip) / (kLongestStep * radius);
+  probe.traced = started && way <= float(kMaxSubsteps);
   probe.substeps = clamp(uint(ceil(min(way, float(kMaxSubsteps)))), 1u, kMaxSubsteps);
   return probe;
 }

@@ -1,10 +1,16 @@
-// The implicit surface that the points define around a place (Leeper, Chan, Salisbury 2012; Adamson and Alexa 2003):
-// weighted average position a and normal n, signed distance f(x) = n . (x - a).
+// The implicit surface that the points define around a place: signed distance and normal. Three kinds (SurfaceKind):
+// the weighted average (Leeper, Chan, Salisbury 2012; Adamson and Alexa 2003), the algebraic sphere that fits places
+// and normals (Guennebaud and Gross 2007; in closed form Guennebaud, Germann, Gross 2008), and that sphere with weights
+// that let go of points across an edge (Oztireli, Guennebaud, Gross 2009). engine/contact/surface_reference.cpp is the
+// same in double precision. Sums are relative to the place and in support radii: their differences are small.
 #ifndef PALPATE_LIB_SURFACE_GLSL
 #define PALPATE_LIB_SURFACE_GLSL
 
 #include "shaders/lib/patch.glsl"
 #include "shaders/lib/weight.glsl"
+
+layout(constant_id = 1) const uint kSurface = kSurfaceAverage;
+layout(constant_id = 2) const bool kLocalRadius = false;
 
 struct Surface {
   bool defined;
@@ -13,46 +19,120 @@ struct Surface {
   uint neighbours;
 };
 
-shared vec4 partialOffsets[kMaxSubgroups];  // sum of w (p - x), sum of w
-shared vec4 partialNormals[kMaxSubgroups];  // sum of w n, neighbours
+struct SurfaceSums {
+  vec4 offsets;   // sum of w d, sum of w; d from the place to a neighbour, support radii
+  vec4 normals;   // sum of w n, neighbours
+  vec2 products;  // sum of w d.d, sum of w d.n
+};
 
-// The surface at `x`, relative to the patch's centre. All invocations call it together and get the same answer.
-Surface surfaceAt(SpilledPoints spill, vec3 x, float radius) {
-  vec4 offsets = vec4(0.0);
-  vec4 normals = vec4(0.0);
-  for (uint i = scanIndex(); i < patchCount; i += kContactWorkgroup) {
-    const vec3 d = patchPosition(spill, i) - x;
-    const float squared = dot(d, d);
-    if (squared < radius * radius) {
-      const float w = wendland(sqrt(squared) / radius);
-      offsets += w * vec4(d, 1.0);
-      normals += vec4(w * patchNormal(spill, i), 1.0);
-    }
-  }
-  workDone += patchCount / kContactWorkgroup + 1;
+shared vec4 partialOffsets[kMaxSubgroups];
+shared vec4 partialNormals[kMaxSubgroups];
+shared vec2 partialProducts[kMaxSubgroups];
 
-  offsets = subgroupAdd(offsets);
-  normals = subgroupAdd(normals);
+// What all invocations have summed up, the same bits for each. All of them call it together.
+SurfaceSums sumOfAll(SurfaceSums sums) {
+  sums.offsets = subgroupAdd(sums.offsets);
+  sums.normals = subgroupAdd(sums.normals);
+  sums.products = subgroupAdd(sums.products);
   barrier();
   if (subgroupElect()) {
-    partialOffsets[gl_SubgroupID] = offsets;
-    partialNormals[gl_SubgroupID] = normals;
+    partialOffsets[gl_SubgroupID] = sums.offsets;
+    partialNormals[gl_SubgroupID] = sums.normals;
+    partialProducts[gl_SubgroupID] = sums.products;
   }
   barrier();
-  offsets = vec4(0.0);
-  normals = vec4(0.0);
+  sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
   for (uint s = 0; s < gl_NumSubgroups; ++s) {
-    offsets += partialOffsets[s];
-    normals += partialNormals[s];
+    sums.offsets += partialOffsets[s];
+    sums.normals += partialNormals[s];
+    sums.products += partialProducts[s];
   }
-  workDone += gl_NumSubgroups;
+  workDone += patchCount / kContactWorkgroup + 1 + gl_NumSubgroups;
+  return sums;
+}
 
+// The support radius that holds kSupportSpacings local spacings, as far as `radius` reaches: on an even plane the
+// weights sum up to pi / 7 points of the disc. Looks twice, since the first look averages the density over the whole
+// radius; the second may only widen.
+float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
+  float smallest = kLeastLocalRadius * radius;
+  float local = radius;
+  for (uint look = 0; look < 2; ++look) {
+    SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
+    for (uint i = scanIndex(); i < patchCount; i += kContactWorkgroup) {
+      const float r = distance(patchPosition(spill, i), x) / local;
+      if (r < 1.0) sums.offsets.w += wendland(r);
+    }
+    const float weights = sumOfAll(sums).offsets.w;
+    const float spacings = kSupportSpacings * local * sqrt(0.448798951 / max(weights, 1e-30));
+    smallest = local = clamp(spacings, smallest, radius);
+  }
+  return local;
+}
+
+float robustWeight(Surface before, float radius, vec3 d, vec3 n) {
+  const vec3 turn = (n - before.normal) / kSharpNormal;
+  const float height = (-dot(d, n) - before.distance / radius) / kSharpHeight;
+  return exp(-dot(turn, turn) - height * height);
+}
+
+// The zero set of u(y) = u0 + ul.y + u4 y.y, y relative to the place: a sphere, or a plane where u4 = 0.
+void fitSphere(SurfaceSums sums, inout Surface surface) {
+  const float weights = sums.offsets.w;
+  const float spread = sums.products.x / weights - dot(sums.offsets.xyz, sums.offsets.xyz) / (weights * weights);
+  const float turn = sums.products.y / weights - dot(sums.offsets.xyz, sums.normals.xyz) / (weights * weights);
+  const float strongest = 0.5 * kStrongestCurvature;
+  const float u4 = clamp(0.5 * turn / (spread + kLeastSpread), -strongest, strongest);
+  const vec3 ul = (sums.normals.xyz - 2.0 * u4 * sums.offsets.xyz) / weights;
+  const float u0 = -(dot(ul, sums.offsets.xyz) + u4 * sums.products.x) / weights;
+  const float slope = length(ul);
+  surface.defined = slope > kLeastNormal;
+  if (!surface.defined) return;
+  surface.normal = ul / slope;
+  // The nearer root, in the form that does not cancel where the sphere is almost a plane.
+  surface.distance = 2.0 * u0 / (slope + sqrt(max(0.0, slope * slope - 4.0 * u0 * u4)));
+}
+
+Surface surfaceFrom(SurfaceSums sums, float radius) {
+  Surface surface = Surface(false, 0.0, vec3(0.0), uint(sums.normals.w));
+  const float normalLength = length(sums.normals.xyz);
+  surface.defined = surface.neighbours >= kMinNeighbours && normalLength > kLeastNormal * sums.offsets.w;
+  if (!surface.defined) return surface;
+  const vec3 mean = sums.offsets.xyz / sums.offsets.w;
+  surface.normal = sums.normals.xyz / normalLength;
+  surface.distance = -dot(surface.normal, mean);
+  if (kSurface != kSurfaceAverage) fitSphere(sums, surface);
+  const vec3 aside = mean - dot(mean, surface.normal) * surface.normal;
+  if (!surface.defined || length(aside) >= kFurthestAside) return Surface(false, 0.0, vec3(0.0), surface.neighbours);
+  surface.distance *= radius;
+  return surface;
+}
+
+// The surface at `x`, relative to the patch's centre, of the points that face the side `facing`, or of all where that
+// is zero. All invocations call it together and get the same answer.
+Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing) {
+  const float radius = kLocalRadius ? localRadiusAt(spill, x, largestRadius) : largestRadius;
+  const uint passes = kSurface == kSurfaceSharp ? kSharpPasses : 1;
+  const bool sided = facing != vec3(0.0);
   Surface surface;
-  surface.neighbours = uint(normals.w);
-  const float normalLength = length(normals.xyz);
-  surface.defined = surface.neighbours >= kMinNeighbours && normalLength > kLeastNormal * offsets.w && offsets.w > 0.0;
-  surface.normal = surface.defined ? normals.xyz / normalLength : vec3(0.0);
-  surface.distance = surface.defined ? -dot(surface.normal, offsets.xyz) / offsets.w : 0.0;
+  for (uint pass = 0; pass < passes; ++pass) {
+    SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
+    for (uint i = scanIndex(); i < patchCount; i += kContactWorkgroup) {
+      const vec3 d = (patchPosition(spill, i) - x) / radius;
+      const float squared = dot(d, d);
+      if (squared >= 1.0) continue;
+      const vec3 n = patchNormal(spill, i);
+      float w = wendland(sqrt(squared));
+      if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+      if (pass > 0) w *= robustWeight(surface, radius, d, n);
+      if (w <= 0.0) continue;
+      sums.offsets += w * vec4(d, 1.0);
+      sums.normals += vec4(w * n, 1.0);
+      if (kSurface != kSurfaceAverage) sums.products += w * vec2(squared, dot(d, n));
+    }
+    surface = surfaceFrom(sumOfAll(sums), radius);
+    if (!surface.defined) break;
+  }
   return surface;
 }
 

@@ -24,10 +24,30 @@ const uint kSplitCells = 257;        // that a gather may visit: from here on, w
 const uint kMinNeighbours = 3;          // fewer points than this within the support radius are no surface
 const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no side, so no surface
 
+// What the points define around a place: SurfaceKind of engine/contact/surface_kind.hpp.
+const uint kSurfaceAverage = 0;
+const uint kSurfaceSphere = 1;
+const uint kSurfaceSharp = 2;
+// The mean of the neighbours may lie so far aside of a place, in support radii. At a straight border it is 0.21; half a
+// radius past the last points everything lies further. Less cuts into rough sampling, more lets borders grow.
+const float kFurthestAside = 0.5f;
+const float kLeastSpread = 1e-4f;        // of R^2: neighbours closer together than this show no curvature
+const float kStrongestCurvature = 1.0f;  // times R: spheres smaller than the support radius are taken for noise
+// Robust weights (Oztireli, Guennebaud, Gross 2009): how far a neighbour's normal may turn, as the length of the
+// difference, and its plane may stand off, in support radii. Less keeps sharper edges and listens to fewer points.
+const uint kSharpPasses = 3;
+const float kSharpNormal = 0.5f;
+const float kSharpHeight = 0.5f;
+
+// The local support radius: so many local spacings, at most the given radius and at least this share of it.
+const float kSupportSpacings = 4.0f;
+const float kLeastLocalRadius = 0.125f;
+
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
 const float kConvergence = 1e-5f;       // of the support radius: largest step of a proxy that has arrived
 const float kLongestStep = 0.5f;        // of the support radius: for the proxy and for the sub-steps of the HIP
+const float kStaticFriction = 1.25f;    // times the coefficient of sliding, before a held proxy slides
 const uint kMaxSubsteps = 16;           // a HIP that jumps further than these reach may pass a thin sheet unseen
 
 // Loop rounds of one invocation, kept far below the 65,535 after which one software driver stops a shader silently.
@@ -36,7 +56,13 @@ const uint kContactWorkBudget = 40000;
 // Where the HIP was last, as far as the surface can tell.
 const uint kSideUnknown = 0;  // nothing in reach
 const uint kSideOutside = 1;
-const uint kSideInside = 2;
+const uint kSideInside = 2;  // behind a surface without having come there through free space: not caught on its way out
+const uint kSideBehind = 3;  // behind a sheet, from free space: caught where it comes to the front
+
+// How the proxy was in the last tick.
+const uint kFree = 0;
+const uint kSliding = 1;
+const uint kSticking = 2;  // touching, and friction held it
 
 struct ContactPose {
   vec3 hip;  // model units relative to the cloud's origin
@@ -46,12 +72,12 @@ PALPATE_SIZE(ContactPose, 16);
 
 // What one tick leaves to the next, on the GPU.
 struct ContactState {
-  vec3 lastHip;  // model units relative to the cloud's origin
-  uint touching;
-  vec3 spring;   // from HIP to proxy
-  uint side;
-  uint started;  // 0 before the first tick
-  uint unused[3];
+  vec3 lastHip;   // model units relative to the cloud's origin
+  uint touching;  // kFree, kSliding or kSticking
+  vec3 spring;    // from HIP to proxy
+  uint side;      // kSide...; while touching, the one that is felt
+  vec3 facing;    // normal of the surface felt last, as the points have it; zero where there was none
+  uint started;   // 0 before the first tick
 };
 PALPATE_SIZE(ContactState, 48);
 
@@ -69,8 +95,8 @@ PALPATE_SIZE(ContactQuestion, 64);
 
 // What the host reads after a tick.
 struct ContactSample {
-  vec3 spring;  // from HIP to proxy, model units; zero when free
-  uint touching;
+  vec3 spring;    // from HIP to proxy, model units; zero when free
+  uint touching;  // kFree, kSliding or kSticking
   vec3 normal;  // unit, outward, at the proxy (at the HIP when free); zero where there is no surface
   uint neighbours;
   uint tick;

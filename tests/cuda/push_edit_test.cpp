@@ -26,7 +26,7 @@ Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const
   cu::DeviceArray<shared::ContactState> state(1);
   state.upload(
       std::vector<shared::ContactState>{
-          {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .started = 1, .unused = {}}},
+          {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .facing = {}, .started = 1}},
       stream);
   edit.recordPush(stream, live.side(0), live.count(), state.data());
   build.record(stream, live.side(0), live.side(1), live.count());

@@ -34,7 +34,7 @@ class PushFixture : public GpuFixture {
     const Buffer state = Buffer::of<shared::ContactState>(device, 1, Memory::device, "state");
     upload(device, state,
            std::vector<shared::ContactState>{
-               {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .started = 1, .unused = {}}});
+               {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .facing = {}, .started = 1}});
     CommandList list(device, device.touch(), "edit");
     list.begin();
     brush.record(list, live.side(), live.count(), state, static_cast<double>(shared::kLongestMove) * radius);

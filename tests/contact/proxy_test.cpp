@@ -1,0 +1,250 @@
+// The proxy in double precision: over exact surfaces, sheets of two sides, edges, grooves and with friction.
+#include "engine/contact/proxy_tracker.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "engine/contact/contact_reference.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A god-object (Zilles and Salisbury 1995) is this field under a tracker with a small radius, moved in small steps.
+class ExactSurface final : public SurfaceField {
+ public:
+  explicit ExactSurface(const AnalyticShape& shape) : shape_(shape) {}
+  SurfaceSample surface(const DVec3& x, const DVec3&) const override {
+    const SurfacePoint closest = shape_.closest(x);
+    const double distance = shape_.signedDistance(x);
+    const DVec3 away = x - closest.position;
+    const bool on = glm::length(away) < 1e-9 * shape_.size();
+    return {.defined = true,
+            .distance = distance,
+            .normal = on ? closest.normal : glm::normalize(distance < 0 ? -away : away),
+            .neighbours = 100};
+  }
+
+ private:
+  const AnalyticShape& shape_;
+};
+
+// Squares of 40 x 40 with a spacing of 0.5, on z = 0 looking up and, for a plate, on z = -thickness looking down.
+PointCloud sheet(double thickness = 0) {
+  PointCloud cloud;
+  for (int i = -40; i <= 40; ++i)
+    for (int j = -40; j <= 40; ++j) {
+      cloud.positions.emplace_back(0.5 * i, 0.5 * j, 0);
+      cloud.normals.emplace_back(0, 0, 1);
+      if (thickness <= 0) continue;
+      cloud.positions.emplace_back(0.5 * i + 0.25, 0.5 * j, -thickness);
+      cloud.normals.emplace_back(0, 0, -1);
+    }
+  return cloud;
+}
+constexpr double kSheetRadius = 2;
+
+// Two faces at a right angle that meet in the line x = z = 0 and rise from it.
+PointCloud groove() {
+  PointCloud cloud;
+  const double c = std::sqrt(0.5);
+  for (int i = 0; i <= 60; ++i)
+    for (int j = -30; j <= 30; ++j)
+      for (const double side : {-1.0, 1.0}) {
+        const double up = 0.5 * (i + 0.5) * c;
+        cloud.positions.emplace_back(side * up, 0.5 * j, up);
+        cloud.normals.emplace_back(-side * c, 0, c);
+      }
+  return cloud;
+}
+
+constexpr std::array<SurfaceKind, 3> kKinds{SurfaceKind::average, SurfaceKind::sphere, SurfaceKind::sharp};
+
+}  // namespace
+
+TEST_CASE("the proxy follows the exact god-object") {
+  for (const std::string_view name : {"sphere", "torus", "bumpy-sphere"}) {
+    CAPTURE(name);
+    const Scene scene = makeScene(name, 50'000);
+    const ContactReference sampled(scene.cloud, {.radius = scene.radius, .kind = SurfaceKind::sphere});
+    const ExactSurface exact(*scene.shape);
+    ProxyTracker proxy(scene.radius), godObject(0.2 * scene.radius);
+    const auto path = wanderingPath(scene, 200, 0.4 * scene.radius, 5);
+    std::size_t touched = 0, differ = 0;
+    double worst = 0;
+    DVec3 last = path.front();
+    for (const DVec3& hip : path) {
+      for (int part = 1; part <= 20; ++part) godObject.follow(exact, glm::mix(last, hip, part / 20.0));
+      proxy.follow(sampled, hip);
+      last = hip;
+      touched += proxy.touching();
+      differ += proxy.touching() != godObject.touching();
+      if (proxy.touching() && godObject.touching())
+        worst = std::max(worst, glm::distance(proxy.proxy(), godObject.proxy()));
+    }
+    CHECK(touched > 80);
+    CHECK(differ <= 2);
+    CHECK(worst < 0.01);  // mm
+  }
+}
+
+TEST_CASE("a thin plate and a single sheet are felt from both sides, each time the side that the HIP came from") {
+  for (const SurfaceKind kind : kKinds)
+    for (const double thickness : {0.0, 0.3, 1.0, 3.0}) {
+      CAPTURE(static_cast<int>(kind));
+      CAPTURE(thickness);
+      const PointCloud cloud = sheet(thickness);
+      for (const double up : {1.0, -1.0}) {
+        ContactReference touch(cloud, {.radius = kSheetRadius, .kind = kind});
+        const double face = up > 0 ? 0 : -thickness;
+        for (double height = 5; height > 0.05; height -= 0.1)
+          REQUIRE_FALSE(touch.query({.hip = {1.3, 0.2, face + up * height}}, 0).touching);
+        for (double depth = 0.05; depth < 6; depth += 0.1) {
+          const Contact contact = touch.query({.hip = {1.3 + 0.2 * depth, 0.2, face - up * depth}}, 0);
+          REQUIRE(contact.touching);
+          CHECK(std::abs(contact.proxy.z - face) < 1e-6);
+          CHECK(contact.normal.z * up > 0.999);
+        }
+        CHECK_FALSE(touch.query({.hip = {1.3, 0.2, face + 0.1 * up}}, 0).touching);
+      }
+    }
+}
+
+TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
+  constexpr double kDeepest = 3.3 / 0.8;  // mm, at 0.8 N/mm
+  for (const double thickness : {0.5, 2.1 * kSheetRadius}) {
+    const PointCloud cloud = sheet(thickness);
+    CpuTouch touch(cloud, {.radius = kSheetRadius, .surface = SurfaceKind::sharp, .threads = 1});
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    std::size_t through = 0;
+    for (int push = 0; push < 5'000; ++push) {
+      const double step = 0.525 + 0.475 * unit(random);  // mm in 1 ms
+      const DVec3 aim(12 * unit(random), 12 * unit(random), 0);
+      const DVec3 heading = glm::normalize(DVec3(unit(random), unit(random), -0.6));
+      bool touched = false;
+      for (double along = -3 / -heading.z; -heading.z * along < kDeepest; along += step) {
+        const Contact contact = touch.query({.hip = aim + along * heading}, 0);
+        if (-heading.z * along > 1e-6) through += !contact.touching || contact.proxy.z < -0.1;
+        touched = touched || contact.touching;
+      }
+      through += !touched;
+      touch.query({.hip = {0, 0, 500}}, 0);
+    }
+    CHECK(through == 0);
+    touch.finish();
+  }
+}
+
+TEST_CASE("a HIP that starts behind a sheet is let out, and one that was let go within is not caught on its way out") {
+  const PointCloud cloud = sheet();
+  ContactReference touch(cloud, {.radius = kSheetRadius});
+  for (double z = -1.5; z < 3; z += 0.1) CHECK_FALSE(touch.query({.hip = {0, 0, z}}, 0).touching);
+  CHECK(touch.query({.hip = {0, 0, -0.5}}, 0).touching);
+}
+
+TEST_CASE("sliding over an edge turns the force no faster than the HIP moves") {
+  const Scene scene = makeScene("cube", 200'000);
+  for (const double skew : {0.0, 0.4}) {
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::sharp, .threads = 1});
+    constexpr double kStep = 0.05, kDepth = 1;  // mm in 1 ms; 1 mm below top and side
+    touch.query({.hip = {40, 0, 53}}, 0);
+    DVec3 last(0);
+    double worst = 0;
+    std::size_t touched = 0, ticks = 0;
+    for (double along = 0; along < 19; along += kStep) {
+      const double over = std::max(0.0, along - 9);
+      const DVec3 hip(40 + along - over, skew * along, 50 - kDepth - over);
+      const Contact contact = touch.query({.hip = hip}, 0);
+      const DVec3 spring = contact.proxy - hip;
+      if (ticks++ > 5) worst = std::max(worst, glm::distance(spring, last) / glm::length(last));
+      touched += contact.touching;
+      last = spring;
+    }
+    CHECK(touched == ticks);
+    CHECK(worst < 0.1);
+    CHECK(last.z > 10.9);  // still held by the edge of the top
+    touch.finish();
+  }
+}
+
+TEST_CASE("a groove holds the proxy at its bottom and lets it go") {
+  const PointCloud cloud = groove();
+  for (const SurfaceKind kind : kKinds) {
+    CAPTURE(static_cast<int>(kind));
+    ContactReference touch(cloud, {.radius = kSheetRadius, .kind = kind});
+    DVec3 last(0);
+    double jitter = 0;
+    const auto at = [&](double x, double z) { return touch.query({.hip = {x, 0.1, z}}, 0); };
+    CHECK_FALSE(at(-4, 7).touching);
+    for (double x = -4; x <= 4; x += 0.02) {
+      const double z = -0.5 + 0.4 * std::abs(x);
+      const Contact contact = at(x, z);
+      REQUIRE(contact.touching);
+      CHECK(contact.proxy.z > std::abs(contact.proxy.x) - 0.6 * kSheetRadius);
+      const DVec3 spring = contact.proxy - DVec3(x, 0.1, z);
+      if (x > -3.9) jitter = std::max(jitter, glm::distance(spring, last) / glm::length(last));
+      last = spring;
+    }
+    CHECK(jitter < 0.25);
+    CHECK_FALSE(at(4, 5).touching);
+    CHECK_FALSE(at(0, 2).touching);
+  }
+}
+
+TEST_CASE("friction holds the proxy within its cone and drags it along the border of the cone") {
+  const PointCloud cloud = sheet();
+  constexpr double kFriction = 0.4, kDepth = 1.5;
+  for (const SurfaceKind kind : kKinds) {
+    ContactReference touch(cloud, {.radius = kSheetRadius, .kind = kind}, kFriction);
+    touch.query({.hip = {0, 0, 1}}, 0);
+    touch.query({.hip = {0, 0, -kDepth}}, 0);
+    const double holds = kFriction * static_cast<double>(shared::kStaticFriction) * kDepth;
+    for (double x = 0; x < 0.98 * holds; x += 0.01)
+      CHECK(glm::length(touch.query({.hip = {x, 0, -kDepth}}, 0).proxy) < 1e-6);
+    for (double x = 1.05 * holds; x < 8; x += 0.05) {
+      const DVec3 hip(x, 0, -kDepth), spring = touch.query({.hip = hip}, 0).proxy - hip;
+      CHECK(-spring.x / spring.z == doctest::Approx(kFriction).epsilon(0.01));
+    }
+    const DVec3 rests = touch.query({.hip = {8, 0, -kDepth}}, 0).proxy;
+    for (int tick = 0; tick < 100; ++tick) CHECK(touch.query({.hip = {8, 0, -kDepth}}, 0).proxy == rests);
+  }
+}
+
+TEST_CASE("a proxy that rests on moving points goes with them, and is let go when they leave") {
+  PointCloud cloud = sheet();
+  class Moving final : public SurfaceField {
+   public:
+    explicit Moving(const PointCloud& cloud) : cloud_(cloud) {}
+    SurfaceSample surface(const DVec3& x, const DVec3& facing) const override {
+      return surfaceOf({.radius = kSheetRadius, .kind = SurfaceKind::sphere}, facing, [&](double radius, auto&& visit) {
+        for (std::size_t i = 0; i < cloud_.size(); ++i) {
+          const DVec3 offset = DVec3(cloud_.positions[i]) - x;
+          if (glm::dot(offset, offset) < radius * radius) visit(offset, cloud_.normals[i]);
+        }
+      });
+    }
+
+   private:
+    const PointCloud& cloud_;
+  };
+  const Moving field(cloud);
+  ProxyTracker tracker(kSheetRadius);
+  tracker.follow(field, {0, 0, 1});
+  tracker.follow(field, {0, 0, -3});
+  for (int tick = 1; tick <= 20; ++tick) {
+    for (Vec3& position : cloud.positions) position.z = -0.1f * static_cast<float>(tick);
+    tracker.follow(field, {0, 0, -3});
+    REQUIRE(tracker.touching());
+    CHECK(tracker.proxy().z == doctest::Approx(-0.1 * tick));
+  }
+  for (Vec3& position : cloud.positions) position.z = -50;
+  tracker.follow(field, {0, 0, -3});
+  CHECK_FALSE(tracker.touching());
+  CHECK(tracker.proxy() == DVec3(0, 0, -3));
+}
+
+}  // namespace palpate

@@ -1,0 +1,202 @@
+// What the three kinds of surface make of shapes whose truth is known, and the GPU against double precision.
+#include <algorithm>
+
+#include "engine/contact/contact_reference.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Accuracy {
+  std::size_t places = 0, undefined = 0;
+  double bias = 0, rms = 0;  // of the distance to the true surface, model units
+  double p95_deg = 0;        // of the angle to the true normal
+};
+
+// Projects places near the points of `clean` onto the surface of scene.cloud. `apart`: how far places stay from where
+// two faces of a cube meet, model units.
+Accuracy accuracyOf(const Scene& scene, const PointCloud& clean, SurfaceKind kind, double apart = 0) {
+  const ContactReference reference(scene.cloud, {.radius = scene.radius, .kind = kind});
+  Accuracy accuracy;
+  std::vector<double> angles;
+  double sum = 0, squares = 0;
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const double phase = static_cast<double>(i);
+    const DVec3 start(clean.positions[i * clean.size() / 1000]);
+    DVec3 x = start + 0.1 * scene.radius * DVec3(std::sin(phase), std::cos(1.3 * phase), std::sin(2.7 * phase));
+    SurfaceSample sample = reference.surface(x, DVec3(0));
+    for (int step = 0; step < 20 && sample.defined; ++step) {
+      x -= sample.distance * sample.normal;
+      sample = reference.surface(x, DVec3(0));
+    }
+    if (!sample.defined) {
+      ++accuracy.undefined;
+      continue;
+    }
+    std::array<double, 3> sides{std::abs(x.x), std::abs(x.y), std::abs(x.z)};
+    std::ranges::sort(sides);
+    if (sides[2] - sides[1] < apart) continue;
+    const double distance = scene.shape->signedDistance(x);
+    const SurfacePoint truth = scene.shape->closest(x - 1e-3 * scene.radius * sample.normal);
+    angles.push_back(angleBetween_deg(sample.normal, truth.normal));
+    sum += distance;
+    squares += distance * distance;
+  }
+  REQUIRE(angles.size() > 500);
+  std::ranges::sort(angles);
+  accuracy.places = angles.size();
+  accuracy.p95_deg = angles[angles.size() * 95 / 100];
+  accuracy.bias = sum / static_cast<double>(angles.size());
+  accuracy.rms = std::sqrt(squares / static_cast<double>(angles.size()));
+  return accuracy;
+}
+
+constexpr std::size_t kPoints = 200'000;
+
+// The points of two even grids on z = 0: a spacing of 1 where x < 0, of sqrt(10) elsewhere.
+PointCloud twoDensities() {
+  PointCloud cloud;
+  const auto add = [&](double x, double y) {
+    cloud.positions.emplace_back(x, y, 0);
+    cloud.normals.emplace_back(0, 0, 1);
+  };
+  for (int i = -60; i < 0; ++i)
+    for (int j = -40; j <= 40; ++j) add(i, j);
+  const double wide = std::sqrt(10.0);
+  for (int i = 0; i <= 19; ++i)
+    for (int j = -12; j <= 12; ++j) add(wide * (i + 0.5), wide * j);
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("sphere and sharp find round shapes without bias; the average lies where theory puts it") {
+  for (const std::string_view name : {"sphere", "torus", "bumpy-sphere"}) {
+    CAPTURE(name);
+    const Scene scene = makeScene(name, kPoints);
+    for (const SurfaceKind kind : {SurfaceKind::sphere, SurfaceKind::sharp}) {
+      const Accuracy accuracy = accuracyOf(scene, scene.cloud, kind);
+      CHECK(accuracy.undefined == 0);
+      CHECK(accuracy.p95_deg < 0.1);
+      CHECK(accuracy.rms < 1e-4);  // mm; 2e-3 would do
+    }
+    const Accuracy average = accuracyOf(scene, scene.cloud, SurfaceKind::average);
+    CHECK(average.p95_deg < 0.4);
+    if (name == "sphere") CHECK(-average.bias == doctest::Approx(averageSurfaceBias(scene.radius, 50)).epsilon(0.1));
+  }
+}
+
+TEST_CASE("sharp keeps the edges of a cube, where the others round them off") {
+  const Scene scene = makeScene("cube", kPoints);
+  const double apart = 1.5 * scene.spacing;
+  const Accuracy sharp = accuracyOf(scene, scene.cloud, SurfaceKind::sharp, apart);
+  CHECK(sharp.p95_deg < 0.1);
+  CHECK(sharp.rms < 1e-4);
+  CHECK(accuracyOf(scene, scene.cloud, SurfaceKind::average, apart).p95_deg > 5);
+  CHECK(accuracyOf(scene, scene.cloud, SurfaceKind::sphere, apart).p95_deg > 5);
+}
+
+TEST_CASE("noise of a quarter spacing turns no normal by much and moves no surface by more than the mean of it") {
+  for (const std::string_view name : {"sphere", "torus", "bumpy-sphere"}) {
+    CAPTURE(name);
+    const Scene clean = makeScene(name, kPoints);
+    Scene noisy = makeScene(name, kPoints, DVec3(0), 0.25 * clean.spacing);
+    noisy.radius = clean.radius;
+    for (const auto& [kindName, kind] : kSurfaceKinds) {
+      CAPTURE(kindName);
+      const Accuracy accuracy = accuracyOf(noisy, clean.cloud, kind);
+      CHECK(accuracy.undefined == 0);
+      CHECK(accuracy.p95_deg < 0.6);
+      CHECK(accuracy.rms < 0.03);
+    }
+  }
+}
+
+TEST_CASE("a surface ends within half a support radius of its last points, and nothing is felt past it") {
+  const Scene scene = makeScene("plane", 20'000);
+  for (const auto& [name, kind] : kSurfaceKinds) {
+    CAPTURE(name);
+    const ContactReference reference(scene.cloud, {.radius = scene.radius, .kind = kind});
+    for (double y = -30; y < 30; y += 3.1) {
+      CHECK(reference.surface({50 - 0.3 * scene.radius, y, 0.05}, DVec3(0)).defined);
+      CHECK(reference.surface({50, y, 0.05}, DVec3(0)).defined);
+      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, 0.05}, DVec3(0)).defined);
+      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, -0.3 * scene.radius}, DVec3(0)).defined);
+    }
+  }
+}
+
+TEST_CASE("the support radius follows the local spacing, and the surface is smooth where it changes") {
+  const PointCloud cloud = twoDensities();
+  const double largest = 4 * std::sqrt(10.0);
+  const ContactReference local(cloud, {.radius = largest, .kind = SurfaceKind::sphere, .localRadius = true});
+  for (double x = -40; x < 40; x += 0.37) {
+    CAPTURE(x);
+    const SurfaceSample sample = local.surface({x, 1.3, 0.4}, DVec3(0));
+    REQUIRE(sample.defined);
+    CHECK(sample.distance == doctest::Approx(0.4));
+    CHECK(sample.neighbours >= 12);
+    if (x < -16) CHECK(sample.neighbours < 80);  // 500 lie within the largest radius
+    if (x > 16) CHECK(sample.neighbours > 30);
+  }
+  const ContactReference fixed(cloud, {.radius = 4, .kind = SurfaceKind::sphere});
+  CHECK(fixed.surface({40, 1.3, 0.4}, DVec3(0)).neighbours < 12);
+}
+
+TEST_CASE("points that all lie in one place, on one line or within rounding are flat, not curved") {
+  for (const auto& [name, kind] : kSurfaceKinds) {
+    CAPTURE(name);
+    for (const double step : {0.0, 1e-7, 0.1}) {
+      PointCloud cloud;
+      for (int i = -3; i <= 3; ++i) {
+        cloud.positions.emplace_back(step * i, 0, 0);
+        cloud.normals.emplace_back(0, 0, 1);
+      }
+      const SurfaceSample sample = ContactReference(cloud, {.radius = 1, .kind = kind}).surface({0, 0, 0.2}, DVec3(0));
+      REQUIRE(sample.defined);
+      CHECK(sample.distance == doctest::Approx(0.2));
+      CHECK(sample.normal.z == doctest::Approx(1));
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "every kind of surface is the same on the GPU as in double precision") {
+  struct Way {
+    SurfaceKind kind;
+    bool localRadius;
+    double friction;
+  };
+  for (const Way way : {Way{SurfaceKind::sphere, false, 0}, Way{SurfaceKind::sharp, false, 0.3},
+                        Way{SurfaceKind::average, true, 0.3}, Way{SurfaceKind::sharp, true, 0}}) {
+    for (const std::string_view name : {"torus", "cube", "bumpy-sphere"}) {
+      CAPTURE(name);
+      CAPTURE(static_cast<int>(way.kind));
+      const Scene scene = makeScene(name, 10'000);
+      const double radius = way.localRadius ? 1.5 * scene.radius : scene.radius;
+      TouchSide touch(device, scene.cloud,
+                      {.radius = radius, .surface = way.kind, .localRadius = way.localRadius, .friction = way.friction});
+      ContactReference reference(
+          scene.cloud, {.radius = radius, .kind = way.kind, .localRadius = way.localRadius}, way.friction);
+      std::size_t touched = 0, disagreed = 0;
+      double worstProxy = 0, worstNormal_deg = 0;
+      for (const DVec3& hip : wanderingPath(scene, 120, 0.4 * scene.radius, 3)) {
+        const Contact gpu = touch.query({.hip = hip}, 0), cpu = reference.query({.hip = hip}, 0);
+        touched += cpu.touching;
+        disagreed += gpu.touching != cpu.touching;
+        if (!gpu.touching || !cpu.touching) continue;
+        worstProxy = std::max(worstProxy, glm::distance(gpu.proxy, cpu.proxy) / radius);
+        worstNormal_deg = std::max(worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
+      }
+      CHECK(touched > 40);
+      CHECK(disagreed == 0);
+      CHECK(worstProxy < 1e-4);
+      CHECK(worstNormal_deg < 0.1);
+      touch.finish();
+    }
+  }
+}
+
+}  // namespace palpate
