@@ -18,7 +18,7 @@ class ContactReference final : public ContactQuery, public SurfaceField {
       : ContactReference(cloud, SurfaceOptions{.radius = radius}) {}
 
   Contact query(const Pose& pose, double budget_us) noexcept override;
-  SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
+  SurfaceSample surface(const DVec3& x, const DVec3& facing = DVec3(0)) const override;
 
  private:
   const PointCloud& cloud_;

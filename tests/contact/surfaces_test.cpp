@@ -11,43 +11,47 @@ namespace palpate {
 namespace {
 
 struct Accuracy {
-  std::size_t places = 0, undefined = 0;
+  std::size_t undefined = 0;
   double bias = 0, rms = 0;  // of the distance to the true surface, model units
   double p95_deg = 0;        // of the angle to the true normal
 };
 
-// Projects places near the points of `clean` onto the surface of scene.cloud. `apart`: how far places stay from where
-// two faces of a cube meet, model units.
+// How far a place on a cube is from where two faces meet.
+double fromEdge(const DVec3& x) {
+  std::array<double, 3> sides{std::abs(x.x), std::abs(x.y), std::abs(x.z)};
+  std::ranges::sort(sides);
+  return sides[2] - sides[1];
+}
+
+// Projects places near the points of `clean` onto the surface of scene.cloud. `apart`: on a cube, looks only at places
+// so far from its edges, and no further than the support radius; model units.
 Accuracy accuracyOf(const Scene& scene, const PointCloud& clean, SurfaceKind kind, double apart = 0) {
   const ContactReference reference(scene.cloud, {.radius = scene.radius, .kind = kind});
   Accuracy accuracy;
   std::vector<double> angles;
   double sum = 0, squares = 0;
-  for (std::size_t i = 0; i < 1000; ++i) {
+  for (std::size_t i = 0; i < clean.size(); i += apart > 0 ? 17 : 197) {
     const double phase = static_cast<double>(i);
-    const DVec3 start(clean.positions[i * clean.size() / 1000]);
+    const DVec3 start(clean.positions[i]);
+    if (apart > 0 && (fromEdge(start) < apart || fromEdge(start) > scene.radius)) continue;
     DVec3 x = start + 0.1 * scene.radius * DVec3(std::sin(phase), std::cos(1.3 * phase), std::sin(2.7 * phase));
-    SurfaceSample sample = reference.surface(x, DVec3(0));
+    SurfaceSample sample = reference.surface(x);
     for (int step = 0; step < 20 && sample.defined; ++step) {
       x -= sample.distance * sample.normal;
-      sample = reference.surface(x, DVec3(0));
+      sample = reference.surface(x);
     }
     if (!sample.defined) {
       ++accuracy.undefined;
       continue;
     }
-    std::array<double, 3> sides{std::abs(x.x), std::abs(x.y), std::abs(x.z)};
-    std::ranges::sort(sides);
-    if (sides[2] - sides[1] < apart) continue;
     const double distance = scene.shape->signedDistance(x);
     const SurfacePoint truth = scene.shape->closest(x - 1e-3 * scene.radius * sample.normal);
     angles.push_back(angleBetween_deg(sample.normal, truth.normal));
     sum += distance;
     squares += distance * distance;
   }
-  REQUIRE(angles.size() > 500);
+  REQUIRE(angles.size() > 300);
   std::ranges::sort(angles);
-  accuracy.places = angles.size();
   accuracy.p95_deg = angles[angles.size() * 95 / 100];
   accuracy.bias = sum / static_cast<double>(angles.size());
   accuracy.rms = std::sqrt(squares / static_cast<double>(angles.size()));
@@ -121,10 +125,10 @@ TEST_CASE("a surface ends within half a support radius of its last points, and n
     CAPTURE(name);
     const ContactReference reference(scene.cloud, {.radius = scene.radius, .kind = kind});
     for (double y = -30; y < 30; y += 3.1) {
-      CHECK(reference.surface({50 - 0.3 * scene.radius, y, 0.05}, DVec3(0)).defined);
-      CHECK(reference.surface({50, y, 0.05}, DVec3(0)).defined);
-      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, 0.05}, DVec3(0)).defined);
-      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, -0.3 * scene.radius}, DVec3(0)).defined);
+      CHECK(reference.surface({50 - 0.3 * scene.radius, y, 0.05}).defined);
+      CHECK(reference.surface({50, y, 0.05}).defined);
+      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, 0.05}).defined);
+      CHECK_FALSE(reference.surface({50 + 0.5 * scene.radius, y, -0.3 * scene.radius}).defined);
     }
   }
 }
@@ -135,7 +139,7 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
   const ContactReference local(cloud, {.radius = largest, .kind = SurfaceKind::sphere, .localRadius = true});
   for (double x = -40; x < 40; x += 0.37) {
     CAPTURE(x);
-    const SurfaceSample sample = local.surface({x, 1.3, 0.4}, DVec3(0));
+    const SurfaceSample sample = local.surface({x, 1.3, 0.4});
     REQUIRE(sample.defined);
     CHECK(sample.distance == doctest::Approx(0.4));
     CHECK(sample.neighbours >= 12);
@@ -143,7 +147,7 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
     if (x > 16) CHECK(sample.neighbours > 30);
   }
   const ContactReference fixed(cloud, {.radius = 4, .kind = SurfaceKind::sphere});
-  CHECK(fixed.surface({40, 1.3, 0.4}, DVec3(0)).neighbours < 12);
+  CHECK(fixed.surface({40, 1.3, 0.4}).neighbours < 12);
 }
 
 TEST_CASE("points that all lie in one place, on one line or within rounding are flat, not curved") {
@@ -155,7 +159,7 @@ TEST_CASE("points that all lie in one place, on one line or within rounding are 
         cloud.positions.emplace_back(step * i, 0, 0);
         cloud.normals.emplace_back(0, 0, 1);
       }
-      const SurfaceSample sample = ContactReference(cloud, {.radius = 1, .kind = kind}).surface({0, 0, 0.2}, DVec3(0));
+      const SurfaceSample sample = ContactReference(cloud, {.radius = 1, .kind = kind}).surface({0, 0, 0.2});
       REQUIRE(sample.defined);
       CHECK(sample.distance == doctest::Approx(0.2));
       CHECK(sample.normal.z == doctest::Approx(1));
@@ -163,40 +167,53 @@ TEST_CASE("points that all lie in one place, on one line or within rounding are 
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "every kind of surface is the same on the GPU as in double precision") {
-  struct Way {
-    SurfaceKind kind;
-    bool localRadius;
-    double friction;
-  };
-  for (const Way way : {Way{SurfaceKind::sphere, false, 0}, Way{SurfaceKind::sharp, false, 0.3},
-                        Way{SurfaceKind::average, true, 0.3}, Way{SurfaceKind::sharp, true, 0}}) {
-    for (const std::string_view name : {"torus", "cube", "bumpy-sphere"}) {
-      CAPTURE(name);
-      CAPTURE(static_cast<int>(way.kind));
-      const Scene scene = makeScene(name, 10'000);
-      const double radius = way.localRadius ? 1.5 * scene.radius : scene.radius;
-      TouchSide touch(device, scene.cloud,
-                      {.radius = radius, .surface = way.kind, .localRadius = way.localRadius, .friction = way.friction});
-      ContactReference reference(
-          scene.cloud, {.radius = radius, .kind = way.kind, .localRadius = way.localRadius}, way.friction);
-      std::size_t touched = 0, disagreed = 0;
-      double worstProxy = 0, worstNormal_deg = 0;
-      for (const DVec3& hip : wanderingPath(scene, 120, 0.4 * scene.radius, 3)) {
-        const Contact gpu = touch.query({.hip = hip}, 0), cpu = reference.query({.hip = hip}, 0);
-        touched += cpu.touching;
-        disagreed += gpu.touching != cpu.touching;
-        if (!gpu.touching || !cpu.touching) continue;
-        worstProxy = std::max(worstProxy, glm::distance(gpu.proxy, cpu.proxy) / radius);
-        worstNormal_deg = std::max(worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
-      }
-      CHECK(touched > 40);
-      CHECK(disagreed == 0);
-      CHECK(worstProxy < 1e-4);
-      CHECK(worstNormal_deg < 0.1);
-      touch.finish();
-    }
+namespace {
+
+struct Way {
+  SurfaceKind kind;
+  bool localRadius;
+  double friction;
+};
+
+// Wanders over a shape on the GPU and in double precision.
+void checkAgreement(Device& device, const Way& way, std::string_view shape) {
+  CAPTURE(shape);
+  CAPTURE(static_cast<int>(way.kind));
+  const Scene scene = makeScene(shape, 10'000);
+  const double radius = way.localRadius ? 1.5 * scene.radius : scene.radius;
+  TouchSide touch(device, scene.cloud,
+                  {.radius = radius, .surface = way.kind, .localRadius = way.localRadius, .friction = way.friction});
+  ContactReference reference(scene.cloud, {.radius = radius, .kind = way.kind, .localRadius = way.localRadius},
+                             way.friction);
+  std::size_t touched = 0, disagreed = 0;
+  double worstProxy = 0, worstNormal_deg = 0;
+  for (const DVec3& hip : wanderingPath(scene, 120, 0.4 * scene.radius, 3)) {
+    const Contact gpu = touch.query({.hip = hip}, 0), cpu = reference.query({.hip = hip}, 0);
+    touched += cpu.touching;
+    disagreed += gpu.touching != cpu.touching;
+    if (!gpu.touching || !cpu.touching) continue;
+    worstProxy = std::max(worstProxy, glm::distance(gpu.proxy, cpu.proxy) / radius);
+    worstNormal_deg = std::max(worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
   }
+  CHECK(touched > 40);
+  CHECK(disagreed == 0);
+  CHECK(worstProxy < 1e-4);
+  CHECK(worstNormal_deg < 0.1);
+  touch.finish();
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "sharp with a local radius and friction runs without a complaint of the validation") {
+  checkAgreement(device, {SurfaceKind::sharp, true, 0.3}, "torus");
+}
+
+TEST_CASE("every kind of surface is the same on the GPU as in double precision") {
+  // GPU-assisted validation compiles for some ten seconds each time.
+  Device device({.gpu = "", .validate = false});
+  for (const Way way : {Way{SurfaceKind::sphere, false, 0}, Way{SurfaceKind::sharp, false, 0.3},
+                        Way{SurfaceKind::average, true, 0.3}, Way{SurfaceKind::sharp, true, 0}})
+    for (const std::string_view shape : {"torus", "cube", "bumpy-sphere"}) checkAgreement(device, way, shape);
 }
 
 }  // namespace palpate
