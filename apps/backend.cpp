@@ -127,7 +127,8 @@ std::string methodName(const BackendOptions& options) {
 }
 
 SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options) {
-  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too large.
+  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
+  // large.
   constexpr double kUneven = 1.4, kWidest = 4;
   const bool cuda = options.backend == "cuda";
   SurfaceOptions surface{.radius = supportRadius(options.radius, model),

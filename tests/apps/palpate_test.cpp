@@ -84,7 +84,7 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 200000 -o " + model);
-  works("touch " + model + " --path builtin:press --trace " + trace + " --validate --json " +
+  works("touch " + model + " --surface average --path builtin:press --trace " + trace + " --validate --json " +
         (folder / "touch.json").string());
   const auto rows = readTrace(trace);
   const double spacing = std::sqrt(4 * 3.14159265358979 * 50 * 50 / 200000), radius = 4 * spacing;
@@ -350,6 +350,9 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
   fails("touch " + model + " --edit push --tau nan", 2, "--tau");
   fails("touch " + model + " --surface sharpest", 2, "--surface");
+  fails("touch " + model + " --surface sphere --backend cuda", 2, "--surface");
+  fails("touch " + model + " --friction 0.3 --backend cuda", 2, "--friction");
+  fails("touch " + model + " --friction -1", 2, "--friction");
   fails("touch " + model + " --backend abacus", 2, "--backend");
   fails("touch " + model + " --backend cpu --method fused", 2, "--method");
   fails("touch " + model + " --backend cpu --wait spin", 2, "--wait");
@@ -413,8 +416,7 @@ TEST_CASE("a script may name the way that is the default") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 5000 -o " + model);
-  works("touch " + model +
-        " --device path --backend vulkan --method fused --surface average --index rebuild --grid 128");
+  works("touch " + model + " --device path --backend vulkan --method fused --surface sharp --index rebuild --grid 128");
 }
 
 TEST_CASE("a back end that is not there, and a method that it does not have, are told apart") {

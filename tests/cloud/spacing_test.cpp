@@ -27,6 +27,18 @@ TEST_CASE("the spacing is the root of the area per point") {
   CHECK(meanSpacing(randomSquare(40'000)) == doctest::Approx(0.005).epsilon(0.03));
 }
 
+TEST_CASE("the wide spacing is that of the sparsest region") {
+  const SpacingRange even = spacingRange(sampleShape(*makeShape("sphere"), {.count = 50'000}));
+  CHECK(even.wide < 1.1 * even.mean);
+  PointCloud cloud = randomSquare(40'000);
+  const PointCloud sparse = randomSquare(4'000);
+  for (const Vec3& place : sparse.positions) cloud.positions.push_back(place + Vec3(5, 0, 0));
+  const SpacingRange range = spacingRange(cloud);
+  CHECK(range.mean == doctest::Approx(0.005).epsilon(0.05));
+  CHECK(range.wide > 0.0158);
+  CHECK(range.wide < 0.024);
+}
+
 TEST_CASE("neither one far point nor duplicates change the spacing") {
   PointCloud cloud = sampleShape(*makeShape("sphere"), {.count = 50'000});
   const double spacing = meanSpacing(cloud);

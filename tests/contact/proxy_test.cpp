@@ -126,7 +126,7 @@ TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
       const DVec3 aim(12 * unit(random), 12 * unit(random), 0);
       const DVec3 heading = glm::normalize(DVec3(unit(random), unit(random), -0.6));
       bool touched = false;
-      for (double along = -3 / -heading.z; -heading.z * along < kDeepest; along += step) {
+      for (double along = -3 / -heading.z; - heading.z * along < kDeepest; along += step) {
         const Contact contact = touch.query({.hip = aim + along * heading}, 0);
         if (-heading.z * along > 1e-6) through += !contact.touching || contact.proxy.z < -0.1;
         touched = touched || contact.touching;

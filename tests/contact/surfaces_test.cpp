@@ -30,7 +30,7 @@ Accuracy accuracyOf(const Scene& scene, const PointCloud& clean, SurfaceKind kin
   Accuracy accuracy;
   std::vector<double> angles;
   double sum = 0, squares = 0;
-  for (std::size_t i = 0; i < clean.size(); i += apart > 0 ? 17 : 197) {
+  for (std::size_t i = 0; i<clean.size(); i += apart> 0 ? 17 : 197) {
     const double phase = static_cast<double>(i);
     const DVec3 start(clean.positions[i]);
     if (apart > 0 && (fromEdge(start) < apart || fromEdge(start) > scene.radius)) continue;
