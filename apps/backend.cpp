@@ -62,9 +62,9 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   std::vector<std::string> surfaces;
   for (const auto& [name, kind] : kSurfaceKinds) surfaces.emplace_back(name);
   sub.add_option("--surface", options.surface,
-                 "what the points define: sharp (default), a sphere that fits places and normals and keeps edges; "
-                 "sphere, the same without a sense for edges, in a third of the time; average, weighted position and "
-                 "normal, which sinks into curvature (the only one of cuda)")
+                 "what the points define: average (default), weighted position and normal, which sinks into curvature; "
+                 "sphere, an algebraic sphere that fits places and normals; sharp, the same with a sense for edges, in "
+                 "three times the time (cuda has average alone)")
       ->check(CLI::IsMember(std::move(surfaces)));
   sub.add_option("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
       ->check(notNegative())
@@ -131,8 +131,7 @@ SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options)
   // large.
   constexpr double kUneven = 1.4, kWidest = 4;
   const bool cuda = options.backend == "cuda";
-  SurfaceOptions surface{.radius = supportRadius(options.radius, model),
-                         .kind = cuda ? SurfaceKind::average : SurfaceKind::sharp};
+  SurfaceOptions surface{.radius = supportRadius(options.radius, model)};
   for (const auto& [name, kind] : kSurfaceKinds)
     if (options.surface == name) surface.kind = kind;
   surface.localRadius = options.radius == "auto" && !cuda && model.wideSpacing > kUneven * model.spacing;
