@@ -59,13 +59,11 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
                  "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
                  "two-step, counts first and the host launches; brute, looks at every point; with cuda " +
                      fmt::format("{}", fmt::join(cudaMethods(), ", ")));
-  std::vector<std::string> surfaces;
-  for (const auto& [name, kind] : kSurfaceKinds) surfaces.emplace_back(name);
   sub.add_option("--surface", options.surface,
                  "what the points define: average (default), weighted position and normal, which sinks into curvature; "
                  "sphere, an algebraic sphere that fits places and normals; sharp, the same with a sense for edges, in "
                  "three times the time (cuda has average alone)")
-      ->check(CLI::IsMember(std::move(surfaces)));
+      ->check(CLI::IsMember(surfaceChoices()));
   sub.add_option("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
       ->check(notNegative())
       ->capture_default_str();
@@ -98,6 +96,12 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
 }
 
 std::vector<std::string> backendChoices() { return {"vulkan", "cuda", "cpu"}; }
+
+std::vector<std::string> surfaceChoices() {
+  std::vector<std::string> surfaces;
+  for (const auto& [name, kind] : kSurfaceKinds) surfaces.emplace_back(name);
+  return surfaces;
+}
 
 std::vector<std::string> methodChoices(std::string_view backend) {
   if (backend == "cpu") return {"direct"};

@@ -19,8 +19,9 @@ struct BackendOptions {
 void addBackendOptions(CLI::App& command, BackendOptions& options);
 /// Those of them that say how the index is laid out and built, and how the GPU is waited for.
 void addIndexOptions(CLI::App& command, BackendOptions& options);
-/// The back ends that this program has, and the methods of one of them.
+/// The back ends and the surfaces that this program has, and the methods of one back end.
 std::vector<std::string> backendChoices();
+std::vector<std::string> surfaceChoices();
 std::vector<std::string> methodChoices(std::string_view backend);
 /// Throws UsageError for options that do not go together; before anything is loaded.
 void checkBackendOptions(const BackendOptions& options);

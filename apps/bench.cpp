@@ -1,4 +1,5 @@
 #include "apps/bench.hpp"
+#include "apps/plot.hpp"
 
 #include <fmt/ranges.h>
 
@@ -67,6 +68,19 @@ void checkMethods(const BenchOptions& options) {
   }
 }
 
+// The page of bench touch and the plot of times have nothing in common, so one asks for one at a time.
+void judge(Context& context, const BenchOptions& options) {
+  if (options.names.size() > 1) throw UsageError("bench touch: ask for it alone; its tables and its plot are its own");
+  Context::checkWritable(options.plotFile);
+  Json result{{"machines", Json::object()}};
+  for (const std::string& backend : options.backends) result["machines"][backend] = machineOf(context, backend);
+  for (const auto& [backend, machine] : result["machines"].items())
+    fmt::print(context.tables(), "{}: {}\n", backend, machine.get<std::string>());
+  result["touch"] = benchTouch(context, options);
+  context.writeJson(result);
+  if (!options.plotFile.empty()) plot(PlotScript::touch, result, options.plotFile);
+}
+
 void bench(Context& context, const BenchOptions& options) {
   checkMethods(options);
   Context::checkWritable(options.plotFile);
@@ -90,7 +104,7 @@ void bench(Context& context, const BenchOptions& options) {
   fmt::print(out, "us, median / p99.9\n");
   for (const std::string& name : options.names) printTables(out, name, records);
   context.writeJson(result);
-  if (!options.plotFile.empty()) plotRecords(result, options.plotFile);
+  if (!options.plotFile.empty()) plot(PlotScript::bench, result, options.plotFile);
 }
 
 }  // namespace
@@ -145,21 +159,23 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick)");
+      "haptic tick); touch judges what is felt against surfaces that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch"}))
       ->type_name("NAME...");
-  sub->add_option("--models", options->models, "PLY files")->type_name("FILE...");
+  sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
       ->check(between(1, 2e9))
       ->type_name("N...");
-  sub->add_option("--backend", options->backends, "what answers; several are measured one after another")
-      ->check(CLI::IsMember(backendChoices()))
-      ->delimiter(',')
-      ->capture_default_str();
+  CLI::Option* backends = sub->add_option("--backend", options->backends,
+                                          "what answers; several are measured one after another (touch: cpu where "
+                                          "there is no GPU but a software driver)")
+                              ->check(CLI::IsMember(backendChoices()))
+                              ->delimiter(',')
+                              ->capture_default_str();
   sub->add_option("--method", options->methods, "query methods of query and step (default: all)")->delimiter(',');
   sub->add_option("--repeat", options->repeat, "repetitions of each measurement")
       ->check(between(1, 1e9))
@@ -176,11 +192,23 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--plot", options->plotFile, "draw times against points, a line for each way (needs matplotlib)")
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);
+  addTouchBenchOptions(*sub, options->touch);
   sub->footer(
       "build: in the order of the file, then in the order of the last build with some points moved (--moved).\n"
       "query: the HIP rests half a support radius above the surface; one gather, one surface.\n"
-      "step: the HIP rests in contact; static, then edited: the surface yields so slowly that every tick edits.\n");
-  sub->callback([&, options] { command = [&context, options] { bench(context, *options); }; });
+      "step: the HIP rests in contact; static, then edited: the surface yields so slowly that every tick edits.\n"
+      "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
+      "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
+      "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
+      "tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same path "
+      "twice, and the CPU against the back end.\n");
+  sub->callback([&, options, backends] {
+    command = [&context, options, chosen = backends->count() > 0] {
+      if (std::ranges::find(options->names, "touch") == options->names.end()) return bench(context, *options);
+      if (!chosen) options->backends = {ownTouchBackend(context)};
+      judge(context, *options);
+    };
+  });
 }
 
 }  // namespace palpate

@@ -7,6 +7,15 @@
 
 namespace palpate {
 
+/// Of `bench touch` alone.
+struct TouchBenchOptions {
+  std::vector<std::string> surfaces, shapes, conditions;
+  std::string truthFile;  ///< the mesh that the models are scans of
+  bool quick = false;
+};
+/// Adds them, and sets them to all that there is.
+void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options);
+
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::int64_t> sizes;
@@ -16,6 +25,7 @@ struct BenchOptions {
   double movedShare = 0.01;
   std::string plotFile;
   BackendOptions backend;
+  TouchBenchOptions touch;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
@@ -64,8 +74,10 @@ void benchQuery(Context& context, const Subject& subject, const BenchOptions& op
                 std::vector<BenchRecord>& records);
 void benchStep(Context& context, const Subject& subject, const BenchOptions& options,
                std::vector<BenchRecord>& records);
-
-/// Draws times against points, one line for each way, into a PNG. Needs python3 with matplotlib; throws Error without.
-void plotRecords(const Json& result, const std::string& file);
+/// Judges touch on surfaces that are known (apps/touch_judge.hpp), prints tables, and gives the numbers back.
+Json benchTouch(Context& context, const BenchOptions& options);
+/// What answers in bench touch unless the user says: vulkan on a real GPU; cpu where there is none, or only a software
+/// driver, which is slower than the CPU back end by far and feels the same.
+std::string ownTouchBackend(Context& context);
 
 }  // namespace palpate

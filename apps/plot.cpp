@@ -6,8 +6,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "apps/bench.hpp"
-#include "apps/plot_bench.hpp"
+#include "apps/plot.hpp"
+#include "apps/plot_scripts.hpp"
+#include "engine/core/error.hpp"
 
 namespace palpate {
 
@@ -56,11 +57,12 @@ std::string pythonWithMatplotlib() {
 
 }  // namespace
 
-void plotRecords(const Json& result, const std::string& file) {
+void plot(PlotScript script, const Json& result, const std::string& file) {
+  const char* const text = script == PlotScript::bench ? plot_script::kBench : plot_script::kTouch;
   const ScratchFolder folder;
   const std::string json = folder.path() / "result.json";
   std::ofstream(json) << result.dump();
-  if (run(pythonWithMatplotlib(), {"-c", plot_script::kBench, json, std::filesystem::absolute(file).string()}) != 0)
+  if (run(pythonWithMatplotlib(), {"-c", text, json, std::filesystem::absolute(file).string()}) != 0)
     throw Error("{}: the plot could not be drawn; see what it said above", file);
 }
 

@@ -29,6 +29,9 @@ class PlyFaces {
   /// face uses get the normal of the nearest point that has one. Throws Error when there is no face.
   void applyTo(PointCloud& cloud, const std::filesystem::path& file, Log* log) const;
 
+  /// In the order of the file, wound as there.
+  std::span<const std::array<std::uint64_t, 3>> triangles() const { return triangles_; }
+
  private:
   std::uint64_t vertexCount_;
   std::vector<std::array<std::uint64_t, 3>> triangles_;

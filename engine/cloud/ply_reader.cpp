@@ -51,7 +51,7 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
 
   PlyVertices vertices(path, *vertex, log);
   std::optional<PlyFaces> faces;
-  if (options.normalsFromFaces) faces.emplace(vertex->count);
+  if (options.normalsFromFaces || options.triangles) faces.emplace(vertex->count);
   PlyFaces* const wanted = faces ? &*faces : nullptr;
   for (const PlyElement& element : info.elements) {
     const bool isVertex = &element == vertex;
@@ -68,7 +68,11 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
 
   PointCloud cloud = vertices.finish(log);
   cloud.storedAs.comments = info.comments;
-  if (faces) faces->applyTo(cloud, path, log);
+  if (options.normalsFromFaces) faces->applyTo(cloud, path, log);
+  if (options.triangles)
+    for (const auto& [a, b, c] : faces->triangles())
+      options.triangles->push_back(
+          {static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), static_cast<std::uint32_t>(c)});
   return cloud;
 }
 

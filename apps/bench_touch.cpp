@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/bench.hpp"
+#include "apps/touch_tables.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/thinning.hpp"
+#include "haptics/touch_target.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Condition {
+  std::string_view name;
+  double noise = 0;     ///< spacings
+  double thinning = 1;  ///< density at one end over that at the other
+  double away = 0;      ///< of the centre from the origin, model units
+};
+constexpr std::array<Condition, 6> kConditions{
+    {{"clean"}, {"noise-0.1", 0.1}, {"noise-0.25", 0.25}, {"noise-0.5", 0.5}, {"uneven", 0, 10}, {"far", 0, 1, 1e6}}};
+
+// Slides begin here in the unit square of a shape's area: on the cube on three of its faces, some 25 mm from an edge
+// that the last of them crosses.
+constexpr std::array<DVec2, 3> kStarts{{{0.46, 0.55}, {0.62, 0.23}, {0.29, 0.43}}};
+
+JudgeSubject shapeSubject(const std::string& name, const Condition& condition, std::size_t count, unsigned threads) {
+  const std::shared_ptr<const AnalyticShape> shape = makeShape(name, kDefaultLongestSide_mm, DVec3(condition.away));
+  JudgeSubject subject{.name = name, .condition = std::string(condition.name), .owner = shape};
+  subject.truth = truthOf(*shape);
+  const auto drawn =
+      static_cast<std::size_t>(std::round(static_cast<double>(count) / shareThatStays(condition.thinning)));
+  const double spacing =
+      condition.noise > 0 ? meanSpacing(sampleShape(*shape, {.count = count, .threads = threads}), threads) : 0;
+  subject.noise = condition.noise * spacing;
+  PointCloud cloud = sampleShape(*shape, {.count = drawn, .noise = subject.noise, .threads = threads});
+  if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
+  subject.model.spacing = meanSpacing(cloud, threads);
+  subject.model.cloud = std::move(cloud);
+  const AreaMap place = shape->areaMap(threads);
+  for (const DVec2& start : kStarts) {
+    const SurfacePoint on = place(start);
+    subject.starts.push_back({on, frameAround(on.normal).v});
+  }
+  return subject;
+}
+
+JudgeSubject scanSubject(Context& context, const std::string& scan, const std::string& mesh) {
+  auto truth = std::make_shared<const TriangleMesh>(readTriangleMesh(mesh));
+  JudgeSubject subject{.name = std::filesystem::path(scan).stem().string(), .condition = "scan", .owner = truth};
+  subject.truth = truthOf(*truth);
+  subject.model = loadModel(context, {.file = scan});
+  constexpr std::size_t kLookedAt = 32'768;
+  const PointCloud& cloud = subject.model.cloud;
+  const TouchTarget target = chooseTarget(SurfaceSample(cloud, kLookedAt), boundsOf(cloud));
+  const SurfacePoint on = truth->closest(cloud.origin + target.position);
+  const Frame3 frame = frameAround(on.normal);
+  for (const DVec3& towards : {frame.u, -0.5 * frame.u + 0.8 * frame.v, -0.5 * frame.u - 0.8 * frame.v})
+    subject.starts.push_back({on, towards});
+  return subject;
+}
+
+std::vector<std::function<JudgeSubject()>> subjectsOf(Context& context, const BenchOptions& options) {
+  std::vector<std::function<JudgeSubject()>> subjects;
+  const TouchBenchOptions& touch = options.touch;
+  for (const std::string& scan : options.models)
+    subjects.emplace_back([&context, scan, mesh = touch.truthFile] { return scanSubject(context, scan, mesh); });
+  if (!subjects.empty()) return subjects;
+  std::vector<std::int64_t> sizes = options.sizes;
+  if (sizes.empty()) sizes.push_back(200'000);
+  for (const std::int64_t size : sizes)
+    for (const std::string& shape : touch.shapes)
+      for (const Condition& condition : kConditions)
+        if (std::ranges::find(touch.conditions, condition.name) != touch.conditions.end())
+          subjects.emplace_back([&context, shape, condition, size] {
+            return shapeSubject(shape, condition, static_cast<std::size_t>(size), context.threads());
+          });
+  return subjects;
+}
+
+template <class Judge>
+void forEachSurface(const BenchOptions& options, Judge&& judgeOne) {
+  for (const std::string& backend : options.backends)
+    for (const std::string& surface : options.touch.surfaces) {
+      BackendOptions one = options.backend;
+      one.backend = backend;
+      one.surface = surface;
+      one.method = options.methods.empty() ? "" : options.methods.front();
+      judgeOne(one);
+    }
+}
+
+std::vector<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
+
+}  // namespace
+
+void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
+  options.surfaces = surfaceChoices();
+  options.shapes = names(shapeNames());
+  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
+  const auto list = [&](const char* name, std::vector<std::string>& values, const char* what) {
+    sub.add_option(name, values, what)->check(CLI::IsMember(values))->delimiter(',')->capture_default_str();
+  };
+  list("--surface", options.surfaces, "touch: surfaces that are judged");
+  list("--shapes", options.shapes, "touch: shapes that are felt");
+  list("--conditions", options.conditions,
+       "touch: clouds that are exact, have positions noisy by so many spacings, are ten times sparser at one end, lie "
+       "1e6 mm from the origin");
+  sub.add_option("--truth", options.truthFile, "touch: the mesh that --models is a scan of, in the same coordinates")
+      ->type_name("MESH.ply");
+  sub.add_flag("--quick", options.quick, "touch: no slides at 5 mm/s, no plates, no edits");
+}
+
+std::string ownTouchBackend(Context& context) {
+  try {
+    return context.device().isCpu() ? "cpu" : "vulkan";
+  } catch (const Error&) {
+    return "cpu";
+  }
+}
+
+Json benchTouch(Context& context, const BenchOptions& options) {
+  if (options.models.empty() != options.touch.truthFile.empty())
+    throw UsageError("bench touch: --models and --truth go together; without both, shapes are felt");
+  JudgeOptions judgeOptions;
+  if (options.touch.quick) judgeOptions.speeds_mm_per_s = {50, 200};
+  forEachSurface(options, [](const BackendOptions& one) { checkBackendOptions(one); });
+  TouchResults results;
+  const auto subjects = subjectsOf(context, options);
+  for (const auto& makeOne : subjects) {
+    const JudgeSubject subject = makeOne();
+    context.log().say("touch: {}, {}, {} points", subject.name, subject.condition, subject.model.cloud.size());
+    forEachSurface(options, [&](const BackendOptions& one) {
+      results.judgements.push_back(judgeTouch(context, subject, one, judgeOptions));
+      if (!options.touch.quick && (subject.condition == "clean" || subject.condition == "scan"))
+        results.judgements.back().edit = judgeEdit(context, subject, one, judgeOptions);
+    });
+  }
+  if (!options.touch.quick && options.models.empty())
+    forEachSurface(options, [&](const BackendOptions& one) {
+      context.log().say("touch: thin plates, {}", one.surface);
+      const std::int64_t points = options.sizes.empty() ? 200'000 : options.sizes.front();
+      const auto plates = judgePlates(context, static_cast<std::size_t>(points), one);
+      results.plates.insert(results.plates.end(), plates.begin(), plates.end());
+    });
+  printTouchTables(context.tables(), results, judgeOptions.mainSpeed_mm_per_s);
+  return toJson(results);
+}
+
+}  // namespace palpate

@@ -1,0 +1,131 @@
+#!/usr/bin/env python3
+"""Draws what `palpate bench touch` found on one page; a panel for everything that was measured.
+
+usage: plot_touch.py RESULT.json PICTURE.png
+"""
+import json
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+STYLES = ["-", "--", ":", "-."]
+
+
+def colours(names):
+    return {name: plt.get_cmap("tab10")(k % 10) for k, name in enumerate(dict.fromkeys(names))}
+
+
+def label(judgement):
+    return f"{judgement['subject']}, {judgement['surface']}, {judgement['backend']}"
+
+
+class Page:
+    """The judgements, and one colour for each shape and one line style for each surface."""
+
+    def __init__(self, touch):
+        self.touch = touch
+        self.judgements = touch["judgements"]
+        self.plain = [j for j in self.judgements if j["condition"] in ("clean", "scan")]
+        self.colour = colours(j["subject"] for j in self.judgements)
+        ways = dict.fromkeys((j["surface"], j["backend"]) for j in self.judgements)
+        self.style = {way: STYLES[k % len(STYLES)] for k, way in enumerate(ways)}
+
+    def look(self, judgement):
+        way = (judgement["surface"], judgement["backend"])
+        return {"color": self.colour[judgement["subject"]], "linestyle": self.style[way], "label": label(judgement)}
+
+    def direction(self, axis):
+        for judgement in self.plain:
+            slides = judgement["slides"]
+            axis.plot([s["speed_mm_per_s"] for s in slides], [s["M1_angle_deg"]["p95"] for s in slides], marker="o",
+                      **self.look(judgement))
+        axis.set(title="M1: force direction against speed", xlabel="mm/s", ylabel="degrees off, p95", xscale="log",
+                 yscale="log")
+        return self.plain
+
+    def depth(self, axis):
+        for judgement in self.plain:
+            slides = judgement["slides"]
+            axis.plot([s["speed_mm_per_s"] for s in slides], [100 * s["M3_force_relative_rms"] for s in slides],
+                      marker="o", **self.look(judgement))
+        axis.set(title="M3: force against true depth", xlabel="mm/s", ylabel="relative RMS, %", xscale="log",
+                 yscale="log")
+        return self.plain
+
+    def noise(self, axis):
+        lines = {}
+        for judgement in self.judgements:
+            name = judgement["condition"]
+            share = {"clean": 0.0}.get(name, float(name[6:]) if name.startswith("noise-") else None)
+            if share is None:
+                continue
+            slide = min(judgement["slides"], key=lambda s: abs(s["speed_mm_per_s"] - 50))
+            lines.setdefault(label(judgement), (judgement, []))[1].append((share, slide["M1_angle_deg"]["p95"]))
+        lines = {name: line for name, line in lines.items() if len(line[1]) > 1}
+        for judgement, places in lines.values():
+            axis.plot(*zip(*sorted(places)), marker="o", **self.look(judgement))
+        axis.set(title="M1 against noise, 50 mm/s", xlabel="deviation, spacings", ylabel="degrees off, p95")
+        return lines
+
+    def slide(self, axis):
+        drawn = [j for j in self.plain if j["slide_N"]["felt"]]
+        for judgement in drawn:
+            axis.plot(judgement["slide_N"]["felt"], linewidth=1, **self.look(judgement))
+        if drawn:
+            axis.plot(drawn[0]["slide_N"]["true"], color="black", linewidth=0.8, label="true, " + drawn[0]["subject"])
+        axis.set(title="force along the first slide, 50 mm/s", xlabel="ms", ylabel="N")
+        return drawn
+
+    def plates(self, axis):
+        lines = {}
+        for plate in self.touch["M5_plates"]:
+            name = f"{plate['surface']}, {plate['backend']}, {plate['speed_mm_per_s']:g} mm/s"
+            lines.setdefault(name, []).append((plate["thickness_over_radius"], 100 * plate["through_share"]))
+        for name, places in lines.items():
+            axis.plot(*zip(*sorted(places)), marker="o", label=name)
+        axis.set(title="M5: pushed through a plate of two sides", xlabel="thickness / R", ylabel="%", ylim=(-3, 103))
+        return lines
+
+    def stability(self, axis):
+        lines = {}
+        for entry in self.touch.get("M9_stability", []):
+            name = f"{entry['surface']}, delay {entry['delay_ms']:g} ms, passivity {entry['passivity']}"
+            lines.setdefault(name, []).append((entry["damping_N_s_per_mm"], entry["largest_stiffness_N_per_mm"]))
+        for name, places in lines.items():
+            axis.plot(*zip(*sorted(places)), marker="o", label=name)
+        axis.set(title="M9: stable below the line", xlabel="damping, N s/mm", ylabel="stiffness, N/mm")
+        return lines
+
+
+def main(result, picture):
+    with open(result) as file:
+        data = json.load(file)
+    page = Page(data["touch"])
+    panels = (page.direction, page.depth, page.noise, page.slide, page.plates, page.stability)
+    probe = plt.figure().subplots()
+    wanted = [panel for panel in panels if panel(probe)]
+    if not wanted:
+        sys.exit(f"{result}: nothing was measured")
+    columns = min(3, len(wanted))
+    figure, axes = plt.subplots(-(-len(wanted) // columns), columns, figsize=(16, 10), squeeze=False,
+                                constrained_layout=True)
+    for axis in axes.flat[len(wanted):]:
+        axis.set_axis_off()
+    for axis, panel in zip(axes.flat, wanted):
+        panel(axis)
+        axis.grid(alpha=0.3, which="both")
+        axis.legend(frameon=False, fontsize=7)
+    figure.suptitle("   ".join(f"{backend}: {machine}" for backend, machine in data["machines"].items()), fontsize=9)
+    temporary = picture + ".tmp.png"
+    figure.savefig(temporary, dpi=110)
+    os.replace(temporary, picture)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])

@@ -1,0 +1,260 @@
+#include "apps/touch_judge.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/cloud/counter_random.hpp"
+#include "engine/core/clock.hpp"
+#include "haptics/force_law.hpp"
+#include "haptics/truth_path.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRate_Hz = 1000;
+constexpr double kIdealStep_mm = 0.05;  // of the god-object
+constexpr double kLift_mm = 3;          // above the height from which nothing may be felt
+constexpr double kTapSpeed_mm_per_s = 100, kPressDepth_mm = 2;
+
+// The spring alone: damping, limits and ramps are what they are asked to be and would hide what the surface does.
+ForceLaw plainSpring(double stiffness_N_per_mm, const ModelScale& scale) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  return {{.stiffness_N_per_mm = stiffness_N_per_mm,
+           .damping_N_s_per_mm = 0,
+           .maxForce_N = kNone,
+           .maxRise_N_per_s = kNone},
+          scale};
+}
+
+// A path in virtual time, until `to_s`; `observer` sees each tick after it.
+template <class Observer>
+Trace play(TouchBackend& backend, const Path& path, double to_s, ForceLaw law, Observer&& observer) {
+  Trace trace;
+  for (std::uint64_t i = 0; static_cast<double>(i) / kRate_Hz <= to_s; ++i) {
+    const Pose pose{.time_s = static_cast<double>(i) / kRate_Hz, .hip = path.at(static_cast<double>(i) / kRate_Hz)};
+    const Stopwatch watch;
+    const Contact contact = backend.query(pose, 0);
+    const DVec3 force_N = law.update(contact, pose, 1 / kRate_Hz);
+    if (!contact.valid) backend.finish();  // throws what was wrong
+    trace.rows.push_back({.time_s = pose.time_s,
+                          .hip = pose.hip,
+                          .proxy = contact.proxy,
+                          .normal = contact.normal,
+                          .force_N = force_N,
+                          .penetration_mm = law.scale().toMm(glm::distance(contact.proxy, pose.hip)),
+                          .contact = contact.touching,
+                          .fresh = contact.fresh,
+                          .valid = contact.valid,
+                          .neighbours = contact.neighbours,
+                          .gpu_us = contact.gpu_us,
+                          .step_us = watch.elapsed_us()});
+    observer(trace);
+  }
+  backend.finish();
+  return trace;
+}
+
+/// What the sessions on one subject have in common.
+class Sessions {
+ public:
+  Sessions(Context& context, const JudgeSubject& subject, const BackendOptions& backend, const JudgeOptions& options)
+      : context_(context), subject_(subject), backend_(backend), options_(options) {
+    const double radius = supportRadius(backend.radius, subject.model);
+    freeMargin_ = radius + 5 * subject.noise;
+    lift_mm_ = kLift_mm + subject.model.scale.toMm(freeMargin_);
+  }
+
+  const ModelScale& scale() const { return subject_.model.scale; }
+  double freeMargin() const { return freeMargin_; }
+
+  TruthPath slide(std::size_t start, double speed_mm_per_s) const {
+    return truthSlide(subject_.truth, subject_.starts[start].place, subject_.starts[start].towards, scale(),
+                      {.depth_mm = options_.depth_mm, .lift_mm = lift_mm_, .speed_mm_per_s = speed_mm_per_s});
+  }
+  TruthPath press(std::size_t start) const {
+    return truthPress(subject_.starts[start].place, scale(), {.depth_mm = kPressDepth_mm, .lift_mm = lift_mm_});
+  }
+  TruthPath taps(std::size_t start) const {
+    return truthTaps(subject_.starts[start].place, scale(),
+                     {.depth_mm = options_.depth_mm, .lift_mm = lift_mm_, .speed_mm_per_s = kTapSpeed_mm_per_s});
+  }
+
+  Trace run(const Path& path, const std::string& backendName) const {
+    BackendOptions options = backend_;
+    options.backend = backendName;
+    if (backendName != backend_.backend) options.method.clear();
+    const auto backend = makeBackend(context_, subject_.model, options, std::nullopt);
+    return play(*backend, path, path.duration_s(), plainSpring(options_.stiffness_N_per_mm, scale()),
+                [](const Trace&) {});
+  }
+  Trace run(const Path& path) const { return run(path, backend_.backend); }
+  std::vector<JudgedTick> judged(const Trace& trace) const {
+    return judge(trace, subject_.truth, scale().toUnits(kIdealStep_mm));
+  }
+
+ private:
+  Context& context_;
+  const JudgeSubject& subject_;
+  const BackendOptions& backend_;
+  const JudgeOptions& options_;
+  double freeMargin_, lift_mm_;
+};
+
+SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm_per_s, const JudgeOptions& options,
+                           const ModelScale& scale) {
+  std::vector<JudgedTick> all;
+  for (const JudgedTicks& way : ways) all.insert(all.end(), way.begin(), way.end());
+  SlideJudgement result{.speed_mm_per_s = speed_mm_per_s,
+                        .heldShare = heldShare(all),
+                        .angle = angleError(all),
+                        .height = heightError(all, scale),
+                        .forceError = forceError(all, options.stiffness_N_per_mm, scale),
+                        .tangentialShare = tangentialShare(all)};
+  // These look from tick to tick, so each way is judged alone.
+  const double share = 1 / static_cast<double>(ways.size());
+  for (const JudgedTicks& way : ways) {
+    const Continuity steady = continuity(way, kRate_Hz);
+    result.continuity.p99_N_per_s += share * steady.p99_N_per_s;
+    result.continuity.max_N_per_s = std::max(result.continuity.max_N_per_s, steady.max_N_per_s);
+    result.continuity.roughShare += share * steady.roughShare;
+    const Lag lag = lagBehind(way, scale);
+    result.lag.count += lag.count;
+    result.lag.mean_mm += share * lag.mean_mm;
+    result.lag.max_mm = std::max(result.lag.max_mm, lag.max_mm);
+    result.lag.delay_ms += share * lag.delay_ms;
+  }
+  return result;
+}
+
+std::vector<DVec2> forces(JudgedTicks way, double stiffness_N_per_mm, const ModelScale& scale) {
+  std::vector<DVec2> pairs;
+  for (const JudgedTick& tick : way)
+    pairs.emplace_back(
+        glm::length(tick.row.force_N),
+        tick.shouldTouch ? stiffness_N_per_mm * scale.toMm(glm::distance(tick.row.hip, tick.truth.position)) : 0);
+  return pairs;
+}
+
+PointCloud plateCloud(std::size_t points, double thickness_mm, unsigned threads) {
+  PointCloud plate;
+  for (const double side : {1.0, -1.0}) {
+    const auto plane = makeShape("plane", 100, {0, 0, 0.5 * side * thickness_mm});
+    const PointCloud half = sampleShape(*plane, {.count = points / 2, .seed = side > 0 ? 1u : 2u, .threads = threads});
+    plate.positions.insert(plate.positions.end(), half.positions.begin(), half.positions.end());
+    for (const Vec3& normal : half.normals) plate.normals.push_back(static_cast<float>(side) * normal);
+  }
+  return plate;
+}
+
+}  // namespace
+
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
+                     const JudgeOptions& options) {
+  const Sessions sessions(context, subject, backend, options);
+  const ModelScale& scale = sessions.scale();
+  Judgement result{.backend = backend.backend,
+                   .surface = backend.surface,
+                   .subject = subject.name,
+                   .condition = subject.condition,
+                   .points = subject.model.cloud.size(),
+                   .spacing_mm = scale.toMm(subject.model.spacing),
+                   .radius_mm = scale.toMm(supportRadius(backend.radius, subject.model))};
+  std::vector<double> step_us;
+  std::vector<JudgedTick> everyTick;
+  for (const double speed : options.speeds_mm_per_s) {
+    std::vector<std::vector<JudgedTick>> whole;
+    std::vector<JudgedTicks> ways;
+    for (std::size_t start = 0; start < subject.starts.size(); ++start) {
+      const TruthPath slide = sessions.slide(start, speed);
+      whole.push_back(sessions.judged(sessions.run(slide.path)));
+      ways.push_back(between(whole.back(), slide.from_s, slide.to_s));
+    }
+    result.slides.push_back(judgeSlides(ways, speed, options, scale));
+    if (speed == options.mainSpeed_mm_per_s) result.force_N = forces(ways.front(), options.stiffness_N_per_mm, scale);
+    for (const auto& ticks : whole) everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
+  }
+  const TruthPath press = sessions.press(0), taps = sessions.taps(0);
+  const auto pressed = sessions.judged(sessions.run(press.path));
+  result.drift_mm = drift_mm(between(pressed, press.from_s, press.to_s), scale);
+  for (const auto& ticks : {pressed, sessions.judged(sessions.run(taps.path))})
+    everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
+  for (const JudgedTick& tick : everyTick) step_us.push_back(tick.row.step_us);
+  result.step_us = summarize(std::move(step_us));
+  result.lateShare = lateShare(everyTick, 1e6 / kRate_Hz);
+  result.free_N = freeForce_N(everyTick, sessions.freeMargin());
+
+  const Path again = sessions.slide(0, options.mainSpeed_mm_per_s).path;
+  const Trace first = sessions.run(again);
+  result.identical = identical(first, sessions.run(again));
+  if (backend.backend != "cpu") result.fromCpu_N = forceDifference_N(first, sessions.run(again, "cpu"));
+  return result;
+}
+
+EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
+                        const JudgeOptions& options) {
+  constexpr double kTolerance_N = 1e-3;  // far below what a hand can tell
+  const ModelScale& scale = subject.model.scale;
+  const PushOptions push{.tau = scale.toUnits(0.3), .beta = 0.1, .toolRadius = scale.toUnits(6)};
+  const TruthPath press = truthPress(subject.starts.front().place, scale, {.depth_mm = kPressDepth_mm});
+  // The hand does not wait until the surface has given way in full: it turns back while there are still edits.
+  const double rest_s = 0.05;
+  const double down_s = press.to_s - 0.25, up_s = press.path.duration_s() - press.to_s;
+  const Path path({{0, press.path.at(0)},
+                   {down_s, press.path.at(press.to_s)},
+                   {down_s + rest_s, press.path.at(press.to_s)},
+                   {down_s + rest_s + up_s, press.path.at(press.path.duration_s())}});
+  const ForceLaw law = plainSpring(options.stiffness_N_per_mm, scale);
+
+  EditJudgement result;
+  Model sculpted = subject.model;
+  std::size_t lastEdited = 0;
+  const auto edited = makeBackend(context, subject.model, backend, push);
+  const Trace after = play(*edited, path, path.duration_s(), law, [&](const Trace& trace) {
+    if (edited->editTimes_us().size() > result.edits) lastEdited = trace.rows.size() - 1;
+    result.edits = edited->editTimes_us().size();
+  });
+  edited->readBack(sculpted.cloud);
+  const auto fresh = makeBackend(context, sculpted, backend, std::nullopt);
+  const Trace anew = play(*fresh, path, path.duration_s(), law, [](const Trace&) {});
+  result.ticksUntilEqual = ticksUntilEqual(after, anew, lastEdited, kTolerance_N);
+  result.largestStep_N = largestForceStep_N(after);
+  return result;
+}
+
+std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BackendOptions& backend) {
+  constexpr std::size_t kPushes = 16;
+  constexpr double kBeyond_mm = 2, kSlant = 0.3;  // the latter as a tangent, at most
+  std::vector<PlateJudgement> results;
+  Model model;
+  model.cloud = plateCloud(points, 0, context.threads());
+  model.spacing = 100 / std::sqrt(static_cast<double>(points / 2));  // of one side; the other must not change R
+  const double radius_mm = supportRadius(backend.radius, model);
+  for (const double thicknessOverRadius : {0.25, 0.5, 1.0, 1.5, 2.0}) {
+    const double thickness_mm = thicknessOverRadius * radius_mm;
+    model.cloud = plateCloud(points, thickness_mm, context.threads());
+    for (const double speed : {50.0, 200.0, 1000.0}) {
+      std::size_t through = 0;
+      for (std::uint64_t i = 0; i < kPushes; ++i) {
+        const auto number = [&](std::uint64_t k) { return 2 * randomUnit(17, 4 * i + k) - 1; };
+        const SurfacePoint place{{30 * number(0), 30 * number(1), 0.5 * thickness_mm},
+                                 glm::normalize(DVec3(kSlant * number(2), kSlant * number(3), 1))};
+        const TruthPath push = truthPress(
+            place, {1},
+            {.depth_mm = thickness_mm + kBeyond_mm, .lift_mm = radius_mm + kLift_mm, .speed_mm_per_s = speed});
+        const auto plate = makeBackend(context, model, backend, std::nullopt);
+        const Trace trace = play(*plate, push.path, push.to_s, plainSpring(1, {1}), [](const Trace&) {});
+        through += cameThrough(trace, DVec3(0), DVec3(0, 0, 1));
+      }
+      results.push_back({.backend = backend.backend,
+                         .surface = backend.surface,
+                         .thicknessOverRadius = thicknessOverRadius,
+                         .speed_mm_per_s = speed,
+                         .pushes = kPushes,
+                         .throughShare = static_cast<double>(through) / kPushes});
+    }
+  }
+  return results;
+}
+
+}  // namespace palpate

@@ -1,0 +1,169 @@
+#include "apps/touch_tables.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kRowFormat = "{:<14}{:<11}{:<9}{:<8}";
+
+std::string rowHead(const Judgement& j) {
+  return fmt::format(fmt::runtime(kRowFormat), j.subject, j.condition, j.surface, j.backend);
+}
+
+// About three figures, in a column that stays narrow.
+std::string brief(double value) {
+  if (value == 0) return "0";
+  const double size = std::abs(value);
+  if (size >= 99.5) return fmt::format("{:.0f}", value);
+  if (size >= 9.95) return fmt::format("{:.1f}", value);
+  if (size >= 0.0995) return fmt::format("{:.2f}", value);
+  return size < 0.00005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2g}", value);
+}
+
+template <class Number>
+std::string brief(const std::optional<Number>& value) {
+  return value ? brief(static_cast<double>(*value)) : "–";
+}
+
+void printHead(std::FILE* out, const std::string& title, const std::string& columns) {
+  fmt::print(out, "\n{}\n{}{}\n", title,
+             fmt::format(fmt::runtime(kRowFormat), "shape", "condition", "surface", "machine"), columns);
+}
+
+void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_per_s) {
+  printHead(out, fmt::format("slides 1 mm deep at {:g} mm/s", speed_mm_per_s),
+            fmt::format("{:>7}{:>22}{:>24}{:>7}{:>22}{:>18}", "held %", "M1 deg mean p95 max", "M2 um bias  RMS spac.",
+                        "M3 %", "M4 N/s p99 max rough%", "M6 um    max    ms"));
+  for (const Judgement& j : results.judgements)
+    for (const SlideJudgement& s : j.slides) {
+      if (s.speed_mm_per_s != speed_mm_per_s) continue;
+      fmt::print(out, "{}{:>7}{:>8}{:>7}{:>7}{:>9}{:>8}{:>7}{:>7}{:>8}{:>7}{:>7}{:>7}{:>6}{:>6}\n", rowHead(j),
+                 brief(100 * s.heldShare), brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
+                 brief(1e3 * s.height.bias_mm), brief(1e3 * s.height.rms_mm), brief(s.height.rms_mm / j.spacing_mm),
+                 brief(100 * s.forceError), brief(s.continuity.p99_N_per_s), brief(s.continuity.max_N_per_s),
+                 brief(100 * s.continuity.roughShare), brief(1e3 * s.lag.mean_mm), brief(1e3 * s.lag.max_mm),
+                 brief(s.lag.delay_ms));
+    }
+}
+
+void printSessions(std::FILE* out, const TouchResults& results) {
+  printHead(out, "ticks, free space, rest, edits, sameness",
+            fmt::format("{:>30}{:>8}{:>8}{:>18}{:>24}{:>22}", "M7 us p50   p99 p99.9   max", "late %", "M8 N",
+                        "M10 Ft/Fn drift um", "M11 edits ticks step N", "M12 same from cpu mN"));
+  for (const Judgement& j : results.judgements) {
+    const double tangential = j.slides.empty() ? 0 : j.slides.front().tangentialShare;
+    fmt::print(out, "{}{:>10}{:>6}{:>6}{:>8}{:>8}{:>8}{:>9}{:>9}{:>11}{:>6}{:>7}{:>9}{:>13}\n", rowHead(j),
+               brief(j.step_us.p50), brief(j.step_us.p99), brief(j.step_us.p999), brief(j.step_us.max),
+               brief(100 * j.lateShare), brief(j.free_N), brief(tangential), brief(1e3 * j.drift_mm),
+               j.edit ? fmt::format("{}", j.edit->edits) : "–",
+               !j.edit                   ? "–"
+               : j.edit->ticksUntilEqual ? fmt::format("{}", *j.edit->ticksUntilEqual)
+                                         : "never",
+               j.edit ? brief(j.edit->largestStep_N) : "–", j.identical ? "yes" : "NO",
+               j.fromCpu_N ? brief(1e3 * *j.fromCpu_N) : "–");
+  }
+}
+
+void printSpeeds(std::FILE* out, const TouchResults& results) {
+  std::string columns;
+  for (const SlideJudgement& s : results.judgements.front().slides)
+    columns += fmt::format("{:>36}", fmt::format("{:g} mm/s: mean   p95   max rough%", s.speed_mm_per_s));
+  printHead(out, "force direction by speed: M1 in degrees, and M4, the share of dF/dt's power in 50 to 500 Hz",
+            columns);
+  for (const Judgement& j : results.judgements) {
+    fmt::print(out, "{}", rowHead(j));
+    for (const SlideJudgement& s : j.slides)
+      fmt::print(out, "{:>18}{:>6}{:>6}{:>6}", brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
+                 brief(100 * s.continuity.roughShare));
+    fmt::print(out, "\n");
+  }
+}
+
+void printPlates(std::FILE* out, const TouchResults& results) {
+  fmt::print(out, "\nM5: pushes that came through a plate of two sides, %\n{:<9}{:<8}{:>10}", "surface", "machine",
+             "mm/s");
+  std::map<std::tuple<std::string, std::string, double>, std::map<double, double>> rows;
+  for (const PlateJudgement& p : results.plates)
+    rows[{p.surface, p.backend, p.speed_mm_per_s}][p.thicknessOverRadius] = p.throughShare;
+  for (const auto& [thickness, share] : rows.begin()->second)
+    fmt::print(out, "{:>12}", fmt::format("{:g} R", thickness));
+  fmt::print(out, "\n");
+  for (const auto& [key, shares] : rows) {
+    fmt::print(out, "{:<9}{:<8}{:>10g}", std::get<0>(key), std::get<1>(key), std::get<2>(key));
+    for (const auto& [thickness, share] : shares) fmt::print(out, "{:>12}", brief(100 * share));
+    fmt::print(out, "\n");
+  }
+}
+
+Json toJson(const SlideJudgement& s, double spacing_mm) {
+  return {{"speed_mm_per_s", s.speed_mm_per_s},
+          {"held_share", s.heldShare},
+          {"M1_angle_deg", {{"mean", s.angle.mean_deg}, {"p95", s.angle.p95_deg}, {"max", s.angle.max_deg}}},
+          {"M2_height",
+           {{"bias_mm", s.height.bias_mm},
+            {"rms_mm", s.height.rms_mm},
+            {"bias_spacings", s.height.bias_mm / spacing_mm},
+            {"rms_spacings", s.height.rms_mm / spacing_mm}}},
+          {"M3_force_relative_rms", s.forceError},
+          {"M4_continuity",
+           {{"p99_N_per_s", s.continuity.p99_N_per_s},
+            {"max_N_per_s", s.continuity.max_N_per_s},
+            {"share_50_to_500_Hz", s.continuity.roughShare}}},
+          {"M6_lag", {{"mean_mm", s.lag.mean_mm}, {"max_mm", s.lag.max_mm}, {"delay_ms", s.lag.delay_ms}}},
+          {"M10_tangential_over_normal", s.tangentialShare}};
+}
+
+Json toJson(const Judgement& j) {
+  Json json{{"backend", j.backend},     {"surface", j.surface},   {"subject", j.subject},
+            {"condition", j.condition}, {"points", j.points},     {"spacing_mm", j.spacing_mm},
+            {"radius_mm", j.radius_mm}, {"slides", Json::array()}};
+  for (const SlideJudgement& s : j.slides) json["slides"].push_back(toJson(s, j.spacing_mm));
+  json["M7_step_us"] = {{"p50", j.step_us.p50},
+                        {"p99", j.step_us.p99},
+                        {"p999", j.step_us.p999},
+                        {"max", j.step_us.max},
+                        {"late_share", j.lateShare}};
+  json["M8_free_force_N"] = j.free_N ? Json(*j.free_N) : Json(nullptr);
+  json["M10_friction"] = {{"mu", 0}, {"drift_mm", j.drift_mm}};
+  json["M11_edit"] = nullptr;
+  if (j.edit)
+    json["M11_edit"] = {{"edits", j.edit->edits},
+                        {"ticks_until_equal", j.edit->ticksUntilEqual ? Json(*j.edit->ticksUntilEqual) : Json(nullptr)},
+                        {"largest_step_N", j.edit->largestStep_N}};
+  json["M12_sameness"] = {{"identical", j.identical}, {"from_cpu_N", j.fromCpu_N ? Json(*j.fromCpu_N) : Json(nullptr)}};
+  json["slide_N"] = {{"felt", Json::array()}, {"true", Json::array()}};
+  for (const DVec2& pair : j.force_N) {
+    json["slide_N"]["felt"].push_back(pair.x);
+    json["slide_N"]["true"].push_back(pair.y);
+  }
+  return json;
+}
+
+}  // namespace
+
+void printTouchTables(std::FILE* out, const TouchResults& results, double mainSpeed_mm_per_s) {
+  if (!results.judgements.empty()) {
+    printSlides(out, results, mainSpeed_mm_per_s);
+    printSpeeds(out, results);
+    printSessions(out, results);
+  }
+  if (!results.plates.empty()) printPlates(out, results);
+}
+
+Json toJson(const TouchResults& results) {
+  Json json{{"judgements", Json::array()}, {"M5_plates", Json::array()}};
+  for (const Judgement& judgement : results.judgements) json["judgements"].push_back(toJson(judgement));
+  for (const PlateJudgement& p : results.plates)
+    json["M5_plates"].push_back({{"backend", p.backend},
+                                 {"surface", p.surface},
+                                 {"thickness_over_radius", p.thicknessOverRadius},
+                                 {"speed_mm_per_s", p.speed_mm_per_s},
+                                 {"pushes", p.pushes},
+                                 {"through_share", p.throughShare}});
+  return json;
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// The measures of touch, M1 to M12, from traces and the truth.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "engine/core/units.hpp"
+#include "haptics/touch_truth.hpp"
+#include "haptics/trace.hpp"
+
+namespace palpate {
+
+/// A tick beside what the god-object says about it. Lengths in model units.
+struct JudgedTick {
+  TraceRow row;
+  bool shouldTouch = false;
+  SurfacePoint truth;                     ///< the god-object; the closest point while nothing should be touched
+  double hipHeight = 0, proxyHeight = 0;  ///< signed distances to the true surface, positive outside
+};
+using JudgedTicks = std::span<const JudgedTick>;
+
+/// `longestStep` of the god-object, model units. The trace has to begin outside.
+std::vector<JudgedTick> judge(const Trace& trace, const TouchTruth& truth, double longestStep);
+
+/// The ticks from `from_s` on and before `to_s`.
+JudgedTicks between(JudgedTicks ticks, double from_s, double to_s);
+
+/// The share of ticks with a force among those that should have one.
+double heldShare(JudgedTicks ticks);
+
+/// M1: angle between the force and the true outward normal at the god-object, where there is a force and should be.
+struct AngleError {
+  std::size_t count = 0;
+  double mean_deg = 0, p95_deg = 0, max_deg = 0;
+};
+AngleError angleError(JudgedTicks ticks);
+
+/// M2: signed distance of the proxy to the true surface, where it touches; negative: too deep.
+struct HeightError {
+  std::size_t count = 0;
+  double bias_mm = 0, rms_mm = 0;
+};
+HeightError heightError(JudgedTicks ticks, const ModelScale& scale);
+
+/// M3: root mean square of the force's size less stiffness times true depth (of the HIP under the god-object), over
+/// that of the latter; a force that is missing counts as zero. 0 where nothing should be touched.
+double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale& scale);
+
+/// M4: how steadily the force goes on between neighbouring ticks that should both touch; as vectors.
+struct Continuity {
+  double p99_N_per_s = 0, max_N_per_s = 0;
+  double roughShare = 0;  ///< of the power of dF/dt, from 50 to 500 Hz, where fingertips feel it as roughness
+};
+Continuity continuity(JudgedTicks ticks, double rate_Hz);
+
+/// M5: whether a push through a plate has come out of it: at its last tick nothing is touched, or the proxy lies behind
+/// the plate's middle. `outward` is the normal of the side that was pushed.
+bool cameThrough(const Trace& push, const DVec3& middle, const DVec3& outward);
+
+/// M6: how far the proxy is from the god-object along the surface, and the delay that explains it best: least squares
+/// of that distance against the god-object's velocity. 0 ms for a god-object at rest.
+struct Lag {
+  std::size_t count = 0;
+  double mean_mm = 0, max_mm = 0, delay_ms = 0;
+};
+Lag lagBehind(JudgedTicks ticks, const ModelScale& scale);
+
+/// M7 is summarize(Trace); this is the share of ticks whose answer took longer than `period_us`.
+double lateShare(JudgedTicks ticks, double period_us);
+
+/// M8: the largest force while the HIP is higher than `margin` (model units) above the true surface; nothing when it
+/// never is.
+std::optional<double> freeForce_N(JudgedTicks ticks, double margin);
+
+/// M10: median of tangential over normal force, by the true normal, where there is a force and should be.
+double tangentialShare(JudgedTicks ticks);
+/// M10: how far the proxy strays from where it was at the first of `ticks`, at which the HIP rests.
+double drift_mm(JudgedTicks ticks, const ModelScale& scale);
+
+/// M11: ticks of `after` from index `from` on until the force stays within `tolerance_N` of that of `fresh`, which
+/// follows the same path; nothing when it never does.
+std::optional<std::size_t> ticksUntilEqual(const Trace& after, const Trace& fresh, std::size_t from,
+                                           double tolerance_N);
+/// M11: the largest change of force from one tick to the next that touches too.
+double largestForceStep_N(const Trace& trace);
+
+/// M12: largest difference of force between two traces of the same path; infinite when they differ in length or hold
+/// what is no number.
+double forceDifference_N(const Trace& a, const Trace& b);
+/// M12: whether two traces agree in all but the time they took, bit by bit.
+bool identical(const Trace& a, const Trace& b);
+
+}  // namespace palpate

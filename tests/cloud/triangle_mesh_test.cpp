@@ -1,0 +1,134 @@
+#include "engine/cloud/triangle_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "engine/cloud/counter_random.hpp"
+#include "engine/core/error.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+namespace {
+
+struct Mesh {
+  std::vector<DVec3> vertices;
+  std::vector<TriangleMesh::Triangle> triangles;
+
+  void quad(const DVec3& a, const DVec3& b, const DVec3& c, const DVec3& d) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    vertices.insert(vertices.end(), {a, b, c, d});
+    triangles.push_back({first, first + 1, first + 2});
+    triangles.push_back({first, first + 2, first + 3});
+  }
+};
+
+// Every face has corners of its own, as many programs write them.
+Mesh cubeMesh(double half) {
+  Mesh mesh;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {-1.0, 1.0}) {
+      DVec3 out(0), u(0), v(0);
+      out[axis] = side * half;
+      u[(axis + 1) % 3] = side * half;
+      v[(axis + 2) % 3] = half;
+      mesh.quad(out - u - v, out + u - v, out + u + v, out - u + v);
+    }
+  return mesh;
+}
+
+// Longitude and latitude; the triangles at the poles have no area.
+Mesh sphereMesh(double radius, int steps) {
+  Mesh mesh;
+  const auto at = [&](int i, int k) {
+    const double around = std::numbers::pi * i / steps, down = std::numbers::pi * k / steps;
+    return radius * DVec3(std::sin(down) * std::cos(around), std::sin(down) * std::sin(around), std::cos(down));
+  };
+  for (int i = 0; i < 2 * steps; ++i)
+    for (int k = 0; k < steps; ++k) mesh.quad(at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k));
+  return mesh;
+}
+
+DVec3 somewhere(std::uint64_t i, double reach) { return reach * randomNormal3(5, i); }
+
+}  // namespace
+
+TEST_CASE("a fine mesh of a sphere says what the sphere says") {
+  const Mesh mesh = sphereMesh(50, 200);
+  const TriangleMesh sphere(mesh.vertices, mesh.triangles);
+  const auto truth = makeShape("sphere");
+  const double sag = 50 * (1 - std::cos(std::numbers::pi / 400)) * 2.1;  // of a facet, along both of its directions
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    const DVec3 p = somewhere(i, 40);
+    CHECK(sphere.signedDistance(p) == doctest::Approx(truth->signedDistance(p)).epsilon(1e-9).scale(sag / 1e-9));
+    const SurfacePoint on = sphere.closest(p);
+    CHECK(angleBetween_deg(on.normal, on.position) < 0.1);
+  }
+}
+
+TEST_CASE("a mesh of a cube is the cube: inside, outside, over faces, edges and corners") {
+  const Mesh mesh = cubeMesh(50);
+  const TriangleMesh cube(mesh.vertices, mesh.triangles);
+  const auto truth = makeShape("cube");
+  CHECK(cube.triangleCount() == 12);
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const DVec3 p = somewhere(i, 45);
+    CHECK(cube.signedDistance(p) == doctest::Approx(truth->signedDistance(p)).epsilon(1e-12));
+    CHECK(glm::distance(cube.closest(p).position, p) == doctest::Approx(std::abs(truth->signedDistance(p))));
+  }
+  CHECK(cube.signedDistance({60, 60, 60}) == doctest::Approx(10 * std::sqrt(3.0)));
+  CHECK(angleBetween_deg(cube.closest({60, 60, 60}).normal, DVec3(1)) < 1e-6);
+}
+
+TEST_CASE("every triangle is found: the tree answers what a search over all of them answers") {
+  Mesh mesh;
+  for (std::uint64_t i = 0; i < 257; ++i) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint64_t k = 0; k < 3; ++k)
+      mesh.vertices.push_back(somewhere(100 * i, 10) + somewhere(7000 + 3 * i + k, 2));
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  const TriangleMesh whole(mesh.vertices, mesh.triangles);
+  std::vector<TriangleMesh> single;
+  for (const auto& triangle : mesh.triangles) single.emplace_back(mesh.vertices, std::vector{triangle});
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const DVec3 p = somewhere(20'000 + i, 12);
+    double least = std::numeric_limits<double>::infinity();
+    for (const TriangleMesh& one : single) least = std::min(least, std::abs(one.signedDistance(p)));
+    CHECK(std::abs(whole.signedDistance(p)) == doctest::Approx(least).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("triangles without area do no harm, and a mesh of nothing else is refused") {
+  Mesh mesh = cubeMesh(50);
+  mesh.triangles.push_back({0, 0, 1});
+  mesh.triangles.push_back({2, 2, 2});
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {DVec3(50, 0, 0), DVec3(50, 10, 0), DVec3(50, 20, 0)});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const TriangleMesh cube(mesh.vertices, mesh.triangles);
+  CHECK(cube.triangleCount() == 12);
+  CHECK(cube.signedDistance({53, 5, 0}) == doctest::Approx(3));
+  CHECK_THROWS_AS(TriangleMesh(mesh.vertices, {{0, 0, 1}}), Error);
+  CHECK_THROWS_AS(TriangleMesh({}, {}), Error);
+}
+
+TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
+  const ScratchFolder folder;
+  const auto file = folder / "mesh.ply";
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\n";
+  const std::string places = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  std::ofstream(file) << head << "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                      << places << "4 0 1 2 3\n";
+  const TriangleMesh square = readTriangleMesh(file);
+  CHECK(square.triangleCount() == 2);
+  CHECK(square.signedDistance({0.25, 0.5, 2}) == doctest::Approx(2));
+  CHECK(square.signedDistance({0.25, 0.5, -2}) == doctest::Approx(-2));
+  std::ofstream(file) << head << "end_header\n" << places;
+  CHECK_THROWS_AS(readTriangleMesh(file), FileError);
+}
+
+}  // namespace palpate::test
