@@ -106,8 +106,7 @@ def main(result, picture):
         data = json.load(file)
     page = Page(data["touch"])
     panels = (page.direction, page.depth, page.noise, page.slide, page.plates, page.stability)
-    probe = plt.figure().subplots()
-    wanted = [panel for panel in panels if panel(probe)]
+    wanted = [panel for panel in panels if panel(plt.figure().subplots())]
     if not wanted:
         sys.exit(f"{result}: nothing was measured")
     columns = min(3, len(wanted))

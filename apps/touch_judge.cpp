@@ -1,10 +1,10 @@
 #include "apps/touch_judge.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "engine/cloud/counter_random.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/worker_team.hpp"
 #include "haptics/force_law.hpp"
 #include "haptics/truth_path.hpp"
 
@@ -15,6 +15,7 @@ namespace {
 constexpr double kRate_Hz = 1000;
 constexpr double kIdealStep_mm = 0.05;  // of the god-object
 constexpr double kLift_mm = 3;          // above the height from which nothing may be felt
+constexpr double kSlide_mm = 30, kLongestSlide_s = 2;
 constexpr double kTapSpeed_mm_per_s = 100, kPressDepth_mm = 2;
 
 // The spring alone: damping, limits and ramps are what they are asked to be and would hide what the surface does.
@@ -55,6 +56,15 @@ Trace play(TouchBackend& backend, const Path& path, double to_s, ForceLaw law, O
   return trace;
 }
 
+/// A path as it was played, and what it was like.
+struct Session {
+  TruthPath path;
+  Trace trace;
+  std::vector<JudgedTick> ticks;
+
+  JudgedTicks window() const { return between(ticks, path.from_s, path.to_s); }
+};
+
 /// What the sessions on one subject have in common.
 class Sessions {
  public:
@@ -70,7 +80,10 @@ class Sessions {
 
   TruthPath slide(std::size_t start, double speed_mm_per_s) const {
     return truthSlide(subject_.truth, subject_.starts[start].place, subject_.starts[start].towards, scale(),
-                      {.depth_mm = options_.depth_mm, .lift_mm = lift_mm_, .speed_mm_per_s = speed_mm_per_s});
+                      {.depth_mm = options_.depth_mm,
+                       .lift_mm = lift_mm_,
+                       .speed_mm_per_s = speed_mm_per_s,
+                       .length_mm = std::min(kSlide_mm, kLongestSlide_s * speed_mm_per_s)});
   }
   TruthPath press(std::size_t start) const {
     return truthPress(subject_.starts[start].place, scale(), {.depth_mm = kPressDepth_mm, .lift_mm = lift_mm_});
@@ -89,6 +102,7 @@ class Sessions {
                 [](const Trace&) {});
   }
   Trace run(const Path& path) const { return run(path, backend_.backend); }
+  Session felt(const TruthPath& path) const { return {.path = path, .trace = run(path.path), .ticks = {}}; }
   std::vector<JudgedTick> judged(const Trace& trace) const {
     return judge(trace, subject_.truth, scale().toUnits(kIdealStep_mm));
   }
@@ -113,17 +127,20 @@ SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm
                         .tangentialShare = tangentialShare(all)};
   // These look from tick to tick, so each way is judged alone.
   const double share = 1 / static_cast<double>(ways.size());
+  double roughPower = 0;
   for (const JudgedTicks& way : ways) {
     const Continuity steady = continuity(way, kRate_Hz);
     result.continuity.p99_N_per_s += share * steady.p99_N_per_s;
     result.continuity.max_N_per_s = std::max(result.continuity.max_N_per_s, steady.max_N_per_s);
-    result.continuity.roughShare += share * steady.roughShare;
+    result.continuity.power += steady.power;
+    roughPower += steady.roughShare * steady.power;
     const Lag lag = lagBehind(way, scale);
     result.lag.count += lag.count;
     result.lag.mean_mm += share * lag.mean_mm;
     result.lag.max_mm = std::max(result.lag.max_mm, lag.max_mm);
     result.lag.delay_ms += share * lag.delay_ms;
   }
+  if (result.continuity.power > 0) result.continuity.roughShare = roughPower / result.continuity.power;
   return result;
 }
 
@@ -160,25 +177,27 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const Backen
                    .points = subject.model.cloud.size(),
                    .spacing_mm = scale.toMm(subject.model.spacing),
                    .radius_mm = scale.toMm(supportRadius(backend.radius, subject.model))};
-  std::vector<double> step_us;
-  std::vector<JudgedTick> everyTick;
+  // First everything is felt, one after the other; then, on all cores, judged, which takes most of the time.
+  std::vector<Session> played;
+  for (const double speed : options.speeds_mm_per_s)
+    for (std::size_t start = 0; start < subject.starts.size(); ++start)
+      played.push_back(sessions.felt(sessions.slide(start, speed)));
+  played.push_back(sessions.felt(sessions.taps(0)));
+  played.push_back(sessions.felt(sessions.press(0)));
+  WorkerTeam team(context.threads());
+  team.forEach(played.size(), [&](std::size_t k) { played[k].ticks = sessions.judged(played[k].trace); });
+
+  auto session = played.cbegin();
   for (const double speed : options.speeds_mm_per_s) {
-    std::vector<std::vector<JudgedTick>> whole;
     std::vector<JudgedTicks> ways;
-    for (std::size_t start = 0; start < subject.starts.size(); ++start) {
-      const TruthPath slide = sessions.slide(start, speed);
-      whole.push_back(sessions.judged(sessions.run(slide.path)));
-      ways.push_back(between(whole.back(), slide.from_s, slide.to_s));
-    }
+    for (std::size_t start = 0; start < subject.starts.size(); ++start) ways.push_back((session++)->window());
     result.slides.push_back(judgeSlides(ways, speed, options, scale));
     if (speed == options.mainSpeed_mm_per_s) result.force_N = forces(ways.front(), options.stiffness_N_per_mm, scale);
-    for (const auto& ticks : whole) everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
   }
-  const TruthPath press = sessions.press(0), taps = sessions.taps(0);
-  const auto pressed = sessions.judged(sessions.run(press.path));
-  result.drift_mm = drift_mm(between(pressed, press.from_s, press.to_s), scale);
-  for (const auto& ticks : {pressed, sessions.judged(sessions.run(taps.path))})
-    everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
+  result.drift_mm = drift_mm(played.back().window(), scale);
+  std::vector<JudgedTick> everyTick;
+  for (const Session& one : played) everyTick.insert(everyTick.end(), one.ticks.begin(), one.ticks.end());
+  std::vector<double> step_us;
   for (const JudgedTick& tick : everyTick) step_us.push_back(tick.row.step_us);
   result.step_us = summarize(std::move(step_us));
   result.lateShare = lateShare(everyTick, 1e6 / kRate_Hz);

@@ -34,7 +34,7 @@ struct SlideJudgement {
   AngleError angle;            // M1
   HeightError height;          // M2
   double forceError = 0;       // M3
-  Continuity continuity;       // M4: largest of all, means of p99 and share
+  Continuity continuity;       // M4: largest of all, mean of p99, share in the power of all
   Lag lag;                     // M6: means; largest of all
   double tangentialShare = 0;  // M10
 };

@@ -7,10 +7,22 @@ namespace palpate {
 
 namespace {
 
-constexpr const char* kRowFormat = "{:<14}{:<11}{:<9}{:<8}";
+struct Column {
+  const char* title;
+  int width;
+};
 
-std::string rowHead(const Judgement& j) {
-  return fmt::format(fmt::runtime(kRowFormat), j.subject, j.condition, j.surface, j.backend);
+void printHead(std::FILE* out, const std::string& title, const std::vector<Column>& columns) {
+  fmt::print(out, "\n{}\n{:<14}{:<11}{:<9}{:<8}", title, "shape", "condition", "surface", "machine");
+  for (const Column& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
+  fmt::print(out, "\n");
+}
+
+void printRow(std::FILE* out, const Judgement& j, const std::vector<Column>& columns,
+              const std::vector<std::string>& cells) {
+  fmt::print(out, "{:<14}{:<11}{:<9}{:<8}", j.subject, j.condition, j.surface, j.backend);
+  for (std::size_t k = 0; k < cells.size(); ++k) fmt::print(out, "{:>{}}", cells[k], columns[k].width);
+  fmt::print(out, "\n");
 }
 
 // About three figures, in a column that stays narrow.
@@ -20,65 +32,61 @@ std::string brief(double value) {
   if (size >= 99.5) return fmt::format("{:.0f}", value);
   if (size >= 9.95) return fmt::format("{:.1f}", value);
   if (size >= 0.0995) return fmt::format("{:.2f}", value);
-  return size < 0.00005 ? fmt::format("{:.0e}", value) : fmt::format("{:.2g}", value);
-}
-
-template <class Number>
-std::string brief(const std::optional<Number>& value) {
-  return value ? brief(static_cast<double>(*value)) : "–";
-}
-
-void printHead(std::FILE* out, const std::string& title, const std::string& columns) {
-  fmt::print(out, "\n{}\n{}{}\n", title,
-             fmt::format(fmt::runtime(kRowFormat), "shape", "condition", "surface", "machine"), columns);
+  return size < 0.001 ? fmt::format("{:.0e}", value) : fmt::format("{:.2g}", value);
 }
 
 void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_per_s) {
-  printHead(out, fmt::format("slides 1 mm deep at {:g} mm/s", speed_mm_per_s),
-            fmt::format("{:>7}{:>22}{:>24}{:>7}{:>22}{:>18}", "held %", "M1 deg mean p95 max", "M2 um bias  RMS spac.",
-                        "M3 %", "M4 N/s p99 max rough%", "M6 um    max    ms"));
+  const std::vector<Column> columns{{"held %", 7}, {"M1 mean", 9}, {"p95", 7},  {"max", 7},    {"M2 bias", 9},
+                                    {"RMS", 7},    {"spac.", 8},   {"M3 %", 7}, {"M4 p99", 9}, {"max", 7},
+                                    {"rough%", 8}, {"M6 mean", 9}, {"max", 7},  {"ms", 8}};
+  printHead(out,
+            fmt::format("slides 1 mm deep at {:g} mm/s: M1 in degrees, M2 in um and in spacings, M4 in N/s, M6 in um",
+                        speed_mm_per_s),
+            columns);
   for (const Judgement& j : results.judgements)
-    for (const SlideJudgement& s : j.slides) {
-      if (s.speed_mm_per_s != speed_mm_per_s) continue;
-      fmt::print(out, "{}{:>7}{:>8}{:>7}{:>7}{:>9}{:>8}{:>7}{:>7}{:>8}{:>7}{:>7}{:>7}{:>6}{:>6}\n", rowHead(j),
-                 brief(100 * s.heldShare), brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
-                 brief(1e3 * s.height.bias_mm), brief(1e3 * s.height.rms_mm), brief(s.height.rms_mm / j.spacing_mm),
-                 brief(100 * s.forceError), brief(s.continuity.p99_N_per_s), brief(s.continuity.max_N_per_s),
-                 brief(100 * s.continuity.roughShare), brief(1e3 * s.lag.mean_mm), brief(1e3 * s.lag.max_mm),
-                 brief(s.lag.delay_ms));
-    }
+    for (const SlideJudgement& s : j.slides)
+      if (s.speed_mm_per_s == speed_mm_per_s)
+        printRow(out, j, columns,
+                 {brief(100 * s.heldShare), brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
+                  brief(1e3 * s.height.bias_mm), brief(1e3 * s.height.rms_mm), brief(s.height.rms_mm / j.spacing_mm),
+                  brief(100 * s.forceError), brief(s.continuity.p99_N_per_s), brief(s.continuity.max_N_per_s),
+                  brief(100 * s.continuity.roughShare), brief(1e3 * s.lag.mean_mm), brief(1e3 * s.lag.max_mm),
+                  brief(s.lag.delay_ms)});
 }
 
 void printSessions(std::FILE* out, const TouchResults& results) {
-  printHead(out, "ticks, free space, rest, edits, sameness",
-            fmt::format("{:>30}{:>8}{:>8}{:>18}{:>24}{:>22}", "M7 us p50   p99 p99.9   max", "late %", "M8 N",
-                        "M10 Ft/Fn drift um", "M11 edits ticks step N", "M12 same from cpu mN"));
+  const std::vector<Column> columns{{"M7 p50", 8}, {"p99", 7},        {"p99.9", 7}, {"max", 8},        {"late %", 8},
+                                    {"M8 N", 7},   {"M10 Ft/Fn", 11}, {"drift", 7}, {"M11 edits", 11}, {"ticks", 7},
+                                    {"step N", 8}, {"M12 same", 10},  {"cpu mN", 8}};
+  printHead(out, "M7 ticks in us, M8 force in the air, M10 drift in um, M11 after an edit, M12 sameness", columns);
   for (const Judgement& j : results.judgements) {
     const double tangential = j.slides.empty() ? 0 : j.slides.front().tangentialShare;
-    fmt::print(out, "{}{:>10}{:>6}{:>6}{:>8}{:>8}{:>8}{:>9}{:>9}{:>11}{:>6}{:>7}{:>9}{:>13}\n", rowHead(j),
-               brief(j.step_us.p50), brief(j.step_us.p99), brief(j.step_us.p999), brief(j.step_us.max),
-               brief(100 * j.lateShare), brief(j.free_N), brief(tangential), brief(1e3 * j.drift_mm),
-               j.edit ? fmt::format("{}", j.edit->edits) : "–",
-               !j.edit                   ? "–"
-               : j.edit->ticksUntilEqual ? fmt::format("{}", *j.edit->ticksUntilEqual)
-                                         : "never",
-               j.edit ? brief(j.edit->largestStep_N) : "–", j.identical ? "yes" : "NO",
-               j.fromCpu_N ? brief(1e3 * *j.fromCpu_N) : "–");
+    std::vector<std::string> edit{"–", "–", "–"};
+    if (j.edit)
+      edit = {fmt::format("{}", j.edit->edits),
+              j.edit->ticksUntilEqual ? fmt::format("{}", *j.edit->ticksUntilEqual) : "never",
+              brief(j.edit->largestStep_N)};
+    printRow(out, j, columns,
+             {brief(j.step_us.p50), brief(j.step_us.p99), brief(j.step_us.p999), brief(j.step_us.max),
+              brief(100 * j.lateShare), j.free_N ? brief(*j.free_N) : "–", brief(tangential), brief(1e3 * j.drift_mm),
+              edit[0], edit[1], edit[2], j.identical ? "yes" : "NO", j.fromCpu_N ? brief(1e3 * *j.fromCpu_N) : "–"});
   }
 }
 
 void printSpeeds(std::FILE* out, const TouchResults& results) {
-  std::string columns;
-  for (const SlideJudgement& s : results.judgements.front().slides)
-    columns += fmt::format("{:>36}", fmt::format("{:g} mm/s: mean   p95   max rough%", s.speed_mm_per_s));
-  printHead(out, "force direction by speed: M1 in degrees, and M4, the share of dF/dt's power in 50 to 500 Hz",
-            columns);
+  std::vector<Column> columns;
+  std::string title = "force direction (M1, degrees) and rough share of dF/dt (M4) at";
+  for (const SlideJudgement& s : results.judgements.front().slides) {
+    columns.insert(columns.end(), {{"mean", 12}, {"p95", 8}, {"max", 8}, {"rough%", 8}});
+    title += fmt::format("{} {:g}", columns.size() > 4 ? "," : "", s.speed_mm_per_s);
+  }
+  printHead(out, title + " mm/s", columns);
   for (const Judgement& j : results.judgements) {
-    fmt::print(out, "{}", rowHead(j));
+    std::vector<std::string> cells;
     for (const SlideJudgement& s : j.slides)
-      fmt::print(out, "{:>18}{:>6}{:>6}{:>6}", brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
-                 brief(100 * s.continuity.roughShare));
-    fmt::print(out, "\n");
+      cells.insert(cells.end(), {brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
+                                 brief(100 * s.continuity.roughShare)});
+    printRow(out, j, columns, cells);
   }
 }
 

@@ -29,12 +29,11 @@ std::vector<JudgedTick> judge(const Trace& trace, const TouchTruth& truth, doubl
   ticks.reserve(trace.rows.size());
   for (const TraceRow& row : trace.rows) {
     ideal.follow(row.hip);
-    const double hipHeight = truth.signedDistance(row.hip);
     ticks.push_back({.row = row,
                      .shouldTouch = ideal.touching(),
                      .truth = ideal.contact(),
-                     .hipHeight = hipHeight,
-                     .proxyHeight = row.contact ? truth.signedDistance(row.proxy) : hipHeight});
+                     .hipHeight = ideal.touching() ? 0 : truth.signedDistance(row.hip),
+                     .proxyHeight = row.contact ? truth.signedDistance(row.proxy) : 0});
   }
   return ticks;
 }
@@ -98,15 +97,20 @@ double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale
 Continuity continuity(JudgedTicks ticks, double rate_Hz) {
   std::vector<DVec3> rates;
   std::vector<double> sizes;
+  double power = 0;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
     if (!ticks[i - 1].shouldTouch || !ticks[i].shouldTouch) continue;
     rates.push_back((ticks[i].row.force_N - ticks[i - 1].row.force_N) * rate_Hz);
     sizes.push_back(glm::length(rates.back()));
+    power += sizes.back() * sizes.back();
   }
   if (sizes.empty()) return {};
+  constexpr double kRounding_N_per_s = 1e-6;  // on a flat there is nothing else, and it has no meaning
+  const double max_N_per_s = std::ranges::max(sizes);
   return {.p99_N_per_s = quantile(sizes, 0.99),
-          .max_N_per_s = std::ranges::max(sizes),
-          .roughShare = powerShare(rates, rate_Hz, kRoughFrom_Hz, kRoughTo_Hz)};
+          .max_N_per_s = max_N_per_s,
+          .power = power,
+          .roughShare = max_N_per_s > kRounding_N_per_s ? powerShare(rates, rate_Hz, kRoughFrom_Hz, kRoughTo_Hz) : 0};
 }
 
 bool cameThrough(const Trace& push, const DVec3& middle, const DVec3& outward) {

@@ -14,8 +14,9 @@ namespace palpate {
 struct JudgedTick {
   TraceRow row;
   bool shouldTouch = false;
-  SurfacePoint truth;                     ///< the god-object; the closest point while nothing should be touched
-  double hipHeight = 0, proxyHeight = 0;  ///< signed distances to the true surface, positive outside
+  SurfacePoint truth;      ///< the god-object; the closest point while nothing should be touched
+  double hipHeight = 0;    ///< signed distance to the true surface, positive outside; 0 while it should touch
+  double proxyHeight = 0;  ///< the same of the proxy; 0 while it does not touch
 };
 using JudgedTicks = std::span<const JudgedTick>;
 
@@ -49,6 +50,7 @@ double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale
 /// M4: how steadily the force goes on between neighbouring ticks that should both touch; as vectors.
 struct Continuity {
   double p99_N_per_s = 0, max_N_per_s = 0;
+  double power = 0;       ///< of dF/dt, summed over the ticks, N^2/s^2
   double roughShare = 0;  ///< of the power of dF/dt, from 50 to 500 Hz, where fingertips feel it as roughness
 };
 Continuity continuity(JudgedTicks ticks, double rate_Hz);

@@ -45,7 +45,7 @@ void GodObject::look(const DVec3& hip) {
 // the depth over the radius of curvature; halving the next ones when they turn back makes it arrive all the same.
 void GodObject::slide(const DVec3& hip) {
   constexpr int kMostSteps = 200;
-  const double arrived = 1e-6 * longestStep_;
+  const double arrived = 2e-5 * longestStep_;
   DVec3 last(0);
   double share = 1;
   for (int step = 0; step < kMostSteps; ++step) {

@@ -1,13 +1,17 @@
 #include "haptics/truth_path.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace palpate {
 namespace {
 
 constexpr double kApproach_mm_per_s = 25, kRest_s = 0.05, kHold_s = 0.25;
-constexpr double kStep_mm = 0.1;     // along a slide
-constexpr double kEdgeCosine = 0.9;  // between the normals of neighbouring steps; below it the surface has an edge
+constexpr double kStep_mm = 0.1;      // along a slide
+constexpr double kEdgeCosine = 0.9;   // between the normals of neighbouring steps; below it the surface has an edge
+constexpr double kNearEnough = 0.98;  // of the depth that is meant: the true one where the surface does not jump
+constexpr double kLeastDepth = 0.4;   // of the depth that is meant: in less, a force's direction means little
+constexpr double kGivingWay = 0.5;    // most change of depth along the way, as a slope
 constexpr int kTaps = 5;
 
 /// Adds keys by where to go and how fast.
@@ -36,20 +40,28 @@ DVec3 tangent(const DVec3& direction, const DVec3& normal) {
   return glm::normalize(direction - glm::dot(direction, normal) * normal);
 }
 
+// Shallower where another place of the surface would be nearer, with neither jumps nor kinks in between.
+void giveWay(const TouchTruth& truth, const std::vector<SurfacePoint>& spots, double mostChange,
+             std::vector<double>& depths) {
+  const double least = kLeastDepth * depths.front();
+  for (std::size_t k = 0; k < spots.size(); ++k)
+    while (depths[k] > least && -truth.signedDistance(above(spots[k], -depths[k])) < kNearEnough * depths[k])
+      depths[k] *= 0.9;
+  for (std::size_t k = 1; k < depths.size(); ++k) depths[k] = std::min(depths[k], depths[k - 1] + mostChange);
+  for (std::size_t k = depths.size(); k-- > 1;) depths[k - 1] = std::min(depths[k - 1], depths[k] + mostChange);
+}
+
 }  // namespace
 
 TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const DVec3& towards, const ModelScale& scale,
                      const TruthPathOptions& options) {
   const double lift = scale.toUnits(options.lift_mm), depth = scale.toUnits(options.depth_mm);
   const double step = scale.toUnits(kStep_mm);
-  Keys keys(above(start, lift), scale);
-  keys.moveTo(above(start, -depth), kApproach_mm_per_s);
-  keys.rest(kRest_s);
-  const double from_s = keys.now_s();
-  SurfacePoint spot = start;
-  DVec3 heading = tangent(towards, spot.normal);
+  std::vector<SurfacePoint> spots{start};
+  DVec3 heading = tangent(towards, start.normal);
   bool brokenOff = false;
   for (double gone_mm = kStep_mm; gone_mm < options.length_mm + 0.5 * kStep_mm; gone_mm += kStep_mm) {
+    SurfacePoint spot = spots.back();
     const DVec3 ahead = spot.position + step * heading;
     const SurfacePoint next = truth.closest(ahead);
     brokenOff = brokenOff || glm::dot(next.normal, spot.normal) < kEdgeCosine;
@@ -59,10 +71,17 @@ TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const D
       spot = next;
       heading = tangent(heading, spot.normal);
     }
-    keys.moveTo(above(spot, -depth), options.speed_mm_per_s);
+    spots.push_back(spot);
   }
+  std::vector<double> depths(spots.size(), depth);
+  if (!brokenOff) giveWay(truth, spots, kGivingWay * step, depths);
+  Keys keys(above(start, lift), scale);
+  keys.moveTo(above(start, -depths.front()), kApproach_mm_per_s);
+  keys.rest(kRest_s);
+  const double from_s = keys.now_s();
+  for (std::size_t k = 1; k < spots.size(); ++k) keys.moveTo(above(spots[k], -depths[k]), options.speed_mm_per_s);
   const double to_s = keys.now_s();
-  keys.moveTo(above(spot, lift), kApproach_mm_per_s);
+  keys.moveTo(above(spots.back(), lift), kApproach_mm_per_s);
   return std::move(keys).path(from_s, to_s);
 }
 

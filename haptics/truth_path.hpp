@@ -21,8 +21,9 @@ struct TruthPathOptions {
 };
 
 /// Down at 25 mm/s, a moment's rest, along a geodesic in the direction of `towards` (any vector that is not normal to
-/// the surface) at the depth and speed of the options, and up. The window is the way along. Where the surface breaks
-/// off at an edge the way goes straight on, out of the edge.
+/// the surface) at the depth and speed of the options, and up. The window is the way along. Where the surface bends so
+/// sharply that the HIP would come nearer to another place of it, and the truth would jump, the depth gives way, to a
+/// third at least. Where it breaks off at an edge the way goes straight on, out of the edge, at full depth.
 TruthPath truthSlide(const TouchTruth& truth, const SurfacePoint& start, const DVec3& towards, const ModelScale& scale,
                      const TruthPathOptions& options);
 

@@ -130,6 +130,7 @@ TEST_CASE("M4: the slope of a slow wave, and the share of a fast one beside it")
   const auto jump = steady(4000, [&](double t) { return DVec3(0, t < 2 ? 0.0 : 0.3, 1); });
   CHECK(continuity(jump, kRate_Hz).max_N_per_s == within(300));
   CHECK(continuity(jump, kRate_Hz).p99_N_per_s == 0);
+  CHECK(continuity(jump, kRate_Hz).power == within(90'000));
   // dF/dt of 20 Hz at 3 and of 160 Hz at 1 N/s: a tenth of the power is rough.
   const auto both = steady(4000, [&](double t) {
     return DVec3(std::cos(turn * 20 * t) * 3 / (turn * 20), std::cos(turn * 160 * t) / (turn * 160), 1);
