@@ -21,9 +21,9 @@ struct Condition {
 constexpr std::array<Condition, 6> kConditions{
     {{"clean"}, {"noise-0.1", 0.1}, {"noise-0.25", 0.25}, {"noise-0.5", 0.5}, {"uneven", 0, 10}, {"far", 0, 1, 1e6}}};
 
-// Slides begin here in the unit square of a shape's area: on the cube on three of its faces, some 25 mm from an edge
-// that the last of them crosses.
-constexpr std::array<DVec2, 3> kStarts{{{0.46, 0.55}, {0.62, 0.23}, {0.29, 0.43}}};
+// Slides begin here in the unit square of a shape's area: on the cube on three of its faces, the last 8 mm before an
+// edge that it crosses.
+constexpr std::array<DVec2, 3> kStarts{{{0.41, 0.55}, {0.62, 0.23}, {0.32, 0.43}}};
 
 JudgeSubject shapeSubject(const std::string& name, const Condition& condition, std::size_t count, unsigned threads) {
   const std::shared_ptr<const AnalyticShape> shape = makeShape(name, kDefaultLongestSide_mm, DVec3(condition.away));

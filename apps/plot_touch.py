@@ -43,8 +43,8 @@ class Page:
             slides = judgement["slides"]
             axis.plot([s["speed_mm_per_s"] for s in slides], [s["M1_angle_deg"]["p95"] for s in slides], marker="o",
                       **self.look(judgement))
-        axis.set(title="M1: force direction against speed", xlabel="mm/s", ylabel="degrees off, p95", xscale="log",
-                 yscale="log")
+        axis.set(title="M1: force direction against speed", xlabel="mm/s", ylabel="degrees off, p95", xscale="log")
+        axis.set_yscale("symlog", linthresh=0.01)
         return self.plain
 
     def depth(self, axis):
@@ -52,8 +52,8 @@ class Page:
             slides = judgement["slides"]
             axis.plot([s["speed_mm_per_s"] for s in slides], [100 * s["M3_force_relative_rms"] for s in slides],
                       marker="o", **self.look(judgement))
-        axis.set(title="M3: force against true depth", xlabel="mm/s", ylabel="relative RMS, %", xscale="log",
-                 yscale="log")
+        axis.set(title="M3: force against true depth", xlabel="mm/s", ylabel="relative RMS, %", xscale="log")
+        axis.set_yscale("symlog", linthresh=0.1)
         return self.plain
 
     def noise(self, axis):
@@ -69,6 +69,7 @@ class Page:
         for judgement, places in lines.values():
             axis.plot(*zip(*sorted(places)), marker="o", **self.look(judgement))
         axis.set(title="M1 against noise, 50 mm/s", xlabel="deviation, spacings", ylabel="degrees off, p95")
+        axis.set_yscale("symlog", linthresh=0.01)
         return lines
 
     def slide(self, axis):

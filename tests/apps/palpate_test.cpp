@@ -487,4 +487,49 @@ TEST_CASE("bench refuses a method or a back end that there is not, and measures 
   CHECK(brute.text.find("fused") == std::string::npos);
 }
 
+TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, along the true normal") {
+  const ScratchFolder folder;
+  works("bench touch --backend cpu --sizes 5000 --shapes sphere,cube --conditions clean,uneven --json " +
+        (folder / "t.json").string());
+  const auto touch = jsonOf(folder / "t.json")["touch"];
+  REQUIRE(touch["judgements"].size() == 4);
+  for (const auto& judgement : touch["judgements"]) {
+    for (const char* key : {"surface", "subject", "condition", "M7_step_us", "M10_friction", "M11_edit", "slide_N"})
+      CHECK_MESSAGE(judgement.contains(key), key);
+    CHECK(judgement["M8_free_force_N"] == 0.0);
+    CHECK(judgement["M12_sameness"]["identical"] == true);
+    REQUIRE(judgement["slides"].size() == 3);
+    for (const auto& slide : judgement["slides"])
+      for (const char* key : {"M1_angle_deg", "M2_height", "M3_force_relative_rms", "M4_continuity", "M6_lag"})
+        CHECK_MESSAGE(slide.contains(key), key);
+  }
+  const auto sphere = touch["judgements"][0];
+  const double radius = sphere["radius_mm"];
+  CHECK(sphere["slides"][1]["held_share"] == 1.0);
+  CHECK(sphere["slides"][1]["M1_angle_deg"]["max"] < 1);
+  CHECK(sphere["slides"][1]["M2_height"]["bias_mm"].get<double>() ==
+        doctest::Approx(-0.0694 * radius * radius / 50).epsilon(0.1));
+  CHECK(sphere["M11_edit"]["ticks_until_equal"] == 0);
+  CHECK(touch["M5_plates"].size() == 15);
+  CHECK(touch["M5_plates"].back()["through_share"] == 0.0);
+}
+
+TEST_CASE("bench touch holds a scan against its mesh, and refuses one without the other") {
+  const ScratchFolder folder;
+  const std::string scan = (folder / "scan.ply").string(), mesh = (folder / "mesh.ply").string();
+  works("make plane -n 20000 -o " + scan);
+  std::ofstream(mesh)
+      << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+         "-50 -50 0\n50 -50 0\n50 50 0\n-50 50 0\n4 0 1 2 3\n";
+  works("bench touch --backend cpu --quick --models " + scan + " --truth " + mesh + " --json " +
+        (folder / "t.json").string());
+  const auto judgement = jsonOf(folder / "t.json")["touch"]["judgements"][0];
+  CHECK(judgement["subject"] == "scan");
+  CHECK(judgement["slides"][0]["M3_force_relative_rms"] < 1e-3);
+  CHECK(palpate("bench touch --backend cpu --models " + scan).code == 2);
+  CHECK(palpate("bench touch build --backend cpu").code == 2);
+  CHECK(palpate("bench touch --shapes ball").code == 2);
+}
+
 }  // namespace palpate
