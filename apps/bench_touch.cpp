@@ -131,8 +131,10 @@ Json benchTouch(Context& context, const BenchOptions& options) {
   for (const auto& makeOne : subjects) {
     const JudgeSubject subject = makeOne();
     context.log().say("touch: {}, {}, {} points", subject.name, subject.condition, subject.model.cloud.size());
+    const double widestRadius = supportRadius(options.backend.radius, subject.model);
+    const JudgePlan plan = planFor(context, subject, widestRadius, judgeOptions);
     forEachSurface(options, [&](const BackendOptions& one) {
-      results.judgements.push_back(judgeTouch(context, subject, one, judgeOptions));
+      results.judgements.push_back(judgeTouch(context, subject, plan, one, judgeOptions));
       if (!options.touch.quick && (subject.condition == "clean" || subject.condition == "scan"))
         results.judgements.back().edit = judgeEdit(context, subject, one, judgeOptions);
     });

@@ -6,7 +6,6 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/worker_team.hpp"
 #include "haptics/force_law.hpp"
-#include "haptics/truth_path.hpp"
 
 namespace palpate {
 
@@ -28,12 +27,19 @@ ForceLaw plainSpring(double stiffness_N_per_mm, const ModelScale& scale) {
           scale};
 }
 
-// A path in virtual time, until `to_s`; `observer` sees each tick after it.
+std::vector<DVec3> hipsAlong(const Path& path, double to_s) {
+  std::vector<DVec3> hips;
+  for (std::uint64_t i = 0; static_cast<double>(i) / kRate_Hz <= to_s; ++i)
+    hips.push_back(path.at(static_cast<double>(i) / kRate_Hz));
+  return hips;
+}
+
+// In virtual time; `observer` sees the trace after each tick.
 template <class Observer>
-Trace play(TouchBackend& backend, const Path& path, double to_s, ForceLaw law, Observer&& observer) {
+Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, ForceLaw law, Observer&& observer) {
   Trace trace;
-  for (std::uint64_t i = 0; static_cast<double>(i) / kRate_Hz <= to_s; ++i) {
-    const Pose pose{.time_s = static_cast<double>(i) / kRate_Hz, .hip = path.at(static_cast<double>(i) / kRate_Hz)};
+  for (std::size_t i = 0; i < hips.size(); ++i) {
+    const Pose pose{.time_s = static_cast<double>(i) / kRate_Hz, .hip = hips[i]};
     const Stopwatch watch;
     const Contact contact = backend.query(pose, 0);
     const DVec3 force_N = law.update(contact, pose, 1 / kRate_Hz);
@@ -56,64 +62,17 @@ Trace play(TouchBackend& backend, const Path& path, double to_s, ForceLaw law, O
   return trace;
 }
 
-/// A path as it was played, and what it was like.
-struct Session {
-  TruthPath path;
-  Trace trace;
-  std::vector<JudgedTick> ticks;
+Trace play(TouchBackend& backend, const std::vector<DVec3>& hips, const ForceLaw& law) {
+  return play(backend, hips, law, [](const Trace&) {});
+}
 
-  JudgedTicks window() const { return between(ticks, path.from_s, path.to_s); }
-};
-
-/// What the sessions on one subject have in common.
-class Sessions {
- public:
-  Sessions(Context& context, const JudgeSubject& subject, const BackendOptions& backend, const JudgeOptions& options)
-      : context_(context), subject_(subject), backend_(backend), options_(options) {
-    const double radius = supportRadius(backend.radius, subject.model);
-    freeMargin_ = radius + 5 * subject.noise;
-    lift_mm_ = kLift_mm + subject.model.scale.toMm(freeMargin_);
-  }
-
-  const ModelScale& scale() const { return subject_.model.scale; }
-  double freeMargin() const { return freeMargin_; }
-
-  TruthPath slide(std::size_t start, double speed_mm_per_s) const {
-    return truthSlide(subject_.truth, subject_.starts[start].place, subject_.starts[start].towards, scale(),
-                      {.depth_mm = options_.depth_mm,
-                       .lift_mm = lift_mm_,
-                       .speed_mm_per_s = speed_mm_per_s,
-                       .length_mm = std::min(kSlide_mm, kLongestSlide_s * speed_mm_per_s)});
-  }
-  TruthPath press(std::size_t start) const {
-    return truthPress(subject_.starts[start].place, scale(), {.depth_mm = kPressDepth_mm, .lift_mm = lift_mm_});
-  }
-  TruthPath taps(std::size_t start) const {
-    return truthTaps(subject_.starts[start].place, scale(),
-                     {.depth_mm = options_.depth_mm, .lift_mm = lift_mm_, .speed_mm_per_s = kTapSpeed_mm_per_s});
-  }
-
-  Trace run(const Path& path, const std::string& backendName) const {
-    BackendOptions options = backend_;
-    options.backend = backendName;
-    if (backendName != backend_.backend) options.method.clear();
-    const auto backend = makeBackend(context_, subject_.model, options, std::nullopt);
-    return play(*backend, path, path.duration_s(), plainSpring(options_.stiffness_N_per_mm, scale()),
-                [](const Trace&) {});
-  }
-  Trace run(const Path& path) const { return run(path, backend_.backend); }
-  Session felt(const TruthPath& path) const { return {.path = path, .trace = run(path.path), .ticks = {}}; }
-  std::vector<JudgedTick> judged(const Trace& trace) const {
-    return judge(trace, subject_.truth, scale().toUnits(kIdealStep_mm));
-  }
-
- private:
-  Context& context_;
-  const JudgeSubject& subject_;
-  const BackendOptions& backend_;
-  const JudgeOptions& options_;
-  double freeMargin_, lift_mm_;
-};
+// On a back end of its own.
+Trace feel(Context& context, const Model& model, const JudgePath& way, const BackendOptions& options,
+           double stiffness_N_per_mm) {
+  const auto backend = makeBackend(context, model, options, std::nullopt);
+  return play(*backend, hipsAlong(way.path.path, way.path.path.duration_s()),
+              plainSpring(stiffness_N_per_mm, model.scale));
+}
 
 SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm_per_s, const JudgeOptions& options,
                            const ModelScale& scale) {
@@ -166,10 +125,33 @@ PointCloud plateCloud(std::size_t points, double thickness_mm, unsigned threads)
 
 }  // namespace
 
-Judgement judgeTouch(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
-                     const JudgeOptions& options) {
-  const Sessions sessions(context, subject, backend, options);
-  const ModelScale& scale = sessions.scale();
+JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRadius, const JudgeOptions& options) {
+  const ModelScale& scale = subject.model.scale;
+  JudgePlan plan{.freeMargin = widestRadius + 5 * subject.noise};
+  const double lift_mm = kLift_mm + scale.toMm(plan.freeMargin);
+  const SurfacePoint& place = subject.starts.front().place;
+  const TruthPathOptions tap{.depth_mm = options.depth_mm, .lift_mm = lift_mm, .speed_mm_per_s = kTapSpeed_mm_per_s};
+  plan.ways.push_back({truthTaps(place, scale, tap), {}});
+  plan.ways.push_back({truthPress(place, scale, {.depth_mm = kPressDepth_mm, .lift_mm = lift_mm}), {}});
+  for (const double speed : options.speeds_mm_per_s)
+    for (const JudgeSubject::Start& start : subject.starts) {
+      const TruthPathOptions slide{.depth_mm = options.depth_mm,
+                                   .lift_mm = lift_mm,
+                                   .speed_mm_per_s = speed,
+                                   .length_mm = std::min(kSlide_mm, kLongestSlide_s * speed)};
+      plan.ways.push_back({truthSlide(subject.truth, start.place, start.towards, scale, slide), {}});
+    }
+  WorkerTeam team(context.threads());
+  team.forEach(plan.ways.size(), [&](std::size_t k) {
+    const Path& path = plan.ways[k].path.path;
+    plan.ways[k].ideal = followTruth(hipsAlong(path, path.duration_s()), subject.truth, scale.toUnits(kIdealStep_mm));
+  });
+  return plan;
+}
+
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
+                     const BackendOptions& backend, const JudgeOptions& options) {
+  const ModelScale& scale = subject.model.scale;
   Judgement result{.backend = backend.backend,
                    .surface = backend.surface,
                    .subject = subject.name,
@@ -177,36 +159,43 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const Backen
                    .points = subject.model.cloud.size(),
                    .spacing_mm = scale.toMm(subject.model.spacing),
                    .radius_mm = scale.toMm(supportRadius(backend.radius, subject.model))};
-  // First everything is felt, one after the other; then, on all cores, judged, which takes most of the time.
-  std::vector<Session> played;
-  for (const double speed : options.speeds_mm_per_s)
-    for (std::size_t start = 0; start < subject.starts.size(); ++start)
-      played.push_back(sessions.felt(sessions.slide(start, speed)));
-  played.push_back(sessions.felt(sessions.taps(0)));
-  played.push_back(sessions.felt(sessions.press(0)));
+  // First everything is felt, one after the other, since ticks are timed; then it is judged on all cores.
+  std::vector<Trace> traces;
+  for (const JudgePath& way : plan.ways)
+    traces.push_back(feel(context, subject.model, way, backend, options.stiffness_N_per_mm));
+  std::vector<std::vector<JudgedTick>> judged(plan.ways.size());
   WorkerTeam team(context.threads());
-  team.forEach(played.size(), [&](std::size_t k) { played[k].ticks = sessions.judged(played[k].trace); });
+  team.forEach(plan.ways.size(),
+               [&](std::size_t k) { judged[k] = judge(traces[k], plan.ways[k].ideal, subject.truth); });
+  const auto window = [&](std::size_t k) {
+    return between(judged[k], plan.ways[k].path.from_s, plan.ways[k].path.to_s);
+  };
 
-  auto session = played.cbegin();
+  std::size_t next = JudgePlan::kSlides;
   for (const double speed : options.speeds_mm_per_s) {
-    std::vector<JudgedTicks> ways;
-    for (std::size_t start = 0; start < subject.starts.size(); ++start) ways.push_back((session++)->window());
-    result.slides.push_back(judgeSlides(ways, speed, options, scale));
-    if (speed == options.mainSpeed_mm_per_s) result.force_N = forces(ways.front(), options.stiffness_N_per_mm, scale);
+    const std::size_t first = next;
+    std::vector<JudgedTicks> windows;
+    while (windows.size() < subject.starts.size()) windows.push_back(window(next++));
+    result.slides.push_back(judgeSlides(windows, speed, options, scale));
+    if (speed != options.mainSpeed_mm_per_s) continue;
+    result.force_N = forces(windows.front(), options.stiffness_N_per_mm, scale);
+    const auto again = [&](const BackendOptions& on) {
+      return feel(context, subject.model, plan.ways[first], on, options.stiffness_N_per_mm);
+    };
+    result.identical = identical(traces[first], again(backend));
+    BackendOptions onCpu = backend;
+    onCpu.backend = "cpu";
+    onCpu.method.clear();
+    if (backend.backend != "cpu") result.fromCpu_N = forceDifference_N(traces[first], again(onCpu));
   }
-  result.drift_mm = drift_mm(played.back().window(), scale);
+  result.drift_mm = drift_mm(window(JudgePlan::kPress), scale);
   std::vector<JudgedTick> everyTick;
-  for (const Session& one : played) everyTick.insert(everyTick.end(), one.ticks.begin(), one.ticks.end());
+  for (const auto& ticks : judged) everyTick.insert(everyTick.end(), ticks.begin(), ticks.end());
   std::vector<double> step_us;
   for (const JudgedTick& tick : everyTick) step_us.push_back(tick.row.step_us);
   result.step_us = summarize(std::move(step_us));
   result.lateShare = lateShare(everyTick, 1e6 / kRate_Hz);
-  result.free_N = freeForce_N(everyTick, sessions.freeMargin());
-
-  const Path again = sessions.slide(0, options.mainSpeed_mm_per_s).path;
-  const Trace first = sessions.run(again);
-  result.identical = identical(first, sessions.run(again));
-  if (backend.backend != "cpu") result.fromCpu_N = forceDifference_N(first, sessions.run(again, "cpu"));
+  result.free_N = freeForce_N(everyTick, plan.freeMargin);
   return result;
 }
 
@@ -223,19 +212,20 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
                    {down_s, press.path.at(press.to_s)},
                    {down_s + rest_s, press.path.at(press.to_s)},
                    {down_s + rest_s + up_s, press.path.at(press.path.duration_s())}});
+  const auto hips = hipsAlong(path, path.duration_s());
   const ForceLaw law = plainSpring(options.stiffness_N_per_mm, scale);
 
   EditJudgement result;
   Model sculpted = subject.model;
   std::size_t lastEdited = 0;
   const auto edited = makeBackend(context, subject.model, backend, push);
-  const Trace after = play(*edited, path, path.duration_s(), law, [&](const Trace& trace) {
+  const Trace after = play(*edited, hips, law, [&](const Trace& trace) {
     if (edited->editTimes_us().size() > result.edits) lastEdited = trace.rows.size() - 1;
     result.edits = edited->editTimes_us().size();
   });
   edited->readBack(sculpted.cloud);
   const auto fresh = makeBackend(context, sculpted, backend, std::nullopt);
-  const Trace anew = play(*fresh, path, path.duration_s(), law, [](const Trace&) {});
+  const Trace anew = play(*fresh, hips, law);
   result.ticksUntilEqual = ticksUntilEqual(after, anew, lastEdited, kTolerance_N);
   result.largestStep_N = largestForceStep_N(after);
   return result;
@@ -262,7 +252,7 @@ std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, co
             place, {1},
             {.depth_mm = thickness_mm + kBeyond_mm, .lift_mm = radius_mm + kLift_mm, .speed_mm_per_s = speed});
         const auto plate = makeBackend(context, model, backend, std::nullopt);
-        const Trace trace = play(*plate, push.path, push.to_s, plainSpring(1, {1}), [](const Trace&) {});
+        const Trace trace = play(*plate, hipsAlong(push.path, push.to_s), plainSpring(1, {1}));
         through += cameThrough(trace, DVec3(0), DVec3(0, 0, 1));
       }
       results.push_back({.backend = backend.backend,

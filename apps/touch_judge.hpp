@@ -3,6 +3,7 @@
 
 #include "apps/backend.hpp"
 #include "haptics/touch_metrics.hpp"
+#include "haptics/truth_path.hpp"
 
 namespace palpate {
 
@@ -60,9 +61,23 @@ struct Judgement {
   std::vector<DVec2> force_N;          ///< along the first slide at the main speed: felt and true size, tick by tick
 };
 
+/// A path over a subject, with what a god-object feels on it.
+struct JudgePath {
+  TruthPath path;
+  std::vector<IdealTick> ideal;
+};
+/// The same for every surface and back end, so that this, which takes most of the time, is done once.
+struct JudgePlan {
+  static constexpr std::size_t kTaps = 0, kPress = 1, kSlides = 2;  ///< where in `ways` they stand or begin
+  double freeMargin = 0;        ///< above the true surface, model units, from where on nothing may be felt
+  std::vector<JudgePath> ways;  ///< the slides from every start, speed by speed
+};
+/// `widestRadius`: the largest support radius of the surfaces that are judged, model units.
+JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRadius, const JudgeOptions& options);
+
 /// M1 to M4, M6 to M8, M10 and M12. Each path begins on a back end of its own.
-Judgement judgeTouch(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
-                     const JudgeOptions& options);
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
+                     const BackendOptions& backend, const JudgeOptions& options);
 
 /// M11: pushes the surface at the first start, and sets it beside a surface built from where the points then lie.
 EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,

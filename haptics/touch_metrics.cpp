@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/core/check.hpp"
 #include "haptics/spectrum.hpp"
 
 namespace palpate {
@@ -23,17 +24,26 @@ DVec3 alongSurface(const DVec3& v, const DVec3& normal) { return v - glm::dot(v,
 
 }  // namespace
 
-std::vector<JudgedTick> judge(const Trace& trace, const TouchTruth& truth, double longestStep) {
+std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep) {
   GodObject ideal(truth, longestStep);
-  std::vector<JudgedTick> ticks;
-  ticks.reserve(trace.rows.size());
-  for (const TraceRow& row : trace.rows) {
-    ideal.follow(row.hip);
-    ticks.push_back({.row = row,
-                     .shouldTouch = ideal.touching(),
+  std::vector<IdealTick> ticks;
+  ticks.reserve(hips.size());
+  for (const DVec3& hip : hips) {
+    ideal.follow(hip);
+    ticks.push_back({.shouldTouch = ideal.touching(),
                      .truth = ideal.contact(),
-                     .hipHeight = ideal.touching() ? 0 : truth.signedDistance(row.hip),
-                     .proxyHeight = row.contact ? truth.signedDistance(row.proxy) : 0});
+                     .hipHeight = ideal.touching() ? 0 : truth.signedDistance(hip)});
+  }
+  return ticks;
+}
+
+std::vector<JudgedTick> judge(const Trace& trace, std::span<const IdealTick> ideal, const TouchTruth& truth) {
+  PALPATE_CHECK_EQ(trace.rows.size(), ideal.size());
+  std::vector<JudgedTick> ticks;
+  ticks.reserve(ideal.size());
+  for (std::size_t i = 0; i < ideal.size(); ++i) {
+    const TraceRow& row = trace.rows[i];
+    ticks.push_back({ideal[i], row, row.contact ? truth.signedDistance(row.proxy) : 0});
   }
   return ticks;
 }

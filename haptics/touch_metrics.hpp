@@ -10,18 +10,25 @@
 
 namespace palpate {
 
-/// A tick beside what the god-object says about it. Lengths in model units.
-struct JudgedTick {
-  TraceRow row;
+/// What the god-object says about a HIP. Lengths in model units.
+struct IdealTick {
   bool shouldTouch = false;
-  SurfacePoint truth;      ///< the god-object; the closest point while nothing should be touched
-  double hipHeight = 0;    ///< signed distance to the true surface, positive outside; 0 while it should touch
-  double proxyHeight = 0;  ///< the same of the proxy; 0 while it does not touch
+  SurfacePoint truth;    ///< the god-object; the closest point while nothing should be touched
+  double hipHeight = 0;  ///< signed distance to the true surface, positive outside; 0 while it should touch
+};
+
+/// The god-object tick by tick. `longestStep` of its own, model units. The first HIP has to be outside.
+std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep);
+
+/// A tick of a trace beside that.
+struct JudgedTick : IdealTick {
+  TraceRow row;
+  double proxyHeight = 0;  ///< as hipHeight, of the proxy; 0 while it does not touch
 };
 using JudgedTicks = std::span<const JudgedTick>;
 
-/// `longestStep` of the god-object, model units. The trace has to begin outside.
-std::vector<JudgedTick> judge(const Trace& trace, const TouchTruth& truth, double longestStep);
+/// `ideal` has one entry for each row of the trace, for the same HIPs.
+std::vector<JudgedTick> judge(const Trace& trace, std::span<const IdealTick> ideal, const TouchTruth& truth);
 
 /// The ticks from `from_s` on and before `to_s`.
 JudgedTicks between(JudgedTicks ticks, double from_s, double to_s);

@@ -35,11 +35,15 @@ class Slide {
 
   // Only the way along.
   std::vector<JudgedTick> judged() const {
-    const auto all = judge(trace, truth_, kScale.toUnits(0.05));
+    const auto all = judgedWhole();
     const auto part = between(all, path_->from_s, path_->to_s);
     return {part.begin(), part.end()};
   }
-  std::vector<JudgedTick> judgedWhole() const { return judge(trace, truth_, kScale.toUnits(0.05)); }
+  std::vector<JudgedTick> judgedWhole() const {
+    std::vector<DVec3> hips;
+    for (const TraceRow& row : trace.rows) hips.push_back(row.hip);
+    return judge(trace, followTruth(hips, truth_, kScale.toUnits(0.05)), truth_);
+  }
 
   const TruthPath& path() const { return *path_; }
 
