@@ -53,7 +53,7 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   subject.model = loadModel(context, {.file = scan});
   constexpr std::size_t kLookedAt = 32'768;
   const PointCloud& cloud = subject.model.cloud;
-  const TouchTarget target = chooseTarget(SurfaceSample(cloud, kLookedAt), boundsOf(cloud));
+  const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kLookedAt), boundsOf(cloud));
   const SurfacePoint on = truth->closest(cloud.origin + target.position);
   const Frame3 frame = frameAround(on.normal);
   for (const DVec3& towards : {frame.u, -0.5 * frame.u + 0.8 * frame.v, -0.5 * frame.u - 0.8 * frame.v})

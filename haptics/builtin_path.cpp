@@ -61,12 +61,12 @@ class PathBuilder {
 struct Scene {
   const PointCloud& cloud;
   const ModelScale& scale;
-  SurfaceSample surface;
+  ThinnedCloud surface;
   SurfaceSpot target;
 
   Scene(const PointCloud& points, const ModelScale& modelScale)
       : cloud(points), scale(modelScale), surface(points, kFine) {
-    const TouchTarget chosen = chooseTarget(SurfaceSample(points, kCoarse), boundsOf(points));
+    const TouchTarget chosen = chooseTarget(ThinnedCloud(points, kCoarse), boundsOf(points));
     target = settle(surface, chosen.position, chosen.normal);
   }
 

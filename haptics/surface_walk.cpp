@@ -16,7 +16,7 @@ DVec3 tangent(const DVec3& v, const DVec3& normal) {
 
 }  // namespace
 
-SurfaceSpot settle(const SurfaceSample& sample, const DVec3& p, const DVec3& facing) {
+SurfaceSpot settle(const ThinnedCloud& sample, const DVec3& p, const DVec3& facing) {
   constexpr int kRounds = 3;  // each starts nearer to the surface, so that its neighbours lie all around the foot
   SurfaceSpot spot{.position = p, .normal = facing};
   for (int round = 0; round < kRounds; ++round) {
@@ -32,8 +32,8 @@ SurfaceSpot settle(const SurfaceSample& sample, const DVec3& p, const DVec3& fac
   return spot;
 }
 
-std::vector<SurfaceSpot> walk(const SurfaceSample& sample, const SurfaceSpot& start, const DVec3& direction,
-                              double step, std::size_t steps) {
+std::vector<SurfaceSpot> walk(const ThinnedCloud& sample, const SurfaceSpot& start, const DVec3& direction, double step,
+                              std::size_t steps) {
   std::vector<SurfaceSpot> spots;
   spots.reserve(steps);
   SurfaceSpot spot = start;

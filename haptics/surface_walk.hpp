@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "haptics/surface_sample.hpp"
+#include "haptics/thinned_cloud.hpp"
 
 namespace palpate {
 
@@ -15,11 +15,11 @@ struct SurfaceSpot {
 };
 
 /// Puts `p` onto the surface near it that faces the same way as `facing`.
-SurfaceSpot settle(const SurfaceSample& sample, const DVec3& p, const DVec3& facing);
+SurfaceSpot settle(const ThinnedCloud& sample, const DVec3& p, const DVec3& facing);
 
 /// From `start` in the tangent direction `direction`, which turns with the surface: `steps` spots, each `step` after
 /// the one before it, without the start.
-std::vector<SurfaceSpot> walk(const SurfaceSample& sample, const SurfaceSpot& start, const DVec3& direction,
-                              double step, std::size_t steps);
+std::vector<SurfaceSpot> walk(const ThinnedCloud& sample, const SurfaceSpot& start, const DVec3& direction, double step,
+                              std::size_t steps);
 
 }  // namespace palpate

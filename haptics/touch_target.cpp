@@ -32,7 +32,7 @@ struct Surroundings {
   bool oneSided = true;
 };
 
-Surroundings surroundingsOf(const SurfaceSample& sample, std::size_t candidate, double radius) {
+Surroundings surroundingsOf(const ThinnedCloud& sample, std::size_t candidate, double radius) {
   Surroundings result;
   const DVec3 own = sample.normal(candidate);
   const std::vector<Neighbour> neighbours = sample.nearest(sample.position(candidate), kSurroundings);
@@ -56,7 +56,7 @@ Surroundings surroundingsOf(const SurfaceSample& sample, std::size_t candidate, 
   return result;
 }
 
-double scoreOf(const SurfaceSample& sample, const Bounds& bounds, const DVec3& p, const Surroundings& around) {
+double scoreOf(const ThinnedCloud& sample, const Bounds& bounds, const DVec3& p, const Surroundings& around) {
   const double side = bounds.longestSide();
   const DVec3 offset = p - bounds.center();
   const DVec3 across = offset - glm::dot(offset, kTowardsViewer) * kTowardsViewer;
@@ -76,7 +76,7 @@ double scoreOf(const SurfaceSample& sample, const Bounds& bounds, const DVec3& p
 
 }  // namespace
 
-TouchTarget chooseTarget(const SurfaceSample& sample, const Bounds& bounds) {
+TouchTarget chooseTarget(const ThinnedCloud& sample, const Bounds& bounds) {
   TouchTarget best{sample.position(0), sample.normal(0)};
   double bestScore = -std::numeric_limits<double>::infinity();
   const double stride = std::max(1.0, static_cast<double>(sample.size()) / kCandidates);

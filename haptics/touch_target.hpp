@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
-#include "haptics/surface_sample.hpp"
+#include "haptics/thinned_cloud.hpp"
 
 namespace palpate {
 
@@ -13,6 +13,6 @@ struct TouchTarget {
 
 /// A point that the default camera sees, that can be reached along its normal, with flat surroundings of one side only,
 /// and near the middle of the picture; as many of these as the model allows. The same cloud gives the same target.
-TouchTarget chooseTarget(const SurfaceSample& sample, const Bounds& bounds);
+TouchTarget chooseTarget(const ThinnedCloud& sample, const Bounds& bounds);
 
 }  // namespace palpate

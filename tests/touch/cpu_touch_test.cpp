@@ -123,7 +123,7 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   // The index followed: what it answers now is what the reference finds on the sculpted cloud.
   const ContactReference reference(sculpted, scene.radius);
   const Contact last = touch.query({.time_s = 1, .hip = poses.back().hip}, 0);
-  const SurfaceSample surface = reference.surface(last.proxy);
+  const SurfaceSample surface = reference.surface(last.proxy, DVec3(0));
   CHECK(std::abs(surface.distance) < 1e-4 * scene.radius);
   CHECK(glm::distance(surface.normal, last.normal) < 1e-9);
   CHECK(surface.neighbours == last.neighbours);

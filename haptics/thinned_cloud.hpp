@@ -24,11 +24,11 @@ struct LocalPlane {
 };
 
 /// Model units, relative to the cloud's origin, which may go once this is made.
-class SurfaceSample {
+class ThinnedCloud {
  public:
   /// Takes one point out of every run of equally many, so that at most `most` remain, and each place once. Throws Error
   /// for a cloud without points or normals.
-  SurfaceSample(const PointCloud& cloud, std::size_t most);
+  ThinnedCloud(const PointCloud& cloud, std::size_t most);
 
   std::size_t size() const { return positions_.size(); }
   DVec3 position(std::size_t i) const { return DVec3(positions_[i]); }
@@ -49,7 +49,7 @@ class SurfaceSample {
     std::vector<Vec3> positions, normals;
   };
   static Surfels surfelsOf(const PointCloud& cloud, std::size_t most);
-  explicit SurfaceSample(Surfels surfels);
+  explicit ThinnedCloud(Surfels surfels);
 
   std::vector<Vec3> positions_;
   std::vector<Vec3> normals_;

@@ -1,4 +1,4 @@
-#include "haptics/surface_sample.hpp"
+#include "haptics/thinned_cloud.hpp"
 
 #include <algorithm>
 
@@ -38,7 +38,7 @@ double wendland(double r) {
 
 }  // namespace
 
-SurfaceSample::Surfels SurfaceSample::surfelsOf(const PointCloud& cloud, std::size_t most) {
+ThinnedCloud::Surfels ThinnedCloud::surfelsOf(const PointCloud& cloud, std::size_t most) {
   if (cloud.empty()) throw Error("the model has no points; a built-in path needs a surface to touch");
   if (!cloud.hasNormals())
     throw Error("the model has no normals, and a built-in path needs them; load it with --normals estimate");
@@ -52,12 +52,12 @@ SurfaceSample::Surfels SurfaceSample::surfelsOf(const PointCloud& cloud, std::si
   return {std::move(places.positions), std::move(normals)};
 }
 
-SurfaceSample::SurfaceSample(const PointCloud& cloud, std::size_t most) : SurfaceSample(surfelsOf(cloud, most)) {}
+ThinnedCloud::ThinnedCloud(const PointCloud& cloud, std::size_t most) : ThinnedCloud(surfelsOf(cloud, most)) {}
 
-SurfaceSample::SurfaceSample(Surfels surfels)
+ThinnedCloud::ThinnedCloud(Surfels surfels)
     : positions_(std::move(surfels.positions)), normals_(std::move(surfels.normals)), tree_(positions_) {}
 
-std::vector<Neighbour> SurfaceSample::nearest(const DVec3& p, std::size_t count) const {
+std::vector<Neighbour> ThinnedCloud::nearest(const DVec3& p, std::size_t count) const {
   std::vector<std::uint32_t> indices(count);
   std::vector<double> squares(count);
   const std::size_t found = tree_.nearest(Vec3(p), indices, squares);
@@ -66,7 +66,7 @@ std::vector<Neighbour> SurfaceSample::nearest(const DVec3& p, std::size_t count)
   return result;
 }
 
-std::optional<LocalPlane> SurfaceSample::planeNear(const DVec3& p, const DVec3& facing) const {
+std::optional<LocalPlane> ThinnedCloud::planeNear(const DVec3& p, const DVec3& facing) const {
   const std::vector<Neighbour> neighbours = nearest(p, kPlaneNeighbours);
   LocalPlane plane{.reach = neighbours.back().distance};
   const double support = plane.reach * 1.001;  // so that even the farthest weighs something
@@ -84,8 +84,8 @@ std::optional<LocalPlane> SurfaceSample::planeNear(const DVec3& p, const DVec3& 
   return plane;
 }
 
-bool SurfaceSample::isFree(const DVec3& p, const DVec3& along, double from, double to, double slope,
-                           double widest) const {
+bool ThinnedCloud::isFree(const DVec3& p, const DVec3& along, double from, double to, double slope,
+                          double widest) const {
   if (!(to > 0)) return true;  // a model without extent hides nothing
   const double smallestStep = 0.01 * to;
   for (double s = from; s <= to;) {
