@@ -139,18 +139,27 @@ TEST_CASE("the GPU feels both sides of sheets as double precision does, their ed
 
 TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
   constexpr double kDeepest = 3.3 / 0.8;  // mm, at 0.8 N/mm
-  for (const double thickness : {0.5, 2.1 * kSheetRadius}) {
-    const PointCloud cloud = sheet(thickness);
-    CpuTouch touch(cloud, {.radius = kSheetRadius, .surface = SurfaceKind::sharp, .threads = 1});
+  struct Case {
+    double thickness, radius;
+    bool localRadius;
+    int pushes;
+  };
+  for (const Case& plate : {Case{0.5, kSheetRadius, false, 5'000}, Case{2.1 * kSheetRadius, kSheetRadius, false, 5'000},
+                            Case{0.5, 3 * kSheetRadius, true, 500}}) {
+    CAPTURE(plate.thickness);
+    CAPTURE(plate.radius);
+    const PointCloud cloud = sheet(plate.thickness);
+    CpuTouch touch(
+        cloud, {.radius = plate.radius, .surface = SurfaceKind::sharp, .localRadius = plate.localRadius, .threads = 1});
     std::mt19937 random(11);
     std::uniform_real_distribution<double> unit(-1, 1);
     std::size_t through = 0;
-    for (int push = 0; push < 5'000; ++push) {
+    for (int push = 0; push < plate.pushes; ++push) {
       const double step = 0.525 + 0.475 * unit(random);  // mm in 1 ms
       const DVec3 aim(12 * unit(random), 12 * unit(random), 0);
       const DVec3 heading = glm::normalize(DVec3(unit(random), unit(random), -0.6));
       bool touched = false;
-      for (double along = -3 / -heading.z; - heading.z * along < kDeepest; along += step) {
+      for (double along = -(plate.radius + 1) / -heading.z; - heading.z * along < kDeepest; along += step) {
         const Contact contact = touch.query({.hip = aim + along * heading}, 0);
         if (-heading.z * along > 1e-6) through += !contact.touching || contact.proxy.z < -0.1;
         touched = touched || contact.touching;
