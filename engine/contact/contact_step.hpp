@@ -23,8 +23,8 @@ struct ContactOptions {
 };
 
 /// The contact step: gathers the neighbours of the probe by one of the query methods, evaluates the surface and moves
-/// the proxy. Surface after Adamson and Alexa 2003 with Wendland's C2 weight; proxy by tangent-plane tracking
-/// (Salisbury and Tarr 1997), entered where the HIP's motion crosses the surface from outside.
+/// the proxy. Surfaces as SurfaceSums makes them, with Wendland's C2 weight; proxy by tangent-plane tracking
+/// (Salisbury and Tarr 1997) with friction (Ruspini, Kolarov, Khatib 1997), as ProxyTracker does it.
 ///
 /// A tick runs firstList() of the lists recorded here, then nextList() until there is none.
 class ContactStep {
