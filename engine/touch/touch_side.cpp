@@ -134,7 +134,7 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
     const Stopwatch watch;
     // Nothing new is asked while a question is out.
     if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_.answer(pose);
-    if (budget_us > 0 && !mayAsk()) return bridge_.answer(pose);
+    if (budget_us > 0 && !mayAskWithin(budget_us)) return bridge_.answer(pose);
     ask(pose, budget_us > 0);
     if (budget_us > 0) bridge_.renew(pose, live_.parity());
     const double left_us = budget_us > 0 ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
@@ -156,9 +156,14 @@ bool TouchSide::lateAnswerIsIn(const Pose& pose, double budget_us) {
   return true;
 }
 
-bool TouchSide::mayAsk() const {
-  // Some us after the answer was seen; where spinning starves the driver they are not waited for.
-  return wait_ == Wait::spin || !ended_ || device_.touch().isDone(*ended_);
+bool TouchSide::mayAskWithin(double budget_us) const {
+  if (wait_ == Wait::spin || !ended_) return true;  // ask() spins those us
+  const Stopwatch watch;
+  while (!device_.touch().isDone(*ended_)) {
+    if (watch.elapsed_us() + kNap_us > budget_us) return false;
+    std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(kNap_us));
+  }
+  return true;
 }
 
 void TouchSide::ask(const Pose& pose, bool realtime) {

@@ -81,7 +81,8 @@ class TouchSide final : public TouchBackend {
     bool timed = true;        // on the GPU; a driver that needs our cores may wait for all its work to tell a time
     double gpu_us = 0;        // of the lists that have run
   };
-  bool mayAsk() const;
+  // Whether the last question's list has ended, as the driver sees it: some us after its answer was seen.
+  bool mayAskWithin(double budget_us) const;
   void ask(const Pose& pose, bool realtime);
   const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
   // Takes the answer into last_ when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.

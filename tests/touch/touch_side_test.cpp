@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/contact/contact_reference.hpp"
 #include "engine/render/drawn_cloud.hpp"
 #include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
@@ -23,6 +24,22 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog* d
   }
   return contacts;
 }
+
+// Keeps the touch queue busy for some time, so that whatever is asked next comes late.
+class Busy {
+ public:
+  Busy(Device& device, int fills)
+      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
+    list_.begin();
+    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
+    list_.end();
+    device.touch().submit(list_);
+  }
+
+ private:
+  Buffer buffer_;
+  CommandList list_;
+};
 
 }  // namespace
 
@@ -119,42 +136,99 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
   CHECK(touch.passes().size() == 1);
 }
 
-TEST_CASE("a late answer is bridged by the tangent plane of the last one, and never for long") {
+TEST_CASE("late answers are bridged by the patch, which follows the hand over the surface as the GPU would") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device(
       {.gpu = "", .validate = false});  // GPU-assisted validation waits at every submission: nothing is ever late
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
-  touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
-  const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, 0);
-  REQUIRE(fresh.touching);
-  CHECK(fresh.fresh);
-
-  // Keeps the touch queue busy for some time, so that whatever is asked next comes late.
-  const Buffer busy(device, 64 << 20, Memory::device, "busy");
-  CommandList work(device, device.touch(), "busy");
-  work.begin();
-  for (int i = 0; i < 200; ++i) work.fill(busy, 1, busy.bytes());
-  work.end();
-  device.touch().submit(work);
-
-  constexpr double kNoTime_us = 1;
-  const auto late = [&](double time_s, double z) {
-    const Contact contact = touch.query({.time_s = time_s, .hip = {0, 0, z}}, kNoTime_us);
-    REQUIRE_FALSE(contact.fresh);
-    CHECK(contact.valid);
-    return contact;
+  ContactReference reference(scene.cloud, scene.radius);
+  constexpr double kTime_us = 1e7, kNoTime_us = 1;
+  double time_s = 0;
+  const auto pose = [&](double along, double r) {
+    const double angle = along * scene.radius / 50;
+    return Pose{.time_s = time_s += 1e-3, .hip = {r * std::sin(angle), 0, r * std::cos(angle)}};
   };
-  const Contact soon = late(0.002, 48.5);
-  CHECK(soon.touching);
-  CHECK(soon.proxy.z == doctest::Approx(fresh.proxy.z).epsilon(1e-4));
-  CHECK_FALSE(late(0.003, 52).touching);  // before the plane there is nothing to feel
-  const double softer = late(0.012, 48.5).proxy.z - 48.5;
-  CHECK(softer > 0.1);
-  CHECK(softer < 0.8 * (soon.proxy.z - 48.5));
-  CHECK_FALSE(late(1.0, 48.5).touching);
-  const Contact after = touch.query({.time_s = 1.001, .hip = {0, 0, 48.5}}, 0);
+  for (const double r : {50.9, 50.6, 50.3, 50.0, 49.6, 49.5, 49.5}) {  // brings a patch
+    const Pose now = pose(0, r);
+    CHECK(touch.query(now, kTime_us).fresh);
+    reference.query(now, 0);
+  }
+
+  const Busy busy(device, 400);
+
+  // Slides one support radius, lets go, and touches again on the way back.
+  std::size_t touched = 0, bridged = 0;
+  double worst = 0;
+  Contact late;
+  Pose now;
+  for (int i = 0; i <= 80; ++i) {
+    now = pose(std::sin(0.02 * i), 49.7 + 0.6 * std::sin(0.1 * i));
+    late = touch.query(now, kNoTime_us);
+    const Contact truth = reference.query(now, 0);
+    CHECK(late.valid);
+    CHECK(late.touching == truth.touching);
+    touched += truth.touching;
+    bridged += !late.fresh;
+    worst = std::max(worst, glm::distance(late.proxy, truth.proxy) / scene.radius);
+  }
+  CHECK(bridged == 81);
+  CHECK(touched > 20);
+  CHECK(touched < 70);
+  CHECK(worst < 1e-3);
+  CHECK(touch.bridgeTimes_us().size() == bridged);
+
+  // The GPU goes on from where the CPU has come to.
+  now.time_s += 1e-3;
+  const Contact after = touch.query(now, 0);
   CHECK(after.fresh);
-  CHECK(after.valid);
+  CHECK(after.touching == late.touching);
+  CHECK(glm::distance(after.proxy, late.proxy) < 1e-4 * scene.radius);
+  touch.finish();
+}
+
+TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it could not know by itself") {
+  const Scene scene = makeScene("sphere", 20'000);
+  Device device({.gpu = "", .validate = false});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
+  double time_s = 0;
+  for (const double r : {50.9, 50.8, 50.7, 50.6}) touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, r}}, 1e7);
+  const Busy busy(device, 100);
+  // The question that is out is about a HIP outside; then the CPU sees it come in and go down.
+  bool touching = false;
+  for (const double r : {50.5, 50.2, 49.8, 49.4, 49.0}) {
+    const Contact contact = touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, r}}, 1);
+    CHECK_FALSE(contact.fresh);
+    touching = contact.touching;
+  }
+  CHECK(touching);
+  // Deeper inside by less than a sub-step: only who knows of the contact has it.
+  const Contact after = touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, 48.9}}, 0);
+  CHECK(after.fresh);
+  CHECK(after.touching);
+  CHECK(after.proxy.z == doctest::Approx(50).epsilon(0.01));
+  touch.finish();
+}
+
+TEST_CASE("the patch follows the edits") {
+  const Scene scene = makeScene("sphere", 20'000);
+  Device device({.gpu = "", .validate = false});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush(), .wait = Wait::block});
+  Contact felt;
+  Pose pose;
+  for (int i = 0; i < 60; ++i) {  // slowly: no edit takes longer than what lies between two of these
+    pose = {.time_s = 10.0 * i, .hip = {0, 0, std::max(49.0, 51 - 0.1 * i)}};
+    felt = touch.query(pose, 1e7);
+    REQUIRE(felt.fresh);
+  }
+  REQUIRE(touch.editTimes_us().size() > 3);
+  REQUIRE(felt.touching);
+  CHECK(felt.proxy.z < 49.4);  // dented
+  const Busy busy(device, 100);
+  pose.time_s += 1e-3;
+  const Contact late = touch.query(pose, 1);
+  CHECK_FALSE(late.fresh);
+  CHECK(late.touching);
+  CHECK(glm::distance(late.proxy, felt.proxy) < 1e-4 * scene.radius);
   touch.finish();
 }
 
