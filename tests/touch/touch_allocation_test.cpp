@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <new>
 
+#include "engine/contact/patch_fetch.hpp"
 #include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/patch_contact.hpp"
 #include "tests/scenes.hpp"
 
 namespace {
@@ -45,6 +47,28 @@ TEST_CASE("no tick on the CPU allocates memory, whether it edits or not") {
   delete kept;
   counting = false;
   CHECK(allocations == 1);  // the counter counts
+}
+
+TEST_CASE("no answer from a patch allocates memory, nor does taking one") {
+  const Scene scene = makeScene("sphere", 30'000);
+  std::vector<Vec4> points;
+  for (std::size_t i = 0; i < scene.cloud.size() && points.size() < 2 * shared::kMostCarriedPoints; ++i) {
+    if (scene.cloud.positions[i].z < 47) continue;
+    points.emplace_back(scene.cloud.positions[i], 0);
+    points.emplace_back(scene.cloud.normals[i], 0);
+  }
+  PatchContact patch(scene.radius, DVec3(0));
+  std::size_t touched = 0;
+  allocations = 0;
+  counting = true;
+  for (int i = 0; i < 60; ++i) {
+    if (i % 20 == 0) patch.take({.centre = {0, 0, 50}, .reach = 3 * scene.radius, .points = points}, {});
+    patch.heard(1e-3 * i);
+    touched += patch.answer({.time_s = 1e-3 * i, .hip = {0.1 * i, 0, 50.5 - 0.05 * i}}).touching;
+  }
+  counting = false;
+  CHECK(allocations == 0);
+  CHECK(touched > 10);
 }
 
 }  // namespace palpate
