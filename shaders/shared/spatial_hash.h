@@ -41,9 +41,11 @@ PALPATE_SIZE(HashReorderArgs, 64);
 // A bucket with more points than this is called crowded, and the next build sorts by radix: ranking costs the square of
 // the points in a bucket.
 const uint kCrowdedBucket = 512;
-// Points of a larger bucket are left in the order of their arrival. Far above kCrowdedBucket, so that no edit gets
-// there before the sort has changed; below the 65,535 rounds after which one software driver stops a shader.
-const uint kMostRanked = 4096;
+// Points of a larger bucket are left in the order of their arrival. Above kCrowdedBucket, so that hardly an edit gets
+// there before the sort has changed. Each point looks at all of its bucket, and validation on the GPU searches every
+// buffer at each look: a larger bucket would take it past the 65,535 rounds after which one software driver stops a
+// shader, and it would call good addresses bad.
+const uint kMostRanked = 1024;
 
 struct HashCountArgs {
   PALPATE_ADDRESS(Vec4s) positions;
