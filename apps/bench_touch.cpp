@@ -36,7 +36,9 @@ JudgeSubject shapeSubject(const std::string& name, const Condition& condition, s
   subject.noise = condition.noise * spacing;
   PointCloud cloud = sampleShape(*shape, {.count = drawn, .noise = subject.noise, .threads = threads});
   if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
-  subject.model.spacing = meanSpacing(cloud, threads);
+  const SpacingRange spacings = spacingRange(cloud, threads);
+  subject.model.spacing = spacings.mean;
+  subject.model.wideSpacing = spacings.wide;
   subject.model.cloud = std::move(cloud);
   const AreaMap place = shape->areaMap(threads);
   for (const DVec2& start : kStarts) {
@@ -131,7 +133,7 @@ Json benchTouch(Context& context, const BenchOptions& options) {
   for (const auto& makeOne : subjects) {
     const JudgeSubject subject = makeOne();
     context.log().say("touch: {}, {}, {} points", subject.name, subject.condition, subject.model.cloud.size());
-    const double widestRadius = supportRadius(options.backend.radius, subject.model);
+    const double widestRadius = surfaceOptions(subject.model, options.backend).radius;
     const JudgePlan plan = planFor(context, subject, widestRadius, judgeOptions);
     forEachSurface(options, [&](const BackendOptions& one) {
       results.judgements.push_back(judgeTouch(context, subject, plan, one, judgeOptions));

@@ -33,13 +33,19 @@ std::vector<Vec4> pointsNear(const PointCloud& cloud, const DVec3& centre, doubl
 
 // The sphere of 50 mm, touched 0.5 mm deep at its top, with the patch around that place.
 struct PressedSphere {
-  PressedSphere() : reference(scene.cloud, scene.radius), patch(scene.radius, DVec3(0)) {
+  PressedSphere() : reference(scene.cloud, scene.radius), patch({.radius = scene.radius}, 0, DVec3(0)) {
     reference.query({.hip = {0, 0, 51}}, 0);
     const Pose pose{.hip = {0, 0, 49.5}};
     pressed = reference.query(pose, 0);
     patch.take({.centre = Vec3(pressed.proxy), .reach = kReach * scene.radius, .points = points}, {});
     patch.heard(0);
-    patch.goOnFrom(pressed, pose, shared::kSideOutside);
+    patch.goOnFrom(pressed, pose,
+                   {.started = true,
+                    .touching = true,
+                    .side = shared::kSideOutside,
+                    .facing = pressed.normal,
+                    .lastHip = pose.hip,
+                    .proxy = pressed.proxy});
   }
 
   Scene scene = makeScene("sphere", 50'000);
@@ -148,7 +154,7 @@ TEST_CASE_FIXTURE(PressedSphere,
 }
 
 TEST_CASE("without a patch nothing is felt before the first answer, and nothing breaks") {
-  PatchContact patch(1, DVec3(5));
+  PatchContact patch({.radius = 1}, 0, DVec3(5));
   const Contact contact = patch.answer({.hip = {1, 2, 3}});
   CHECK(contact.valid);
   CHECK_FALSE(contact.touching);

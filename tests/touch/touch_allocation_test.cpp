@@ -57,7 +57,7 @@ TEST_CASE("no answer from a patch allocates memory, nor does taking one") {
     points.emplace_back(scene.cloud.positions[i], 0);
     points.emplace_back(scene.cloud.normals[i], 0);
   }
-  PatchContact patch(scene.radius, DVec3(0));
+  PatchContact patch({.radius = scene.radius, .kind = SurfaceKind::sharp}, 0.3, DVec3(0));
   std::size_t touched = 0;
   allocations = 0;
   counting = true;
