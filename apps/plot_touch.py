@@ -45,6 +45,7 @@ class Page:
                       **self.look(judgement))
         axis.set(title="M1: force direction against speed", xlabel="mm/s", ylabel="degrees off, p95", xscale="log")
         axis.set_yscale("symlog", linthresh=0.01)
+        axis.set_ylim(bottom=0)
         return self.plain
 
     def depth(self, axis):
@@ -54,6 +55,7 @@ class Page:
                       marker="o", **self.look(judgement))
         axis.set(title="M3: force against true depth", xlabel="mm/s", ylabel="relative RMS, %", xscale="log")
         axis.set_yscale("symlog", linthresh=0.1)
+        axis.set_ylim(bottom=0)
         return self.plain
 
     def noise(self, axis):
@@ -70,6 +72,7 @@ class Page:
             axis.plot(*zip(*sorted(places)), marker="o", **self.look(judgement))
         axis.set(title="M1 against noise, 50 mm/s", xlabel="deviation, spacings", ylabel="degrees off, p95")
         axis.set_yscale("symlog", linthresh=0.01)
+        axis.set_ylim(bottom=0)
         return lines
 
     def slide(self, axis):
