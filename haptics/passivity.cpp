@@ -20,6 +20,7 @@ DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double 
   leastEnergy_mJ_ = std::min(leastEnergy_mJ_, energy_mJ_);
   const double way2_mm2 = glm::dot(way_mm, way_mm);
   if (mode_ == PassivityMode::observe || energy_mJ_ >= 0 || !(way2_mm2 > 0) || !(dt_s > 0)) return wanted_N;
+  if (wanted_N == DVec3(0)) return wanted_N;  // free space is free, whatever is owed
 
   // alpha = -E / (dt v^2) gives the debt back within a tick if the hand keeps its velocity.
   double alpha_N_s_per_mm = std::min(-energy_mJ_ * dt_s / way2_mm2, mostDamping_N_s_per_mm_);

@@ -79,6 +79,22 @@ TEST_CASE("the controller takes back what delay makes, and never turns a push in
   CHECK(braked.passivity.leastEnergy_mJ() > 0.4 * observed.passivity.leastEnergy_mJ());
 }
 
+TEST_CASE("free space is free, even on the tick after a contact that owes energy") {
+  Passivity passivity(PassivityMode::on, {.forceDelay_ticks = 1});
+  DVec3 position(0);
+  for (int i = 0; i < 10; ++i) {
+    passivity.acted(passivity.damped({0, 0, 1}, position, kTick_s));
+    position.z += 0.1;  // pushed out
+  }
+  REQUIRE(passivity.energy_mJ() < 0);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(passivity.damped(DVec3(0), position, kTick_s) == DVec3(0));
+    passivity.acted(DVec3(0));
+    position.z += 0.1;
+  }
+  CHECK(passivity.energy_mJ() == 0);
+}
+
 TEST_CASE("the damping stays within what the device renders calmly") {
   Passivity passivity(PassivityMode::on, {.mostDamping_N_s_per_mm = 0.003});
   DVec3 position(0);
