@@ -193,6 +193,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);
   addTouchBenchOptions(*sub, options->touch);
+  sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
+      ->check(notNegative())
+      ->capture_default_str();
   sub->footer(
       "build: in the order of the file, then in the order of the last build with some points moved (--moved).\n"
       "query: the HIP rests half a support radius above the surface; one gather, one surface.\n"

@@ -6,6 +6,7 @@
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
+#include "haptics/stability.hpp"
 #include "haptics/touch_target.hpp"
 
 namespace palpate {
@@ -95,6 +96,24 @@ void forEachSurface(const BenchOptions& options, Judge&& judgeOne) {
 
 std::vector<std::string> names(const auto& list) { return {list.begin(), list.end()}; }
 
+// The loop closed through the simulated Touch; a late answer is the whole force of an old pose, the worst there can be.
+std::vector<StabilityJudgement> judgeStability() {
+  std::vector<StabilityJudgement> judgements;
+  for (const bool controlled : {false, true})
+    for (const double delay_ms : {0.0, 1.0, 3.0})
+      for (const double damping : {0.0, 0.002, 0.008, 0.032}) {
+        const StabilityOptions study{.damping_N_s_per_mm = damping,
+                                     .passivity = controlled ? PassivityMode::on : PassivityMode::observe,
+                                     .delay_ms = delay_ms};
+        judgements.push_back({.delay_ms = delay_ms,
+                              .damping_N_s_per_mm = damping,
+                              .controlled = controlled,
+                              .largest_N_per_mm = largestStableStiffness(study),
+                              .leastEnergy_mJ = measureStability(study).leastEnergy_mJ});
+      }
+  return judgements;
+}
+
 }  // namespace
 
 void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
@@ -148,6 +167,7 @@ Json benchTouch(Context& context, const BenchOptions& options) {
       const auto plates = judgePlates(context, static_cast<std::size_t>(points), one);
       results.plates.insert(results.plates.end(), plates.begin(), plates.end());
     });
+  if (!options.touch.quick && options.models.empty()) results.stability = judgeStability();
   printTouchTables(context.tables(), results, judgeOptions.mainSpeed_mm_per_s);
   return toJson(results);
 }

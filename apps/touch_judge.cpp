@@ -158,7 +158,8 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
                    .condition = subject.condition,
                    .points = subject.model.cloud.size(),
                    .spacing_mm = scale.toMm(subject.model.spacing),
-                   .radius_mm = scale.toMm(supportRadius(backend.radius, subject.model))};
+                   .radius_mm = scale.toMm(surfaceOptions(subject.model, backend).radius),
+                   .friction = backend.friction};
   // First everything is felt, one after the other, since ticks are timed; then it is judged on all cores.
   std::vector<Trace> traces;
   for (const JudgePath& way : plan.ways)

@@ -50,6 +50,7 @@ struct Judgement {
   std::string backend, surface, subject, condition;
   std::size_t points = 0;
   double spacing_mm = 0, radius_mm = 0;
+  double friction = 0;                 ///< coefficient that was asked for
   std::vector<SlideJudgement> slides;  ///< by speed
   Summary step_us;                     // M7
   double lateShare = 0;                // M7: of ticks beyond their millisecond

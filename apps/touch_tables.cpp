@@ -106,6 +106,17 @@ void printPlates(std::FILE* out, const TouchResults& results) {
   }
 }
 
+void printStability(std::FILE* out, const TouchResults& results) {
+  fmt::print(
+      out,
+      "\nM9: largest stiffness that a hand holds steady on a plane, N/mm (simulated Touch, 1 kHz); least energy at "
+      "0.4 N/mm, mJ\n{:>8} {:>17} {:>16} {:>12} {:>12}\n",
+      "delay ms", "damping N s/mm", "passivity", "stiffness", "energy");
+  for (const StabilityJudgement& s : results.stability)
+    fmt::print(out, "{:>8g} {:>17g} {:>16} {:>12.2f} {:>12.3g}\n", s.delay_ms, s.damping_N_s_per_mm,
+               s.controlled ? "controlled" : "observed", s.largest_N_per_mm, s.leastEnergy_mJ);
+}
+
 Json toJson(const SlideJudgement& s, double spacing_mm) {
   return {{"speed_mm_per_s", s.speed_mm_per_s},
           {"held_share", s.heldShare},
@@ -135,7 +146,7 @@ Json toJson(const Judgement& j) {
                         {"max", j.step_us.max},
                         {"late_share", j.lateShare}};
   json["M8_free_force_N"] = j.free_N ? Json(*j.free_N) : Json(nullptr);
-  json["M10_friction"] = {{"mu", 0}, {"drift_mm", j.drift_mm}};
+  json["M10_friction"] = {{"mu", j.friction}, {"drift_mm", j.drift_mm}};
   json["M11_edit"] = nullptr;
   if (j.edit)
     json["M11_edit"] = {{"edits", j.edit->edits},
@@ -159,10 +170,11 @@ void printTouchTables(std::FILE* out, const TouchResults& results, double mainSp
     printSessions(out, results);
   }
   if (!results.plates.empty()) printPlates(out, results);
+  if (!results.stability.empty()) printStability(out, results);
 }
 
 Json toJson(const TouchResults& results) {
-  Json json{{"judgements", Json::array()}, {"M5_plates", Json::array()}};
+  Json json{{"judgements", Json::array()}, {"M5_plates", Json::array()}, {"M9_stability", Json::array()}};
   for (const Judgement& judgement : results.judgements) json["judgements"].push_back(toJson(judgement));
   for (const PlateJudgement& p : results.plates)
     json["M5_plates"].push_back({{"backend", p.backend},
@@ -171,6 +183,13 @@ Json toJson(const TouchResults& results) {
                                  {"speed_mm_per_s", p.speed_mm_per_s},
                                  {"pushes", p.pushes},
                                  {"through_share", p.throughShare}});
+  for (const StabilityJudgement& s : results.stability)
+    json["M9_stability"].push_back({{"surface", "plane"},
+                                    {"delay_ms", s.delay_ms},
+                                    {"damping_N_s_per_mm", s.damping_N_s_per_mm},
+                                    {"passivity", s.controlled ? "controlled" : "observed"},
+                                    {"largest_stiffness_N_per_mm", s.largest_N_per_mm},
+                                    {"least_energy_mJ", s.leastEnergy_mJ}});
   return json;
 }
 

@@ -512,6 +512,11 @@ TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, 
   CHECK(sphere["M11_edit"]["ticks_until_equal"] == 0);
   CHECK(touch["M5_plates"].size() == 3 * 15);
   CHECK(touch["M5_plates"].back()["through_share"] == 0.0);
+  CHECK(touch["M9_stability"].size() == 24);
+  for (const auto& study : touch["M9_stability"]) {
+    CHECK(study["largest_stiffness_N_per_mm"] > 0.4);
+    CHECK(study["least_energy_mJ"] > -0.1);
+  }
 }
 
 TEST_CASE("bench touch holds a scan against its mesh, and refuses one without the other") {
