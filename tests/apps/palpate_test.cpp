@@ -1,84 +1,10 @@
-// The program as a user meets it: commands, files, exit codes, messages.
-#include <doctest/doctest.h>
-#include <sys/wait.h>
-
+// Commands, files, exit codes, messages.
 #include <algorithm>
-#include <array>
-#include <cstdio>
-#include <cstdlib>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <set>
-#include <sstream>
 
 #include "engine/cloud/ply_reader.hpp"
-#include "engine/core/vec.hpp"
-#include "tests/scratch_folder.hpp"
+#include "tests/apps/program.hpp"
 
 namespace palpate {
-
-namespace {
-
-struct Outcome {
-  int code = 0;
-  std::string text;  // stdout and stderr
-};
-
-Outcome palpate(const std::string& arguments) {
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
-  const std::string command = std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " " + arguments + " 2>&1";
-  Outcome outcome;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
-    outcome.text.append(piece.data(), size);
-  const int status = ::pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return outcome;
-}
-
-// For commands that have to work: a failing one says what it was and what it said.
-void works(const std::string& arguments) {
-  const Outcome outcome = palpate(arguments);
-  REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
-}
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-nlohmann::json jsonOf(const std::filesystem::path& file) { return nlohmann::json::parse(contentOf(file)); }
-
-struct Row {
-  double t_s = 0, penetration_mm = 0;
-  DVec3 hip{0}, proxy{0}, normal{0}, force{0};
-  bool contact = false;
-};
-
-std::vector<Row> readTrace(const std::filesystem::path& file) {
-  std::istringstream lines(contentOf(file));
-  std::string line;
-  std::getline(lines, line);
-  CHECK(line ==
-        "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,"
-        "penetration_mm,contact,neighbours,fresh,gpu_us,step_us");
-  std::vector<Row> rows;
-  while (std::getline(lines, line)) {
-    std::vector<double> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(std::stod(cell));
-    REQUIRE(cells.size() == 19);
-    const auto at = [&](std::size_t i) { return DVec3(cells[i], cells[i + 1], cells[i + 2]); };
-    rows.push_back({cells[0], cells[13], at(1), at(4), at(7), at(10), cells[14] != 0});
-  }
-  return rows;
-}
-
-}  // namespace
 
 TEST_CASE("a press on a sphere: no force outside, along the true normal inside, at the depth that theory gives") {
   const ScratchFolder folder;
@@ -126,32 +52,6 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
     CHECK(!a.empty());
     CHECK(a == contentOf(folder / ("b" + std::string(ending))));
   }
-}
-
-TEST_CASE(
-    "every query method gives the same trace, byte by byte; brute, which adds up in another order, the same force") {
-  const ScratchFolder folder;
-  const std::string model = (folder / "sphere.ply").string();
-  works("make sphere -n 20000 -o " + model);
-  const auto traceOf = [&](const std::string& method) {
-    const std::string trace = (folder / (method + ".csv")).string(), json = (folder / (method + ".json")).string();
-    works("touch " + model + " --path builtin:slide --method " + method + " --trace " + trace + " --json " + json);
-    CHECK(jsonOf(json).at("method") == method);
-    return trace;
-  };
-  const std::string fused = traceOf("fused");
-  CHECK(!contentOf(fused).empty());
-  for (const char* method : {"indirect", "naive", "two-step"}) {
-    CAPTURE(method);
-    CHECK(contentOf(traceOf(method)) == contentOf(fused));
-  }
-  const auto rows = readTrace(fused), brute = readTrace(traceOf("brute"));
-  REQUIRE(brute.size() == rows.size());
-  double worst_N = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    worst_N = std::max(worst_N, glm::distance(rows[i].force, brute[i].force));
-  CHECK(worst_N < 1e-3);
-  CHECK(std::ranges::any_of(rows, &Row::contact));
 }
 
 TEST_CASE("a push leaves a dent in the saved file, and carries everything else through") {
@@ -202,55 +102,6 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   CHECK(readPly(saved).size() == 5000);
   CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
   CHECK(std::filesystem::exists(folder / "touched.png"));
-}
-
-TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces, on a still and on a yielding cloud") {
-  const ScratchFolder folder;
-  const std::string model = (folder / "sphere.ply").string();
-  works("make sphere -n 30000 -o " + model);
-  for (const std::string edit : {"", " --edit push --penetration 3"}) {
-    CAPTURE(edit);
-    std::vector<Row> traces[2];
-    std::size_t moved[2] = {0, 0};
-    for (const int k : {0, 1}) {
-      const std::string backend = k == 0 ? "vulkan" : "cpu";
-      const auto trace = folder / (backend + ".csv"), json = folder / (backend + ".json");
-      works("touch " + model + edit + " --backend " + backend + " --trace " + trace.string() + " --json " +
-            json.string());
-      traces[k] = readTrace(trace);
-      moved[k] = jsonOf(json)["moved_points"];
-      CHECK(jsonOf(json)["backend"] == backend);
-      CHECK(jsonOf(json)["contact_error_mm"] < 0.001);
-    }
-    REQUIRE(traces[0].size() == traces[1].size());
-    double worst_N = 0;
-    std::size_t touched = 0;
-    for (std::size_t i = 0; i < traces[0].size(); ++i) {
-      worst_N = std::max(worst_N, glm::distance(traces[0][i].force, traces[1][i].force));
-      touched += traces[1][i].contact;
-      CHECK(traces[0][i].contact == traces[1][i].contact);
-    }
-    CHECK(touched > 200);
-    CHECK(worst_N < 1e-3);
-    CHECK((moved[1] > 0) == !edit.empty());
-    CHECK(std::abs(static_cast<double>(moved[0]) - static_cast<double>(moved[1])) < 5);
-  }
-}
-
-TEST_CASE("the CPU needs no GPU unless a picture is asked for, sculpts and saves, and the same again byte by byte") {
-  const ScratchFolder folder;
-  const std::string model = (folder / "torus.ply").string();
-  works("make torus -n 20000 -o " + model);
-  for (const std::string run : {"a", "b"})
-    works("touch " + model + " --gpu 'no such card' --backend cpu --path builtin:slide --edit push --tau 0.3 --trace " +
-          (folder / (run + ".csv")).string() + " --save " + (folder / (run + ".ply")).string() +
-          (run == "a" ? " --threads 1" : " --threads 3"));
-  CHECK(contentOf(folder / "a.csv") == contentOf(folder / "b.csv"));
-  CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
-  CHECK(readPly(folder / "a.ply").positions != readPly(model).positions);
-  works("touch " + model + " --backend cpu --bucket-key morton --grid 64 --edit push --realtime --picture " +
-        (folder / "p.png").string() + " --size 320x200 --validate");
-  CHECK(contentOf(folder / "p.png").starts_with("\x89PNG"));
 }
 
 TEST_CASE("an interrupted session keeps its trace and says that it was interrupted") {
@@ -380,58 +231,11 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
     CHECK(entry.path().extension() != ".tmp");
 }
 
-TEST_CASE("a simulated Touch presses, slides and rests, the same every time, and makes no energy") {
-  const ScratchFolder folder;
-  const std::string model = (folder / "sphere.ply").string(), json = (folder / "t.json").string();
-  works("make sphere -n 20000 -o " + model);
-  for (const std::string backend : {"cpu", "vulkan"}) {
-    CAPTURE(backend);
-    for (const std::string run : {"a", "b"})
-      works("touch " + model + " --device sim --backend " + backend + " --trace " + (folder / run).string() +
-            " --json " + json);
-    CHECK(contentOf(folder / "a") == contentOf(folder / "b"));
-    const auto rows = readTrace(folder / "a");
-    CHECK(rows.front().force == DVec3(0));
-    // The hand means to be 2 mm deep, and yields: its own 0.4 N/mm against the surface's 0.8.
-    CHECK(rows.back().penetration_mm > 0.3);
-    CHECK(rows.back().penetration_mm < 1);
-    CHECK(glm::length(rows.back().force) == doctest::Approx(0.8 * rows.back().penetration_mm).epsilon(0.01));
-    const auto result = jsonOf(json);
-    CHECK(result["passivity_energy_mJ"] > -0.1);
-    std::size_t counted = 0;
-    for (const std::size_t ticks : result["tick_histogram_us"]["ticks"]) counted += ticks;
-    CHECK(counted == rows.size());
-    CHECK(result["safety"]["errors"] == 0);
-  }
-  works("touch " + model +
-        " --device sim --path builtin:scan --hand-stiffness 0.8 --hand-damping 0.004 --map identity "
-        "--passivity observe --backend cpu --duration 0.3 --realtime --rate 4000 --json " +
-        json);
-  CHECK(jsonOf(json)["ticks"].get<int>() + jsonOf(json)["missed_ticks"].get<int>() == 1201);
-  works("touch " + model + " --backend cpu --json " + json);
-  CHECK(jsonOf(json)["passivity_energy_mJ"].is_null());
-}
-
 TEST_CASE("a script may name the way that is the default") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
   works("make sphere -n 5000 -o " + model);
   works("touch " + model + " --device path --backend vulkan --method fused --surface sharp --index rebuild --grid 128");
-}
-
-TEST_CASE("a back end that is not there, and a method that it does not have, are told apart") {
-  const ScratchFolder folder;
-  const std::string model = (folder / "s.ply").string();
-  works("make sphere -n 5000 -o " + model);
-  const Outcome cuda = palpate("touch " + model + " --backend cuda --method graph");
-  if (cuda.code != 0) {
-    CHECK(cuda.code == 1);
-    CHECK(cuda.text.find("CUDA") != std::string::npos);
-  }
-  const Outcome wrong = palpate("touch " + model + " --backend cuda --method nothing");
-  CHECK(wrong.code == 2);
-  CHECK(wrong.text.find("array-dp") != std::string::npos);
-  CHECK(palpate("touch " + model + " --method naive-dp").code == 2);
 }
 
 TEST_CASE("doctor, version and help answer") {
@@ -444,98 +248,6 @@ TEST_CASE("doctor, version and help answer") {
   const Outcome outcome = palpate("doctor");
   CHECK(outcome.code == 0);
   CHECK(outcome.text.find("touch: family") != std::string::npos);
-}
-
-TEST_CASE("bench measures every job by every way of the back ends that are asked for, and plots it") {
-  const ScratchFolder folder;
-  const std::string json = (folder / "b.json").string(), plot = (folder / "b.png").string();
-  const Outcome outcome =
-      palpate("bench build sort query step --sizes 2000 5000 --backend vulkan,cpu --repeat 5 --json " + json +
-              " --plot " + plot);
-  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
-  std::map<std::string, std::set<std::string>> ways;  // by bench and back end
-  const auto result = jsonOf(json);
-  for (const auto& record : result["records"]) {
-    CAPTURE(record.dump());
-    const auto& time = record["wall_us"].is_null() ? record["gpu_us"] : record["wall_us"];
-    CHECK(time["n"] == 5);
-    CHECK(time["p50"] > 0);
-    CHECK(time["p999"] >= time["p50"]);
-    CHECK((record["points"] == 2000 || record["points"] == 5000));
-    ways[record["bench"].get<std::string>() + " " + record["backend"].get<std::string>()].insert(record["way"]);
-  }
-  CHECK(ways["build vulkan"].contains("radix"));
-  CHECK(ways["build vulkan"].contains("counting"));
-  CHECK(ways["build cpu"] == std::set<std::string>{"multimap", "sorted grid", "k-d tree"});
-  CHECK(ways["sort vulkan"].contains("radix"));
-  for (const char* bench : {"query vulkan", "step vulkan"})
-    CHECK(ways[bench] == std::set<std::string>{"brute", "two-step", "naive", "indirect", "fused"});
-  CHECK(ways["step cpu"] == std::set<std::string>{"direct"});
-  for (const char* title : {"step, vulkan, static, in all", "step, vulkan, edited, in all", "build, cpu, last order"})
-    CHECK(outcome.text.find(title) != std::string::npos);
-  CHECK(std::filesystem::file_size(plot) > 20'000);
-}
-
-TEST_CASE("bench refuses a method or a back end that there is not, and measures only what it is told") {
-  CHECK(palpate("bench step --sizes 2000 --backend quantum").code == 2);
-  const Outcome wrong = palpate("bench step --sizes 2000 --method persistent");
-  CHECK(wrong.code == 2);
-  CHECK(wrong.text.find("two-step") != std::string::npos);
-  const Outcome brute = palpate("bench query --sizes 2000 --method brute --repeat 5");
-  CHECK(brute.code == 0);
-  CHECK(brute.text.find("brute") != std::string::npos);
-  CHECK(brute.text.find("fused") == std::string::npos);
-}
-
-TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, along the true normal") {
-  const ScratchFolder folder;
-  works("bench touch --backend cpu --sizes 5000 --shapes sphere,cube --conditions clean,uneven --json " +
-        (folder / "t.json").string());
-  const auto touch = jsonOf(folder / "t.json")["touch"];
-  REQUIRE(touch["judgements"].size() == 4 * 3);  // shapes and conditions, for every surface
-  for (const auto& judgement : touch["judgements"]) {
-    for (const char* key : {"surface", "subject", "condition", "M7_step_us", "M10_friction", "M11_edit", "slide_N"})
-      CHECK_MESSAGE(judgement.contains(key), key);
-    CHECK(judgement["M8_free_force_N"] == 0.0);
-    CHECK(judgement["M12_sameness"]["identical"] == true);
-    REQUIRE(judgement["slides"].size() == 3);
-    for (const auto& slide : judgement["slides"])
-      for (const char* key : {"M1_angle_deg", "M2_height", "M3_force_relative_rms", "M4_continuity", "M6_lag"})
-        CHECK_MESSAGE(slide.contains(key), key);
-  }
-  const auto sphere = touch["judgements"][0];
-  const double radius = sphere["radius_mm"];
-  CHECK(sphere["slides"][1]["held_share"] == 1.0);
-  CHECK(sphere["slides"][1]["M1_angle_deg"]["max"] < 1);
-  CHECK(sphere["slides"][1]["M2_height"]["bias_mm"].get<double>() ==
-        doctest::Approx(-0.0694 * radius * radius / 50).epsilon(0.1));
-  CHECK(sphere["M11_edit"]["ticks_until_equal"] == 0);
-  CHECK(touch["M5_plates"].size() == 3 * 15);
-  CHECK(touch["M5_plates"].back()["through_share"] == 0.0);
-  CHECK(touch["M9_stability"].size() == 24);
-  for (const auto& study : touch["M9_stability"]) {
-    CHECK(study["largest_stiffness_N_per_mm"] > 0.4);
-    // Much damping on old data is what makes energy.
-    if (study["damping_N_s_per_mm"] <= 0.008) CHECK(study["least_energy_mJ"] > -0.1);
-  }
-}
-
-TEST_CASE("bench touch holds a scan against its mesh, and refuses one without the other") {
-  const ScratchFolder folder;
-  const std::string scan = (folder / "scan.ply").string(), mesh = (folder / "mesh.ply").string();
-  works("make plane -n 20000 -o " + scan);
-  std::ofstream(mesh)
-      << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
-         "-50 -50 0\n50 -50 0\n50 50 0\n-50 50 0\n4 0 1 2 3\n";
-  works("bench touch --backend cpu --quick --models " + scan + " --truth " + mesh + " --json " +
-        (folder / "t.json").string());
-  const auto judgement = jsonOf(folder / "t.json")["touch"]["judgements"][0];
-  CHECK(judgement["subject"] == "scan");
-  CHECK(judgement["slides"][0]["M3_force_relative_rms"] < 1e-3);
-  CHECK(palpate("bench touch --backend cpu --models " + scan).code == 2);
-  CHECK(palpate("bench touch build --backend cpu").code == 2);
-  CHECK(palpate("bench touch --shapes ball").code == 2);
 }
 
 }  // namespace palpate
