@@ -4,15 +4,14 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/held_contact.hpp"
 #include "engine/cuda/cuda_error.hpp"
+#include "shaders/shared/edit.h"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kLongestMove = 0.25;  // of the support radius, in one tick: a resting proxy keeps its surface
-// An answer is good for the first time without loss, and says nothing about where the hand is after the second.
-constexpr double kStale_s = 0.005, kStalest_s = 0.02;
 constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
 constexpr double kLongestWait_us = 20e6;             // for any answer; a GPU that takes longer will not give it
 constexpr unsigned kSpinsPerLook = 256;              // at the word in host memory, for one look at the stream
@@ -36,7 +35,8 @@ CudaTouch::Side::Side(const PointCloud& cloud, const CudaTouchOptions& options)
   buildTime_us = end.since_us(start);
   live_.flip();
   if (options.push) {
-    push_.emplace(*options.push, options.radius, kLongestMove * options.radius, live_.count());
+    push_.emplace(*options.push, options.radius, static_cast<double>(shared::kLongestMove) * options.radius,
+                  live_.count());
     editTimes_us.reserve(kEditTimesReserved);
     for (const unsigned parity : {0u, 1u}) recordEdit(parity);
   }
@@ -122,19 +122,7 @@ void CudaTouch::Side::takeAnswer() {
   lastPose_ = asked.pose;
 }
 
-Contact CudaTouch::Side::held(const Pose& pose) const {
-  Contact contact{.proxy = pose.hip, .valid = true};
-  const double age_s = pose.time_s - lastPose_.time_s;
-  if (!last_.valid || !last_.touching || age_s > kStalest_s) return contact;
-  const double depth = glm::dot(last_.proxy - pose.hip, last_.normal);
-  if (depth <= 0) return contact;
-  const double softness = std::clamp((kStalest_s - age_s) / (kStalest_s - kStale_s), 0.0, 1.0);
-  contact.touching = true;
-  contact.proxy = pose.hip + softness * depth * last_.normal;
-  contact.normal = last_.normal;
-  contact.neighbours = last_.neighbours;
-  return contact;
-}
+Contact CudaTouch::Side::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
 
 void CudaTouch::Side::editIfYielding() {
   if (!push_ || !last_.touching || glm::distance(last_.proxy, lastPose_.hip) <= options_.push->tau) return;

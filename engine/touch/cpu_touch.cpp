@@ -5,8 +5,8 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/held_contact.hpp"
 #include "engine/core/processor.hpp"
-#include "engine/touch/held_contact.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "engine/contact/patch_fetch.hpp"
-#include "engine/touch/held_contact.hpp"
+#include "engine/core/held_contact.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/held_contact.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/touch/held_contact.hpp"
 #include "engine/touch/memory.hpp"
 #include "shaders/shared/edit.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "engine/contact/contact_reference.hpp"
-#include "engine/touch/held_contact.hpp"
+#include "engine/core/held_contact.hpp"
 #include "shaders/shared/edit.h"
 #include "tests/scenes.hpp"
 

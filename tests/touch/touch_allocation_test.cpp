@@ -1,29 +1,10 @@
 #include <doctest/doctest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include "engine/contact/patch_fetch.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/patch_contact.hpp"
+#include "tests/allocation_count.hpp"
 #include "tests/scenes.hpp"
-
-namespace {
-
-std::atomic<bool> counting = false;
-std::atomic<int> allocations = 0;
-
-}  // namespace
-
-// For the whole test program; counts only while a test says so, on every thread.
-void* operator new(std::size_t size) {
-  if (counting) ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 namespace palpate {
 
