@@ -189,22 +189,25 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
 TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it could not know by itself") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device({.gpu = "", .validate = false});
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .friction = 1, .wait = Wait::block});
   double time_s = 0;
-  for (const double r : {50.9, 50.8, 50.7, 50.6}) touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, r}}, 1e7);
+  for (const double r : {50.9, 50.8, 50.7, 50.6}) touch.query({.time_s = time_s += 1e-3, .hip = {1, 0, r}}, 1e7);
   const Busy busy(device, 100);
-  // The question that is out is about a HIP outside; then the CPU sees it come in and go down.
+  // The question that is out is about a HIP outside; then the CPU sees it come in elsewhere and go down.
   bool touching = false;
-  for (const double r : {50.5, 50.2, 49.8, 49.4, 49.0}) {
-    const Contact contact = touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, r}}, 1);
+  for (const DVec3 hip : {DVec3(1, 0, 50.5), DVec3(0.5, 0, 50.3), DVec3(0, 0, 50.2), DVec3(0, 0, 49.8),
+                          DVec3(0, 0, 49.4), DVec3(0, 0, 49.0)}) {
+    const Contact contact = touch.query({.time_s = time_s += 1e-3, .hip = hip}, 1);
     CHECK_FALSE(contact.fresh);
     touching = contact.touching;
   }
   CHECK(touching);
-  // Deeper inside by less than a sub-step: only who knows of the contact has it.
-  const Contact after = touch.query({.time_s = time_s += 1e-3, .hip = {0, 0, 48.9}}, 0);
+  // Friction holds the proxy where it came in. By itself the GPU would have it come in on the straight way from the
+  // place that it was asked about, a millimetre away.
+  const Contact after = touch.query({.time_s = time_s += 1e-3, .hip = {0.3, 0, 48.9}}, 0);
   CHECK(after.fresh);
   CHECK(after.touching);
+  CHECK(std::abs(after.proxy.x) < 0.05);
   CHECK(after.proxy.z == doctest::Approx(50).epsilon(0.01));
   touch.finish();
 }
