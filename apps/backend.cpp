@@ -23,14 +23,14 @@ BucketKey bucketKey(const BackendOptions& options) {
   return options.bucketKey == "morton" ? BucketKey::morton : BucketKey::teschner;
 }
 
-TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<PushOptions>& push) {
+TouchOptions touchOptions(const Model& model, const BackendOptions& options, const std::optional<BrushOptions>& push) {
   const SurfaceOptions surface = surfaceOptions(model, options);
   TouchOptions touch{.radius = surface.radius,
                      .cell = cellFor(model, options),
                      .surface = surface.kind,
                      .localRadius = surface.localRadius,
                      .friction = options.friction,
-                     .push = push};
+                     .brush = push};
   touch.bucketKey = bucketKey(options);
   for (const auto& [name, method] : kQueryMethods)
     if (options.method == name) touch.method = method;
@@ -157,7 +157,7 @@ HashGrid gridFor(const Model& model, const BackendOptions& options) {
 }
 
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
-                                          const std::optional<PushOptions>& push) {
+                                          const std::optional<BrushOptions>& push) {
   if (options.backend == "cpu") {
     const SurfaceOptions surface = surfaceOptions(model, options);
     return std::make_unique<CpuTouch>(model.cloud, CpuTouchOptions{.radius = surface.radius,
@@ -166,7 +166,7 @@ std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, 
                                                                    .surface = surface.kind,
                                                                    .localRadius = surface.localRadius,
                                                                    .friction = options.friction,
-                                                                   .push = push,
+                                                                   .brush = push,
                                                                    .threads = context.threads()});
   }
   const TouchOptions touch = touchOptions(model, options, push);

@@ -39,6 +39,6 @@ HashGrid gridFor(const Model& model, const BackendOptions& options);
 
 /// A cloud ready to be touched. Keeps a reference to the model. Opens the GPU only for a back end that is one.
 std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, const BackendOptions& options,
-                                          const std::optional<PushOptions>& push);
+                                          const std::optional<BrushOptions>& push);
 
 }  // namespace palpate

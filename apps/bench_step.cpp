@@ -148,7 +148,7 @@ void benchStep(Context& context, const Subject& subject, const BenchOptions& opt
     records.back().gpu_us = times.gpu_us;
     records.back().wall_us = times.wall_us;
   });
-  const PushOptions push{.tau = model.scale.toUnits(0.1), .beta = 1e-4, .toolRadius = model.scale.toUnits(6)};
+  const BrushOptions push{.tau = model.scale.toUnits(0.1), .beta = 1e-4, .toolRadius = model.scale.toUnits(6)};
   forEachMethod(options, [&](const BackendOptions& way) {
     const auto edited = makeBackend(context, model, way, push);
     const StepTimes times = measureAt(*edited, press, options);

@@ -18,7 +18,7 @@ std::unique_ptr<TouchBackend> makeCudaBackend(const Model& model, const TouchOpt
                                     .grid = makeHashGrid(Vec3(boundsOf(model.cloud).min), cell, model.cloud.size(),
                                                          options.bucketKey),
                                     .method = static_cast<CudaMethod>(place),
-                                    .push = options.push});
+                                    .push = options.brush});
 }
 
 const std::vector<std::string>& cudaMethods() {

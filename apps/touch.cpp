@@ -39,9 +39,9 @@ Path pathFor(const TouchCommandOptions& options, const Model& model) {
   return readPathCsv(options.path);
 }
 
-std::optional<PushOptions> pushOptions(const TouchCommandOptions& options, const ModelScale& scale) {
+std::optional<BrushOptions> pushOptions(const TouchCommandOptions& options, const ModelScale& scale) {
   if (options.edit != "push") return std::nullopt;
-  return PushOptions{
+  return BrushOptions{
       .tau = scale.toUnits(options.tau_mm), .beta = options.beta, .toolRadius = scale.toUnits(options.toolRadius_mm)};
 }
 

@@ -204,7 +204,7 @@ EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const Bac
                         const JudgeOptions& options) {
   constexpr double kTolerance_N = 1e-3;  // far below what a hand can tell
   const ModelScale& scale = subject.model.scale;
-  const PushOptions push{.tau = scale.toUnits(0.3), .beta = 0.1, .toolRadius = scale.toUnits(6)};
+  const BrushOptions push{.tau = scale.toUnits(0.3), .beta = 0.1, .toolRadius = scale.toUnits(6)};
   const TruthPath press = truthPress(subject.starts.front().place, scale, {.depth_mm = kPressDepth_mm});
   // The hand does not wait until the surface has given way in full: it turns back while there are still edits.
   const double rest_s = 0.05;

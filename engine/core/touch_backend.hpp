@@ -7,18 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/brush.hpp"
 #include "engine/core/contact_query.hpp"
 
 namespace palpate {
 
 struct PointCloud;
-
-/// The push (thesis section 5.2).
-struct PushOptions {
-  double tau = 0;         ///< how deep the HIP may stand behind the proxy before the surface yields, model units
-  double beta = 0;        ///< share of the way to its target that a point goes in one tick, 0 to 1
-  double toolRadius = 0;  ///< of the round tool, model units
-};
 
 /// What did not go as it should; each is zero in a good session.
 struct TouchShortfalls {

@@ -29,7 +29,7 @@ struct CudaTouchOptions {
   double radius = 0;        ///< support radius, model units
   shared::HashGrid grid{};  ///< cells not smaller than one gather covers (smallestCell() of engine/contact)
   CudaMethod method = CudaMethod::fused;
-  std::optional<PushOptions> push;  ///< edit while touching
+  std::optional<BrushOptions> push;  ///< edit while touching
   /// Measure each query on the GPU. Done in virtual time only, since the measuring itself takes some us of the tick;
   /// the persistent method measures itself and always says.
   bool timeGpu = true;

@@ -120,7 +120,7 @@ unsigned fillingBlocks() {
 
 }  // namespace
 
-PushEdit::PushEdit(const PushOptions& options, double radius, double longestMove, std::uint32_t points)
+PushEdit::PushEdit(const BrushOptions& options, double radius, double longestMove, std::uint32_t points)
     : options_(options),
       radius_(radius),
       longestMove_(longestMove),

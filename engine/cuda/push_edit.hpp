@@ -11,7 +11,7 @@ namespace palpate::cu {
 class PushEdit {
  public:
   /// `radius`: support radius; `longestMove`: of one point in one tick; model units.
-  PushEdit(const PushOptions& options, double radius, double longestMove, std::uint32_t points);
+  PushEdit(const BrushOptions& options, double radius, double longestMove, std::uint32_t points);
 
   /// Submits only. Pushes the points on `side` as the contact state says, and marks those that move.
   void recordPush(const Stream& stream, const CloudSide& side, std::uint32_t count,
@@ -20,7 +20,7 @@ class PushEdit {
   void recordRefit(const Stream& stream, const shared::CloudView& cloud) const;
 
  private:
-  PushOptions options_;
+  BrushOptions options_;
   double radius_, longestMove_;
   unsigned refitBlocks_;
   DeviceArray<std::uint32_t> moved_, movedCount_;

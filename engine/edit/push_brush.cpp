@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-PushBrush::PushBrush(Device& device, const PushOptions& options)
+PushBrush::PushBrush(Device& device, const BrushOptions& options)
     : options_(options), push_(device, shader_code::edit_push, {.pushBytes = sizeof(shared::PushArgs)}) {
   PALPATE_CHECK_LE(0.0, options.tau);
   PALPATE_CHECK_LE(0.0, options.beta);

@@ -9,16 +9,16 @@ namespace palpate {
 /// until RefitNormals has seen them.
 class PushBrush {
  public:
-  PushBrush(Device& device, const PushOptions& options);
+  PushBrush(Device& device, const BrushOptions& options);
 
   /// Reads the contact state of this tick. No point moves further than `longestMove` (model units) in a tick, so that
   /// the proxy keeps its surface.
   void record(CommandList& list, const LiveCloud::Side& side, std::uint32_t count, const Buffer& contactState,
               double longestMove) const;
-  const PushOptions& options() const { return options_; }
+  const BrushOptions& options() const { return options_; }
 
  private:
-  PushOptions options_;
+  BrushOptions options_;
   ComputePipeline push_;
 };
 

@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-PushedPlaces::PushedPlaces(const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove)
+PushedPlaces::PushedPlaces(const DVec3& hip, const DVec3& spring, const BrushOptions& options, double longestMove)
     : toolRadius_(options.toolRadius), beta_(options.beta), longestMove_(longestMove) {
   const double depth = glm::length(spring);
   yields_ = depth > options.tau;

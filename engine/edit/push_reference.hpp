@@ -12,7 +12,7 @@ namespace palpate {
 class PushedPlaces {
  public:
   /// `spring`: from HIP to proxy. No point moves further than `longestMove`.
-  PushedPlaces(const DVec3& hip, const DVec3& spring, const PushOptions& options, double longestMove);
+  PushedPlaces(const DVec3& hip, const DVec3& spring, const BrushOptions& options, double longestMove);
 
   /// False where the spring is no longer than tau: nothing yields.
   bool yields() const { return yields_; }

@@ -35,7 +35,7 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
   const Stopwatch watch;
   grid_.build(positions_);
   buildTime_us_ = watch.elapsed_us();
-  if (!options.push) return;
+  if (!options.brush) return;
   moved_.reserve(positions_.size());
   editTimes_us_.reserve(kEditTimesKept);
   edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
@@ -77,7 +77,7 @@ void CpuTouch::answer(const Pose& pose) {
 void CpuTouch::editIfYielding(bool realtime) {
   if (!edit_ || !last_.touching) return;
   const double longestMove = static_cast<double>(shared::kLongestMove) * options_.radius;
-  tool_.emplace(lastPose_.hip - origin_, last_.proxy - lastPose_.hip, *options_.push, longestMove);
+  tool_.emplace(lastPose_.hip - origin_, last_.proxy - lastPose_.hip, *options_.brush, longestMove);
   if (!tool_->yields()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;

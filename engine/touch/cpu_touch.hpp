@@ -18,10 +18,10 @@ struct CpuTouchOptions {
   double cell = 0;    ///< edge of a grid cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
   SurfaceKind surface = SurfaceKind::average;
-  bool localRadius = false;         ///< take a smaller support radius where points lie close (SurfaceOptions)
-  double friction = 0;              ///< coefficient, of a proxy that slides
-  std::optional<PushOptions> push;  ///< edit while touching
-  unsigned threads = 0;             ///< that build the index and refit normals; 0: one per core
+  bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double friction = 0;                ///< coefficient, of a proxy that slides
+  std::optional<BrushOptions> brush;  ///< edit while touching
+  unsigned threads = 0;               ///< that build the index and refit normals; 0: one per core
 };
 
 /// The whole loop on the CPU, in double precision: for machines without a GPU, and the peer that GPUs are held against.

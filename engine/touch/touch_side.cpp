@@ -21,7 +21,7 @@ constexpr double kNap_us = 40;  // between looks, where spinning would starve th
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
-  requireGpuMemory(device, cloud.size(), options.push.has_value());
+  requireGpuMemory(device, cloud.size(), options.brush.has_value());
   return cloud;
 }
 
@@ -75,14 +75,14 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                 .friction = options.friction,
                 .split = options.split},
                hash_.grid(), live_.count()),
-      log_(device, options.push ? live_.count() : 0),
-      refit_(device, options.push ? live_.count() : 0),
+      log_(device, options.brush ? live_.count() : 0),
+      refit_(device, options.brush ? live_.count() : 0),
       bridge_(device, hash_.grid(), origin_,
               {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
               live_.count()),
       pace_(kStalest_s) {
-  if (options.push) {
-    push_.emplace(device, *options.push);
+  if (options.brush) {
+    push_.emplace(device, *options.brush);
     editTimes_us_.reserve(kEditTimesKept);
   }
   buildTime_us_ = hash_.build(live_);
@@ -244,7 +244,7 @@ bool TouchSide::runEndsWithin(double budget_us) {
 
 void TouchSide::editIfYielding(bool realtime) {
   const double depth = glm::distance(last_.proxy, lastPose_.hip);
-  if (!push_ || !last_.touching || depth <= options_.push->tau) return;
+  if (!push_ || !last_.touching || depth <= options_.brush->tau) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;

@@ -27,11 +27,11 @@ struct TouchOptions {
   BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
   QueryMethod method = QueryMethod::fused;
   SurfaceKind surface = SurfaceKind::average;
-  bool localRadius = false;         ///< take a smaller support radius where points lie close (SurfaceOptions)
-  double friction = 0;              ///< coefficient, of a proxy that slides
-  std::optional<bool> split;        ///< fused: whether a few workgroups share a gather (ContactOptions)
-  std::optional<PushOptions> push;  ///< edit while touching
-  std::optional<Wait> wait;         ///< how the servo thread waits for the GPU; the device's default when not given
+  bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double friction = 0;                ///< coefficient, of a proxy that slides
+  std::optional<bool> split;          ///< fused: whether a few workgroups share a gather (ContactOptions)
+  std::optional<BrushOptions> brush;  ///< edit while touching
+  std::optional<Wait> wait;           ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 

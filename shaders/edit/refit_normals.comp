@@ -77,5 +77,6 @@ void main() {
   args.entries.at[slot].position = position.xyz;
   args.entries.at[slot].id = floatBitsToUint(position.w);
   args.entries.at[slot].normal = normal;
-  args.entries.at[slot].unused = 0;
+  args.entries.at[slot].color = 0;
+  args.entries.at[slot].parent = floatBitsToUint(position.w);
 }

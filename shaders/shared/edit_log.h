@@ -4,19 +4,23 @@
 
 PALPATE_SHARED_BEGIN
 
-// A point's new place, by its id. Entries of one tick name each point once and may stand in any order; ticks stand in
-// order, so applying entries front to back gives the cloud as it is.
+// Set in the id of a point that is not there any more.
+const uint kPointGone = 0x80000000u;
+
+// A point as an edit left it (PointState of engine/core/point_state.hpp). Entries of one tick name each point once and
+// may stand in any order; ticks stand in order, so applying entries front to back gives the cloud as it is.
 struct EditEntry {
   vec3 position;  // model units relative to the cloud's origin
-  uint id;
-  vec3 normal;  // unit
-  uint unused;
+  uint id;        // with kPointGone where it was taken away
+  vec3 normal;    // unit
+  uint color;     // RGBA8; 0 where the cloud has none
+  uint parent;    // the point that it took its other properties from; itself where the file had it
 };
-PALPATE_SIZE(EditEntry, 32);
+PALPATE_SIZE(EditEntry, 36);
 
 PALPATE_SHARED_END
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer EditEntries { EditEntry at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer EditEntries { EditEntry at[]; };
 #endif
 #endif

@@ -223,7 +223,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "what is sculpted by one method is what is scu
   const Scene scene = makeScene("sphere", 5'000);
   std::vector<DVec3> path;
   for (int i = 0; i <= 60; ++i) path.emplace_back(0.05 * i, 0, 51 - 4 * std::min(1.0, i / 30.0));
-  TouchOptions options{.radius = scene.radius, .push = PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}};
+  TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}};
   const Played fused = play(scene.cloud, path, options);
   CHECK(fused.cloud.positions != scene.cloud.positions);
   for (const Way& way : kOtherWays) {

@@ -18,7 +18,7 @@ struct Moved {
 };
 
 // One edited tick: push, rebuild, refit, for a contact state that we choose.
-Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const PushOptions& options, double radius) {
+Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options, double radius) {
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
@@ -53,8 +53,8 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  for (const PushOptions options :
-       {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+  for (const BrushOptions options :
+       {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     const PushedPlaces pushed(hip, spring, options, kLongestMove * scene.radius);
@@ -159,7 +159,7 @@ TEST_CASE("a session that sculpts leaves the same cloud, bit by bit, whatever th
     if (method == CudaMethod::brute) continue;
     CAPTURE(nameOf(method));
     CudaTouchOptions options = cudaOptions(scene.cloud, scene.radius, method);
-    options.push = PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6};
+    options.push = BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6};
     CudaTouch touch(scene.cloud, options);
     const auto answers = answersTo(touch, path);
     CHECK(answers.back().touching);

@@ -24,7 +24,7 @@ class PushFixture : public GpuFixture {
   };
 
   // One edited tick: push, rebuild, refit, for a contact state that we choose.
-  Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const PushOptions& options,
+  Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options,
              double radius) {
     LiveCloud live(device, cloud);
     const SpatialHash hash(device, makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
@@ -65,8 +65,8 @@ class PushFixture : public GpuFixture {
 TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the others stay bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  for (const PushOptions options :
-       {PushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, PushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+  for (const BrushOptions options :
+       {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const PushedPlaces pushed(hip, spring, options, static_cast<double>(shared::kLongestMove) * scene.radius);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);

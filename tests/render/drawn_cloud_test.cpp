@@ -19,8 +19,11 @@ class Writer {
 
   void write(std::uint32_t id) {
     const Vec3 normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 1.5f));
-    const shared::EditEntry entry{
-        .position = Vec3(unit_(random_), unit_(random_), unit_(random_)), .id = id, .normal = normal, .unused = 0};
+    const shared::EditEntry entry{.position = Vec3(unit_(random_), unit_(random_), unit_(random_)),
+                                  .id = id,
+                                  .normal = normal,
+                                  .color = 0,
+                                  .parent = id};
     ring_[head_++ % log_.capacity()] = entry;
     cloud_.positions[id] = entry.position;
     cloud_.normals[id] = entry.normal;

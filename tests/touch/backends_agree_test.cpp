@@ -20,9 +20,9 @@ class BackendsFixture : public GpuFixture {
     std::size_t movedOnGpu = 0, movedOnCpu = 0;
   };
 
-  Story play(const Scene& scene, const std::vector<DVec3>& path, const std::optional<PushOptions>& push = {}) {
-    TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .push = push});
-    CpuTouch cpu(scene.cloud, {.radius = scene.radius, .push = push});
+  Story play(const Scene& scene, const std::vector<DVec3>& path, const std::optional<BrushOptions>& push = {}) {
+    TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = push});
+    CpuTouch cpu(scene.cloud, {.radius = scene.radius, .brush = push});
     Story story{.onGpu = scene.cloud, .onCpu = scene.cloud};
     double time_s = 0;
     for (const DVec3& hip : path) {
@@ -78,7 +78,7 @@ TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same p
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   const Story story =
-      play(scene, {51.0 * outward, 47.0 * outward}, PushOptions{.tau = 0.3, .beta = 0.5, .toolRadius = 8});
+      play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.tau = 0.3, .beta = 0.5, .toolRadius = 8});
   CHECK(story.movedOnCpu > 50);
   // A point within rounding of the tool's border may go either way; by less than that.
   CHECK(std::abs(static_cast<double>(story.movedOnCpu) - static_cast<double>(story.movedOnGpu)) <= 2);
@@ -91,7 +91,8 @@ TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same p
 
 TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both, tick by tick") {
   const Scene scene = makeScene("sphere", 20'000);
-  const Story story = play(scene, press(DVec3(0, 0, 1), 3, 100), PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8});
+  const Story story =
+      play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8});
   CHECK(story.touched > 50);
   CHECK(story.disagreed == 0);
   CHECK(story.worstProxy < 1e-4);

@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-PushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
 
 // The HIP goes straight down on the top of a sphere of radius 50, to `depth` below it, and stays.
 std::vector<Pose> pressPath(double depth, int ticks) {
@@ -91,7 +91,7 @@ TEST_CASE("clouds without a surface never touch on the CPU; many points in one p
 
 TEST_CASE("a HIP that is not a number is answered on the CPU with an invalid contact, and nothing breaks") {
   const Scene scene = makeScene("sphere", 5'000);
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush()});
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   CHECK_FALSE(touch.query({.hip = {0, std::nan(""), 0}}, 0).valid);
   CHECK_FALSE(touch.query({.hip = {0, 1e300, 0}}, 0).valid);
   CHECK(touch.query({.hip = {0, 0, 60}}, 0).valid);
@@ -101,7 +101,7 @@ TEST_CASE("a HIP that is not a number is answered on the CPU with an invalid con
 
 TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau behind") {
   const Scene scene = makeScene("sphere", 20'000);
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush()});
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto poses = pressPath(4, 200);
   const auto contacts = play(touch, poses);
   CHECK(contacts.back().touching);
@@ -131,8 +131,8 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
 
 TEST_CASE("one edited tick moves each point where the tool says, and no further than a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
-  const PushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9};
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = options});
+  const BrushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
   touch.query({.hip = {0, 0, 51}}, 0);
   const DVec3 hip(0.3, -0.2, 47);
   const Contact contact = touch.query({.hip = hip}, 0);
@@ -157,7 +157,7 @@ TEST_CASE("the same presses give the same contacts and the same cloud with any n
   std::vector<Contact> first;
   PointCloud firstCloud;
   for (const unsigned threads : {1u, 2u, 3u}) {
-    CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = softPush(), .threads = threads});
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush(), .threads = threads});
     const auto contacts = play(touch, pressPath(3, 60));
     PointCloud cloud = scene.cloud;
     touch.readBack(cloud);
@@ -174,8 +174,8 @@ TEST_CASE("the same presses give the same contacts and the same cloud with any n
 TEST_CASE("in real time an edit that outlasts the budget is bridged by the last answer, and an edit too slow rests") {
   const Scene scene = makeScene("sphere", 100'000);
   // A tool as wide as the model: an edit moves half of the points.
-  const PushOptions wide{.tau = 0.1, .beta = 1e-6, .toolRadius = 60};
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .push = wide, .threads = 1});
+  const BrushOptions wide{.tau = 0.1, .beta = 1e-6, .toolRadius = 60};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = wide, .threads = 1});
   constexpr double kNoTime_us = 1;
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, kNoTime_us);
   const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, kNoTime_us);

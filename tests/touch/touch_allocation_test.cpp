@@ -12,7 +12,7 @@ TEST_CASE("no tick on the CPU allocates memory, whether it edits or not") {
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouchOptions options{.radius = scene.radius, .threads = 3};
   SUBCASE("static") {}
-  SUBCASE("edited") { options.push = PushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+  SUBCASE("edited") { options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
   CpuTouch touch(scene.cloud, options);
   touch.query({.hip = {0, 0, 51}}, 0);
   allocations = 0;
@@ -21,7 +21,7 @@ TEST_CASE("no tick on the CPU allocates memory, whether it edits or not") {
   counting = false;
   CHECK(allocations == 0);
   touch.finish();
-  if (options.push) CHECK(touch.editTimes_us().size() > 10);
+  if (options.brush) CHECK(touch.editTimes_us().size() > 10);
 
   counting = true;
   int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out

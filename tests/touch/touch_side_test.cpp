@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-PushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
 
 // Presses straight down on the sphere's top, to `depth` below it.
 std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog* drained = nullptr) {
@@ -45,7 +45,7 @@ class Busy {
 
 TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it stands tau behind") {
   const Scene scene = makeScene("sphere", 20'000);
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   const auto contacts = press(touch, 4, 200);
   touch.finish();
   for (const Contact& contact : contacts) CHECK(contact.valid);
@@ -66,7 +66,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
 
 TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: touch afterwards equals touch on a cloud loaded afresh") {
   const Scene scene = makeScene("torus", 20'000);
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   for (int i = 0; i < 40; ++i) touch.query({.hip = {35.0 + 0.1 * i, 0, 15.5 - 0.06 * i}}, 0);
   for (int i = 0; i < 3; ++i) touch.query({.hip = {35, 0, 17.0 + 10 * i}}, 0);
   touch.finish();
@@ -88,7 +88,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
   std::vector<Contact> first;
   PointCloud firstCloud = scene.cloud;
   for (int run = 0; run < 2; ++run) {
-    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
     const auto contacts = press(touch, 3, 60);
     touch.finish();
     PointCloud cloud = scene.cloud;
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, neve
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .push = PushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
+                  {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
   touch.editLog().attachReader();
   press(touch, 20, 80);
   touch.finish();
@@ -119,7 +119,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, neve
 
 TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is left out") {
   const Scene scene = makeScene("sphere", 5'000);
-  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
   touch.editLog().attachReader();
   press(touch, 3, 60, &touch.editLog());
   touch.finish();
@@ -217,7 +217,7 @@ TEST_CASE("the patch follows the edits") {
   Device device({.gpu = "", .validate = false});
   TouchSide touch(
       device, scene.cloud,
-      {.radius = scene.radius, .push = PushOptions{.tau = 0.3, .beta = 1, .toolRadius = 8}, .wait = Wait::block});
+      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 1, .toolRadius = 8}, .wait = Wait::block});
   Contact felt;
   Pose pose;
   for (int i = 0; i < 80; ++i) {  // slowly, so that no edit is left out, until the surface yields no more
@@ -258,7 +258,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the memory that is foretold is the memory that is
     const Scene scene = makeScene("sphere", points);
     const GpuMemory foretold = predictGpuMemory(points, false);
     const std::uint64_t before = device.allocatedBytes();
-    const TouchSide touch(device, scene.cloud, {.radius = scene.radius, .push = softPush()});
+    const TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
     const std::uint64_t taken = device.allocatedBytes() - before;
     CHECK(static_cast<double>(taken) ==
           doctest::Approx(static_cast<double>(foretold.total() - foretold.drawnCloud)).epsilon(0.05));

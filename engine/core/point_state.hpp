@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// A point at one moment of an edited cloud. Its id is its number in the file; points that came later have the numbers
+/// behind those.
+struct PointState {
+  /// Set in the id of a point that is not there (any more).
+  static constexpr std::uint32_t kGone = 0x80000000u;
+
+  Vec3 position{0};  ///< model units, relative to the cloud's origin
+  std::uint32_t id = 0;
+  Vec3 normal{0};            ///< unit
+  std::uint32_t color = 0;   ///< RGBA8; 0 where the cloud has none
+  std::uint32_t parent = 0;  ///< the point that it took its other properties from; itself where the file had it
+
+  bool gone() const { return (id & kGone) != 0; }
+  std::uint32_t number() const { return id & ~kGone; }
+  bool operator==(const PointState&) const = default;
+};
+
+/// From one state of a point to another; both have the same number.
+struct PointChange {
+  PointState from, to;
+};
+
+}  // namespace palpate
