@@ -144,12 +144,12 @@ void PushEdit::recordPush(const Stream& stream, const CloudSide& side, std::uint
 }
 
 void PushEdit::recordRefit(const Stream& stream, const CloudView& cloud) const {
-  if (cloud.count == 0) return;
+  if (cloud.slots == 0) return;
   checkCuda(cudaMemsetAsync(movedCount_.data(), 0, sizeof(std::uint32_t), stream.get()), "clearing a count");
-  collectMoved<<<blocksFor(cloud.count), kBlock, 0, stream.get()>>>({.normals = cloud.normals,
+  collectMoved<<<blocksFor(cloud.slots), kBlock, 0, stream.get()>>>({.normals = cloud.normals,
                                                                      .moved = addressOf(moved_.data()),
                                                                      .movedCount = addressOf(movedCount_.data()),
-                                                                     .count = cloud.count,
+                                                                     .count = cloud.slots,
                                                                      .unused = 0});
   refitNormals<<<refitBlocks_, kBlock, 0, stream.get()>>>(cloud, moved_.data(), movedCount_.data(),
                                                           static_cast<float>(radius_));

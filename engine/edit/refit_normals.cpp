@@ -27,11 +27,11 @@ RefitNormals::RefitNormals(Device& device, std::uint32_t points)
 void RefitNormals::record(CommandList& list, const shared::CloudView& cloud, const EditLog& log, double radius) const {
   const auto section = list.section("refit normals");
   list.fill(movedCount_, 0, movedCount_.bytes());
-  list.dispatch(collect_, cloud.count,
+  list.dispatch(collect_, cloud.slots,
                 shared::CollectMovedArgs{.normals = cloud.normals,
                                          .moved = moved_.address(),
                                          .movedCount = movedCount_.address(),
-                                         .count = cloud.count,
+                                         .count = cloud.slots,
                                          .unused = 0});
   list.dispatch(plan_, 1,
                 shared::PlanRefitArgs{.movedCount = movedCount_.address(),

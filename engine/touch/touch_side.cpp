@@ -88,7 +88,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
   buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());
-    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.count()));
+    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.slots()));
     if (push_)
       for (const SortMethod sort : {hash_.sort(), hash_.fallback()}) recordEdit(live_.parity(), sort);
     live_.flip();
@@ -107,7 +107,7 @@ void TouchSide::recordQuery(std::uint32_t parity) {
     auto& list = queries_[parity].emplace_back(
         std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing));
     list->begin();
-    contact_.record(*list, i, hash_.view(live_.side(), live_.count()), log_.head());
+    contact_.record(*list, i, hash_.view(live_.side(), live_.slots()), log_.head());
     list->end();
   }
 }
@@ -121,8 +121,8 @@ void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
     const auto section = list->section("edit");
     push_->record(*list, live_.side(), live_.count(), contact_.state(),
                   static_cast<double>(shared::kLongestMove) * options_.radius);
-    hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.count(), sort);
-    refit_.record(*list, hash_.view(live_.otherSide(), live_.count()), log_, options_.radius);
+    hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.slots(), sort);
+    refit_.record(*list, hash_.view(live_.otherSide(), live_.slots()), log_, options_.radius);
   }
   list->end();
 }

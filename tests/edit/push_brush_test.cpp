@@ -38,8 +38,8 @@ class PushFixture : public GpuFixture {
     CommandList list(device, device.touch(), "edit");
     list.begin();
     brush.record(list, live.side(), live.count(), state, static_cast<double>(shared::kLongestMove) * radius);
-    hash.recordBuild(list, live.side(), live.otherSide(), live.count(), hash.sort());
-    refit.record(list, hash.view(live.otherSide(), live.count()), log, radius);
+    hash.recordBuild(list, live.side(), live.otherSide(), live.slots(), hash.sort());
+    refit.record(list, hash.view(live.otherSide(), live.slots()), log, radius);
     list.end();
     device.touch().run(list);
     live.flip();
