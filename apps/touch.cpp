@@ -61,41 +61,41 @@ Overlays overlaysOf(const TraceRow& row, const Model& model) {
 // its own against the wall clock. A failure there waits for finish(), since the hand goes first.
 class SightSide {
  public:
-  SightSide(Device& device, const PointCloud& cloud, EditLog& log) : drawn_(device, cloud), log_(log) {
-    log.attachReader();
-  }
+  SightSide(Device& device, const PointCloud& cloud, EditLog& log)
+      : drawn_(device, cloud), log_(log), reader_(std::in_place, log) {}
 
   TickObserver observer(double rate_Hz) {
     const auto period = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kSightRate_Hz));
     return [this, period](const TraceRow&) {
       // Virtual time waits: no edit is left out because the picture is behind, not even one that moves every point.
       const bool full = log_.room() < 2 * std::uint64_t{drawn_.count()};
-      if (++ticks_ % period == 0 || full) drawn_.catchUp(log_);
+      if (++ticks_ % period == 0 || full) drawn_.catchUp(*reader_);
     };
   }
   void follow() {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       try {
         while (!stop.stop_requested()) {
-          drawn_.catchUp(log_);
+          drawn_.catchUp(*reader_);
           std::this_thread::sleep_for(std::chrono::duration<double>(1 / kSightRate_Hz));
         }
       } catch (...) {
         failure_ = std::current_exception();
-        log_.detachReader();  // the hand goes on without the picture
+        reader_.reset();  // the hand goes on without the picture
       }
     });
   }
   DrawnCloud& finish() {
     thread_ = {};
     if (failure_) std::rethrow_exception(failure_);
-    drawn_.catchUp(log_);
+    drawn_.catchUp(*reader_);
     return drawn_;
   }
 
  private:
   DrawnCloud drawn_;
   EditLog& log_;
+  std::optional<EditLog::Reader> reader_;
   std::uint64_t ticks_ = 0;
   std::exception_ptr failure_;
   std::jthread thread_;

@@ -6,6 +6,7 @@
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/background_task.hpp"
+#include "engine/core/edit_queue.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/edit/push_reference.hpp"
 #include "engine/spatial/sorted_grid.hpp"
@@ -38,6 +39,12 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override { queue_.keep(); }
+  void takeEdits(EditBatch& batch) override { queue_.take(batch); }
+  void change(std::span<const PointChange> changes) override;
+  std::uint64_t editsAnswered() const override { return editsAnswered_; }
+
   /// The processor, and how many threads build and edit; one answers.
   std::string machine() const override;
   double buildTime_us() const override { return buildTime_us_; }
@@ -53,28 +60,40 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   // On the edit's own thread: everything up to last_ is its alone until it has finished.
   void edit();
   void refit(std::uint32_t point);
+  // Hands on what the edit that ran did to the points in moved_, each of them once.
+  void tellOfEdit();
+  PointState state(std::uint32_t point) const;
+  // Sets a point; makes room where it is new. The index does not know yet.
+  void set(const PointState& state);
   bool editFinishedWithin(double budget_us);
+  void endStroke();
 
   CpuTouchOptions options_;
   DVec3 origin_;
-  std::vector<Vec3> positions_, normals_;  // in file order
+  // By id: the file's points in its order, then those that came later.
+  std::vector<Vec3> positions_, normals_;
+  std::vector<std::uint32_t> colors_, parents_;
+  std::vector<std::uint8_t> there_;
   SortedGrid grid_;
   std::optional<PushedPlaces> tool_;  // of the edit that runs
   std::vector<std::uint32_t> moved_;  // by the edit that runs
   double editTime_us_ = 0;            // of the edit that ran last
+  std::uint64_t editsTold_ = 0;       // states
 
   SurfaceOptions surface_;
   ProxyTracker tracker_;
   Contact last_;
   Pose lastPose_;
   double buildTime_us_ = 0;
-  bool editing_ = false;
+  bool editing_ = false, inStroke_ = false;
+  std::uint64_t editsAnswered_ = 0;
   double editTime_s_ = 0;  // of the pose whose answer led to the last edit
   EditPace pace_;
   std::vector<double> editTimes_us_;
   std::optional<double> firstEditTime_s_;
   TouchShortfalls shortfalls_;
   std::exception_ptr failure_;
+  EditQueue queue_;
   std::unique_ptr<BackgroundTask> edit_;  // with push; goes first
 };
 

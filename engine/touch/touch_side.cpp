@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -205,6 +206,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
   const shared::ContactSample sample = contact_.sample();
   collectEdit(asked.timed);
   log_.publish(sample.logHead);
+  editsAnswered_ = log_.published();
   shortfalls_.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
   shortfalls_.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
   last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
@@ -215,6 +217,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
+  if (!last_.touching || !last_.valid) endStroke();
   bridge_.answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
   shortfalls_.thinnedPatches = bridge_.thinnedPatches();
   return true;
@@ -258,7 +261,7 @@ void TouchSide::editIfYielding(bool realtime) {
   editTicket_ = device_.touch().submit(*lastEdit_);
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
-  editInFlight_ = true;
+  editInFlight_ = inStroke_ = true;
   sinceEdit_ = Stopwatch();
   bridge_.edited(lastPose_.time_s);
   live_.flip();
@@ -279,7 +282,14 @@ void TouchSide::finish() {
   if (asked_) answerWithin(0, lastPose_.time_s);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit(true);
+  endStroke();
 }
+
+void TouchSide::endStroke() {
+  if (std::exchange(inStroke_, false)) log_.endStroke();
+}
+
+void TouchSide::change(std::span<const PointChange>) { throw Error("{}: undo needs the incremental index", machine()); }
 
 std::vector<PassRecord> TouchSide::passes() const {
   std::vector<PassRecord> all;

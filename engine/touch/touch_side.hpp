@@ -9,6 +9,7 @@
 #include "engine/contact/contact_step.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/edit/edit_fetch.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/push_brush.hpp"
 #include "engine/edit/refit_normals.hpp"
@@ -53,6 +54,12 @@ class TouchSide final : public TouchBackend {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override { return live_.readBack(cloud); }
 
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override { fetch_.emplace(device_, log_); }
+  void takeEdits(EditBatch& batch) override { fetch_->take(batch); }
+  void change(std::span<const PointChange> changes) override;
+  std::uint64_t editsAnswered() const override { return editsAnswered_; }
+
   EditLog& editLog() { return log_; }
   const LiveCloud& live() const { return live_; }
   const SpatialHash& hash() const { return hash_; }
@@ -96,6 +103,7 @@ class TouchSide final : public TouchBackend {
   void editIfYielding(bool realtime);
   // Not timed: takes the time until now for the edit's.
   void collectEdit(bool timed);
+  void endStroke();
 
   Device& device_;
   TouchOptions options_;
@@ -105,6 +113,7 @@ class TouchSide final : public TouchBackend {
   SpatialHash hash_;
   ContactStep contact_;
   EditLog log_;
+  std::optional<EditFetch> fetch_;  // where somebody takes edits
   std::optional<PushBrush> push_;
   RefitNormals refit_;
   PatchBridge bridge_;
@@ -116,7 +125,8 @@ class TouchSide final : public TouchBackend {
   Contact last_;
   Pose lastPose_;
   double buildTime_us_ = 0;
-  bool editInFlight_ = false;
+  bool editInFlight_ = false, inStroke_ = false;
+  std::uint64_t editsAnswered_ = 0;
   Queue::Ticket editTicket_ = 0;
   Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered
