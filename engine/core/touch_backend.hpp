@@ -10,7 +10,6 @@
 #include "engine/core/brush.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_batch.hpp"
-#include "engine/core/error.hpp"
 
 namespace palpate {
 
@@ -66,7 +65,7 @@ class TouchBackend : public ContactQuery {
   virtual double cell() const = 0;
 
  private:
-  [[noreturn]] void noEdits() const { throw Error("{}: this back end tells nobody of its edits", machine()); }
+  [[noreturn]] void noEdits() const;
 };
 
 }  // namespace palpate
