@@ -85,9 +85,9 @@ void CpuTouch::answer(const Pose& pose) {
 
 void CpuTouch::editIfYielding(bool realtime) {
   if (!edit_ || !last_.touching) return;
-  const double longestMove = static_cast<double>(shared::kLongestMove) * options_.radius;
-  tool_.emplace(lastPose_.hip - origin_, last_.proxy - lastPose_.hip, *options_.brush, longestMove);
-  if (!tool_->yields()) return;
+  const DVec3 hip = lastPose_.hip - origin_;
+  tool_.emplace(*options_.brush, options_.radius, hip, hip, last_.proxy - lastPose_.hip);
+  if (!tool_->acts()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;
@@ -101,9 +101,10 @@ void CpuTouch::editIfYielding(bool realtime) {
 void CpuTouch::edit() {
   const Stopwatch watch;
   moved_.clear();
-  grid_.forEachNear(tool_->center(), tool_->toolRadius(),
+  grid_.forEachNear(tool_->center(), tool_->radius(),
                     [&](const SortedGrid::Placed& point) { moved_.push_back(point.number); });
-  for (const std::uint32_t point : moved_) positions_[point] = Vec3(tool_->of(DVec3(positions_[point])));
+  for (const std::uint32_t point : moved_)
+    positions_[point] = Vec3(tool_->brushed(DVec3(positions_[point]), DVec3(normals_[point])).position);
   grid_.build(positions_, there_);
   const std::size_t batches = (moved_.size() + kRefitBatch - 1) / kRefitBatch;
   grid_.team().forEach(batches, [&](std::size_t batch) {

@@ -8,7 +8,8 @@
 #include "engine/core/background_task.hpp"
 #include "engine/core/edit_queue.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "engine/edit/push_reference.hpp"
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/spatial/sorted_grid.hpp"
 #include "engine/touch/edit_pace.hpp"
 
@@ -75,7 +76,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   std::vector<std::uint32_t> colors_, parents_;
   std::vector<std::uint8_t> there_;
   SortedGrid grid_;
-  std::optional<PushedPlaces> tool_;  // of the edit that runs
+  std::optional<BrushTool> tool_;     // of the edit that runs
   std::vector<std::uint32_t> moved_;  // by the edit that runs
   double editTime_us_ = 0;            // of the edit that ran last
   std::uint64_t editsTold_ = 0;       // states

@@ -4,7 +4,8 @@
 #include <bit>
 #include <set>
 
-#include "engine/edit/push_reference.hpp"
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/edit/refit_normals.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
@@ -68,12 +69,12 @@ TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the 
   for (const BrushOptions options :
        {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
-    const PushedPlaces pushed(hip, spring, options, static_cast<double>(shared::kLongestMove) * scene.radius);
+    const BrushTool tool(options, scene.radius, hip, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = pushed.of(before);
+      const DVec3 expected = tool.brushed(before, {}).position;
       if (expected == before) {
         // A point within rounding of the tool's border may go either way; by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);

@@ -140,12 +140,12 @@ TEST_CASE("one edited tick moves each point where the tool says, and no further 
   PointCloud after = scene.cloud;
   CHECK(touch.readBack(after) > 50);
   const double longestMove = static_cast<double>(shared::kLongestMove) * scene.radius;
-  const PushedPlaces pushed(hip, contact.proxy - hip, options, longestMove);
+  const BrushTool tool(options, scene.radius, hip, hip, contact.proxy - hip);
   std::size_t wrong = 0;
   double furthest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const DVec3 before(scene.cloud.positions[i]);
-    wrong += after.positions[i] != Vec3(pushed.of(before));
+    wrong += after.positions[i] != Vec3(tool.brushed(before, {}).position);
     furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
   }
   CHECK(wrong == 0);
