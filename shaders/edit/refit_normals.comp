@@ -1,20 +1,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// After points have moved and the hash is built anew: the normal of every moved point becomes the direction of least
-// spread of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the move goes to the
-// log. One subgroup for each point.
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
-#include "shaders/lib/contact_buffers.glsl"
-#include "shaders/lib/eigen.glsl"
-#include "shaders/shared/spatial_hash.h"
+// After points have moved and the index follows: the normal of every moved point becomes the direction of least spread
+// of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the point goes to the log as
+// it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/eigen.glsl"
+#include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/weight.glsl"
-#include "shaders/shared/edit.h"
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
-// Weighted moments of the neighbours about a place, summed over the subgroup.
+// Weighted moments of the neighbours about a place.
 struct Moments {
   float weight;
   uint neighbours;
@@ -22,34 +19,22 @@ struct Moments {
   vec3 diagonal;   // sums of w dx dx, w dy dy, w dz dz
   vec3 mixed;      // sums of w dx dy, w dy dz, w dz dx
 };
+Moments moments;  // what this invocation has seen
+
+void visitNeighbour(uint slot, vec4 position, vec3 d) {
+  const float w = wendland(length(d) / args.radius);
+  moments.weight += w;
+  moments.neighbours += 1;
+  moments.mean += w * d;
+  moments.diagonal += w * d * d;
+  moments.mixed += w * d * d.yzx;
+}
 
 Moments momentsAbout(vec3 center) {
-  const ivec3 low = cellOf(args.cloud.grid, center - args.radius);
-  const ivec3 high = cellOf(args.cloud.grid, center + args.radius);
-  Moments m = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
-  uint work = 0;
-  for (int z = low.z; z <= high.z; ++z)
-    for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
-        const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
-        ++work;
-        for (uint j = range.x + gl_SubgroupInvocationID; j < range.y && work < kRefitWorkBudget;
-             j += gl_SubgroupSize, ++work) {
-          const vec3 position = args.cloud.positions.at[j].xyz;
-          const vec3 d = position - center;
-          const float squared = dot(d, d);
-          if (squared >= args.radius * args.radius || cellOf(args.cloud.grid, position) != cell) continue;
-          const float w = wendland(sqrt(squared) / args.radius);
-          m.weight += w;
-          m.neighbours += 1;
-          m.mean += w * d;
-          m.diagonal += w * d * d;
-          m.mixed += w * d * d.yzx;
-        }
-      }
-  return Moments(subgroupAdd(m.weight), subgroupAdd(m.neighbours), subgroupAdd(m.mean), subgroupAdd(m.diagonal),
-                 subgroupAdd(m.mixed));
+  moments = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
+  visitNeighbours(args.cloud, center, args.radius);
+  return Moments(subgroupAdd(moments.weight), subgroupAdd(moments.neighbours), subgroupAdd(moments.mean),
+                 subgroupAdd(moments.diagonal), subgroupAdd(moments.mixed));
 }
 
 vec3 fittedNormal(vec3 center, vec3 old) {
@@ -66,17 +51,23 @@ vec3 fittedNormal(vec3 center, vec3 old) {
 }
 
 void main() {
-  const uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
-  if (which >= args.movedCount.at[0]) return;
-  const uint i = args.moved.at[which];
-  const vec4 position = args.cloud.positions.at[i];
-  const vec3 normal = fittedNormal(position.xyz, args.cloud.normals.at[i].xyz);
-  if (!subgroupElect()) return;
-  args.cloud.normals.at[i] = vec4(normal, 0.0);
-  const uint slot = atomicAdd(args.head.at[0], 1) & args.capacityMask;
-  args.entries.at[slot].position = position.xyz;
-  args.entries.at[slot].id = floatBitsToUint(position.w);
-  args.entries.at[slot].normal = normal;
-  args.entries.at[slot].color = 0;
-  args.entries.at[slot].parent = floatBitsToUint(position.w);
+  const uint changed = args.update.at[0].changed;
+  const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
+    const uint i = args.changed.at[which];
+    const vec4 position = args.cloud.positions.at[i];
+    const vec4 before = args.cloud.normals.at[i];
+    vec3 normal = before.xyz;
+    if (before.w == kMarkRefit) normal = fittedNormal(position.xyz, normal);
+    if (subgroupElect()) {
+      const uint id = floatBitsToUint(position.w);
+      args.cloud.normals.at[i] = vec4(normal, 0.0);
+      const uint slot = atomicAdd(args.head.at[0], 1) & args.capacityMask;
+      args.entries.at[slot].position = position.xyz;
+      args.entries.at[slot].id = id;
+      args.entries.at[slot].normal = normal;
+      args.entries.at[slot].color = colorOf(args.colors, id);
+      args.entries.at[slot].parent = parentOf(args.parents, args.firstNew, id);
+    }
+  }
 }
