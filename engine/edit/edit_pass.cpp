@@ -108,13 +108,14 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side,
 }
 
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
-                             const Buffer& contactState, SortMethod sort) const {
+                             const Buffer& contactState, SortMethod sort, Reach reach) const {
   {
-    // As many slots at a time as there is room for moves.
     const auto section = list.section("brush");
-    for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
+    const bool all = reach == Reach::all || boxCells_ == 0;
+    const std::uint32_t atATime = all ? update_.mostMoves() : live_.slots();
+    for (std::uint32_t first = 0; first < live_.slots(); first += atATime) {
       update_.recordBegin(list);
-      recordSelect(list, view(from), from.parity, contactState, first);
+      recordSelect(list, view(from), from.parity, contactState, all ? std::optional(first) : std::nullopt);
       update_.recordCommit(list, view(from));
       if (options_.kind == BrushKind::carve) recordLogGone(list);
     }
@@ -225,6 +226,14 @@ void EditPass::complete(std::vector<PointState>& points) const {
 
 std::uint64_t EditPass::bytes() const {
   return update_.bytes() + brush_.bytes() + colors_.bytes() + parents_.bytes() + changes_.bytes();
+}
+
+std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {
+  constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+  const std::uint64_t spare = HashUpdate::spareSlots(points);
+  const std::uint64_t changes = std::min<std::uint64_t>(kMostChanges, HashUpdate::defaultMoves(points));
+  return HashUpdate::predictedBytes(points) + kWord * spare + (colors ? kWord * (points + spare) : 0) +
+         changes * sizeof(shared::GivenChange);
 }
 
 }  // namespace palpate

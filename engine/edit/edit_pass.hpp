@@ -20,12 +20,16 @@ class EditPass {
   EditPass(Device& device, const BrushOptions& brush, const SpatialHash& hash, const LiveCloud& live,
            const EditLog& log, std::span<const std::uint32_t> colors, double radius);
 
+  /// Where a brush with a full build looks for the points that it reaches: in the cells of its box, which fails with
+  /// kUpdateTooLarge where they are more than mostMoves(); or among all points, as many at a time.
+  enum class Reach { box, all };
+
   // Of the brush, for the contact state of this tick; recorded ahead.
   /// At the cost of the points that it reaches: the points on `side` and their index change in place.
   void recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const;
   /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
   void recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
-                     const Buffer& contactState, SortMethod sort) const;
+                     const Buffer& contactState, SortMethod sort, Reach reach) const;
 
   // Of changes as they are given, at most mostChanges() at a time; recorded after give().
   std::uint32_t mostChanges() const { return mostChanges_; }
@@ -46,6 +50,8 @@ class EditPass {
   /// Completes a point, of which LiveCloud::points() knows place and normal, with its colour and parent.
   void complete(std::vector<PointState>& points) const;
   std::uint64_t bytes() const;
+  /// The same for a cloud that is not there yet.
+  static std::uint64_t predictedBytes(std::uint64_t points, bool colors);
 
  private:
   void recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Buffer& contactState,

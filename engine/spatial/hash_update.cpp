@@ -13,7 +13,7 @@ namespace {
 
 // Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
 // from which an edit rebuilds; both cost memory.
-constexpr std::uint64_t kSpareShare = 4, kMovesShare = 8;
+constexpr std::uint64_t kSpareShare = 4, kMovesShare = 16;
 constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
 
 constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +
@@ -84,7 +84,9 @@ shared::HashUpdateArgs HashUpdate::args(const shared::CloudView& cloud, std::uin
           .arrivals = arrivals_.address(),
           .capacities = capacities_[parity].address(),
           .changed = changed_.address(),
-          .dirty = dirty_.address()};
+          .dirty = dirty_.address(),
+          .mostMoves = mostMoves_,
+          .unused = 0};
 }
 
 void HashUpdate::recordBegin(CommandList& list) const { list.copy(template_, counters_, shared::kUpdateBegins); }

@@ -97,7 +97,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                 .friction = options.friction,
                 .split = options.split},
                hash_.grid(), live_.slots()),
-      log_(device, options.brush ? live_.slots() : 0),
+      log_(device, options.brush ? live_.count() : 0),
       bridge_(device, hash_.grid(), origin_,
               {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
               live_.slots()),
@@ -147,10 +147,11 @@ void TouchSide::recordEdits() {
   incrementals_[parity] =
       recorded([&](CommandList& list) { edit_->recordIncremental(list, live_.side(), contact_.state()); });
   for (const SortMethod sort : {hash_.sort(), hash_.fallback()})
-    if (!rebuilds_[parity].contains(sort))
-      rebuilds_[parity][sort] = recorded([&](CommandList& list) {
-        edit_->recordRebuild(list, live_.side(), live_.otherSide(), contact_.state(), sort);
-      });
+    for (const EditPass::Reach reach : {EditPass::Reach::box, EditPass::Reach::all})
+      if (!rebuilds_[parity].contains({sort, reach}))
+        rebuilds_[parity][{sort, reach}] = recorded([&](CommandList& list) {
+          edit_->recordRebuild(list, live_.side(), live_.otherSide(), contact_.state(), sort, reach);
+        });
 }
 
 Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
@@ -272,7 +273,7 @@ bool TouchSide::runEndsWithin(double budget_us) {
 
 const CommandList& TouchSide::chosenEdit() const {
   const bool rebuild = options_.index == IndexFollow::rebuild || largeEdits_;
-  return rebuild ? *rebuilds_[live_.parity()].at(hash_.sort()) : *incrementals_[live_.parity()];
+  return rebuild ? *rebuilds_[live_.parity()].at({hash_.sort(), reach_}) : *incrementals_[live_.parity()];
 }
 
 void TouchSide::editIfYielding(bool realtime) {
@@ -292,7 +293,7 @@ void TouchSide::editIfYielding(bool realtime) {
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   submitEdit(edit);
   // In virtual time an edit that the index could not follow is done again at once, in real time with the next tick.
-  if (!realtime && updates) settleEdit();
+  if (!realtime) settleEdit();
 }
 
 void TouchSide::submitEdit(const CommandList& edit) {
@@ -307,9 +308,11 @@ void TouchSide::submitEdit(const CommandList& edit) {
 
 void TouchSide::settleEdit() {
   collectEdit(true);
-  if (edit_->report().failed == 0) return;
-  compact();  // so that the order of points in a bucket follows from the edits alone
-  submitEdit(*rebuilds_[live_.parity()].at(hash_.sort()));
+  while (edit_->report().failed != 0) {
+    compact();  // so that the order of points in a bucket follows from the edits alone
+    submitEdit(chosenEdit());
+    collectEdit(true);
+  }
 }
 
 void TouchSide::collectEdit(bool timed) {
@@ -327,6 +330,8 @@ void TouchSide::takeReport() {
   const shared::HashUpdate& report = edit_->report();
   // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(live_.count()));
+  // What fails with a build, too, has found more points than there is room for.
+  if (report.failed & shared::kUpdateTooLarge) reach_ = EditPass::Reach::all;
   largeEdits_ = report.failed != 0 || share > (largeEdits_ ? kLargeEdit / 2 : kLargeEdit);
 }
 

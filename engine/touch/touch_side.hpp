@@ -133,7 +133,8 @@ class TouchSide final : public TouchBackend {
   PatchBridge bridge_;
   // One for each side of the live cloud; an edit with a build also for each sort that it may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
-  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> rebuilds_;
+  using Rebuild = std::pair<SortMethod, EditPass::Reach>;
+  std::array<std::map<Rebuild, std::unique_ptr<CommandList>>, 2> rebuilds_;
   std::array<std::unique_ptr<CommandList>, 2> incrementals_;
   std::uint32_t tick_ = 0;
   std::optional<Asked> asked_;
@@ -141,7 +142,8 @@ class TouchSide final : public TouchBackend {
   Pose lastPose_;
   double buildTime_us_ = 0;
   bool editInFlight_ = false, inStroke_ = false;
-  bool largeEdits_ = false;  // the next edit is too large for an update
+  bool largeEdits_ = false;                       // the next edit is too large for an update
+  EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
   std::uint64_t editsAnswered_ = 0;
   Queue::Ticket editTicket_ = 0;
   Stopwatch sinceEdit_;

@@ -84,8 +84,10 @@ struct HashUpdateArgs {
   PALPATE_ADDRESS(Uints) capacities;    // one a bucket; 0: as many as it has points
   PALPATE_ADDRESS(Uints) changed;
   PALPATE_ADDRESS(DirtyBuckets) dirty;
+  uint mostMoves;
+  uint unused;
 };
-PALPATE_SIZE(HashUpdateArgs, 120);
+PALPATE_SIZE(HashUpdateArgs, 128);
 
 // After a full build: what is in which slots, found anew.
 struct HashRecountArgs {

@@ -24,7 +24,7 @@ bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) 
   record(list);
   list.end();
   device_.touch().run(list);
-  if (how == How::rebuild) live_.flip();
+  if (how != How::incremental) live_.flip();
   return edit_.report().failed == 0;
 }
 
@@ -41,7 +41,8 @@ bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DV
     if (how == How::incremental)
       edit_.recordIncremental(list, live_.side(), state_);
     else
-      edit_.recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort());
+      edit_.recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort(),
+                          how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
   });
 }
 

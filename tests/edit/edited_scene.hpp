@@ -12,7 +12,7 @@ namespace palpate {
 
 class EditedScene {
  public:
-  enum class How { incremental, rebuild };
+  enum class How { incremental, rebuild, rebuildAll };
 
   EditedScene(Device& device, const PointCloud& cloud, const HashGrid& grid, double radius, const BrushOptions& brush,
               std::span<const std::uint32_t> colors = {}, std::optional<SortMethod> sort = std::nullopt);
