@@ -146,6 +146,7 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   row.neighbours = contact.neighbours;
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
+  if (options_.recorder) options_.recorder->ticked(row, state.position);
   return written;
 }
 

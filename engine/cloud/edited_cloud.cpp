@@ -5,6 +5,8 @@
 #include <cstring>
 
 #include "engine/core/check.hpp"
+#include "engine/core/checksum.hpp"
+#include "engine/core/error.hpp"
 
 namespace palpate {
 
@@ -15,8 +17,8 @@ constexpr std::array<std::uint8_t, 4> kUnpainted{255, 255, 255, 255};
 // The point of the file that a point has its other properties from.
 std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {
   for (std::size_t steps = 0; point >= inFile; ++steps) {
-    PALPATE_CHECK_LT(steps, points.size());  // parents that go in a circle
-    PALPATE_CHECK_LT(std::size_t{point}, points.size());
+    if (steps == points.size() || point >= points.size())
+      throw Error("a new point descends from none of the file; the edits are not of this model, or are damaged");
     point = points[point].parent;
   }
   return point;
@@ -45,6 +47,14 @@ std::vector<PointState> statesOf(const PointCloud& file) {
                  .color = packedColor(file, i),
                  .parent = i};
   return points;
+}
+
+std::uint64_t checksumOf(const DVec3& origin, std::span<const PointState> points) {
+  Checksum sum;
+  for (int k = 0; k < 3; ++k) sum.addValue(origin[k]);
+  for (const PointState& point : points)
+    if (!point.gone()) sum.add(std::as_bytes(std::span(&point, 1)));
+  return sum.value();
 }
 
 std::size_t changedPoints(const PointCloud& file, std::span<const PointState> points) {
