@@ -52,7 +52,12 @@ SessionWriter::SessionWriter(std::filesystem::path file, std::string text) : fil
 
 SessionWriter::~SessionWriter() {
   thread_ = {};
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ < 0) return;
+  try {
+    writePending();
+  } catch (...) {  // no memory: the log ends with the block before
+  }
+  ::close(descriptor_);
 }
 
 void SessionWriter::add(const LoggedTick& tick) noexcept {
