@@ -60,6 +60,9 @@ Recorded load(Context& context, const ReplayOptions& options) {
     throw FileError(model.file,
                     "has changed since the session: its points are others; name the right model with "
                     "--model");
+  const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
+  if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
+    throw FileError(options.log, "its ticks do not follow one another in time; it is damaged");
   recorded.points = edited(options, recorded.model, record.edits);
   if (record.end)
     recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;

@@ -93,6 +93,9 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   checkTouchOptions(options);
   for (const std::string* file : {&options.traceFile, &options.saveFile, &options.pictureFile, &options.logFile})
     Context::checkWritable(*file);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
+    throw UsageError("--log: {} is the model itself", options.logFile);
   const Model model = loadModel(context, options.model);
   const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
   const auto brush = brushOptions(options, model.scale);

@@ -33,8 +33,9 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->type_name("OUT.ply");
   sub.add_option("--undo", options.undo,
                  "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
+      ->check(between(0, 1e9))
       ->type_name("N");
-  sub.add_option("--redo", options.redo, "and do M of them again")->type_name("M");
+  sub.add_option("--redo", options.redo, "and do M of them again")->check(between(0, 1e9))->type_name("M");
   sub.add_option("--undo-memory", options.undoMemory_MiB,
                  "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
       ->check(positive())

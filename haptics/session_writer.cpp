@@ -27,8 +27,7 @@ constexpr double kLongestBlock_s = 0.5;  // of session time
 
 std::string becauseOf(int error) {
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  return fmt::format("cannot be written: {}{}", std::strerror(error),
-                     full ? "; free some space. The session went on without the log" : "");
+  return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
 }
 
 }  // namespace
@@ -91,7 +90,7 @@ void SessionWriter::finish(std::uint64_t pointsChecksum) {
   writeBlock({}, {}, &end);
   sync();
   if (::close(std::exchange(descriptor_, -1)) != 0 && failure_.empty()) failure_ = becauseOf(errno);
-  if (!failure_.empty()) throw FileError(file_, failure_);
+  if (!failure_.empty()) throw FileError(file_, failure_ + " (the session went on without its log)");
 }
 
 void SessionWriter::serve(const std::stop_token& stop) {
