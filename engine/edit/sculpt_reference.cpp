@@ -1,0 +1,177 @@
+#include "engine/edit/sculpt_reference.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/edit/normal_fit.hpp"
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
+// Neighbours that a point looks at before it decides to come or go. More share its surroundings only where many lie in
+// one place, and those are merged with the ones that are seen.
+constexpr std::size_t kMostNeighbours = 1024;
+
+// Calls body(i) for every i below `count`, on all threads.
+template <class Body>
+void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
+  team.forEach((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    const std::size_t end = std::min(count, (batch + 1) * kBatch);
+    for (std::size_t i = batch * kBatch; i < end; ++i) body(i);
+  });
+}
+
+double widestSpacing(const SculptOptions& options) {
+  return options.radius / static_cast<double>(shared::kSupportSpacings);
+}
+
+}  // namespace
+
+SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
+    : options_(options),
+      points_(cloud),
+      grid_(grid, options.threads),
+      claims_(widestSpacing(options)),
+      nextId_(static_cast<std::uint32_t>(cloud.size())) {
+  PALPATE_CHECK_LT(0.0, options.radius);
+  if (options.paints && !cloud.hasColors()) points_.colors.assign(cloud.size(), shared::kUnpainted);
+  const Stopwatch watch;
+  grid_.build(points_.positions);
+  buildTime_us_ = watch.elapsed_us();
+  if (options.keepsDensity) measureSpacings();
+}
+
+// The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2. Never wider than the
+// support radius is made for.
+void SculptReference::measureSpacings() {
+  points_.spacings.resize(points_.size());
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    const DVec3 place(points_.positions[i]);
+    double weights = 0;
+    grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+      if (glm::dot(points_.normals[i], points_.normals[near.number]) > shared::kSameSheet)
+        weights += wendland(glm::distance(DVec3(near.position), place) / options_.radius);
+    });
+    const double spacing = options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 1.0));
+    points_.spacings[i] = static_cast<float>(std::min(spacing, widestSpacing(options_)));
+  });
+}
+
+void SculptReference::edit(const BrushTool& tool) {
+  if (tool.acts()) applyBrush(tool);
+  findUnsettled();
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { refit(unsettled_[i]); });
+  if (options_.keepsDensity) resample();
+  for (const std::uint32_t point : unsettled_)
+    if (!options_.keepsDensity) points_.unsettled[point] = 0;
+}
+
+// Every point reads the others where they were before.
+void SculptReference::applyBrush(const BrushTool& tool) {
+  reached_.clear();
+  grid_.forEachNear(tool.center(), tool.radius(),
+                    [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
+  places_.resize(reached_.size());
+  forEachOf(grid_.team(), reached_.size(), [&](std::size_t i) {
+    const std::uint32_t point = reached_[i];
+    const DVec3 place(points_.positions[point]);
+    if (tool.kind() == BrushKind::smooth)
+      places_[i] = {smoothed(tool, point)};
+    else
+      places_[i] = tool.brushed(place, DVec3(points_.normals[point]));
+  });
+  gone_.assign(points_.size(), 0);
+  bool someGone = false;
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    const std::uint32_t point = reached_[i];
+    const Vec3 place(places_[i].position);
+    if (!points_.colors.empty())
+      points_.colors[point] = tool.painted(DVec3(points_.positions[point]), points_.colors[point]);
+    if (place != points_.positions[point]) points_.unsettled[point] = 1;
+    points_.positions[point] = place;
+    gone_[point] = places_[i].taken;
+    someGone = someGone || places_[i].taken;
+  }
+  if (someGone) points_.erase(gone_);
+  if (tool.kind() != BrushKind::paint) grid_.build(points_.positions);
+}
+
+DVec3 SculptReference::smoothed(const BrushTool& tool, std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
+  return tool.smoothed(place, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+                         grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+                           visit(DVec3(near.position) - place, points_.normals[near.number]);
+                         });
+                       }));
+}
+
+void SculptReference::findUnsettled() {
+  unsettled_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i)
+    if (points_.unsettled[i]) unsettled_.push_back(i);
+}
+
+void SculptReference::refit(std::uint32_t point) {
+  const DVec3 place(points_.positions[point]);
+  NormalFit fit(options_.radius);
+  grid_.forEachNear(place, options_.radius,
+                    [&](const SortedGrid::Placed& near) { fit.add(DVec3(near.position) - place); });
+  points_.normals[point] = Vec3(fit.normal(DVec3(points_.normals[point])).normal);
+}
+
+ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours) const {
+  const auto seen = [&](std::uint32_t number, const DVec3& offset) {
+    return ResampleNeighbour{.offset = offset,
+                             .normal = DVec3(points_.normals[number]),
+                             .spacing = double{points_.spacings[number]},
+                             .number = number,
+                             .unsettled = points_.unsettled[number] != 0};
+  };
+  neighbours.clear();
+  const DVec3 place(points_.positions[point]);
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    if (near.number != point && neighbours.size() < kMostNeighbours)
+      neighbours.push_back(seen(near.number, DVec3(near.position) - place));
+  });
+  return resampleWish(seen(point, DVec3(0)), neighbours);
+}
+
+void SculptReference::resample() {
+  wishes_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) {
+    thread_local Neighbours neighbours;
+    static_cast<ResampleWish&>(wishes_[i]) = wishOf(unsettled_[i], neighbours);
+    if (wishes_[i].inserts) wishes_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + wishes_[i].offset);
+  });
+  const std::size_t before = points_.size();
+  gone_.assign(before, 0);
+  bool someGone = false;
+  settled_ = true;
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    gone_[unsettled_[i]] = wishes_[i].goes;
+    someGone = someGone || wishes_[i].goes;
+    points_.unsettled[unsettled_[i]] = wishes_[i].unsettled;
+    settled_ = settled_ && !wishes_[i].unsettled && !wishes_[i].goes;
+  }
+  insertClaimed();
+  const bool someCame = points_.size() > before;
+  if (someGone) points_.erase(gone_);
+  if (someGone || someCame) grid_.build(points_.positions);
+}
+
+void SculptReference::insertClaimed() {
+  claims_.clear();
+  for (std::size_t i = 0; i < unsettled_.size(); ++i)
+    if (wishes_[i].inserts) claims_.claim(wishes_[i].place, points_.ids[unsettled_[i]]);
+  for (std::size_t i = 0; i < unsettled_.size(); ++i)
+    if (wishes_[i].inserts && claims_.stands(wishes_[i].place, points_.ids[unsettled_[i]]))
+      points_.insertBetween(unsettled_[i], wishes_[i].other, wishes_[i].place, nextId_++);
+}
+
+}  // namespace palpate

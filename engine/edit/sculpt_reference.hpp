@@ -1,0 +1,65 @@
+// One tick of sculpting in double precision on the CPU, with every brush, over an index that is built anew each time.
+#pragma once
+
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/resample_reference.hpp"
+#include "engine/edit/sculpted_points.hpp"
+#include "engine/spatial/sorted_grid.hpp"
+
+namespace palpate {
+
+struct SculptOptions {
+  double radius = 0;         ///< support radius, model units
+  bool keepsDensity = true;  ///< insert where the surface is stretched, merge where it is crowded
+  bool paints = false;       ///< points of a cloud without colours get one (shared::kUnpainted)
+  unsigned threads = 0;      ///< 0: one per core
+};
+
+/// The points and their index. The result of a tick depends neither on the number of threads nor on the order of the
+/// points in the index.
+class SculptReference {
+ public:
+  /// Copies what it needs of `cloud`, which must have normals; builds the index and, to keep the density, measures it.
+  SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options);
+
+  const SculptedPoints& points() const { return points_; }
+  const SortedGrid& grid() const { return grid_; }
+  std::size_t threads() const { return grid_.threads(); }
+  /// Time of the first build of the index, us.
+  double buildTime_us() const { return buildTime_us_; }
+
+  /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
+  /// and come and go.
+  void edit(const BrushTool& tool);
+  /// False: an edit would change something though no brush acts.
+  bool settled() const { return settled_; }
+
+ private:
+  using Neighbours = std::vector<ResampleNeighbour>;
+  void measureSpacings();
+  void applyBrush(const BrushTool& tool);
+  DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
+  void findUnsettled();
+  void refit(std::uint32_t point);
+  ResampleWish wishOf(std::uint32_t point, Neighbours& neighbours) const;
+  void resample();
+  void insertClaimed();
+
+  SculptOptions options_;
+  SculptedPoints points_;
+  SortedGrid grid_;
+  InsertionClaims claims_;
+  std::uint32_t nextId_;
+  double buildTime_us_ = 0;
+  bool settled_ = true;
+  // Of one tick.
+  std::vector<std::uint32_t> reached_, unsettled_;  // numbers of points
+  std::vector<BrushTool::Point> places_;            // of those reached
+  struct Wish : ResampleWish {
+    Vec3 place{0};  // of the new point
+  };
+  std::vector<Wish> wishes_;  // of those unsettled
+  std::vector<std::uint8_t> gone_;
+};
+
+}  // namespace palpate
