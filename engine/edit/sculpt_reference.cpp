@@ -65,7 +65,7 @@ void SculptReference::measureSpacings() {
 void SculptReference::edit(const BrushTool& tool) {
   if (tool.acts()) applyBrush(tool);
   findUnsettled();
-  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { refit(unsettled_[i]); });
+  refit();
   if (options_.keepsDensity) resample();
   for (const std::uint32_t point : unsettled_)
     if (!options_.keepsDensity) points_.unsettled[point] = 0;
@@ -117,12 +117,26 @@ void SculptReference::findUnsettled() {
     if (points_.unsettled[i]) unsettled_.push_back(i);
 }
 
-void SculptReference::refit(std::uint32_t point) {
+Vec3 SculptReference::refitted(std::uint32_t point) const {
   const DVec3 place(points_.positions[point]);
   NormalFit fit(options_.radius);
-  grid_.forEachNear(place, options_.radius,
-                    [&](const SortedGrid::Placed& near) { fit.add(DVec3(near.position) - place); });
-  points_.normals[point] = Vec3(fit.normal(DVec3(points_.normals[point])).normal);
+  DVec3 side(0);
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    const DVec3 offset = DVec3(near.position) - place;
+    fit.add(offset);
+    side += wendland(glm::length(offset) / options_.radius) * DVec3(points_.normals[near.number]);
+  });
+  const Vec3 old = points_.normals[point];
+  const DVec3 normal = fit.normal(DVec3(old)).normal;
+  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
+}
+
+// The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
+// angle in one tick, and its own old side says nothing then.
+void SculptReference::refit() {
+  normals_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) points_.normals[unsettled_[i]] = normals_[i];
 }
 
 ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours) const {

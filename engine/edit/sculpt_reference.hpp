@@ -40,7 +40,8 @@ class SculptReference {
   void applyBrush(const BrushTool& tool);
   DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
   void findUnsettled();
-  void refit(std::uint32_t point);
+  void refit();
+  Vec3 refitted(std::uint32_t point) const;
   ResampleWish wishOf(std::uint32_t point, Neighbours& neighbours) const;
   void resample();
   void insertClaimed();
@@ -60,6 +61,7 @@ class SculptReference {
   };
   std::vector<Wish> wishes_;  // of those unsettled
   std::vector<std::uint8_t> gone_;
+  std::vector<Vec3> normals_;  // new ones of those unsettled
 };
 
 }  // namespace palpate
