@@ -93,7 +93,7 @@ DVec3 BrushTool::smoothed(const DVec3& place, const SurfaceSample& surface) cons
 std::uint32_t BrushTool::painted(const DVec3& place, std::uint32_t color) const {
   const double part = share(place);
   if (options_.kind != BrushKind::paint || !(part > 0)) return color;
-  auto channels = unpackedColor(color);
+  auto channels = unpackedColor(color == 0 ? shared::kUnpainted : color);
   for (std::size_t k = 0; k < channels.size(); ++k) {
     const int gap = options_.color[k] - channels[k], size = std::abs(gap);
     // A level at least, so that the colour arrives.

@@ -33,7 +33,7 @@ class BrushTool {
   Point brushed(const DVec3& place, const DVec3& normal) const;
   /// Smooth: where a point goes. `surface`: the algebraic sphere that its neighbours define (SurfaceKind::sphere).
   DVec3 smoothed(const DVec3& place, const SurfaceSample& surface) const;
-  /// The colour of a point, RGBA8, after one tick of paint.
+  /// The colour of a point, RGBA8 or 0 for none, after one tick of paint.
   std::uint32_t painted(const DVec3& place, std::uint32_t color) const;
 
  private:

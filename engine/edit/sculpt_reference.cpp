@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
@@ -33,15 +34,10 @@ double widestSpacing(const SculptOptions& options) {
 }  // namespace
 
 SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
-    : options_(options),
-      points_(cloud),
-      grid_(grid, options.threads),
-      claims_(widestSpacing(options)),
-      nextId_(static_cast<std::uint32_t>(cloud.size())) {
+    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(widestSpacing(options)) {
   PALPATE_CHECK_LT(0.0, options.radius);
-  if (options.paints && !cloud.hasColors()) points_.colors.assign(cloud.size(), shared::kUnpainted);
   const Stopwatch watch;
-  grid_.build(points_.positions);
+  build();
   buildTime_us_ = watch.elapsed_us();
   if (options.keepsDensity) measureSpacings();
 }
@@ -63,12 +59,27 @@ void SculptReference::measureSpacings() {
 }
 
 void SculptReference::edit(const BrushTool& tool) {
+  for (const std::uint32_t point : changed_) told_[point] = 0;
+  changed_.clear();
   if (tool.acts()) applyBrush(tool);
   findUnsettled();
   refit();
-  if (options_.keepsDensity) resample();
-  for (const std::uint32_t point : unsettled_)
-    if (!options_.keepsDensity) points_.unsettled[point] = 0;
+  if (options_.keepsDensity)
+    resample();
+  else
+    for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
+}
+
+void SculptReference::set(std::span<const PointChange> changes) {
+  for (const PointChange& change : changes) points_.set(change.to);
+  std::ranges::fill(points_.unsettled, 0);
+  settled_ = true;
+  build();
+}
+
+void SculptReference::tellOf(std::uint32_t point) {
+  told_.resize(points_.size(), 0);
+  if (std::exchange(told_[point], 1) == 0) changed_.push_back(point);
 }
 
 // Every point reads the others where they were before.
@@ -79,26 +90,23 @@ void SculptReference::applyBrush(const BrushTool& tool) {
   places_.resize(reached_.size());
   forEachOf(grid_.team(), reached_.size(), [&](std::size_t i) {
     const std::uint32_t point = reached_[i];
-    const DVec3 place(points_.positions[point]);
     if (tool.kind() == BrushKind::smooth)
       places_[i] = {smoothed(tool, point)};
     else
-      places_[i] = tool.brushed(place, DVec3(points_.normals[point]));
+      places_[i] = tool.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]));
   });
-  gone_.assign(points_.size(), 0);
-  bool someGone = false;
   for (std::size_t i = 0; i < reached_.size(); ++i) {
     const std::uint32_t point = reached_[i];
     const Vec3 place(places_[i].position);
-    if (!points_.colors.empty())
-      points_.colors[point] = tool.painted(DVec3(points_.positions[point]), points_.colors[point]);
-    if (place != points_.positions[point]) points_.unsettled[point] = 1;
+    const std::uint32_t color = tool.painted(DVec3(points_.positions[point]), points_.colors[point]);
+    const bool moved = place != points_.positions[point];
+    if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
     points_.positions[point] = place;
-    gone_[point] = places_[i].taken;
-    someGone = someGone || places_[i].taken;
+    points_.colors[point] = color;
+    points_.there[point] = !places_[i].taken;
+    if (moved) points_.unsettled[point] = 1;
   }
-  if (someGone) points_.erase(gone_);
-  if (tool.kind() != BrushKind::paint) grid_.build(points_.positions);
+  if (!changed_.empty() && tool.kind() != BrushKind::paint) build();
 }
 
 DVec3 SculptReference::smoothed(const BrushTool& tool, std::uint32_t point) const {
@@ -114,7 +122,7 @@ DVec3 SculptReference::smoothed(const BrushTool& tool, std::uint32_t point) cons
 void SculptReference::findUnsettled() {
   unsettled_.clear();
   for (std::uint32_t i = 0; i < points_.size(); ++i)
-    if (points_.unsettled[i]) unsettled_.push_back(i);
+    if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
 }
 
 Vec3 SculptReference::refitted(std::uint32_t point) const {
@@ -136,14 +144,18 @@ Vec3 SculptReference::refitted(std::uint32_t point) const {
 void SculptReference::refit() {
   normals_.resize(unsettled_.size());
   forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
-  for (std::size_t i = 0; i < unsettled_.size(); ++i) points_.normals[unsettled_[i]] = normals_[i];
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    Vec3& normal = points_.normals[unsettled_[i]];
+    if (normal != normals_[i]) tellOf(unsettled_[i]);
+    normal = normals_[i];
+  }
 }
 
 ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours) const {
   const auto seen = [&](std::uint32_t number, const DVec3& offset) {
     return ResampleNeighbour{.offset = offset,
                              .normal = DVec3(points_.normals[number]),
-                             .spacing = double{points_.spacings[number]},
+                             .spacing = points_.spacing(number),
                              .number = number,
                              .unsettled = points_.unsettled[number] != 0};
   };
@@ -164,28 +176,28 @@ void SculptReference::resample() {
     if (wishes_[i].inserts) wishes_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + wishes_[i].offset);
   });
   const std::size_t before = points_.size();
-  gone_.assign(before, 0);
   bool someGone = false;
   settled_ = true;
   for (std::size_t i = 0; i < unsettled_.size(); ++i) {
-    gone_[unsettled_[i]] = wishes_[i].goes;
-    someGone = someGone || wishes_[i].goes;
-    points_.unsettled[unsettled_[i]] = wishes_[i].unsettled;
-    settled_ = settled_ && !wishes_[i].unsettled && !wishes_[i].goes;
+    const std::uint32_t point = unsettled_[i];
+    points_.unsettled[point] = wishes_[i].unsettled;
+    settled_ = settled_ && !wishes_[i].unsettled;
+    if (!wishes_[i].goes) continue;
+    points_.there[point] = 0;
+    someGone = true;
+    tellOf(point);
   }
   insertClaimed();
-  const bool someCame = points_.size() > before;
-  if (someGone) points_.erase(gone_);
-  if (someGone || someCame) grid_.build(points_.positions);
+  if (someGone || points_.size() > before) build();
 }
 
 void SculptReference::insertClaimed() {
   claims_.clear();
   for (std::size_t i = 0; i < unsettled_.size(); ++i)
-    if (wishes_[i].inserts) claims_.claim(wishes_[i].place, points_.ids[unsettled_[i]]);
+    if (wishes_[i].inserts) claims_.claim(wishes_[i].place, unsettled_[i]);
   for (std::size_t i = 0; i < unsettled_.size(); ++i)
-    if (wishes_[i].inserts && claims_.stands(wishes_[i].place, points_.ids[unsettled_[i]]))
-      points_.insertBetween(unsettled_[i], wishes_[i].other, wishes_[i].place, nextId_++);
+    if (wishes_[i].inserts && claims_.stands(wishes_[i].place, unsettled_[i]))
+      tellOf(points_.insertBetween(unsettled_[i], wishes_[i].other, wishes_[i].place));
 }
 
 }  // namespace palpate

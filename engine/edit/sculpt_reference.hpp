@@ -11,7 +11,6 @@ namespace palpate {
 struct SculptOptions {
   double radius = 0;         ///< support radius, model units
   bool keepsDensity = true;  ///< insert where the surface is stretched, merge where it is crowded
-  bool paints = false;       ///< points of a cloud without colours get one (shared::kUnpainted)
   unsigned threads = 0;      ///< 0: one per core
 };
 
@@ -31,12 +30,17 @@ class SculptReference {
   /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
   /// and come and go.
   void edit(const BrushTool& tool);
+  /// What the last edit did something to, each point once.
+  std::span<const std::uint32_t> changed() const { return changed_; }
   /// False: an edit would change something though no brush acts.
   bool settled() const { return settled_; }
+  /// Sets points exactly; after that all are settled.
+  void set(std::span<const PointChange> changes);
 
  private:
   using Neighbours = std::vector<ResampleNeighbour>;
   void measureSpacings();
+  void build() { grid_.build(points_.positions, points_.there); }
   void applyBrush(const BrushTool& tool);
   DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
   void findUnsettled();
@@ -45,23 +49,23 @@ class SculptReference {
   ResampleWish wishOf(std::uint32_t point, Neighbours& neighbours) const;
   void resample();
   void insertClaimed();
+  void tellOf(std::uint32_t point);
 
   SculptOptions options_;
   SculptedPoints points_;
   SortedGrid grid_;
   InsertionClaims claims_;
-  std::uint32_t nextId_;
   double buildTime_us_ = 0;
   bool settled_ = true;
   // Of one tick.
-  std::vector<std::uint32_t> reached_, unsettled_;  // numbers of points
-  std::vector<BrushTool::Point> places_;            // of those reached
   struct Wish : ResampleWish {
     Vec3 place{0};  // of the new point
   };
-  std::vector<Wish> wishes_;  // of those unsettled
-  std::vector<std::uint8_t> gone_;
-  std::vector<Vec3> normals_;  // new ones of those unsettled
+  std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
+  std::vector<BrushTool::Point> places_;                      // of those reached
+  std::vector<Vec3> normals_;                                 // new ones of those unsettled
+  std::vector<Wish> wishes_;                                  // of those unsettled
+  std::vector<std::uint8_t> told_;                            // by point: it stands in changed_
 };
 
 }  // namespace palpate

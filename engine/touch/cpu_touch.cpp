@@ -14,11 +14,13 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kRefitBatch = 64;  // points that a thread takes at a time
-
 HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
   return makeHashGrid(Vec3(boundsOf(cloud).min), options.cell > 0 ? options.cell : options.radius, cloud.size(),
                       options.bucketKey);
+}
+
+SculptOptions sculptOptions(const CpuTouchOptions& options) {
+  return {.radius = options.radius, .keepsDensity = options.brush && options.keepsDensity, .threads = options.threads};
 }
 
 }  // namespace
@@ -26,33 +28,20 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
     : options_(options),
       origin_(cloud.origin),
-      positions_(cloud.positions),
-      normals_(cloud.normals),
-      colors_(cloud.size()),
-      parents_(cloud.size()),
-      there_(cloud.size(), 1),
-      grid_(gridFor(cloud, options), options.threads),
+      sculpture_(cloud, gridFor(cloud, options), sculptOptions(options)),
       surface_{.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius},
       tracker_(options.radius, options.friction),
       pace_(kStalest_s) {
-  PALPATE_CHECK_EQ(normals_.size(), positions_.size());
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-    colors_[i] = packedColor(cloud, i);
-    parents_[i] = i;
-  }
-  const Stopwatch watch;
-  grid_.build(positions_, there_);
-  buildTime_us_ = watch.elapsed_us();
   if (!options.brush) return;
-  moved_.reserve(positions_.size());
   editTimes_us_.reserve(kEditTimesKept);
   edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
 }
 
 SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
   return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
-    grid_.forEachNear(
-        x, radius, [&](const SortedGrid::Placed& point) { visit(DVec3(point.position) - x, normals_[point.number]); });
+    sculpture_.grid().forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, sculpture_.points().normals[point.number]);
+    });
   });
 }
 
@@ -61,9 +50,10 @@ Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     if (!editFinishedWithin(budget_us)) return heldContact(last_, lastPose_, pose);
+    const DVec3 lastHip = last_.valid ? lastPose_.hip : pose.hip;
     answer(pose);
-    if (!last_.touching || !last_.valid) endStroke();
-    if (last_.valid) editIfYielding(budget_us > 0);
+    if ((!last_.touching || !last_.valid) && sculpture_.settled()) endStroke();
+    if (last_.valid) editIfYielding(lastHip, budget_us > 0);
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
@@ -83,11 +73,11 @@ void CpuTouch::answer(const Pose& pose) {
   lastPose_ = pose;
 }
 
-void CpuTouch::editIfYielding(bool realtime) {
-  if (!edit_ || !last_.touching) return;
-  const DVec3 hip = lastPose_.hip - origin_;
-  tool_.emplace(*options_.brush, options_.radius, hip, hip, last_.proxy - lastPose_.hip);
-  if (!tool_->acts()) return;
+void CpuTouch::editIfYielding(const DVec3& lastHip, bool realtime) {
+  if (!edit_) return;
+  const DVec3 spring = last_.touching ? last_.proxy - lastPose_.hip : DVec3(0);
+  tool_.emplace(*options_.brush, options_.radius, lastPose_.hip - origin_, lastHip - origin_, spring);
+  if (!tool_->acts() && sculpture_.settled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;
@@ -100,32 +90,11 @@ void CpuTouch::editIfYielding(bool realtime) {
 
 void CpuTouch::edit() {
   const Stopwatch watch;
-  moved_.clear();
-  grid_.forEachNear(tool_->center(), tool_->radius(),
-                    [&](const SortedGrid::Placed& point) { moved_.push_back(point.number); });
-  for (const std::uint32_t point : moved_)
-    positions_[point] = Vec3(tool_->brushed(DVec3(positions_[point]), DVec3(normals_[point])).position);
-  grid_.build(positions_, there_);
-  const std::size_t batches = (moved_.size() + kRefitBatch - 1) / kRefitBatch;
-  grid_.team().forEach(batches, [&](std::size_t batch) {
-    const std::size_t end = std::min(moved_.size(), (batch + 1) * kRefitBatch);
-    for (std::size_t i = batch * kRefitBatch; i < end; ++i) refit(moved_[i]);
-  });
-  tellOfEdit();
+  sculpture_.edit(*tool_);
+  const auto changed = sculpture_.changed();
+  queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
+  editsTold_ += changed.size();
   editTime_us_ = watch.elapsed_us();
-}
-
-void CpuTouch::tellOfEdit() {
-  queue_.append(moved_.size(), [&](std::size_t i) { return state(moved_[i]); });
-  editsTold_ += moved_.size();
-}
-
-void CpuTouch::refit(std::uint32_t point) {
-  const DVec3 place(positions_[point]);
-  NormalFit fit(options_.radius);
-  grid_.forEachNear(place, options_.radius,
-                    [&](const SortedGrid::Placed& near) { fit.add(DVec3(near.position) - place); });
-  normals_[point] = Vec3(fit.normal(DVec3(normals_[point])).normal);
 }
 
 bool CpuTouch::editFinishedWithin(double budget_us) {
@@ -145,36 +114,11 @@ void CpuTouch::endStroke() {
 void CpuTouch::change(std::span<const PointChange> changes) {
   finish();
   if (changes.empty()) return;
-  for (const PointChange& change : changes) set(change.to);
-  grid_.build(positions_, there_);
+  sculpture_.set(changes);
   queue_.append(
       changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
   editsAnswered_ = editsTold_ += changes.size();
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
-}
-
-PointState CpuTouch::state(std::uint32_t point) const {
-  return {.position = positions_[point],
-          .id = there_[point] ? point : point | PointState::kGone,
-          .normal = normals_[point],
-          .color = colors_[point],
-          .parent = parents_[point]};
-}
-
-void CpuTouch::set(const PointState& state) {
-  const std::uint32_t point = state.number();
-  while (positions_.size() <= point) {
-    parents_.push_back(static_cast<std::uint32_t>(positions_.size()));
-    positions_.emplace_back(0);
-    normals_.emplace_back(0);
-    colors_.push_back(0);
-    there_.push_back(0);
-  }
-  positions_[point] = state.position;
-  normals_[point] = state.normal;
-  colors_[point] = state.color;
-  parents_[point] = state.parent;
-  there_[point] = !state.gone();
 }
 
 void CpuTouch::finish() {
@@ -185,15 +129,15 @@ void CpuTouch::finish() {
 
 std::size_t CpuTouch::readBack(PointCloud& cloud) const {
   if (edit_) edit_->finishedWithin(0);
-  std::vector<PointState> points(positions_.size());
-  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = state(i);
+  std::vector<PointState> points(sculpture_.points().size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = sculpture_.points().state(i);
   const std::size_t changed = changedPoints(cloud, points);
   cloud = editedCloud(cloud, points);
   return changed;
 }
 
 std::string CpuTouch::machine() const {
-  const std::size_t threads = grid_.threads();
+  const std::size_t threads = sculpture_.threads();
   return fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
 }
 

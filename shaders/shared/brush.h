@@ -32,8 +32,8 @@ const float kCarveDepth = 2.0f;
 const float kInflateStep = 1e-3f;
 // Of the tool's radius: nearer than this to its centre there is no way out but the tip's.
 const float kAtCenter = 1e-6f;
-// RGBA8, what the points of a cloud without colours have before they are painted.
-const uint kUnpainted = 0xffc8c8c8u;
+// RGBA8, what paint finds where a point has no colour (0) yet: white, as such points are written.
+const uint kUnpainted = 0xffffffffu;
 
 struct Brush {
   uint kind;          // kBrush...
@@ -152,13 +152,14 @@ PALPATE_FUNCTION uint blendedChannel(uint from, uint to, float share) {
   return from < to ? from + move : from - move;
 }
 
-// The colour of a point, RGBA8, after one tick of paint.
+// The colour of a point, RGBA8 or 0 for none, after one tick of paint.
 PALPATE_FUNCTION uint painted(Brush brush, Tool tool, vec3 position, uint color) {
   const float share = brushShare(brush, tool, position);
   if (brush.kind != kBrushPaint || !(share > 0.0f)) return color;
+  const uint from = color == 0u ? kUnpainted : color;
   uint blended = 0u;
   for (uint bit = 0u; bit < 32u; bit += 8u)
-    blended |= blendedChannel((color >> bit) & 255u, (brush.color >> bit) & 255u, share) << bit;
+    blended |= blendedChannel((from >> bit) & 255u, (brush.color >> bit) & 255u, share) << bit;
   return blended;
 }
 
