@@ -45,16 +45,23 @@ SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, 
 // The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2. Never wider than the
 // support radius is made for.
 void SculptReference::measureSpacings() {
+  const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
+  std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    counts[i] = 1;
+    grid_.forEachNear(DVec3(points_.positions[i]), least,
+                      [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
+  });
   points_.spacings.resize(points_.size());
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
     const DVec3 place(points_.positions[i]);
     double weights = 0;
     grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-      if (glm::dot(points_.normals[i], points_.normals[near.number]) > shared::kSameSheet)
+      if (counts[near.number] && glm::dot(points_.normals[i], points_.normals[near.number]) > shared::kSameSheet)
         weights += wendland(glm::distance(DVec3(near.position), place) / options_.radius);
     });
-    const double spacing = options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 1.0));
-    points_.spacings[i] = static_cast<float>(std::min(spacing, widestSpacing(options_)));
+    const double spacing = options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 0.1));
+    points_.spacings[i] = static_cast<float>(std::clamp(spacing, least, widestSpacing(options_)));
   });
 }
 

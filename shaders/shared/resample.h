@@ -16,12 +16,18 @@ using glm::dot;
 
 // In target spacings, which are those of the cloud as it was loaded.
 // A direction in which the nearest neighbour is further than this has a gap. Less fills places that are only uneven,
-// and more than sqrt(3) times the edge of a hexagonal lattice (1.07) lets its second ring pass for the first.
+// more leaves holes.
 const float kWidestGap = 1.6f;
-// A new point stands at least so far from every other one: less than half a gap, or gaps could not be filled.
-const float kLeastClearance = 0.6f;
+// A new point stands at least so far from every other one: less than half a gap, or no gap could be filled, and enough
+// that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its corners
+// nearer than a gap).
+const float kLeastClearance = 0.7f;
 // Of two points nearer to one another than this, one goes. Well below the clearance, or points would come and go.
 const float kCrowded = 0.4f;
+
+// Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
+// are measured, so that a heap of points in one place does not ask for more of them all around.
+const float kLeastSpacing = 0.03125f;
 
 // Directions in the tangent plane that are looked at by themselves: each neighbour of an even lattice has its own.
 const uint kSectors = 6u;
