@@ -27,7 +27,9 @@ class RandomEdits {
       change();
     else
       scene_.compact();
-    for (const PointState& state : scene_.takeLog()) apply(state);
+    auto log = scene_.takeLog();  // within a tick in any order
+    std::ranges::sort(log, {}, &PointState::number);
+    for (const PointState& state : log) apply(state);
   }
   bool agrees() const { return scene_.points() == mirror_; }
   std::size_t size() const { return mirror_.size(); }
