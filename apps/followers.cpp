@@ -15,7 +15,8 @@ constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
 Followers::Followers(Context& context, const Model& model, TouchBackend& backend, const FollowersWanted& wanted)
     : model_(model), backend_(backend), log_(wanted.log), touchSide_(dynamic_cast<TouchSide*>(&backend)) {
   if (wanted.picture && touchSide_) {
-    drawn_.emplace(context.device(), model.cloud);
+    const LiveCloud& live = touchSide_->live();
+    drawn_.emplace(context.device(), model.cloud, live.slots() - live.count(), touchSide_->paints());
     drawnReader_.emplace(touchSide_->editLog());
   }
   if (!wanted.journal) return;
