@@ -55,7 +55,7 @@ PALPATE_FUNCTION vec3 halfWay(vec3 offset, vec3 normal, vec3 otherNormal) {
 }
 
 // Insertions claim their places on a grid whose cells are as wide as the clearance, with one slot for a cell: the point
-// with the smallest number has it, and its insertion stands unless a point with a smaller number has one of the 26 cells
+// with the smallest number has it; its insertion stands unless a point with a smaller number has one of the 26 cells
 // about it and wants a place nearer than the clearance. `spacing`: the widest target, model units.
 PALPATE_FUNCTION HashGrid claimGrid(float spacing) {
   HashGrid grid;
