@@ -78,9 +78,13 @@ void changeText(const std::filesystem::path& from, const std::filesystem::path& 
 
 TEST_CASE("with every stroke undone the saved file is the model's, byte by byte; redone, it is the sculpted one's") {
   const Scene scene(3);
+  std::string backend;
+  SUBCASE("cpu") { backend = "cpu"; }
+  SUBCASE("vulkan") { backend = "vulkan"; }
   const auto save = [&](const std::string& name, const std::string& options, const std::string& path = "path.csv") {
-    works(scene.touch("--backend cpu --save " + scene.file(name) + " --json " + scene.file("t.json") + " " + options,
-                      path));
+    works(scene.touch(
+        "--backend " + backend + " --save " + scene.file(name) + " --json " + scene.file("t.json") + " " + options,
+        path));
     return contentOf(scene.folder / name);
   };
   const std::string model = contentOf(scene.folder / "model.ply"), sculpted = save("sculpted.ply", "");
@@ -114,7 +118,7 @@ TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, 
   for (const std::string options :
        {"--backend cpu", "--backend vulkan", "--backend cpu --device sim --friction 0.3 --surface sharp",
         "--backend vulkan --method indirect --bucket-key morton --stiffness 0.5 --rate 500",
-        "--backend cpu --undo 2 --redo 1"}) {
+        "--backend cpu --undo 2 --redo 1", "--backend vulkan --undo 2 --redo 1"}) {
     CAPTURE(options);
     works(scene.touch(options + " --log " + scene.file("log") + " --trace " + scene.file("a.csv") + " --save " +
                       scene.file("saved.ply")));
