@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kRate_Hz = 30;
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
+constexpr std::size_t kMostWaitingEdits = 1 << 18;
+constexpr int kLooksPerTurn = 8;  // whether the ring of a GPU fills up faster than usual
 
 }  // namespace
 
@@ -34,7 +36,8 @@ TickObserver Followers::begin(double rate_Hz, bool realtime) {
     try {
       while (!stop.stop_requested()) {
         catchUp();
-        std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz));
+        for (int look = 0; look < kLooksPerTurn && !isHalfFull(); ++look)
+          std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz / kLooksPerTurn));
       }
     } catch (...) {
       failure_ = std::current_exception();
@@ -47,8 +50,13 @@ bool Followers::isNearlyFull() const {
   return touchSide_ && touchSide_->editLog().room() < 2 * std::uint64_t{model_.cloud.size()};
 }
 
+bool Followers::isHalfFull() const {
+  return touchSide_ && touchSide_->editLog().room() < touchSide_->editLog().capacity() / 2;
+}
+
 void Followers::observe(const TraceRow& row) {
-  const bool flushes = log_ && row.time_s >= lastFlush_s_ + kBetweenFlushes_s;
+  const bool flushes =
+      log_ && (row.time_s >= lastFlush_s_ + kBetweenFlushes_s || log_->waitingEdits() > kMostWaitingEdits);
   if (++ticks_ % period_ == 0 || flushes || isNearlyFull()) catchUp();
   if (!flushes) return;
   log_->flush();

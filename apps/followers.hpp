@@ -42,6 +42,7 @@ class Followers {
   void observe(const TraceRow& row);
   // The ring of a GPU may soon have no room for another edit.
   bool isNearlyFull() const;
+  bool isHalfFull() const;
 
   const Model& model_;
   TouchBackend& backend_;
