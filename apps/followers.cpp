@@ -79,8 +79,13 @@ void Followers::draw() {
     drawn_->catchUp(*drawnReader_);
   } catch (...) {
     drawnReader_.reset();  // the hand, the journal and the log go on without the picture
-    if (!failure_) failure_ = std::current_exception();
+    drawingFailure_ = std::current_exception();
   }
+}
+
+DrawnCloud* Followers::drawn() {
+  if (drawingFailure_) std::rethrow_exception(drawingFailure_);
+  return drawn_ ? &*drawn_ : nullptr;
 }
 
 void Followers::finish() {
