@@ -171,10 +171,10 @@ TEST_CASE("a change ends the stroke that is under way, on the CPU in real time t
     std::jthread follower([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) touch.takeEdits(all);
     });
-    for (int i = 0; i < 200; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.02 * i}}, 300);
+    for (int i = 0; i < 200; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.02 * i}}, i % 4 ? 300 : 0);
     const PointState first = statesOf(scene.cloud)[0];
     touch.change(std::vector<PointChange>{{first, first}});
-    for (int i = 0; i < 50; ++i) touch.query({.time_s = 0.2 + 1e-3 * i, .hip = {0, 0, 47}}, 300);
+    for (int i = 0; i < 50; ++i) touch.query({.time_s = 0.2 + 1e-3 * i, .hip = {0, 0, 46}}, i % 4 ? 300 : 0);
     touch.finish();
   }
   touch.takeEdits(all);
