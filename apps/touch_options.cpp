@@ -22,7 +22,7 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
   sub.add_option("--edit", options.edit,
                  "none, or what a round tool does where the HIP stands deeper than --tau: push, the surface yields to "
                  "it; carve, cuts it out; inflate, along the normals; smooth; grab, along with the hand; paint, with "
-                 "--paint-color (only push with vulkan and cuda)")
+                 "--paint-color (only push with cuda)")
       ->check(CLI::IsMember(std::move(edits)))
       ->capture_default_str();
   sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
@@ -107,8 +107,8 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
 void checkTouchOptions(const TouchCommandOptions& options) {
   checkBackendOptions(options.backend);
   paintColor(options);
-  if (options.edit != "none" && options.edit != "push" && options.backend.backend != "cpu")
-    throw UsageError("--edit: --backend {} has only push; take cpu for {}", options.backend.backend, options.edit);
+  if (options.edit != "none" && options.edit != "push" && options.backend.backend == "cuda")
+    throw UsageError("--edit: --backend cuda has only push; take vulkan or cpu for {}", options.edit);
   checkPictureOptions(options.picture);
   if (options.edit == "none") {
     if (!options.saveFile.empty()) throw UsageError("--save: nothing changes with --edit none");

@@ -16,7 +16,7 @@ constexpr std::uint64_t kWord = sizeof(std::uint32_t);
 constexpr std::uint64_t kClaimsAt = sizeof(shared::Resampling) + kWord * shared::kMostBirths;
 
 std::uint64_t listBytes(std::uint64_t mostWishes) {
-  return kClaimsAt + kWord * shared::kClaimSlots + sizeof(shared::PointWish) * mostWishes;
+  return kClaimsAt + (kWord + sizeof(Vec3)) * shared::kClaimSlots + sizeof(shared::PointWish) * mostWishes;
 }
 
 }  // namespace
@@ -30,6 +30,7 @@ Resample::Resample(Device& device, const LiveCloud& live, std::uint32_t mostWish
       birth_(device, shader_code::edit_birth, pipeline(sizeof(shared::BirthArgs))),
       heard_(device, shader_code::edit_heard, pipeline(sizeof(shared::RecallArgs))),
       wish_(device, shader_code::edit_wish, pipeline(sizeof(shared::WishArgs))),
+      confirm_(device, shader_code::edit_confirm, pipeline(sizeof(shared::RecallArgs))),
       lists_(device, listBytes(mostWishes), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       looks_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "looks")),
@@ -108,6 +109,7 @@ void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress chang
                                          .radius = static_cast<float>(radius_),
                                          .most = mostWishes_},
                         offsetof(shared::HashUpdate, changedGroups));
+  list.dispatchIndirect(confirm_, lists_, recallArgs(io, false), offsetof(shared::Resampling, wishGroups));
 }
 
 void Resample::recordReport(CommandList& list) const { list.copy(lists_, report_, sizeof(shared::Resampling)); }

@@ -45,7 +45,7 @@ class Resample {
   Device& device_;
   double radius_;
   std::uint32_t mostWishes_;
-  ComputePipeline measure_, recall_, birth_, heard_, wish_;
+  ComputePipeline measure_, recall_, birth_, heard_, wish_, confirm_;
   Buffer lists_, spacings_, looks_, report_;
 };
 

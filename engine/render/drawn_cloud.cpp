@@ -14,7 +14,7 @@ namespace palpate {
 namespace {
 
 // Points of a cloud without colours before they are painted (shared::kUnpainted).
-constexpr std::array<std::uint8_t, 4> kUnpainted{200, 200, 200, 255};
+constexpr std::array<std::uint8_t, 4> kUnpainted{255, 255, 255, 255};
 
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)

@@ -8,14 +8,16 @@
 
 layout(push_constant, scalar) uniform Push { RecallArgs args; };
 
-// Whether no wish of a smaller id claims one of the cells about the place.
+// Whether a wish has its own cell of the claims, and none of a smaller id in the cells about it a place too near.
 bool claimStands(HashGrid grid, vec3 place, uint id) {
   const uint kCellsAbout = 27;
+  const float clearance = kLeastClearance * args.brush.at[0].support / kSupportSpacings;
   const ivec3 cell = cellOf(grid, place);
-  bool stands = true;
+  bool stands = args.lists.claims[bucketOf(grid, cell)] == id;
   for (uint c = gl_SubgroupInvocationID; c < kCellsAbout; c += gl_SubgroupSize) {
     const ivec3 about = cell + ivec3(c % 3, c / 3 % 3, c / 9) - 1;
-    if (args.lists.claims[bucketOf(grid, about)] < id) stands = false;
+    const uint claim = bucketOf(grid, about);
+    if (args.lists.claims[claim] < id && distance(args.lists.claimed[claim], place) < clearance) stands = false;
   }
   return subgroupAll(stands);
 }

@@ -20,6 +20,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ResampleList
   Resampling now;
   uint births[kMostBirths];   // numbers of wishes, in any order
   uint claims[kClaimSlots];   // the least id that wants a place; all bits where none does
+  vec3 claimed[kClaimSlots];  // the place that it wants
   PointWish wishes[];
 };
 

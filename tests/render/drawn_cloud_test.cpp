@@ -146,7 +146,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
   CHECK(std::isnan(positions[301].x));  // nobody has come there
   CHECK(Vec3(positions[302]) == place);
   CHECK(colors[302] == 0xff00ff00);
-  CHECK(colors[0] == 0xffc8c8c8);
+  CHECK(colors[0] == 0xffffffff);
 }
 
 }  // namespace palpate
