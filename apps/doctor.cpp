@@ -56,9 +56,12 @@ Json describe(std::FILE* out, std::size_t number, VkPhysicalDevice device) {
   }
   const auto roles = chooseQueues(families);
   if (roles)
-    fmt::print(out, "  touch: family {} queue {}   sight: family {} queue {}{}\n", roles->touch.family,
-               roles->touch.index, roles->sight.family, roles->sight.index,
-               roles->shared() ? "   (one queue, shared behind a lock)" : "");
+    fmt::print(out, "  touch: family {} queue {}   sight: family {} queue {}   background: family {} queue {}{}\n",
+               roles->touch.family, roles->touch.index, roles->sight.family, roles->sight.index,
+               roles->background.family, roles->background.index,
+               roles->shared()             ? "   (one queue, shared behind a lock)"
+               : roles->backgroundShares() ? "   (sight and background share one behind a lock)"
+                                           : "");
   bool usable = roles.has_value();
   for (const FeatureState& feature : requiredFeatures(device)) {
     fmt::print(out, "  {} {}\n", feature.present ? "has  " : "LACKS", feature.name);
@@ -83,8 +86,8 @@ void doctor(Context& context) {
 }  // namespace
 
 void addDoctor(CLI::App& app, Context& context, Command& command) {
-  CLI::App* sub =
-      app.add_subcommand("doctor", "the GPUs of this machine, and which of their queues serve touch and sight");
+  CLI::App* sub = app.add_subcommand(
+      "doctor", "the GPUs of this machine, and which of their queues serve touch, sight and background");
   sub->callback([&] { command = [&context] { doctor(context); }; });
 }
 

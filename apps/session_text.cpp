@@ -130,7 +130,7 @@ RecordedSession parseSessionText(const std::filesystem::path& log, const std::st
 
 void TickTap::ticked(const TraceRow& row, const DVec3& device) noexcept {
   const TouchShortfalls& shortfalls = backend_.shortfalls();
-  const std::uint64_t leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow;
+  const std::uint64_t leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
   const bool leavesOut = std::exchange(leftOut_, leftOut) != leftOut;
   sink_({.time_s = row.time_s,
          .device = device,

@@ -122,6 +122,8 @@ void printReport(std::FILE* out, const TouchReport& report) {
         fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
     row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
+  if (shortfalls.editsHeldUp)
+    row("edits left out", fmt::format("{}: the index could not be built just then", shortfalls.editsHeldUp));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));
@@ -160,7 +162,8 @@ Json toJson(const TouchReport& report) {
         {"stale_ticks", report.servo.withheld.stale},
         {"hot_ticks", report.servo.withheld.hot}}},
       {"interrupted", report.interrupted},
-      {"skipped_edits", report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow},
+      {"skipped_edits",
+       report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow + report.shortfalls.editsHeldUp},
       {"thinned_ticks", report.shortfalls.thinnedTicks},
       {"thinned_patches", report.shortfalls.thinnedPatches},
       {"truncated_ticks", report.shortfalls.truncatedTicks},

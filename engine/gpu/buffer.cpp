@@ -56,16 +56,15 @@ OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint
 Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name)
     : device_(&device), bytes_(bytes), name_(std::move(name)) {
   if (bytes > device.largestBuffer()) throw tooLarge(device, name_, bytes, device.largestBuffer());
-  const auto& roles = device.roles();
-  const std::array families{roles.touch.family, roles.sight.family};
-  const bool oneFamily = families[0] == families[1];
+  const auto families = device.roles().families();
+  const bool oneFamily = families.size() == 1;
   const VkBufferCreateInfo info{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                 .pNext = nullptr,
                                 .flags = 0,
                                 .size = std::max<std::uint64_t>(bytes, 16),
                                 .usage = kUsage,
                                 .sharingMode = oneFamily ? VK_SHARING_MODE_EXCLUSIVE : VK_SHARING_MODE_CONCURRENT,
-                                .queueFamilyIndexCount = oneFamily ? 0u : 2u,
+                                .queueFamilyIndexCount = oneFamily ? 0u : static_cast<std::uint32_t>(families.size()),
                                 .pQueueFamilyIndices = oneFamily ? nullptr : families.data()};
   try {
     device.check(device.vk().vkCreateBuffer(device.handle(), &info, nullptr, &buffer_), "vkCreateBuffer");

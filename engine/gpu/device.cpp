@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <thread>
 
 namespace palpate {
@@ -70,28 +71,30 @@ void Device::createLogicalDevice() {
   if (!roles) throw GpuError("{} has no queue that computes; choose another GPU with --gpu", name_);
   roles_ = *roles;
 
-  // Within a family the first queue is the sight side's; touch goes first wherever the driver weighs them.
-  constexpr std::array kSightThenTouch{0.5f, 1.0f};
-  constexpr float kTouchPriority = 1.0f;
+  // Touch goes first wherever the driver weighs queues, and the background last.
+  constexpr float kTouchPriority = 1.0f, kSightPriority = 0.5f, kBackgroundPriority = 0.0f;
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   const VkDeviceQueueGlobalPriorityCreateInfoKHR high{
       .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_GLOBAL_PRIORITY_CREATE_INFO_KHR,
       .pNext = nullptr,
       .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
-  const bool oneFamily = roles_.touch.family == roles_.sight.family;
-  std::vector<VkDeviceQueueCreateInfo> queues{{.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                               .pNext = nullptr,
-                                               .flags = 0,
-                                               .queueFamilyIndex = roles_.sight.family,
-                                               .queueCount = oneFamily && !roles_.shared() ? 2u : 1u,
-                                               .pQueuePriorities = kSightThenTouch.data()}};
-  if (!oneFamily)
+  std::map<std::uint32_t, std::vector<float>> priorities;  // of the queues of a family
+  const auto want = [&](const QueueChoice& choice, float priority) {
+    auto& family = priorities[choice.family];
+    family.resize(std::max<std::size_t>(family.size(), choice.index + 1));
+    family[choice.index] = std::max(family[choice.index], priority);
+  };
+  want(roles_.sight, kSightPriority);
+  want(roles_.touch, kTouchPriority);
+  want(roles_.background, kBackgroundPriority);
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  for (const auto& [family, each] : priorities)
     queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                      .pNext = globalPriority ? &high : nullptr,
+                      .pNext = globalPriority && family != roles_.sight.family ? &high : nullptr,
                       .flags = 0,
-                      .queueFamilyIndex = roles_.touch.family,
-                      .queueCount = 1,
-                      .pQueuePriorities = &kTouchPriority});
+                      .queueFamilyIndex = family,
+                      .queueCount = static_cast<std::uint32_t>(each.size()),
+                      .pQueuePriorities = each.data()});
 
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   v13.synchronization2 = VK_TRUE;
@@ -122,8 +125,8 @@ void Device::createLogicalDevice() {
                                 .ppEnabledExtensionNames = extensions.data(),
                                 .pEnabledFeatures = nullptr};
   VkResult result = vkCreateDevice(physical_, &info, nullptr, &device_);
-  if (result != VK_SUCCESS && queues.back().pNext) {  // high priority may want a right that this user lacks: go without
-    queues.back().pNext = nullptr;
+  if (result != VK_SUCCESS && globalPriority) {  // high priority may want a right that this user lacks: go without
+    for (VkDeviceQueueCreateInfo& each : queues) each.pNext = nullptr;
     result = vkCreateDevice(physical_, &info, nullptr, &device_);
   }
   check(result, "vkCreateDevice");
@@ -133,21 +136,25 @@ void Device::createLogicalDevice() {
   } catch (...) {
     touch_.reset();
     sight_.reset();
+    background_.reset();
     table_.vkDestroyDevice(device_, nullptr);
     throw;
   }
 }
 
 void Device::createQueues() {
+  std::map<VkQueue, std::shared_ptr<SharedQueue>> queues;  // roles with one handle share its lock
   const auto queue = [&](const QueueChoice& choice) {
-    auto shared = std::make_shared<SharedQueue>();
-    table_.vkGetDeviceQueue(device_, choice.family, choice.index, &shared->handle);
-    return shared;
+    VkQueue handle = VK_NULL_HANDLE;
+    table_.vkGetDeviceQueue(device_, choice.family, choice.index, &handle);
+    auto& shared = queues[handle];
+    if (!shared) shared = std::make_shared<SharedQueue>();
+    shared->handle = handle;
+    return std::make_unique<Queue>(*this, shared, choice.family);
   };
-  const auto sight = queue(roles_.sight);
-  const auto touch = roles_.shared() ? sight : queue(roles_.touch);
-  sight_ = std::make_unique<Queue>(*this, sight, roles_.sight.family);
-  touch_ = std::make_unique<Queue>(*this, touch, roles_.touch.family);
+  sight_ = queue(roles_.sight);
+  touch_ = queue(roles_.touch);
+  background_ = queue(roles_.background);
 }
 
 Device::~Device() {
@@ -155,6 +162,7 @@ Device::~Device() {
   table_.vkDeviceWaitIdle(device_);
   touch_.reset();
   sight_.reset();
+  background_.reset();
   pipelines_.destroyAll(*this);
   table_.vkDestroyDevice(device_, nullptr);
 }

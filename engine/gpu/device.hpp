@@ -16,7 +16,7 @@ struct DeviceOptions {
   bool validate = false;  ///< core, synchronisation and GPU-assisted validation
 };
 
-/// A GPU in use: its logical device, its two queue roles and its limits. Everything made from it must go before it.
+/// A GPU in use: its logical device, its three queue roles and its limits. Everything made from it must go before it.
 class Device {
  public:
   explicit Device(const DeviceOptions& options);
@@ -34,6 +34,8 @@ class Device {
   Queue& touch() { return *touch_; }
   /// The sight side's queue.
   Queue& sight() { return *sight_; }
+  /// For work on the touch side's data that must not hold up touch. Used by the touch side's thread.
+  Queue& background() { return *background_; }
   const QueueRoles& roles() const { return roles_; }
   PipelineStore& pipelines() { return pipelines_; }
 
@@ -79,7 +81,7 @@ class Device {
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};
   PipelineStore pipelines_;
-  std::unique_ptr<Queue> touch_, sight_;
+  std::unique_ptr<Queue> touch_, sight_, background_;
   std::atomic<std::uint64_t> allocated_ = 0;
 };
 

@@ -69,10 +69,24 @@ std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> 
     }
   }
   if (!anyCompute) return std::nullopt;
-  const std::uint32_t sight = graphics.value_or(*anyCompute);
-  if (computeOnly && *computeOnly != sight) return QueueRoles{{*computeOnly, 0}, {sight, 0}};
-  const std::uint32_t second = families[sight].queueCount > 1 ? 1 : 0;
-  return QueueRoles{{sight, second}, {sight, 0}};
+  const QueueChoice sight{graphics.value_or(*anyCompute), 0};
+  const std::uint32_t ofSight = families[sight.family].queueCount;
+  const bool apart = computeOnly && *computeOnly != sight.family;
+  const QueueChoice touch = apart ? QueueChoice{*computeOnly, 0} : QueueChoice{sight.family, ofSight > 1 ? 1u : 0u};
+  const std::uint32_t next = apart ? 1 : 2;
+  QueueChoice background = sight;
+  if (ofSight > next)
+    background = {sight.family, next};
+  else if (apart && families[touch.family].queueCount > 1)
+    background = {touch.family, 1};
+  return QueueRoles{touch, sight, background};
+}
+
+std::vector<std::uint32_t> QueueRoles::families() const {
+  std::vector<std::uint32_t> all{touch.family};
+  for (const QueueChoice& other : {sight, background})
+    if (!std::ranges::count(all, other.family)) all.push_back(other.family);
+  return all;
 }
 
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {

@@ -29,9 +29,15 @@ struct QueueChoice {
   bool operator==(const QueueChoice&) const = default;
 };
 /// Touch gets a compute-only family where there is one, else a second queue of the sight family, else the same queue.
+/// Background work gets a queue of its own where there is one more: of the sight family first, so that touch stays
+/// alone in a family of high priority. Else it shares that of sight.
 struct QueueRoles {
-  QueueChoice touch, sight;
+  QueueChoice touch, sight, background;
+  /// Touch and sight have one queue between them.
   bool shared() const { return touch == sight; }
+  bool backgroundShares() const { return background == sight; }
+  /// The families in use, each once.
+  std::vector<std::uint32_t> families() const;
 };
 /// Nothing when no family can compute. Sight wants graphics and falls back to any compute family.
 std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families);

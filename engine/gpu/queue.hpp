@@ -16,7 +16,7 @@ class Device;
 /// sleeps in the driver, which is the only fair way where the driver itself needs the cores.
 enum class Wait { spin, poll, block };
 
-/// A driver queue. Where touch and sight share one, both hold this and its lock.
+/// A driver queue. Roles that share one all hold this and its lock.
 struct SharedQueue {
   VkQueue handle = VK_NULL_HANDLE;
   PriorityMutex lock;

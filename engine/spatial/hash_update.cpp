@@ -15,12 +15,24 @@ namespace {
 // from which an edit rebuilds; both cost memory.
 constexpr std::uint64_t kSpareShare = 8, kMovesShare = 16;
 constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
+// Buckets that may change while a compaction runs, of those that one update may touch.
+constexpr std::uint64_t kDirtyPerMove = 4;
 
 constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +
                                         2 * sizeof(Vec4);  // a move touches two buckets at most
 
 PipelineOptions pipeline(std::uint32_t pushBytes) {
   return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+}
+
+// Of the list of dirty buckets, each of which stands there once.
+std::uint32_t dirtyListFor(std::uint64_t moves, std::uint64_t buckets) {
+  return static_cast<std::uint32_t>(std::min(kDirtyPerMove * moves, buckets));
+}
+
+// The capacity of the list, the map, the list.
+std::uint64_t dirtyWords(std::uint64_t moves, const HashGrid& grid) {
+  return 1 + std::uint64_t{shared::dirtyListFrom(grid)} + dirtyListFor(moves, std::uint64_t{grid.bucketMask} + 1);
 }
 
 Buffer words(Device& device, std::uint64_t count, const char* name) {
@@ -39,6 +51,7 @@ std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
 
 HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)
     : mostMoves_(defaultMoves(live.count())),
+      mostDirty_(dirtyListFor(mostMoves_, std::uint64_t{hash.grid().bucketMask} + 1)),
       plan_(device, shader_code::spatial_update_plan, pipeline(sizeof(shared::HashUpdateArgs))),
       place_(device, shader_code::spatial_update_place, pipeline(sizeof(shared::HashUpdateArgs))),
       apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs))),
@@ -53,7 +66,7 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
           Buffer::of<shared::TouchedBucket>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "touched buckets")),
       arrivals_(Buffer::of<Vec4>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "arrivals")),
       changed_(words(device, live.slots(), "changed slots")),
-      dirty_(words(device, 1 + 4 * std::uint64_t{mostMoves_}, "dirty buckets")),
+      dirty_(words(device, dirtyWords(mostMoves_, hash.grid()), "dirty buckets")),
       capacities_{words(device, hash.grid().bucketMask + 1, "bucket capacities"),
                   words(device, hash.grid().bucketMask + 1, "bucket capacities")} {
   const UVec3 none(0, 1, 1);
@@ -62,14 +75,15 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
                                  .bucketGroups = none,
                                  .applyGroups = none,
                                  .changedGroups = none,
-                                 .head = live.count()};
+                                 .head = live.count(),
+                                 .points = live.count()};
   upload(device, template_, std::vector{begin});
   upload(device, counters_, std::vector{begin});
   report_.mapped<shared::HashUpdate>()[0] = begin;
   CommandList clear(device, device.touch(), "clear update");
   clear.begin();
   clear.fill(marks_, 0, marks_.bytes());
-  clear.fill(dirty_, 4 * mostMoves_, sizeof(std::uint32_t));
+  clear.fill(dirty_, 0, dirty_.bytes());
   for (const Buffer& capacities : capacities_) clear.fill(capacities, 0, capacities.bytes());
   clear.end();
   device.touch().run(clear);
@@ -109,6 +123,15 @@ void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud
                 shared::HashRecountArgs{.cloud = cloud, .update = counters_.address(), .changed = changed_.address()});
 }
 
+void HashUpdate::recordNoting(CommandList& list, std::uint32_t most) const {
+  constexpr std::uint64_t kWord = sizeof(std::uint32_t);
+  const auto overlap = list.independent();
+  list.fill(counters_, 1, kWord, offsetof(shared::HashUpdate, compacting));
+  list.fill(counters_, 0, kWord, offsetof(shared::HashUpdate, dirty));
+  list.fill(dirty_, std::min(most, mostDirty_), kWord);
+  list.fill(dirty_, 0, dirty_.bytes() - kWord * (1 + std::uint64_t{mostDirty_}), kWord);
+}
+
 void HashUpdate::recordReport(CommandList& list) const { list.copy(counters_, report_, sizeof(shared::HashUpdate)); }
 
 std::uint64_t HashUpdate::bytes() const {
@@ -117,10 +140,11 @@ std::uint64_t HashUpdate::bytes() const {
 }
 
 std::uint64_t HashUpdate::predictedBytes(std::uint64_t points) {
-  const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
-  constexpr std::uint64_t kWord = sizeof(std::uint32_t), kDirtyWords = 4, kArraysByBucket = 3;
-  return defaultMoves(points) * (kBytesPerMove + kDirtyWords * kWord) + (points + spareSlots(points)) * kWord +
-         kArraysByBucket * kWord * buckets;
+  const HashGrid grid = makeHashGrid(Vec3(0), 1, points);
+  const std::uint64_t buckets = std::uint64_t{grid.bucketMask} + 1;
+  constexpr std::uint64_t kWord = sizeof(std::uint32_t), kArraysByBucket = 3;
+  return defaultMoves(points) * kBytesPerMove + dirtyWords(defaultMoves(points), grid) * kWord +
+         (points + spareSlots(points)) * kWord + kArraysByBucket * kWord * buckets;
 }
 
 }  // namespace palpate

@@ -32,7 +32,12 @@ class HashUpdate {
   /// After a full build that has written `cloud`: lists what changed, and which slots are free.
   void recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
 
+  /// From here on buckets that change are noted, up to `most` of them, each once: until recordRecount(), or a
+  /// HashCompaction that has come to its end.
+  void recordNoting(CommandList& list, std::uint32_t most) const;
+
   std::uint32_t mostMoves() const { return mostMoves_; }
+  std::uint32_t mostDirty() const { return mostDirty_; }
   /// A HashUpdate of shaders/shared/hash_update.h.
   const Buffer& counters() const { return counters_; }
   /// What passes that list moves need.
@@ -51,7 +56,7 @@ class HashUpdate {
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
-  std::uint32_t mostMoves_;
+  std::uint32_t mostMoves_, mostDirty_;
   ComputePipeline plan_, place_, apply_, commit_, recount_;
   Buffer template_, counters_, report_, moves_, marks_, touched_, arrivals_, changed_, dirty_;
   std::array<Buffer, 2> capacities_;

@@ -28,7 +28,7 @@ constexpr std::uint32_t kFewerSpare = 4;
 
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
   const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
-  return options.index == IndexFollow::rebuild ? spare / kFewerSpare : spare;
+  return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
 }
 
 // RGBA8 of every point; none where the cloud has none and none are painted.
@@ -113,6 +113,8 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
     if (edit_) recordEdits();
     live_.flip();
   }
+  if (edit_ && options.index == IndexFollow::incremental)
+    compaction_.emplace(device, hash_, live_, edit_->update(), options.compaction);
 }
 
 TouchSide::~TouchSide() {
@@ -167,6 +169,7 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
     const double left_us = budget_us > 0 ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
     if (!answerWithin(left_us, pose.time_s)) return bridge_.answer(pose);
     if (last_.valid) editIfYielding(budget_us > 0);
+    compactFurther(budget_us > 0);
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
@@ -180,6 +183,7 @@ bool TouchSide::lateAnswerIsIn(const Pose& pose, double budget_us) {
   // After an edit the next one waits for an answer in time: until the hand has felt the last. Where no edit was in the
   // way the GPU is slower than the ticks, and late answers are all there are.
   if (budget_us > 0 && last_.valid && !behindEdit) editIfYielding(true);
+  if (budget_us > 0) compactFurther(true);
   return true;
 }
 
@@ -287,6 +291,10 @@ void TouchSide::editIfYielding(bool realtime) {
   const CommandList& edit = chosenEdit();
   // Everything written so far has just been published, so this edit's own points are all that must fit.
   const bool updates = &edit == incrementals_[live_.parity()].get();
+  if (!updates && !mayBuild(realtime)) {
+    ++shortfalls_.editsHeldUp;
+    return;
+  }
   if (log_.room() < (updates ? edit_->mostMoves() : live_.slots())) {
     ++shortfalls_.editsLogFull;
     return;
@@ -318,6 +326,7 @@ void TouchSide::settleEdit() {
 
 void TouchSide::collectEdit(bool timed) {
   // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
+  collectCompaction(timed);
   if (!editInFlight_) return;
   device_.touch().wait(editTicket_, Wait::spin);
   const double time_us = timed ? lastEdit_->sectionTime_us("edit") : sinceEdit_.elapsed_us();
@@ -329,11 +338,50 @@ void TouchSide::collectEdit(bool timed) {
 
 void TouchSide::takeReport() {
   const shared::HashUpdate& report = edit_->report();
+  if (compaction_) compactionDue_ = compaction_->isDue(report);
+  shortfalls_.editsBuiltAnew += report.failed != 0;
   // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(live_.count()));
   // What fails with a build, too, has found more points than there is room for.
   if (report.failed & shared::kUpdateTooLarge) reach_ = EditPass::Reach::all;
   largeEdits_ = report.failed != 0 || share > (largeEdits_ ? kLargeEdit / 2 : kLargeEdit);
+}
+
+void TouchSide::compactFurther(bool realtime) {
+  if (!compaction_) return;
+  if (!realtime) {
+    compaction_->settle();
+    if (compactionDue_) noteCompaction(compaction_->run(), true);
+    return;
+  }
+  compaction_->advance();
+  if (compaction_->stage() == HashCompaction::Stage::copied)
+    compaction_->end();
+  else if (compaction_->isIdle() && compactionDue_)
+    compaction_->begin();
+}
+
+void TouchSide::collectCompaction(bool timed) {
+  if (!compaction_ || compaction_->stage() != HashCompaction::Stage::ending) return;
+  device_.touch().wait(compaction_->endTicket(), Wait::spin);
+  noteCompaction(compaction_->collect(), timed);
+}
+
+void TouchSide::noteCompaction(bool completed, bool timed) {
+  compactionDue_ = compaction_->isDue(edit_->report());
+  if (timed) longestCompactionEnd_us_ = std::max(longestCompactionEnd_us_, compaction_->endTime_us());
+  if (!completed) return;
+  live_.flip();
+  ++compactions_;
+}
+
+bool TouchSide::mayBuild(bool realtime) {
+  if (!compaction_) return true;
+  if (realtime)
+    compaction_->abandon();
+  else
+    compaction_->settle();
+  return compaction_->isIdle();
 }
 
 void TouchSide::finish() {
@@ -349,6 +397,7 @@ void TouchSide::endStroke() {
 }
 
 void TouchSide::runAndFlip(const std::function<void(CommandList&, SortMethod)>& record) {
+  mayBuild(false);
   for (SortMethod used = hash_.sort();; used = hash_.fallback()) {
     CommandList list(device_, device_.touch(), "build");
     list.begin();

@@ -15,6 +15,7 @@
 #include "engine/edit/edit_pass.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/spatial/hash_compaction.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/patch_bridge.hpp"
 
@@ -37,6 +38,9 @@ struct TouchOptions {
   std::optional<bool> split;          ///< fused: whether a few workgroups share a gather (ContactOptions)
   std::optional<BrushOptions> brush;  ///< edit while touching
   IndexFollow index = IndexFollow::incremental;
+  std::optional<std::uint32_t>
+      spareSlots;  ///< where the index follows edits; in proportion to the cloud when not given
+  CompactionOptions compaction;
   std::optional<Wait> wait;  ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
 };
@@ -76,6 +80,9 @@ class TouchSide final : public TouchBackend {
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
   std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
+  /// Compactions of the index so far, and the longest time of those that touch had to wait for, us: their ends.
+  std::uint64_t compactions() const { return compactions_; }
+  double longestCompactionEnd_us() const { return longestCompactionEnd_us_; }
   double cell() const override { return 1.0 / static_cast<double>(hash_.grid().inverseCell); }
   /// The passes of a tick in order, edit included, with their last times.
   std::vector<PassRecord> passes() const;
@@ -114,6 +121,13 @@ class TouchSide final : public TouchBackend {
   // Records, with the sort that a build needs, what reads one side of the cloud and writes the other; runs and flips.
   void runAndFlip(const std::function<void(CommandList&, SortMethod)>& record);
   void compact();
+  // Compaction in the background: the next step of it, if it is due or under way; in virtual time all of it at once.
+  void compactFurther(bool realtime);
+  void collectCompaction(bool timed);
+  void noteCompaction(bool completed, bool timed);
+  // Whether a full build may write the other side of the cloud now: a compaction is given up for it, and in real time
+  // it must come again while a slice is under way.
+  bool mayBuild(bool realtime);
   void changeBatch(std::span<const PointChange> changes);
   // Takes note of what the last edit came to, for the next one.
   void takeReport();
@@ -131,6 +145,7 @@ class TouchSide final : public TouchBackend {
   EditLog log_;
   std::optional<EditFetch> fetch_;  // where somebody takes edits
   std::optional<EditPass> edit_;
+  std::optional<HashCompaction> compaction_;  // where the index follows edits
   PatchBridge bridge_;
   // One for each side of the live cloud; an edit with a build also for each sort that it may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
@@ -143,6 +158,9 @@ class TouchSide final : public TouchBackend {
   Pose lastPose_;
   double buildTime_us_ = 0;
   bool editInFlight_ = false, inStroke_ = false;
+  bool compactionDue_ = false;
+  std::uint64_t compactions_ = 0;
+  double longestCompactionEnd_us_ = 0;
   bool largeEdits_ = false;                       // the next edit is too large for an update
   EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
   std::uint64_t editsAnswered_ = 0;

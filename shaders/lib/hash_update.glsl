@@ -16,8 +16,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HashUpdates 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PointMoves { PointMove at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TouchedBuckets { TouchedBucket at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets {
-  uint capacity;
-  uint at[];
+  uint capacity;  // buckets that the list holds
+  uint words[];   // the map, then the list
 };
 
 const uint kBucketTouched = 0x80000000u;  // in a mark; the rest counts arrivals until the update is planned

@@ -49,6 +49,10 @@ const uint kUpdateWorkgroup = 256;
 const uint kMostArrivals = 256;
 // A bucket that moves gets room for half as many points again as it then has, and a few.
 const uint kSpareInBucket = 8;
+PALPATE_FUNCTION uint roomToGrow(uint points) { return points + points / 2u + kSpareInBucket; }
+
+// Buckets that change while compacting are noted once each: a bit of a map says so, and the list stands behind the map.
+PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32u + 1u; }
 
 // Counters of one update. The first part begins every update as kBeginUpdate.
 struct HashUpdate {

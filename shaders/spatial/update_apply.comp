@@ -67,6 +67,7 @@ void takeIn(uint first, uint count, uint to) {
 void main() {
   const uint touched = args.update.at[0].touched;
   const bool failed = args.update.at[0].failed != 0;
+  if (threadIndex() == 0 && !failed) args.update.at[0].points += args.update.at[0].added - args.update.at[0].gone;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint t = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; t < touched; t += stride) {
     const uint bucket = args.touched.at[t].bucket;

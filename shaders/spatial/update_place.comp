@@ -9,8 +9,10 @@ layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
 
 void noteDirty(uint bucket) {
   if (bucket == kNoBucket) return;
+  const uint bit = 1u << (bucket & 31);
+  if ((atomicOr(args.dirty.words[bucket >> 5], bit) & bit) != 0) return;
   const uint at = atomicAdd(args.update.at[0].dirty, 1);
-  if (at < args.dirty.capacity) args.dirty.at[at] = bucket;
+  if (at < args.dirty.capacity) args.dirty.words[dirtyListFrom(args.cloud.grid) + at] = bucket;
 }
 
 void main() {

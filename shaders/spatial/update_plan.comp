@@ -19,7 +19,7 @@ void main() {
     // Points that leave are not counted, so that this needs no second look: a bucket may grow early, never late.
     const uint most = points + arrivals;
     if (most > capacity) {
-      capacity = most + most / 2 + kSpareInBucket;
+      capacity = roomToGrow(most);
       first = args.update.at[0].head + atomicAdd(args.update.at[0].wanted, capacity);
       if (first + capacity > args.cloud.slots) atomicOr(args.update.at[0].failed, kUpdateNoSlots);
     }

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// After a full build: lists the slots whose points changed, and finds where the empty slots begin.
+// After a full build: lists the slots whose points changed, and finds where the empty slots begin. A compaction that was
+// under way is none any more.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
 
@@ -14,5 +15,8 @@ void main() {
   if (changed) args.changed.at[at] = slot;
   if (slot != 0) return;
   const uvec2 empty = args.cloud.ranges.at[emptyBucket(args.cloud.grid)];
-  args.update.at[0].head = args.cloud.slots - (empty.y - empty.x);
+  const uint points = args.cloud.slots - (empty.y - empty.x);
+  args.update.at[0].head = points;
+  args.update.at[0].points = points;
+  args.update.at[0].compacting = 0;
 }

@@ -8,17 +8,20 @@ namespace palpate {
 
 EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid& grid, double radius,
                          const BrushOptions& brush, std::span<const std::uint32_t> colors,
-                         std::optional<SortMethod> sort)
+                         std::optional<SortMethod> sort, std::optional<std::uint32_t> spare,
+                         const CompactionOptions& compaction)
     : device_(device),
-      live_(device, cloud, HashUpdate::spareSlots(cloud.size())),
+      live_(device, cloud, spare.value_or(HashUpdate::spareSlots(cloud.size()))),
       hash_(device, grid, live_.slots(), sort, BucketOrder::stable, Slots::spare),
       log_(device, live_.slots()),
       state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "state")) {
   hash_.build(live_);
   edit_.emplace(device, brush, hash_, live_, log_, colors, radius);
+  compaction_.emplace(device, hash_, live_, edit_->update(), compaction);
 }
 
 bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) {
+  if (how != How::incremental) compaction_->settle();
   CommandList list(device_, device_.touch(), "edit");
   list.begin();
   record(list);
@@ -59,6 +62,25 @@ bool EditedScene::change(std::span<const PointChange> changes, How how) {
 void EditedScene::compact() {
   run(How::rebuild,
       [&](CommandList& list) { edit_->recordCompaction(list, live_.side(), live_.otherSide(), hash_.sort()); });
+}
+
+bool EditedScene::compactFurther(std::uint32_t steps) {
+  using Stage = HashCompaction::Stage;
+  for (; steps > 0; --steps) {
+    device_.waitIdle();
+    if (compaction_->stage() == Stage::idle) {
+      compaction_->begin();
+      continue;
+    }
+    compaction_->advance();
+    if (compaction_->stage() != Stage::copied) continue;
+    compaction_->end();
+    device_.waitIdle();
+    if (!compaction_->collect()) return false;
+    live_.flip();
+    return true;
+  }
+  return false;
 }
 
 std::vector<PointState> EditedScene::takeLog() {

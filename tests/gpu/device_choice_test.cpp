@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 
 #include "engine/gpu/command_list.hpp"
@@ -63,6 +64,30 @@ TEST_CASE("touch gets a second queue of the same family where there is no other"
 TEST_CASE("a single queue is shared") {
   const std::array families{family(kGraphics, 1)};
   CHECK(chooseQueues(families)->shared());
+}
+
+TEST_CASE("background work has a queue of its own where there is one more, and never touch's unless all share one") {
+  struct Case {
+    std::vector<VkQueueFamilyProperties> families;
+    QueueChoice background;
+    bool shares;
+  };
+  const std::array cases{Case{{family(kGraphics, 16), family(kCompute, 8)}, {0, 1}, false},
+                         Case{{family(kGraphics, 1), family(kCompute, 8)}, {1, 1}, false},
+                         Case{{family(kGraphics, 1), family(kCompute, 1)}, {0, 0}, true},
+                         Case{{family(kGraphics, 3)}, {0, 2}, false},
+                         Case{{family(kGraphics, 2)}, {0, 0}, true},
+                         Case{{family(kGraphics, 1)}, {0, 0}, true}};
+  for (const Case& each : cases) {
+    const auto roles = chooseQueues(each.families);
+    REQUIRE(roles);
+    CHECK(roles->background == each.background);
+    CHECK(roles->backgroundShares() == each.shares);
+    CHECK((roles->background == roles->touch) == roles->shared());
+    const auto used = roles->families();
+    CHECK(std::ranges::count(used, roles->background.family) == 1);
+    CHECK(used.size() == each.families.size());
+  }
 }
 
 TEST_CASE("a GPU without graphics computes and draws on one family; one that cannot compute is of no use") {

@@ -1,0 +1,59 @@
+// Compaction of an index that has followed edits: the points of one side of the live cloud stand without gaps on the
+// other, while edits go on on the first. Slices on a queue of the background copy every bucket; those that edits change
+// meanwhile are noted (HashUpdate.dirty) and copied again at the end, on the touch queue, between two edits.
+#ifndef PALPATE_SHARED_HASH_COMPACTION_H
+#define PALPATE_SHARED_HASH_COMPACTION_H
+#include "shaders/shared/hash_update.h"
+
+PALPATE_SHARED_BEGIN
+
+// Why a compaction did not come out; the side that is in use is as it was.
+const uint kCompactionNoSlots = 1;   // the points do not fit; or a torn look at a bucket made it seem large
+const uint kCompactionTooDirty = 2;  // edits changed more buckets than could be noted
+
+// Workgroups that copy the noted buckets again; loops cover what is beyond.
+const uint kAgainGroups = 256;
+
+struct HashCompaction {
+  uint head;       // first slot of the other side that the slices have given to no bucket
+  uint failed;     // kCompaction...
+  uint loose;      // slots for the buckets that have outgrown their first copy, with some to spare
+  uint tight;      // the same without
+  uint given;      // of those slots, so far
+  uint completed;  // not 0: the other side holds all points, and its index is whole
+};
+PALPATE_SIZE(HashCompaction, 24);
+
+// What the next slice does, as the host says: the slots that it empties and the buckets that it copies.
+struct CompactionSlice {
+  uvec2 slots;
+  uvec2 buckets;
+};
+PALPATE_SIZE(CompactionSlice, 16);
+
+struct CompactSliceArgs {
+  CloudView from;
+  PALPATE_ADDRESS(Vec4s) positions;  // these four of the other side
+  PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(UVec2s) ranges;
+  PALPATE_ADDRESS(Uints) capacities;
+  PALPATE_ADDRESS(HashCompactions) state;
+  PALPATE_ADDRESS(CompactionSlices) slice;
+};
+PALPATE_SIZE(CompactSliceArgs, 104);
+
+// For the passes that end a compaction.
+struct CompactAgainArgs {
+  CloudView from;
+  PALPATE_ADDRESS(Vec4s) positions;  // these four of the other side
+  PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(UVec2s) ranges;
+  PALPATE_ADDRESS(Uints) capacities;
+  PALPATE_ADDRESS(HashCompactions) state;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(DirtyBuckets) dirty;
+};
+PALPATE_SIZE(CompactAgainArgs, 112);
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,276 @@
+// Compaction in the background leaves what a full build would leave, whatever edits do meanwhile.
+#include "engine/core/clock.hpp"
+#include "tests/edit/random_edits.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+using How = EditedScene::How;
+
+constexpr CompactionOptions kShortSlices{.bucketsPerSlice = 256};
+constexpr std::uint32_t kMany = 1000;  // more steps than a compaction of these clouds takes
+
+PointCloud cloudOf(std::vector<Vec3> positions) {
+  PointCloud cloud;
+  cloud.positions = std::move(positions);
+  cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
+  return cloud;
+}
+
+struct Compacted {
+  Compacted(Device& device, const PointCloud& cloud, const CompactionOptions& options = kShortSlices,
+            std::optional<std::uint32_t> spare = std::nullopt)
+      : scene(device, cloud, makeHashGrid(Vec3(-50), 2.0, cloud.size()), 2.0, brushOf(BrushKind::push), {},
+              std::nullopt, spare, options) {}
+
+  // Sends the points with these numbers to places of their own, and says what it did.
+  std::vector<PointChange> scatter(std::uint32_t first, std::uint32_t count, float shift) {
+    const auto points = scene.points();
+    std::vector<PointChange> changes;
+    for (std::uint32_t id = first; id < first + count; ++id) {
+      PointState to = points.at(id);
+      to.position += Vec3(shift, 0, 0);
+      changes.push_back({points.at(id), to});
+    }
+    CHECK(scene.change(changes, How::incremental));
+    return changes;
+  }
+
+  EditedScene scene;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compactions leave every point in its bucket") {
+  const Scene scene = makeScene("sphere", 5'000);
+  for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
+    CAPTURE(static_cast<int>(kind));
+    EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                       brushOf(kind), {}, std::nullopt, std::nullopt, kShortSlices);
+    RandomEdits edits(edited, 31 + static_cast<std::uint32_t>(kind));
+    std::mt19937 random(3);
+    int compactions = 0;
+    for (int i = 0; i < 150; ++i) {
+      edits.one();
+      const bool completed = edited.compactFurther(random() % 16);
+      compactions += completed;
+      if (!completed && i % 10 != 0) continue;
+      CHECK(edited.faults() == 0);
+      CHECK(edits.agrees());
+    }
+    CHECK(compactions >= 10);
+    CHECK(edited.faults() == 0);
+    CHECK(edits.agrees());
+    MESSAGE(compactions << " compactions of " << edited.compaction().slices() << " slices, " << edits.refused()
+                        << " edits refused");
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without compaction") {
+  const Scene scene = makeScene("torus", 3'000);
+  std::map<std::uint32_t, std::vector<std::uint32_t>> without;
+  for (const bool compacts : {false, true}) {
+    EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                       brushOf(BrushKind::push), {}, std::nullopt, 1u << 16, kShortSlices);
+    RandomEdits edits(edited, 99);
+    std::mt19937 random(5);
+    int compactions = 0;
+    for (int i = 0; i < 60; ++i) {
+      edits.one();
+      if (compacts) compactions += edited.compactFurther(random() % 40);
+    }
+    REQUIRE(edits.refused() == 0);  // a build in place of an update sets another order
+    if (!compacts) {
+      without = edited.buckets();
+      continue;
+    }
+    CHECK(compactions >= 10);
+    CHECK(edited.buckets() == without);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "clouds of any size and shape are compacted without gaps") {
+  std::vector<PointCloud> clouds{cloudOf({}), cloudOf({Vec3(1)}), cloudOf(std::vector<Vec3>(3'000, Vec3(2, 3, 4)))};
+  for (const std::size_t count : {255u, 256u, 257u, 5'000u}) clouds.push_back(makeScene("cube", count).cloud);
+  for (const PointCloud& cloud : clouds) {
+    CAPTURE(cloud.size());
+    Compacted compacted(device, cloud);
+    EditedScene& scene = compacted.scene;
+    for (int turn = 0; turn < 2; ++turn) {
+      const auto before = scene.points();
+      const std::uint32_t parity = scene.live().parity();
+      CHECK(scene.compactFurther(kMany));
+      CHECK(scene.live().parity() != parity);
+      CHECK(scene.faults() == 0);
+      CHECK(scene.points() == before);
+      CHECK(scene.report().head == before.size());
+      CHECK(scene.report().points == before.size());
+      CHECK(scene.report().compacting == 0);
+      // Many points at one place are sent one after the other: more than arrive in one bucket in one tick are refused.
+      if (!cloud.empty()) compacted.scatter(0, std::min<std::uint32_t>(200, cloud.size()), 30);
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture,
+                  "slots that buckets have left behind are won back, and compaction is due when it should") {
+  Compacted compacted(device, makeScene("sphere", 5'000).cloud, kShortSlices, 4'000);
+  EditedScene& scene = compacted.scene;
+  CHECK_FALSE(scene.compaction().isDue(scene.report()));
+  for (int i = 0; i < 100 && !scene.compaction().isDue(scene.report()); ++i)
+    compacted.scatter(static_cast<std::uint32_t>(40 * i) % 4'900, 40, 7);
+  const std::uint32_t before = scene.report().head;
+  CHECK(before > 7'000);
+  CHECK(before <= 9'000);
+  CHECK(scene.report().points == 5'000);
+  REQUIRE(scene.compactFurther(kMany));
+  CHECK(scene.report().head == 5'000);
+  CHECK(scene.faults() == 0);
+  CHECK_FALSE(scene.compaction().isDue(scene.report()));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a bucket is noted once however often it changes, and its first copy is taken again") {
+  Compacted compacted(device, makeScene("sphere", 5'000).cloud);
+  EditedScene& scene = compacted.scene;
+  scene.compactFurther(1);
+  compacted.scatter(10, 1, 0.0f);
+  const std::uint32_t once = scene.report().dirty;
+  CHECK(once == 1);
+  for (int i = 0; i < 5; ++i) compacted.scatter(10, 1, 0.0f);
+  CHECK(scene.report().dirty == once);
+  // After the last slice: the points that moved in place leave no second copy behind.
+  scene.compactFurther(scene.compaction().slices());
+  compacted.scatter(100, 50, 0.0f);
+  CHECK(scene.report().dirty > once);
+  REQUIRE(scene.compactFurther(kMany));
+  CHECK(scene.report().head == 5'000);
+  CHECK(scene.faults() == 0);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "more changed buckets than can be noted make a compaction start over, and lose nothing") {
+  Compacted compacted(device, makeScene("sphere", 5'000).cloud, {.bucketsPerSlice = 256, .mostDirty = 8});
+  EditedScene& scene = compacted.scene;
+  scene.compactFurther(5);
+  compacted.scatter(0, 100, 20);
+  const auto before = scene.points();
+  const std::uint32_t parity = scene.live().parity();
+  CHECK_FALSE(scene.compactFurther(kMany));
+  CHECK(scene.compaction().report().failed == shared::kCompactionTooDirty);
+  CHECK(scene.live().parity() == parity);
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == before);
+  CHECK(scene.report().compacting == 0);
+  CHECK(scene.compactFurther(kMany));
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == before);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "points that find no room on the other side stay where they are") {
+  // Eight places of 999 points, to each of which one more comes back after it was copied: the copies of all are too
+  // small, and there is no room for eight more.
+  std::vector<Vec3> positions;
+  for (int i = 0; i < 8'000; ++i) positions.push_back(Vec3(5.0f * static_cast<float>(i / 1'000), 0, 0));
+  Compacted compacted(device, cloudOf(positions), kShortSlices, 3'000);
+  EditedScene& scene = compacted.scene;
+  const auto full = scene.points();
+  std::vector<PointChange> goes, comes;
+  for (std::uint32_t id = 0; id < 8'000; id += 1'000) {
+    PointState gone = full.at(id);
+    gone.id |= PointState::kGone;
+    goes.push_back({full.at(id), gone});
+    comes.push_back({gone, full.at(id)});
+  }
+  REQUIRE(scene.change(goes, How::incremental));
+  CHECK(scene.report().points == 7'992);
+  scene.compactFurther(1 + scene.compaction().slices());
+  REQUIRE(scene.change(comes, How::incremental));
+  CHECK_FALSE(scene.compactFurther(kMany));
+  CHECK(scene.compaction().report().failed == shared::kCompactionNoSlots);
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == full);
+  CHECK(scene.compactFurther(kMany));
+  CHECK(scene.report().head == 8'000);
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == full);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a full build in the middle of a compaction gives it up, and the next one is whole") {
+  Compacted compacted(device, makeScene("sphere", 5'000).cloud);
+  EditedScene& scene = compacted.scene;
+  for (const std::uint32_t steps : {1u, 2u, 12u, 1 + scene.compaction().slices()}) {
+    CAPTURE(steps);
+    CHECK_FALSE(scene.compactFurther(steps));
+    compacted.scatter(100 * steps % 4'000, 100, -8);
+    const auto before = scene.points();
+    scene.compact();
+    CHECK(scene.compaction().isIdle());
+    CHECK(scene.report().compacting == 0);
+    CHECK(scene.faults() == 0);
+    CHECK(scene.points() == before);
+    CHECK(scene.compactFurther(kMany));
+    CHECK(scene.faults() == 0);
+    CHECK(scene.points() == before);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture,
+                  "given up without a build, a compaction leaves edits and the next compaction as they were") {
+  Compacted compacted(device, makeScene("sphere", 5'000).cloud);
+  EditedScene& scene = compacted.scene;
+  scene.compactFurther(7);
+  scene.compaction().settle();
+  CHECK(scene.compaction().isIdle());
+  compacted.scatter(0, 200, 9);
+  CHECK(scene.faults() == 0);
+  const auto before = scene.points();
+  CHECK(scene.compactFurther(kMany));
+  CHECK(scene.faults() == 0);
+  CHECK(scene.points() == before);
+}
+
+TEST_CASE_FIXTURE(GpuFixture,
+                  "a live cloud whose index follows edits takes less than half as much again as one without") {
+  const Scene scene = makeScene("sphere", 1'000'000);
+  const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
+  constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
+  const SpatialHash plain(device, grid, static_cast<std::uint32_t>(scene.cloud.size()));
+  const std::uint64_t without = kBytesPerSlot * scene.cloud.size() + plain.bytes();
+  const EditedScene edited(device, scene.cloud, grid, scene.radius, brushOf(BrushKind::push));
+  const std::uint64_t with = kBytesPerSlot * edited.live().slots() + edited.hash().bytes() + edited.edit().bytes() +
+                             edited.compaction().bytes();
+  const double ratio = static_cast<double>(with) / static_cast<double>(without);
+  MESSAGE(with << " bytes against " << without << ": " << ratio << " times");
+  CHECK(ratio < 1.5);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a compaction of a million points is made of short slices") {
+  const Scene scene = makeScene("sphere", 1'000'000);
+  EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                     brushOf(BrushKind::push));
+  HashCompaction& compaction = edited.compaction();
+  const Stopwatch watch;
+  double longest_us = 0, all_us = 0;
+  std::uint32_t slices = 0;
+  compaction.begin();
+  while (compaction.stage() != HashCompaction::Stage::copied) {
+    device.waitIdle();
+    if (compaction.stage() == HashCompaction::Stage::copying) {
+      longest_us = std::max(longest_us, compaction.sliceTime_us());
+      all_us += compaction.sliceTime_us();
+      ++slices;
+    }
+    compaction.advance();
+  }
+  CHECK(slices == compaction.slices());
+  CHECK(edited.compactFurther(1));
+  CHECK(edited.report().head == scene.cloud.size());
+  CHECK(edited.faults() == 0);
+  MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end "
+                 << compaction.endTime_us() << " us; " << watch.elapsed_us() << " us from begin to end");
+  if (device.roles().backgroundShares()) CHECK(slices >= 32);
+}
+
+}  // namespace palpate
