@@ -123,7 +123,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (shortfalls.editsLogFull)
     row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.editsHeldUp)
-    row("edits left out", fmt::format("{}: the index could not be built just then", shortfalls.editsHeldUp));
+    row("edits left out", fmt::format("{}: the index was being compacted", shortfalls.editsHeldUp));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));

@@ -19,7 +19,7 @@ struct PointCloud;
 struct TouchShortfalls {
   std::uint64_t editsLogFull = 0;    ///< edits left out because the reader of the log had fallen behind
   std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
-  std::uint64_t editsHeldUp = 0;     ///< left out in real time because the index could not be built just then
+  std::uint64_t editsHeldUp = 0;     ///< left out in real time because the index was being compacted
   std::uint64_t editsBuiltAnew = 0;  ///< the index could not follow, and was built anew for them
   std::uint64_t truncatedTicks = 0;  ///< the proxy had not arrived when the work budget was spent
   std::uint64_t thinnedTicks = 0;    ///< more points were near than a tick looks at

@@ -194,10 +194,10 @@ std::uint64_t SpatialHash::bytes() const {
          counts_.bytes() + scanScratch_.bytes() + 2 * ranges_[0].bytes() + crowded_.bytes();
 }
 
-std::uint64_t SpatialHash::predictedBytes(std::uint64_t points) {
+std::uint64_t SpatialHash::predictedBytes(std::uint64_t points, std::uint64_t slots) {
   constexpr std::uint32_t kUsualWorkgroup = 256;
   const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
-  return 4 * sizeof(std::uint32_t) * points + RadixSort::scratchBytes(points, kUsualWorkgroup) +
+  return 4 * sizeof(std::uint32_t) * slots + RadixSort::scratchBytes(slots, kUsualWorkgroup) +
          buckets * (2 * sizeof(UVec2) + sizeof(std::uint32_t)) + PrefixScan::scratchBytes(buckets);
 }
 

@@ -53,7 +53,9 @@ class SpatialHash {
   /// Bytes on the GPU besides the cloud itself.
   std::uint64_t bytes() const;
   /// The same for a cloud that is not there yet; the sort's scratch, a few per cent, differs a little between GPUs.
-  static std::uint64_t predictedBytes(std::uint64_t points);
+  static std::uint64_t predictedBytes(std::uint64_t points) { return predictedBytes(points, points); }
+  /// With more slots than points.
+  static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots);
 
  private:
   void recordSorted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,

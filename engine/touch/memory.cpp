@@ -16,7 +16,7 @@ GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
           .index = index,
           .contact = ContactStep::predictedBytes(points),
           .drawnCloud = (2 * kVec4 + kWord + (colors ? kWord : 0)) * points,
-          .editing = 2 * 2 * kVec4 * spare + SpatialHash::predictedBytes(points + spare) - index +
+          .editing = 2 * 2 * kVec4 * spare + SpatialHash::predictedBytes(points, points + spare) - index +
                      EditPass::predictedBytes(points, colors),
           .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry)};
 }

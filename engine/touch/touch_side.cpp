@@ -326,25 +326,28 @@ void TouchSide::settleEdit() {
 
 void TouchSide::collectEdit(bool timed) {
   // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
-  collectCompaction(timed);
-  if (!editInFlight_) return;
+  if (!editInFlight_) return collectCompaction(timed);
   device_.touch().wait(editTicket_, Wait::spin);
   const double time_us = timed ? lastEdit_->sectionTime_us("edit") : sinceEdit_.elapsed_us();
   pace_.took(editTime_s_, time_us * 1e-6);
   editInFlight_ = false;
   if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
   takeReport();
+  collectCompaction(timed);
 }
 
 void TouchSide::takeReport() {
   const shared::HashUpdate& report = edit_->report();
   if (compaction_) compactionDue_ = compaction_->isDue(report);
-  shortfalls_.editsBuiltAnew += report.failed != 0;
+  // For slots that a compaction is about to win back an edit waits: it is tried again, and the next one after it.
+  const bool waits = report.failed == shared::kUpdateNoSlots && compaction_ && !compaction_->isIdle();
+  shortfalls_.editsHeldUp += waits;
+  shortfalls_.editsBuiltAnew += report.failed != 0 && !waits;
   // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(live_.count()));
   // What fails with a build, too, has found more points than there is room for.
   if (report.failed & shared::kUpdateTooLarge) reach_ = EditPass::Reach::all;
-  largeEdits_ = report.failed != 0 || share > (largeEdits_ ? kLargeEdit / 2 : kLargeEdit);
+  largeEdits_ = (report.failed != 0 && !waits) || share > (largeEdits_ ? kLargeEdit / 2 : kLargeEdit);
 }
 
 void TouchSide::compactFurther(bool realtime) {

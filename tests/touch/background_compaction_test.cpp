@@ -1,0 +1,168 @@
+// Sculpting until the index has been compacted, which nobody may feel.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/touch/memory.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kVirtual = 0, kRealtime_us = 1e7;  // budgets; the latter is never spent
+constexpr std::uint32_t kLittleSpare = 1'200, kLeastSpare = 500;
+
+TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
+  return {.radius = scene.radius,
+          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .toolRadius = 7},
+          .spareSlots = spare,
+          .compaction = {.bucketsPerSlice = 512},
+          .wait = Wait::block};
+}
+
+// Round and round the sphere, ever deeper; slowly, so that no edit rests.
+Pose strokeAt(int tick) {
+  const double angle = 0.01 * tick, r = 51 - std::min(1.5, 0.05 * tick) - 0.004 * tick, tilt = 0.1 + 0.0005 * tick;
+  return {.time_s = 10.0 * tick,
+          .hip = {r * std::sin(tilt) * std::cos(angle), r * std::sin(tilt) * std::sin(angle), r * std::cos(tilt)}};
+}
+
+// Points that are not in their bucket, or there twice, or missing.
+std::size_t faults(Device& device, const TouchSide& touch) {
+  const auto positions = download<Vec4>(device, touch.live().side().positions, touch.live().slots());
+  const HashGrid& grid = touch.hash().grid();
+  const auto ranges = download<UVec2>(device, touch.hash().ranges(touch.live().side()), grid.bucketMask + 1);
+  std::size_t faults = 0;
+  std::set<std::uint32_t> seen;
+  for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket)
+    for (std::uint32_t slot = ranges[bucket].x; slot < ranges[bucket].y; ++slot)
+      faults += bucketOf(grid, cellOf(grid, Vec3(positions.at(slot)))) != bucket ||
+                !seen.insert(std::bit_cast<std::uint32_t>(positions[slot].w)).second;
+  return faults + (touch.live().count() - seen.size());
+}
+
+struct Stroke {
+  std::vector<Contact> contacts;
+  PointCloud cloud;
+  std::uint64_t compactions = 0, editsHeldUp = 0;
+};
+
+Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double budget_us, int ticks) {
+  TouchSide touch(device, scene.cloud, optionsFor(scene, spare));
+  const std::uint64_t bytes = device.allocatedBytes();
+  Stroke stroke{.cloud = scene.cloud};
+  for (int tick = 0; tick < ticks; ++tick) stroke.contacts.push_back(touch.query(strokeAt(tick), budget_us));
+  touch.finish();
+  CHECK(device.allocatedBytes() == bytes);
+  CHECK(touch.shortfalls().editsBuiltAnew == 0);
+  CHECK(touch.shortfalls().editsTooSlow == 0);
+  CHECK(touch.editTimes_us().size() > static_cast<std::size_t>(ticks) / 3);
+  CHECK(faults(device, touch) == 0);
+  touch.live().readBack(stroke.cloud);
+  stroke.compactions = touch.compactions();
+  stroke.editsHeldUp = touch.shortfalls().editsHeldUp;
+  if (stroke.compactions > 0)
+    MESSAGE(stroke.compactions << " compactions, the longest end " << touch.longestCompactionEnd_us() << " us");
+  return stroke;
+}
+
+void checkEqual(const Stroke& a, const Stroke& b) {
+  std::size_t different = 0;
+  for (std::size_t i = 0; i < a.contacts.size(); ++i)
+    different += a.contacts[i].proxy != b.contacts[i].proxy || a.contacts[i].neighbours != b.contacts[i].neighbours ||
+                 !a.contacts[i].valid || !b.contacts[i].valid;
+  CHECK(different == 0);
+  CHECK(a.cloud.positions == b.cloud.positions);
+  CHECK(a.cloud.normals == b.cloud.normals);
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives what it gives without, bit by bit") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, 400);
+  CHECK(without.compactions == 0);
+  const Stroke with = sculpt(device, scene, kLeastSpare, kVirtual, 400);
+  CHECK(with.compactions >= 2);
+  checkEqual(with, without);
+}
+
+TEST_CASE("in real time compactions in the background change nothing that is felt, and no edit needs a build") {
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 20'000);
+  const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, 1'000);
+  const Stroke with = sculpt(device, scene, kLittleSpare, kRealtime_us, 1'000);
+  CHECK(with.compactions >= 3);
+  CHECK(with.editsHeldUp == 0);
+  checkEqual(with, without);
+}
+
+TEST_CASE("in real time edits that find no slots wait for the compaction that brings them, not for a build") {
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 20'000);
+  const Stroke stroke = sculpt(device, scene, kLeastSpare, kRealtime_us, 1'000);
+  CHECK(stroke.compactions >= 3);
+  CHECK(stroke.editsHeldUp > 0);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's place, in a change and in an edit") {
+  // So few spare slots that one compaction follows another, and so many points in one spot that an edit there is large.
+  Scene scene = makeScene("sphere", 10'000);
+  for (int i = 0; i < 2'000; ++i) {
+    const double angle = 2.4 * i, tilt = 0.1 * std::sqrt(i / 2'000.0);
+    const Vec3 normal(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), -std::cos(tilt));
+    scene.cloud.positions.push_back(50.0f * normal);
+    scene.cloud.normals.push_back(normal);
+  }
+  TouchSide touch(device, scene.cloud, optionsFor(scene, 600));
+  int tick = 0;
+  const auto sculptUntil = [&](std::uint64_t compactions) {
+    for (; touch.compactions() < compactions && tick < 3'000; ++tick)
+      CHECK(touch.query(strokeAt(tick), kRealtime_us).valid);
+    for (int i = 0; i < 12; ++i, ++tick) CHECK(touch.query(strokeAt(tick), kRealtime_us).valid);
+    REQUIRE(touch.compactions() >= compactions);
+  };
+  sculptUntil(1);
+
+  // More points arrive in one bucket than an update puts into order.
+  touch.finish();
+  std::vector<PointChange> changes;
+  for (const PointState& point : touch.live().points()) {
+    if (changes.size() == 600) break;
+    PointState to = point;
+    to.position = Vec3(60, 60, 60);
+    changes.push_back({point, to});
+  }
+  touch.change(changes);
+  CHECK(faults(device, touch) == 0);
+
+  const std::uint64_t before = touch.compactions();
+  sculptUntil(before + 1);
+  for (int i = 0; i < 30; ++i)
+    CHECK(touch.query({.time_s = 10.0 * tick++, .hip = {0, 0, -51 + 0.1 * i}}, kRealtime_us).valid);
+  touch.finish();
+  CHECK(faults(device, touch) == 0);
+  const std::uint64_t then = touch.compactions();
+  sculptUntil(then + 1);
+  touch.finish();
+  CHECK(faults(device, touch) == 0);
+}
+
+TEST_CASE("it is foretold that a live cloud whose index follows edits takes less than half as much again") {
+  for (const std::uint64_t points : {1'000'000ull, 10'000'000ull, 100'000'000ull}) {
+    CAPTURE(points);
+    const GpuMemory memory = predictGpuMemory(points, false);
+    const double without = static_cast<double>(memory.liveCloud + memory.index);
+    const double ratio = (without + static_cast<double>(memory.editing)) / without;
+    MESSAGE(ratio);
+    CHECK(ratio < 1.5);
+  }
+}
+
+}  // namespace palpate
