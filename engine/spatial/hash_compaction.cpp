@@ -12,7 +12,7 @@ namespace {
 
 // Buckets of a slice, each of which holds a few points. On a queue that touch shares a slice takes a part of a tick; on
 // one of its own its workgroups are short, and more of them a submission end sooner.
-constexpr std::uint32_t kSharedSlice = 1 << 12, kOwnSlice = 1 << 17;
+constexpr std::uint32_t kSharedSlice = 1 << 11, kOwnSlice = 1 << 17;
 // Slots that a slice empties for each bucket that it may copy.
 constexpr std::uint32_t kSlotsPerBucket = 8;
 
@@ -86,9 +86,8 @@ void HashCompaction::record(std::uint32_t parity, const LiveCloud::Side& from, c
                                         .state = state_.address(),
                                         .update = update.update,
                                         .dirty = update.dirty};
-    const std::uint32_t again = shared::kAgainGroups * shared::kUpdateWorkgroup;
-    list.dispatch(plan_, again, args);
-    list.dispatch(again_, again, args);
+    list.dispatch(plan_, shared::kPlanGroups * shared::kUpdateWorkgroup, args);
+    list.dispatchIndirect(again_, state_, args, offsetof(shared::HashCompaction, againGroups));
     list.dispatch(finish_, 1, args);
     list.copy(state_, report_, sizeof(shared::HashCompaction));
     update_.recordReport(list);

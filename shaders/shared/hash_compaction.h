@@ -11,18 +11,19 @@ PALPATE_SHARED_BEGIN
 const uint kCompactionNoSlots = 1;   // the points do not fit; or a torn look at a bucket made it seem large
 const uint kCompactionTooDirty = 2;  // edits changed more buckets than could be noted
 
-// Workgroups that copy the noted buckets again; loops cover what is beyond.
-const uint kAgainGroups = 256;
+// Workgroups that look at the noted buckets; loops cover what is beyond.
+const uint kPlanGroups = 16;
 
 struct HashCompaction {
-  uint head;       // first slot of the other side that the slices have given to no bucket
-  uint failed;     // kCompaction...
-  uint loose;      // slots for the buckets that have outgrown their first copy, with some to spare
-  uint tight;      // the same without
-  uint given;      // of those slots, so far
-  uint completed;  // not 0: the other side holds all points, and its index is whole
+  uint head;          // first slot of the other side that the slices have given to no bucket
+  uint failed;        // kCompaction...
+  uint loose;         // slots for the buckets that have outgrown their first copy, with some to spare
+  uint tight;         // the same without
+  uint given;         // of those slots, so far
+  uint completed;     // not 0: the other side holds all points, and its index is whole
+  uvec3 againGroups;  // one subgroup a noted bucket
 };
-PALPATE_SIZE(HashCompaction, 24);
+PALPATE_SIZE(HashCompaction, 36);
 
 // What the next slice does, as the host says: the slots that it empties and the buckets that it copies.
 struct CompactionSlice {

@@ -12,6 +12,11 @@ void main() {
     if (threadIndex() == 0) atomicOr(args.state.at[0].failed, kCompactionTooDirty);
     return;
   }
+  if (threadIndex() == 0) {  // one by one: as a whole, validation on the GPU takes them for four
+    args.state.at[0].againGroups.x = updateGroups(noted, gl_NumSubgroups);
+    args.state.at[0].againGroups.y = 1;
+    args.state.at[0].againGroups.z = 1;
+  }
   const uint list = dirtyListFrom(args.from.grid);
   const uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = threadIndex(); i < noted; i += stride) {
