@@ -28,9 +28,8 @@ Subject makeSubject(Context& context, std::size_t count) {
   return subject;
 }
 
-// One subject at a time, since a hundred million points are a large part of a machine's memory.
-std::vector<std::function<Subject(Context&)>> subjectsOf(const BenchOptions& options) {
-  std::vector<std::function<Subject(Context&)>> subjects;
+std::vector<SubjectMaker> subjectsOf(const BenchOptions& options) {
+  std::vector<SubjectMaker> subjects;
   for (const std::string& file : options.models)
     subjects.emplace_back([file](Context& context) { return loadSubject(context, file); });
   std::vector<std::int64_t> sizes = options.sizes;
@@ -68,17 +67,25 @@ void checkMethods(const BenchOptions& options) {
   }
 }
 
-// The page of bench touch and the plot of times have nothing in common, so one asks for one at a time.
-void judge(Context& context, const BenchOptions& options) {
-  if (options.names.size() > 1) throw UsageError("bench touch: ask for it alone; its tables and its plot are its own");
+bool asksFor(const BenchOptions& options, std::string_view name) {
+  return std::ranges::find(options.names, name) != options.names.end();
+}
+
+// The pages of bench touch and bench edit have nothing in common with the plot of times, so one asks for one at a time.
+void benchAlone(Context& context, const BenchOptions& options) {
+  const bool touches = asksFor(options, "touch");
+  const std::string name = touches ? "touch" : "edit";
+  if (options.names.size() > 1)
+    throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", name);
+  checkMethods(options);
   Context::checkWritable(options.plotFile);
   Json result{{"machines", Json::object()}};
   for (const std::string& backend : options.backends) result["machines"][backend] = machineOf(context, backend);
   for (const auto& [backend, machine] : result["machines"].items())
     fmt::print(context.tables(), "{}: {}\n", backend, machine.get<std::string>());
-  result["touch"] = benchTouch(context, options);
+  result[name] = touches ? benchTouch(context, options) : benchEdit(context, subjectsOf(options), options);
   context.writeJson(result);
-  if (!options.plotFile.empty()) plot(PlotScript::touch, result, options.plotFile);
+  if (!options.plotFile.empty()) plot(touches ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
 }
 
 void bench(Context& context, const BenchOptions& options) {
@@ -159,12 +166,12 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick); touch judges what is felt against surfaces that are known");
+      "haptic tick), edit (a tick that sculpts); touch judges what is felt against surfaces that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -176,14 +183,15 @@ void addBench(CLI::App& app, Context& context, Command& command) {
                               ->check(CLI::IsMember(backendChoices()))
                               ->delimiter(',')
                               ->capture_default_str();
-  sub->add_option("--method", options->methods, "query methods of query and step (default: all)")->delimiter(',');
+  sub->add_option("--method", options->methods, "query methods of query and step (default: all) and edit (fused)")
+      ->delimiter(',');
   sub->add_option("--repeat", options->repeat, "repetitions of each measurement")
       ->check(between(1, 1e9))
       ->capture_default_str();
   sub->add_option("--limit", options->limit_s, "s that one measurement may take, 5 repetitions at least; 0: no limit")
       ->check(notNegative())
       ->capture_default_str();
-  sub->add_option("--rate", options->rate_Hz, "ticks per second of query and step at most")
+  sub->add_option("--rate", options->rate_Hz, "ticks per second of query, step and edit at most")
       ->check(positive())
       ->capture_default_str();
   sub->add_option("--moved", options->movedShare, "share of the points that build moves to another cell first")
@@ -193,6 +201,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);
   addTouchBenchOptions(*sub, options->touch);
+  addEditBenchOptions(*sub, options->edit);
   sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
       ->check(notNegative())
       ->capture_default_str();
@@ -200,6 +209,13 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "build: in the order of the file, then in the order of the last build with some points moved (--moved).\n"
       "query: the HIP rests half a support radius above the surface; one gather, one surface.\n"
       "step: the HIP rests in contact; static, then edited: the surface yields so slowly that every tick edits.\n"
+      "edit: a tool slides over the surface at 50 mm/s and sculpts at every tick. Tables of us on the GPU and from "
+      "pose "
+      "to force (in virtual time with the whole edit), points that were touched, full builds of the index, MiB of "
+      "index "
+      "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
+      "share "
+      "of the points on a full build is cheaper.\n"
       "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
       "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
@@ -207,9 +223,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "twice, and the CPU against the back end.\n");
   sub->callback([&, options, backends] {
     command = [&context, options, chosen = backends->count() > 0] {
-      if (std::ranges::find(options->names, "touch") == options->names.end()) return bench(context, *options);
-      if (!chosen) options->backends = {ownTouchBackend(context)};
-      judge(context, *options);
+      if (!asksFor(*options, "touch") && !asksFor(*options, "edit")) return bench(context, *options);
+      if (asksFor(*options, "touch") && !chosen) options->backends = {ownTouchBackend(context)};
+      benchAlone(context, *options);
     };
   });
 }

@@ -16,6 +16,15 @@ struct TouchBenchOptions {
 /// Adds them, and sets them to all that there is.
 void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options);
 
+/// Of `bench edit` alone.
+struct EditBenchOptions {
+  std::string brush = "push";
+  std::vector<std::string> indexes{"incremental", "rebuild"};
+  std::vector<std::int64_t> touched{100, 1000, 10'000};
+  double duration_s = 0;  ///< of a stroke in real time; 0: virtual time
+};
+void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options);
+
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::int64_t> sizes;
@@ -26,6 +35,7 @@ struct BenchOptions {
   std::string plotFile;
   BackendOptions backend;
   TouchBenchOptions touch;
+  EditBenchOptions edit;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
@@ -35,6 +45,8 @@ struct Subject {
   std::string name;
   Model model;
 };
+/// Makes one when it is its turn: a hundred million points are a large part of a machine's memory.
+using SubjectMaker = std::function<Subject(Context&)>;
 
 /// One measurement: so many repetitions of one way to do a job on one subject.
 struct BenchRecord {
@@ -76,6 +88,9 @@ void benchStep(Context& context, const Subject& subject, const BenchOptions& opt
                std::vector<BenchRecord>& records);
 /// Judges touch on surfaces that are known (apps/touch_judge.hpp), prints tables, and gives the numbers back.
 Json benchTouch(Context& context, const BenchOptions& options);
+/// What an edited step costs, against the points of the model and against those that the edit touches
+/// (apps/edit_cost.hpp). Prints tables, and gives the numbers back.
+Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
 /// What answers in bench touch unless the user says: vulkan on a real GPU; cpu where there is none, or only a software
 /// driver, which is slower than the CPU back end by far and feels the same.
 std::string ownTouchBackend(Context& context);

@@ -55,14 +55,27 @@ std::string pythonWithMatplotlib() {
   throw Error("--plot: no python3 with matplotlib was found; install python3-matplotlib");
 }
 
+const char* textOf(PlotScript script) {
+  switch (script) {
+    case PlotScript::bench:
+      return plot_script::kBench;
+    case PlotScript::touch:
+      return plot_script::kTouch;
+    case PlotScript::edit:
+      return plot_script::kEdit;
+  }
+  return "";
+}
+
 }  // namespace
 
 void plot(PlotScript script, const Json& result, const std::string& file) {
-  const char* const text = script == PlotScript::bench ? plot_script::kBench : plot_script::kTouch;
   const ScratchFolder folder;
-  const std::string json = folder.path() / "result.json";
+  const std::string json = folder.path() / "result.json", main = folder.path() / "plot.py";
   std::ofstream(json) << result.dump();
-  if (run(pythonWithMatplotlib(), {"-c", text, json, std::filesystem::absolute(file).string()}) != 0)
+  std::ofstream(main) << textOf(script);
+  std::ofstream(folder.path() / "plot_page.py") << plot_script::kPage;  // what the scripts share
+  if (run(pythonWithMatplotlib(), {main, json, std::filesystem::absolute(file).string()}) != 0)
     throw Error("{}: the plot could not be drawn; see what it said above", file);
 }
 

@@ -9,7 +9,8 @@ namespace palpate {
 
 enum class PlotScript {
   bench,  ///< times against points, one line for each way
-  touch   ///< a page of what bench touch found
+  touch,  ///< a page of what bench touch found
+  edit    ///< an edited step against points, and against those that it touches
 };
 
 /// Draws `result` into the PNG `file`. Needs python3 with matplotlib; throws Error without.

@@ -4,13 +4,9 @@
 usage: plot_bench.py RESULT.json PICTURE.png
 """
 import json
-import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from plot_page import plt, run, save
 
 MARKERS = {"vulkan": "o", "cuda": "s", "cpu": "^"}
 
@@ -44,12 +40,8 @@ def main(result, picture):
         axis.grid(alpha=0.3, which="both")
         axis.legend(frameon=False, fontsize=8)
     figure.suptitle("   ".join(f"{backend}: {machine}" for backend, machine in data["machines"].items()), fontsize=9)
-    temporary = picture + ".tmp.png"
-    figure.savefig(temporary, dpi=110)
-    os.replace(temporary, picture)
+    save(figure, picture)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    main(*sys.argv[1:])
+    run(main, __doc__)

@@ -7,10 +7,7 @@ import csv
 import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from plot_page import plt, run, save
 
 
 def main(trace, picture):
@@ -36,12 +33,8 @@ def main(trace, picture):
     bottom.set_xlabel("time, s")
     bottom.grid(alpha=0.3)
     top.set_title(f"{os.path.basename(trace)}: {len(rows)} ticks, peak force {max(size):.2f} N")
-    temporary = picture + ".tmp.png"
-    figure.savefig(temporary, dpi=110)
-    os.replace(temporary, picture)
+    save(figure, picture)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    main(*sys.argv[1:])
+    run(main, __doc__)

@@ -4,13 +4,9 @@
 usage: plot_touch.py RESULT.json PICTURE.png
 """
 import json
-import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from plot_page import plt, run, save
 
 STYLES = ["-", "--", ":", "-."]
 
@@ -123,12 +119,8 @@ def main(result, picture):
         axis.grid(alpha=0.3, which="both")
         axis.legend(frameon=False, fontsize=7)
     figure.suptitle("   ".join(f"{backend}: {machine}" for backend, machine in data["machines"].items()), fontsize=9)
-    temporary = picture + ".tmp.png"
-    figure.savefig(temporary, dpi=110)
-    os.replace(temporary, picture)
+    save(figure, picture)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit(__doc__)
-    main(*sys.argv[1:])
+    run(main, __doc__)

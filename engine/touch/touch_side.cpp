@@ -312,7 +312,9 @@ void TouchSide::submitEdit(const CommandList& edit) {
   editInFlight_ = inStroke_ = true;
   sinceEdit_ = Stopwatch();
   bridge_.edited(lastPose_.time_s);
-  if (&edit != incrementals_[live_.parity()].get()) live_.flip();
+  if (&edit == incrementals_[live_.parity()].get()) return;
+  live_.flip();
+  ++fullBuilds_;
 }
 
 void TouchSide::settleEdit() {
@@ -407,6 +409,7 @@ void TouchSide::runAndFlip(const std::function<void(CommandList&, SortMethod)>& 
     record(list, used);
     list.end();
     device_.touch().run(list);
+    ++fullBuilds_;
     if (used == hash_.sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
   }
   live_.flip();
@@ -450,6 +453,7 @@ void TouchSide::changeBatch(std::span<const PointChange> changes) {
     list.end();
     device_.touch().run(list);
     live_.flip();
+    ++fullBuilds_;
     if (edit_->report().failed == 0) compact();  // a bucket may have been crowded in that build
   }
   if (edit_->report().failed & shared::kUpdateUnknown)

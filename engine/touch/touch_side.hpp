@@ -74,6 +74,10 @@ class TouchSide final : public TouchBackend {
   bool paints() const { return options_.brush && options_.brush->kind == BrushKind::paint; }
   const SpatialHash& hash() const { return hash_; }
   const ContactStep& contact() const { return contact_; }
+  /// Null where no points are edited.
+  const EditPass* edits() const { return edit_ ? &*edit_ : nullptr; }
+  /// Full builds of the index that edits and changes took.
+  std::uint64_t fullBuilds() const { return fullBuilds_; }
   std::string machine() const override { return device_.name(); }
   double buildTime_us() const override { return buildTime_us_; }
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
@@ -165,7 +169,7 @@ class TouchSide final : public TouchBackend {
   double longestCompactionEnd_us_ = 0;
   bool largeEdits_ = false;                       // the next edit is too large for an update
   EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
-  std::uint64_t editsAnswered_ = 0;
+  std::uint64_t editsAnswered_ = 0, fullBuilds_ = 0;
   Queue::Ticket editTicket_ = 0;
   Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered

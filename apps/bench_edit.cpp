@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "apps/bench.hpp"
+#include "apps/edit_cost.hpp"
+#include "apps/sculpting_hand.hpp"
+#include "engine/touch/memory.hpp"
+#include "haptics/servo_loop.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is measured
+constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
+constexpr std::uint64_t kTicksToLand = 1000;  // at most
+constexpr std::uint64_t kFewest = 5;
+constexpr double kRealtimeRate_Hz = 1000, kHighestRate_Hz = 1e5;
+
+// What happened in one tick.
+struct Noted {
+  bool sculpts = false;  // at full depth, and the surface was felt
+  std::uint32_t edits = 0;
+  std::uint32_t touched = 0;
+  double edit_us = 0;
+  std::uint64_t builds = 0;  // so far
+};
+
+// Asks the touch side, tells the hand the answer, and notes what came of it; on the servo thread.
+class Witness final : public ContactQuery {
+ public:
+  Witness(TouchSide& side, SculptingHand& hand) : side_(side), hand_(hand) {}
+
+  void reserve(std::uint64_t ticks) { noted_.reserve(ticks); }
+  const std::vector<Noted>& noted() const { return noted_; }
+
+  Contact query(const Pose& pose, double budget_us) noexcept override {
+    const bool ready = hand_.sculpts();
+    const Contact contact = side_.query(pose, budget_us);
+    hand_.felt(contact);
+    Noted noted{.sculpts = ready && contact.touching, .builds = side_.fullBuilds()};
+    const auto& times = side_.editTimes_us();
+    for (; seen_ < times.size(); ++seen_, ++noted.edits) noted.edit_us += times[seen_];
+    if (noted.edits > 0) noted.touched = side_.edits()->report().changed + side_.edits()->report().gone;
+    if (noted_.size() < noted_.capacity()) noted_.push_back(noted);
+    return contact;
+  }
+
+ private:
+  TouchSide& side_;
+  SculptingHand& hand_;
+  std::vector<Noted> noted_;
+  std::size_t seen_ = 0;
+};
+
+// Ends the session once there are as many measured edits as the options ask for; in virtual time.
+class Umpire {
+ public:
+  Umpire(const BenchOptions& options, const Witness& witness) : options_(options), witness_(witness) {}
+
+  const std::atomic<bool>& enough() const { return enough_; }
+  void ticked() {
+    const Noted& noted = witness_.noted().back();
+    edits_ += noted.sculpts && noted.edits > 0;
+    if (edits_ == kWarmUp) watch_ = Stopwatch();
+    const std::uint64_t measured = edits_ < kWarmUp ? 0 : edits_ - kWarmUp;
+    const bool late = options_.limit_s > 0 && watch_.elapsed_s() > options_.limit_s;
+    enough_ = measured >= static_cast<std::uint64_t>(options_.repeat) || (late && measured >= kFewest);
+    while (session_.elapsed_s() * options_.rate_Hz < static_cast<double>(witness_.noted().size()))
+      std::this_thread::yield();
+  }
+
+ private:
+  const BenchOptions& options_;
+  const Witness& witness_;
+  std::uint64_t edits_ = 0;
+  std::atomic<bool> enough_ = false;
+  Stopwatch watch_, session_;
+};
+
+// What the ticks say together; in virtual time of those with an edit, which is then a part of its tick.
+void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace& trace) {
+  const bool realtime = cost.stroke.has_value();
+  std::vector<double> touched, query, edit, step;
+  std::uint64_t edits = 0, buildsBefore = 0, fresh = 0;
+  for (std::size_t i = 0; i < std::min(noted.size(), trace.rows.size()); ++i) {
+    const Noted& tick = noted[i];
+    const TraceRow& row = trace.rows[i];
+    const bool counts = tick.sculpts && edits >= kWarmUp;
+    if (tick.sculpts && tick.edits > 0) ++edits;
+    if (!counts) {
+      if (cost.edits == 0) buildsBefore = tick.builds;
+      continue;
+    }
+    if (realtime || tick.edits > 0) {
+      step.push_back(row.step_us);
+      fresh += row.fresh;
+      if (row.gpu_us > 0) query.push_back(row.gpu_us);
+    }
+    if (tick.edits == 0) continue;
+    ++cost.edits;
+    cost.builds = tick.builds - buildsBefore;
+    touched.push_back(tick.touched);
+    edit.push_back(tick.edit_us);
+  }
+  if (realtime && !step.empty()) {
+    cost.stroke->freshShare = static_cast<double>(fresh) / static_cast<double>(step.size());
+    cost.stroke->editsPerSecond =
+        static_cast<double>(cost.edits) * cost.stroke->rate_Hz / static_cast<double>(step.size());
+  }
+  cost.touched = summarize(std::move(touched));
+  cost.query_us = summarize(std::move(query));
+  cost.edit_us = summarize(std::move(edit));
+  cost.step_us = summarize(std::move(step));
+}
+
+EditMemory memoryOf(const TouchSide& side) {
+  const GpuMemory plain = predictGpuMemory(side.live().count(), false);
+  constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
+  return {.points = kBytesPerSlot * side.live().slots(),
+          .index = side.hash().bytes(),
+          .lists = side.edits()->bytes(),
+          .plain = plain.liveCloud + plain.index};
+}
+
+// One model, one number of points to touch, one way to follow the edit.
+class Measurement {
+ public:
+  Measurement(Context& context, const Subject& subject, const BenchOptions& options, std::vector<SurfaceSpot> places)
+      : context_(context), subject_(subject), options_(options), places_(std::move(places)) {}
+
+  EditCost measure(std::size_t touched, const std::string& index) const {
+    const EditBenchOptions& edit = options_.edit;
+    const bool realtime = edit.duration_s > 0;
+    const Model& model = subject_.model;
+    const double rate_Hz = realtime && options_.rate_Hz > kHighestRate_Hz ? kRealtimeRate_Hz : options_.rate_Hz;
+    const double tick_Hz = realtime ? rate_Hz : kRealtimeRate_Hz;
+    const Stroke stroke = strokeThatReaches(touched, brushKind(), model, places_, tick_Hz);
+    BackendOptions way = options_.backend;
+    way.index = index;
+    way.realtime = realtime;
+    if (!options_.methods.empty()) way.method = options_.methods.front();
+    const auto backend = makeBackend(context_, model, way, stroke.brush);
+    auto& side = dynamic_cast<TouchSide&>(*backend);
+
+    EditCost cost{.subject = subject_.name,
+                  .brush = edit.brush,
+                  .index = index,
+                  .points = model.cloud.size(),
+                  .asked = touched,
+                  .toolRadius_mm = model.scale.toMm(stroke.brush.toolRadius),
+                  .spacing_mm = model.scale.toMm(model.spacing)};
+    if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = edit.duration_s};
+    SculptingHand hand(model, places_, stroke, surfaceOptions(model, way).radius);
+    Witness witness(side, hand);
+    Umpire umpire(options_, witness);
+    const std::uint64_t longest =
+        (static_cast<std::uint64_t>(options_.repeat) + kWarmUp) * kTicksPerEdit + kTicksToLand;
+    ServoLoop loop(hand, witness, ForceLaw({}, model.scale),
+                   {.rate_Hz = tick_Hz,
+                    .duration_s = realtime ? edit.duration_s : static_cast<double>(longest) / tick_Hz,
+                    .realtime = realtime,
+                    .stop = &umpire.enough()});
+    witness.reserve(loop.plannedTicks());
+    const ServoResult result = loop.run([&](const TraceRow&) { umpire.ticked(); });
+    side.finish();
+    summarizeTicks(cost, witness.noted(), result.trace);
+    if (cost.edits < kFewest)
+      throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a tool of {:.3g} mm",
+                  subject_.name, cost.edits, result.trace.rows.size(), cost.toolRadius_mm);
+    cost.landings = hand.landings();
+    cost.memory = memoryOf(side);
+    if (cost.stroke) {
+      cost.stroke->missedTicks = result.trace.missedTicks;
+      cost.stroke->leftOut = side.shortfalls().editsTooSlow + side.shortfalls().editsLogFull;
+    }
+    return cost;
+  }
+
+ private:
+  BrushKind brushKind() const {
+    for (const auto& [name, kind] : kBrushKinds)
+      if (options_.edit.brush == name) return kind;
+    throw UsageError("--edit: there is no brush '{}'", options_.edit.brush);
+  }
+
+  Context& context_;
+  const Subject& subject_;
+  const BenchOptions& options_;
+  std::vector<SurfaceSpot> places_;
+};
+
+}  // namespace
+
+void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options) {
+  std::vector<std::string> brushes;
+  for (const auto& [name, kind] : kBrushKinds) brushes.emplace_back(name);
+  sub.add_option("--edit", options.brush, "edit: the brush")->check(CLI::IsMember(brushes))->capture_default_str();
+  sub.add_option("--index", options.indexes, "edit: how the index follows")
+      ->check(CLI::IsMember(options.indexes))
+      ->delimiter(',')
+      ->capture_default_str();
+  sub.add_option("--touched", options.touched,
+                 "edit: numbers of points that an edit is to touch; the tool is as large as that takes")
+      ->check(between(1, 1e8))
+      ->type_name("K...")
+      ->capture_default_str();
+  sub.add_option("--duration", options.duration_s,
+                 "edit: s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: "
+                 "virtual time, --repeat edits")
+      ->check(notNegative())
+      ->capture_default_str();
+}
+
+Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
+  if (options.backends != std::vector<std::string>{"vulkan"})
+    throw UsageError("bench edit: only --backend vulkan tells how many points an edit touched, and what it took");
+  std::vector<EditCost> costs;
+  for (const SubjectMaker& makeOne : subjects) {
+    const Subject subject = makeOne(context);
+    const std::size_t points = subject.model.cloud.size();
+    const Measurement measurement(context, subject, options, sculptingPlaces(subject.model));
+    for (const std::int64_t asked : options.edit.touched) {
+      const auto touched = static_cast<std::size_t>(asked);
+      if (2 * touched > points) {
+        context.log().say("edit: {}, {} of {} points: left out, a tool would swallow the model", subject.name, touched,
+                          points);
+        continue;
+      }
+      for (const std::string& index : options.edit.indexes) {
+        context.log().say("edit: {}, {} of {} points, {}", subject.name, touched, points, index);
+        costs.push_back(measurement.measure(touched, index));
+      }
+    }
+  }
+  if (costs.empty()) throw UsageError("bench edit: --touched asks for more points than the models have");
+  printEditTables(context.tables(), costs);
+  Json result{{"costs", Json::array()}, {"growths", Json::array()}, {"crossovers", Json::array()}};
+  for (const EditCost& cost : costs) result["costs"].push_back(toJson(cost));
+  for (const EditGrowth& growth : growths(costs)) result["growths"].push_back(toJson(growth));
+  for (const EditCrossover& crossover : crossovers(costs)) result["crossovers"].push_back(toJson(crossover));
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,67 @@
+// What `bench edit` finds: one record for each model, number of touched points and way to follow an edit; tables of
+// them, and what can be read from them.
+#pragma once
+
+#include "apps/context.hpp"
+#include "engine/core/statistics.hpp"
+
+namespace palpate {
+
+/// Bytes on the GPU.
+struct EditMemory {
+  std::uint64_t points = 0;  ///< both orders of positions and normals, spare slots included
+  std::uint64_t index = 0;   ///< the spatial hash over all slots
+  std::uint64_t lists = 0;   ///< by which the index follows edits
+  std::uint64_t plain = 0;   ///< points and index of the same cloud where nothing is edited
+
+  double overPlain() const { return static_cast<double>(points + index + lists) / static_cast<double>(plain); }
+};
+
+/// What only a stroke in real time can tell; its ticks are all those at full depth, with an edit or without.
+struct EditStroke {
+  double rate_Hz = 0, duration_s = 0;
+  double freshShare = 0, editsPerSecond = 0;
+  std::uint64_t missedTicks = 0;  ///< left out because their time had passed
+  std::uint64_t leftOut = 0;      ///< edits that there was no time or no room in the log for
+};
+
+struct EditCost {
+  std::string subject, brush, index;
+  std::size_t points = 0;
+  std::size_t asked = 0;  ///< points that an edit is to touch
+  double toolRadius_mm = 0, spacing_mm = 0;
+  Summary touched;   ///< points that edits changed, moved or took away
+  Summary query_us;  ///< on the GPU, of the ticks with an edit; no samples where it was not measured
+  Summary edit_us;   ///< on the GPU: brush, index, normals, log
+  Summary step_us;   ///< from pose to force; in virtual time with the whole edit in it
+  std::uint64_t edits = 0;
+  std::uint64_t builds = 0;    ///< full builds of the index for these edits
+  std::uint64_t landings = 0;  ///< how often the tool was put down
+  EditMemory memory;
+  std::optional<EditStroke> stroke;
+};
+Json toJson(const EditCost& cost);
+
+/// Where an edit with a full build becomes cheaper than an update of the index.
+struct EditCrossover {
+  std::string subject;
+  std::size_t points = 0;
+  double share = 0;    ///< touched points over all points
+  bool found = false;  ///< false: `share` is the largest one measured, and the update was still cheaper there
+};
+/// One for each model on which both ways were measured, of times on the GPU. Only updates count that needed no build.
+std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs);
+Json toJson(const EditCrossover& crossover);
+
+/// How the edited step of the largest model compares to that of the smallest, for the same number of points asked.
+struct EditGrowth {
+  std::string index;
+  std::size_t asked = 0, from = 0, to = 0;  ///< points asked; points of the two models
+  double factor = 0;                        ///< of the median steps
+};
+std::vector<EditGrowth> growths(const std::vector<EditCost>& costs);
+Json toJson(const EditGrowth& growth);
+
+void printEditTables(std::FILE* out, const std::vector<EditCost>& costs);
+
+}  // namespace palpate
