@@ -14,7 +14,9 @@ Json summaryOf(const Summary& s) {
 }
 
 std::string times(const Summary& s) {
-  return s.count == 0 ? "–" : fmt::format(s.p999 < 1e4 ? "{:.1f} / {:.1f}" : "{:.0f} / {:.0f}", s.p50, s.p999);
+  if (s.count == 0) return "–";
+  const int decimals = s.p999 < 1e4 ? 1 : 0;
+  return fmt::format("{:.{}f} / {:.{}f}", s.p50, decimals, s.p999, decimals);
 }
 
 struct Column {

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "engine/core/error.hpp"
+#include "engine/core/statistics.hpp"
 #include "haptics/touch_target.hpp"
 
 namespace palpate {
@@ -13,7 +12,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kCoarse = 32'768, kFine = 524'288;  // points looked at, to choose a place and to walk from it
-constexpr std::size_t kPlaces = 16;
+constexpr std::size_t kPlaces = 16, kLookedAt = 5;        // where the hand is put down; where the tool is measured
 constexpr double kStep_mm = 0.5;
 constexpr std::size_t kStepsApart = 6;
 
@@ -75,7 +74,10 @@ std::vector<SurfaceSpot> sculptingPlaces(const Model& model) {
 Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, std::span<const SurfaceSpot> places,
                          double rate_Hz) {
   const double sunk = presses(kind) ? kSink : 1;
-  const double radius = radiusThatReaches(touched, model.cloud, places.front(), sunk);
+  std::vector<double> radii;
+  for (const SurfaceSpot& place : places.first(std::min(kLookedAt, places.size())))
+    radii.push_back(radiusThatReaches(touched, model.cloud, place, sunk));
+  const double radius = summarize(std::move(radii)).p50;
   const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // its radius, on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);

@@ -99,4 +99,78 @@ TEST_CASE("bench touch holds a scan against its mesh, and refuses one without th
   CHECK(palpate("bench touch --shapes ball").code == 2);
 }
 
+TEST_CASE("bench edit sculpts with tools that reach as many points as they are asked to, and plots what that costs") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "e.json").string(), plot = (folder / "e.png").string();
+  const Outcome outcome =
+      palpate("bench edit --sizes 20000 60000 --touched 100 800 --repeat 12 --json " + json + " --plot " + plot);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto edit = jsonOf(json)["edit"];
+  REQUIRE(edit["costs"].size() == 2 * 2 * 2);  // sizes, touched, ways to follow
+  for (const auto& cost : edit["costs"]) {
+    CAPTURE(cost.dump());
+    CHECK(cost["edits"] == 12);
+    CHECK(cost["builds"] == (cost["index"] == "rebuild" ? 12 : 0));
+    const double asked = cost["asked"];
+    CHECK(cost["touched"]["p50"] == doctest::Approx(asked).epsilon(0.3));
+    CHECK(cost["touched"]["min"] > 0.4 * asked);  // at every edit of the stroke
+    CHECK(cost["query_us"]["p50"] > 0);
+    CHECK(cost["edit_us"]["p50"] > 0);
+    // In virtual time a step holds its query and its edit.
+    CHECK(cost["step_us"]["p50"] > cost["edit_us"]["p50"]);
+    CHECK(cost["step_us"]["p999"] >= cost["step_us"]["p50"]);
+    CHECK(cost["memory"]["over_plain"] > 1);
+    CHECK(cost["memory"]["plain_bytes"] > 64 * cost["points"].get<double>());
+  }
+  // A larger tool for more points; a smaller one where they stand closer.
+  const auto radius = [&](std::size_t i) { return edit["costs"][i]["tool_radius_mm"].get<double>(); };
+  CHECK(radius(2) > 2 * radius(0));
+  CHECK(radius(4) < 0.7 * radius(0));
+  REQUIRE(edit["growths"].size() == 2 * 2);
+  for (const auto& growth : edit["growths"]) {
+    CHECK(growth["from_points"] == 20000);
+    CHECK(growth["to_points"] == 60000);
+    CHECK(growth["factor"] > 0);
+  }
+  REQUIRE(edit["crossovers"].size() == 2);
+  for (const auto& crossover : edit["crossovers"]) {
+    CHECK(crossover["share"] > 0);
+    CHECK(crossover["share"] <= 0.06);
+  }
+  for (const char* text : {"edited step, push", "20000", "60000", "a full build is cheaper"})
+    CHECK(outcome.text.find(text) != std::string::npos);
+  CHECK(std::filesystem::file_size(plot) > 20'000);
+}
+
+TEST_CASE("bench edit sculpts with every brush") {
+  const ScratchFolder folder;
+  for (const std::string brush : {"carve", "inflate", "smooth", "grab", "paint"}) {
+    CAPTURE(brush);
+    const std::string json = (folder / (brush + ".json")).string();
+    works("bench edit --sizes 20000 --touched 300 --repeat 10 --index incremental --edit " + brush + " --json " + json);
+    const auto cost = jsonOf(json)["edit"]["costs"][0];
+    CHECK(cost["brush"] == brush);
+    CHECK(cost["touched"]["p50"] == doctest::Approx(300).epsilon(0.4));
+  }
+}
+
+TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "s.json").string();
+  works("bench edit --sizes 20000 --touched 100 --index incremental --rate 100 --duration 2 --json " + json);
+  const auto cost = jsonOf(json)["edit"]["costs"][0];
+  CHECK(cost["stroke"]["rate_Hz"] == 100);
+  CHECK(cost["edits"] > 5);
+  CHECK(cost["edits"] <= 200);
+  CHECK(cost["step_us"]["n"] > 5);
+  CHECK(cost["step_us"]["p999"] >= cost["step_us"]["p99"]);
+  CHECK(cost["stroke"]["fresh_share"] <= 1.0);
+  CHECK(palpate("bench edit --sizes 2000 --backend cpu").code == 2);
+  CHECK(palpate("bench edit build --sizes 2000").code == 2);
+  CHECK(palpate("bench edit --sizes 2000 --edit hammer").code == 2);
+  const Outcome tooMany = palpate("bench edit --sizes 2000 --touched 1500");
+  CHECK(tooMany.code == 2);
+  CHECK(tooMany.text.find("--touched") != std::string::npos);
+}
+
 }  // namespace palpate
