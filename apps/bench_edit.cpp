@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is measured
+constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is measured, in virtual time
 constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
 constexpr std::uint64_t kTicksToLand = 1000;  // at most
 constexpr std::uint64_t kFewest = 5;
@@ -82,12 +82,13 @@ class Umpire {
 // What the ticks say together; in virtual time of those with an edit, which is then a part of its tick.
 void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace& trace) {
   const bool realtime = cost.stroke.has_value();
+  const std::uint64_t warmUp = realtime ? 0 : kWarmUp;
   std::vector<double> touched, query, edit, step;
   std::uint64_t edits = 0, buildsBefore = 0, fresh = 0;
   for (std::size_t i = 0; i < std::min(noted.size(), trace.rows.size()); ++i) {
     const Noted& tick = noted[i];
     const TraceRow& row = trace.rows[i];
-    const bool counts = tick.sculpts && edits >= kWarmUp;
+    const bool counts = tick.sculpts && edits >= warmUp;
     if (tick.sculpts && tick.edits > 0) ++edits;
     if (!counts) {
       if (cost.edits == 0) buildsBefore = tick.builds;
@@ -166,7 +167,7 @@ class Measurement {
     const ServoResult result = loop.run([&](const TraceRow&) { umpire.ticked(); });
     side.finish();
     summarizeTicks(cost, witness.noted(), result.trace);
-    if (cost.edits < kFewest)
+    if (cost.edits < (realtime ? 1 : kFewest))
       throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a tool of {:.3g} mm",
                   subject_.name, cost.edits, result.trace.rows.size(), cost.toolRadius_mm);
     cost.landings = hand.landings();

@@ -151,6 +151,7 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
               {"edit", 19, [](const EditCost& c) { return times(c.edit_us); }},
               {"edits/s", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.stroke->editsPerSecond); }},
               {"fresh", 8, [](const EditCost& c) { return fmt::format("{:.1f} %", 100 * c.stroke->freshShare); }},
+              {"left out", 10, [](const EditCost& c) { return fmt::format("{}", c.stroke->leftOut); }},
               {"missed", 8, [](const EditCost& c) { return fmt::format("{}", c.stroke->missedTicks); }},
               {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }}}),
         realtime);
