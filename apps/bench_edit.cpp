@@ -16,6 +16,9 @@ constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is 
 constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
 constexpr std::uint64_t kTicksToLand = 1000;  // at most
 constexpr std::uint64_t kFewest = 5;
+constexpr int kTrials = 2;  // strokes to find the tool
+constexpr std::int64_t kTrialEdits = 20;
+constexpr double kTrial_s = 1;
 constexpr double kRealtimeRate_Hz = 1000, kHighestRate_Hz = 1e5;
 
 // What happened in one tick.
@@ -125,72 +128,80 @@ EditMemory memoryOf(const TouchSide& side) {
           .plain = plain.liveCloud + plain.index};
 }
 
-// One model, one number of points to touch, one way to follow the edit.
-class Measurement {
- public:
-  Measurement(Context& context, const Subject& subject, const BenchOptions& options, std::vector<SurfaceSpot> places)
-      : context_(context), subject_(subject), options_(options), places_(std::move(places)) {}
-
-  EditCost measure(std::size_t touched, const std::string& index) const {
-    const EditBenchOptions& edit = options_.edit;
-    const bool realtime = edit.duration_s > 0;
-    const Model& model = subject_.model;
-    const double rate_Hz = realtime && options_.rate_Hz > kHighestRate_Hz ? kRealtimeRate_Hz : options_.rate_Hz;
-    const double tick_Hz = realtime ? rate_Hz : kRealtimeRate_Hz;
-    const Stroke stroke = strokeThatReaches(touched, brushKind(), model, places_, tick_Hz);
-    BackendOptions way = options_.backend;
-    way.index = index;
-    way.realtime = realtime;
-    if (!options_.methods.empty()) way.method = options_.methods.front();
-    const auto backend = makeBackend(context_, model, way, stroke.brush);
-    auto& side = dynamic_cast<TouchSide&>(*backend);
-
-    EditCost cost{.subject = subject_.name,
-                  .brush = edit.brush,
-                  .index = index,
-                  .points = model.cloud.size(),
-                  .asked = touched,
-                  .toolRadius_mm = model.scale.toMm(stroke.brush.toolRadius),
-                  .spacing_mm = model.scale.toMm(model.spacing)};
-    if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = edit.duration_s};
-    SculptingHand hand(model, places_, stroke, surfaceOptions(model, way).radius);
-    Witness witness(side, hand);
-    Umpire umpire(options_, witness);
-    const std::uint64_t longest =
-        (static_cast<std::uint64_t>(options_.repeat) + kWarmUp) * kTicksPerEdit + kTicksToLand;
-    ServoLoop loop(hand, witness, ForceLaw({}, model.scale),
-                   {.rate_Hz = tick_Hz,
-                    .duration_s = realtime ? edit.duration_s : static_cast<double>(longest) / tick_Hz,
-                    .realtime = realtime,
-                    .stop = &umpire.enough()});
-    witness.reserve(loop.plannedTicks());
-    const ServoResult result = loop.run([&](const TraceRow&) { umpire.ticked(); });
-    side.finish();
-    summarizeTicks(cost, witness.noted(), result.trace);
-    if (cost.edits < (realtime ? 1 : kFewest))
-      throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a tool of {:.3g} mm",
-                  subject_.name, cost.edits, result.trace.rows.size(), cost.toolRadius_mm);
-    cost.landings = hand.landings();
-    cost.memory = memoryOf(side);
-    if (cost.stroke) {
-      cost.stroke->missedTicks = result.trace.missedTicks;
-      cost.stroke->leftOut = side.shortfalls().editsTooSlow + side.shortfalls().editsLogFull;
-    }
-    return cost;
-  }
-
- private:
-  BrushKind brushKind() const {
-    for (const auto& [name, kind] : kBrushKinds)
-      if (options_.edit.brush == name) return kind;
-    throw UsageError("--edit: there is no brush '{}'", options_.edit.brush);
-  }
-
-  Context& context_;
-  const Subject& subject_;
-  const BenchOptions& options_;
-  std::vector<SurfaceSpot> places_;
+// What all measurements on one model share.
+struct Scene {
+  Context& context;
+  const Subject& subject;
+  std::vector<SurfaceSpot> places;
 };
+
+double ticksPerSecond(const BenchOptions& options) {
+  if (options.edit.duration_s == 0) return kRealtimeRate_Hz;  // of virtual time
+  return options.rate_Hz > kHighestRate_Hz ? kRealtimeRate_Hz : options.rate_Hz;
+}
+
+EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& stroke, const std::string& index) {
+  const bool realtime = options.edit.duration_s > 0;
+  const double rate_Hz = ticksPerSecond(options);
+  const Model& model = scene.subject.model;
+  BackendOptions way = options.backend;
+  way.index = index;
+  way.realtime = realtime;
+  if (!options.methods.empty()) way.method = options.methods.front();
+  const auto backend = makeBackend(scene.context, model, way, stroke.brush);
+  auto& side = dynamic_cast<TouchSide&>(*backend);
+
+  EditCost cost{.subject = scene.subject.name,
+                .brush = options.edit.brush,
+                .index = index,
+                .points = model.cloud.size(),
+                .toolRadius_mm = model.scale.toMm(stroke.brush.toolRadius),
+                .spacing_mm = model.scale.toMm(model.spacing)};
+  if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = options.edit.duration_s};
+  SculptingHand hand(model, scene.places, stroke, surfaceOptions(model, way).radius);
+  Witness witness(side, hand);
+  Umpire umpire(options, witness);
+  const std::uint64_t longest = (static_cast<std::uint64_t>(options.repeat) + kWarmUp) * kTicksPerEdit + kTicksToLand;
+  ServoLoop loop(hand, witness, ForceLaw({}, model.scale),
+                 {.rate_Hz = rate_Hz,
+                  .duration_s = realtime ? options.edit.duration_s : static_cast<double>(longest) / rate_Hz,
+                  .realtime = realtime,
+                  .stop = &umpire.enough()});
+  witness.reserve(loop.plannedTicks());
+  const ServoResult result = loop.run([&](const TraceRow&) { umpire.ticked(); });
+  side.finish();
+  summarizeTicks(cost, witness.noted(), result.trace);
+  if (cost.edits < (realtime ? 1 : kFewest))
+    throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a tool of {:.3g} mm",
+                cost.subject, cost.edits, result.trace.rows.size(), cost.toolRadius_mm);
+  cost.landings = hand.landings();
+  cost.memory = memoryOf(side);
+  if (cost.stroke) {
+    cost.stroke->missedTicks = result.trace.missedTicks;
+    cost.stroke->leftOut = side.shortfalls().editsTooSlow + side.shortfalls().editsLogFull;
+  }
+  return cost;
+}
+
+// The stroke that touches so many points. What lies around a place is a first guess; a short stroke tells how far it is
+// off where the surface bends under the tool.
+Stroke strokeFor(const Scene& scene, const BenchOptions& options, std::size_t touched) {
+  const auto* const brush = std::ranges::find(kBrushKinds, options.edit.brush, [](const auto& b) { return b.first; });
+  BenchOptions trial = options;
+  trial.repeat = kTrialEdits;
+  trial.limit_s = kTrial_s;
+  trial.rate_Hz = kHighestRate_Hz;
+  trial.edit.duration_s = 0;
+  const auto reaching = [&](double count, const BenchOptions& at) {
+    return strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush->second, scene.subject.model,
+                             scene.places.front(), ticksPerSecond(at));
+  };
+  const auto wanted = static_cast<double>(touched);
+  double count = wanted;
+  for (int k = 0; k < kTrials; ++k)
+    count *= wanted / std::max(1.0, sculpt(scene, trial, reaching(count, trial), "incremental").touched.p50);
+  return reaching(count, options);
+}
 
 }  // namespace
 
@@ -221,7 +232,7 @@ Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, cons
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     const std::size_t points = subject.model.cloud.size();
-    const Measurement measurement(context, subject, options, sculptingPlaces(subject.model));
+    const Scene scene{context, subject, sculptingPlaces(subject.model)};
     for (const std::int64_t asked : options.edit.touched) {
       const auto touched = static_cast<std::size_t>(asked);
       if (2 * touched > points) {
@@ -229,9 +240,11 @@ Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, cons
                           points);
         continue;
       }
+      context.log().say("edit: {}, {} of {} points", subject.name, touched, points);
+      const Stroke stroke = strokeFor(scene, options, touched);
       for (const std::string& index : options.edit.indexes) {
-        context.log().say("edit: {}, {} of {} points, {}", subject.name, touched, points, index);
-        costs.push_back(measurement.measure(touched, index));
+        costs.push_back(sculpt(scene, options, stroke, index));
+        costs.back().asked = touched;
       }
     }
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/core/statistics.hpp"
 #include "haptics/touch_target.hpp"
 
 namespace palpate {
@@ -71,13 +70,10 @@ std::vector<SurfaceSpot> sculptingPlaces(const Model& model) {
   return places;
 }
 
-Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, std::span<const SurfaceSpot> places,
+Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, const SurfaceSpot& place,
                          double rate_Hz) {
   const double sunk = presses(kind) ? kSink : 1;
-  std::vector<double> radii;
-  for (const SurfaceSpot& place : places.first(std::min(kLookedAt, places.size())))
-    radii.push_back(radiusThatReaches(touched, model.cloud, place, sunk));
-  const double radius = summarize(std::move(radii)).p50;
+  const double radius = radiusThatReaches(touched, model.cloud, place, sunk);
   const double footprint = radius * std::sqrt(sunk * (2 - sunk));  // its radius, on flat ground
   const double speed = model.scale.toUnits(kSpeed_mm_per_s);
   const double ticksOnPlace = std::max(1.0, 2 * footprint / speed * rate_Hz);

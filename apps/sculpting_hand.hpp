@@ -18,10 +18,10 @@ struct Stroke {
   double depth = 0;  ///< of the HIP behind the proxy
   double speed = 0;  ///< along the surface, per second
 };
-/// The stroke whose tool reaches `touched` points in a tick, as the cloud lies around `places`. A tick at `rate_Hz`
-/// does so little that a place has yielded by about the depth of the tool once that has passed over it: the points that
-/// it meets stay as many as they were.
-Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, std::span<const SurfaceSpot> places,
+/// The stroke whose tool reaches `touched` points in a tick, as the cloud lies around `place`. A tick at `rate_Hz` does
+/// so little that a place has yielded by about the depth of the tool once that has passed over it: the points that it
+/// meets stay as many as they were.
+Stroke strokeThatReaches(std::size_t touched, BrushKind kind, const Model& model, const SurfaceSpot& place,
                          double rate_Hz);
 
 /// Slides over the surface as it is felt, at constant depth behind the proxy, so that the surface yields at every tick
