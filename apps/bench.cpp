@@ -13,8 +13,8 @@ namespace palpate {
 
 namespace {
 
-Subject loadSubject(Context& context, const std::string& file) {
-  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file})};
+Subject loadSubject(Context& context, const std::string& file, EstimateOn where) {
+  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file}, where)};
   subject.model.wideSpacing = subject.model.spacing;  // every back end gets the same radius
   return subject;
 }
@@ -31,8 +31,9 @@ Subject makeSubject(Context& context, std::size_t count) {
 // One subject at a time, since a hundred million points are a large part of a machine's memory.
 std::vector<std::function<Subject(Context&)>> subjectsOf(const BenchOptions& options) {
   std::vector<std::function<Subject(Context&)>> subjects;
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
   for (const std::string& file : options.models)
-    subjects.emplace_back([file](Context& context) { return loadSubject(context, file); });
+    subjects.emplace_back([file, where](Context& context) { return loadSubject(context, file, where); });
   std::vector<std::int64_t> sizes = options.sizes;
   if (subjects.empty() && sizes.empty()) sizes.push_back(1'000'000);
   for (const std::int64_t size : sizes)

@@ -53,7 +53,7 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   auto truth = std::make_shared<const TriangleMesh>(readTriangleMesh(mesh));
   JudgeSubject subject{.name = std::filesystem::path(scan).stem().string(), .condition = "scan", .owner = truth};
   subject.truth = truthOf(*truth);
-  subject.model = loadModel(context, {.file = scan});
+  subject.model = loadModel(context, {.file = scan}, EstimateOn::cpu);  // what is felt does not depend on a GPU
   constexpr std::size_t kLookedAt = 32'768;
   const PointCloud& cloud = subject.model.cloud;
   const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kLookedAt), boundsOf(cloud));

@@ -108,7 +108,8 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
   for (const std::string* file : {&options.traceFile, &options.saveFile, &options.pictureFile})
     Context::checkWritable(*file);
-  const Model model = loadModel(context, options.model);
+  const bool opensGpu = options.backend.backend == "vulkan" || !options.pictureFile.empty();
+  const Model model = loadModel(context, options.model, opensGpu ? EstimateOn::gpu : EstimateOn::cpu);
   const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
   const auto push = pushOptions(options, model.scale);
   const SurfaceOptions surface = surfaceOptions(model, options.backend);

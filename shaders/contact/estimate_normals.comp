@@ -1,0 +1,90 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// For every point the normal of the plane that fits its neighbours, and the nearest of them all around, for the host to
+// carry the signs along. One subgroup for each point.
+#include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/normal_estimate.h"
+
+layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
+
+const float kFar = 3.0e38;
+
+// One of eight sectors of a plane, 45 degrees each.
+uint sectorOf(vec2 p) {
+  return (p.x < 0.0 ? 1u : 0u) | (p.y < 0.0 ? 2u : 0u) | (abs(p.y) > abs(p.x) ? 4u : 0u);
+}
+
+// Points off the plane count as farther, so that of a thin sheet's two sides the own one is nearer.
+float lengthAlong(vec3 d, float height) { return dot(d, d) + 8.0 * height * height; }
+
+vec3 besides(vec3 normal) {
+  return normalize(abs(normal.x) < 0.6 ? cross(normal, vec3(1, 0, 0)) : cross(normal, vec3(0, 1, 0)));
+}
+
+// Whether the neighbours lie along a line rather than in a plane, where single precision turns the normal about it.
+bool onLine(Moments m, vec3 normal) {
+  const mat3 covariance = covarianceOf(m);
+  const vec3 u = besides(normal), v = cross(normal, u);
+  const float uu = dot(u, covariance * u), vv = dot(v, covariance * v), uv = dot(u, covariance * v);
+  return uu * vv - uv * uv < 1e-3 * (uu + vv) * (uu + vv);
+}
+
+void nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
+  const vec3 u = besides(normal), v = cross(normal, u);
+  float nearest[kSectors];
+  uint who[kSectors];
+  for (uint s = 0; s < kSectors; ++s) {
+    nearest[s] = kFar;
+    who[s] = kNoNeighbour;
+  }
+  const ivec3 low = cellOf(args.cloud.grid, center - radius);
+  const ivec3 high = cellOf(args.cloud.grid, center + radius);
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const ivec3 cell = ivec3(x, y, z);
+        const uvec2 range = bucketWithin(args.cloud, cell, kEstimateWorkBudget, work);
+        for (uint j = range.x + gl_SubgroupInvocationID; j < range.y; j += gl_SubgroupSize) {
+          const vec4 point = args.cloud.positions.at[j];
+          const vec3 d = point.xyz - center;
+          const uint other = floatBitsToUint(point.w);
+          if (dot(d, d) >= radius * radius || other == id || cellOf(args.cloud.grid, point.xyz) != cell) continue;
+          const float far = lengthAlong(d, dot(d, normal));
+          const uint sector = sectorOf(vec2(dot(d, u), dot(d, v)));
+          for (uint s = 0; s < kSectors; ++s)
+            if (s == sector && (far < nearest[s] || far == nearest[s] && other < who[s])) {
+              nearest[s] = far;
+              who[s] = other;
+            }
+        }
+      }
+  for (uint s = 0; s < kSectors; ++s) {
+    const float least = subgroupMin(nearest[s]);
+    const uint one = subgroupMin(nearest[s] == least ? who[s] : kNoNeighbour);
+    if (subgroupElect()) args.neighbours.at[id * kSectors + s] = one;
+  }
+}
+
+void main() {
+  const uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+  if (i >= args.cloud.count) return;
+  const vec4 point = args.cloud.positions.at[i];
+  const uint id = floatBitsToUint(point.w);
+  uint work = 0;
+  float radius = args.radius;
+  Moments m;
+  for (uint look = 0; look < kEstimateLooks; ++look) {
+    m = momentsAbout(args.cloud, point.xyz, radius, kEstimateWorkBudget, work);
+    const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMostEstimated;
+    if (look + 1 == kEstimateLooks || work >= kEstimateWorkBudget || !few && !many) break;
+    if (few && radius >= kWidestEstimate * args.radius) break;
+    radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));
+  }
+  vec3 normal = m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m);
+  if (dot(normal, normal) > 0.5 && onLine(m, normal)) normal = vec3(0.0);
+  if (work < kEstimateWorkBudget && dot(normal, normal) > 0.5)
+    nameNeighbours(point.xyz, normal, id, radius, work);
+  if (work >= kEstimateWorkBudget) normal = vec3(0.0);
+  if (subgroupElect()) args.planes.at[id] = vec4(normal, 0.0);
+}

@@ -1,0 +1,72 @@
+// The plane through the neighbours of a place, weighed by Wendland's function: its normal is the direction of least
+// spread (Hoppe et al. 1992, section 3.2). A subgroup works on one place together; its invocations share the points of
+// a bucket.
+#ifndef PALPATE_LIB_PLANE_FIT_GLSL
+#define PALPATE_LIB_PLANE_FIT_GLSL
+
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#include "shaders/lib/contact_buffers.glsl"
+#include "shaders/lib/eigen.glsl"
+#include "shaders/lib/weight.glsl"
+
+// Weighted moments of the neighbours about a place, summed over the subgroup.
+struct Moments {
+  float weight;
+  uint neighbours;
+  vec3 mean;      // sum of w d
+  vec3 diagonal;  // sums of w dx dx, w dy dy, w dz dz
+  vec3 mixed;     // sums of w dx dy, w dy dz, w dz dx
+};
+
+// The points of a bucket that this subgroup still looks at. `work`: rounds so far, the same in all its invocations;
+// none are left at `budget`.
+uvec2 bucketWithin(CloudView cloud, ivec3 cell, uint budget, inout uint work) {
+  const uvec2 range = cloud.ranges.at[bucketOf(cloud.grid, cell)];
+  const uint rounds = min((range.y - range.x + gl_SubgroupSize - 1) / gl_SubgroupSize, budget - min(work, budget));
+  work += 1 + rounds;
+  return uvec2(range.x, min(range.y, range.x + rounds * gl_SubgroupSize));
+}
+
+Moments momentsAbout(CloudView cloud, vec3 center, float radius, uint budget, inout uint work) {
+  const ivec3 low = cellOf(cloud.grid, center - radius);
+  const ivec3 high = cellOf(cloud.grid, center + radius);
+  Moments m = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const ivec3 cell = ivec3(x, y, z);
+        const uvec2 range = bucketWithin(cloud, cell, budget, work);
+        for (uint j = range.x + gl_SubgroupInvocationID; j < range.y; j += gl_SubgroupSize) {
+          const vec3 position = cloud.positions.at[j].xyz;
+          const vec3 d = position - center;
+          const float squared = dot(d, d);
+          if (squared >= radius * radius || cellOf(cloud.grid, position) != cell) continue;
+          const float w = wendland(sqrt(squared) / radius);
+          m.weight += w;
+          m.neighbours += 1;
+          m.mean += w * d;
+          m.diagonal += w * d * d;
+          m.mixed += w * d * d.yzx;
+        }
+      }
+  return Moments(subgroupAdd(m.weight), subgroupAdd(m.neighbours), subgroupAdd(m.mean), subgroupAdd(m.diagonal),
+                 subgroupAdd(m.mixed));
+}
+
+mat3 covarianceOf(Moments m) {
+  const vec3 mean = m.mean / m.weight;
+  const vec3 diagonal = m.diagonal / m.weight - mean * mean;
+  const vec3 mixed = m.mixed / m.weight - mean * mean.yzx;
+  return mat3(diagonal.x, mixed.x, mixed.z,  //
+              mixed.x, diagonal.y, mixed.y,  //
+              mixed.z, mixed.y, diagonal.z);
+}
+
+// Unit, of either sign; zero where the neighbours are too few to say, or do not spread over a surface.
+vec3 planeNormal(Moments m) {
+  if (m.neighbours < kMinNeighbours || m.weight <= 0.0) return vec3(0.0);
+  return smallestEigenvector(covarianceOf(m));
+}
+
+#endif

@@ -1,0 +1,33 @@
+#ifndef PALPATE_SHARED_NORMAL_ESTIMATE_H
+#define PALPATE_SHARED_NORMAL_ESTIMATE_H
+#include "shaders/shared/contact.h"
+
+PALPATE_SHARED_BEGIN
+
+// A point's support radius holds so many neighbours: with fewer it is widened (at most kWidestEstimate times), with
+// more narrowed, so that one radius serves an uneven cloud.
+const uint kFewestEstimated = 8;
+const uint kMostEstimated = 200;
+const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
+const float kWidestEstimate = 4.0f;
+const uint kEstimateLooks = 5;
+// Rounds of one point. Past it the point is left to the host; reached only where a bucket is very crowded. Small, since
+// a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
+const uint kEstimateWorkBudget = 3000;
+
+// Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
+// the points do (Yao 1982), with few edges.
+const uint kSectors = 8;
+const uint kNoNeighbour = 0xffffffffu;
+
+struct NormalEstimateArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(Vec4s) planes;      // out, by the point's id: unit normal of either sign; zero: left to the host
+  PALPATE_ADDRESS(Uints) neighbours;  // out, kSectors ids for each id; kNoNeighbour where there is none
+  float radius;                       // support radius, model units
+  uint unused;
+};
+PALPATE_SIZE(NormalEstimateArgs, 80);
+
+PALPATE_SHARED_END
+#endif
