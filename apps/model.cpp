@@ -33,7 +33,7 @@ namespace {
 void seeToNormals(Context& context, const ModelOptions& options, EstimateOn where, PointCloud& cloud) {
   if (cloud.hasNormals() && options.normals != "estimate") return;
   const Stopwatch watch;
-  if (where == EstimateOn::cpu) {
+  if (where == EstimateOn::cpu || context.device().isCpu()) {
     estimateNormals(cloud, 16, context.threads());
     if (!cloud.empty())
       context.log().say("{}: normals are estimated from the points: {:.0f} ms on the CPU", options.file,

@@ -14,7 +14,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kWorkgroup = 256;
 constexpr unsigned kNearest = 16;  // that a plane of the host is fitted to
 static_assert(shared::kNoNeighbour == NeighbourGraph::kNobody);
 
@@ -50,13 +49,11 @@ Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double ra
 }  // namespace
 
 NormalEstimate::NormalEstimate(Device& device)
-    : subgroup_(device.subgroupSize()),
-      pass_(device, shader_code::contact_estimate_normals,
-            {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::NormalEstimateArgs)}) {}
+    : pass_(device, shader_code::contact_estimate_normals, {.pushBytes = sizeof(shared::NormalEstimateArgs)}) {}
 
 void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, const Buffer& planes,
                             const Buffer& neighbours, double radius) const {
-  list.dispatch(pass_, std::uint64_t{cloud.count} * subgroup_,
+  list.dispatch(pass_, cloud.count,
                 shared::NormalEstimateArgs{.cloud = cloud,
                                            .planes = planes.address(),
                                            .neighbours = neighbours.address(),

@@ -19,7 +19,6 @@ class NormalEstimate {
               double radius) const;
 
  private:
-  std::uint32_t subgroup_;
   ComputePipeline pass_;
 };
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // For every point the normal of the plane that fits its neighbours, and the nearest of them all around, for the host to
-// carry the signs along. One subgroup for each point.
+// carry the signs along. One invocation for each point: in hash order those of a subgroup look at the same cells.
 #include "shaders/lib/plane_fit.glsl"
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/normal_estimate.h"
@@ -30,7 +30,10 @@ bool onLine(Moments m, vec3 normal) {
   return uu * vv - uv * uv < 1e-3 * (uu + vv) * (uu + vv);
 }
 
-void nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
+const Share kAlone = Share(0, 1);
+
+// Says how many sectors have a neighbour.
+uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
   const vec3 u = besides(normal), v = cross(normal, u);
   float nearest[kSectors];
   uint who[kSectors];
@@ -44,30 +47,30 @@ void nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint 
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(args.cloud, cell, kEstimateWorkBudget, work);
-        for (uint j = range.x + gl_SubgroupInvocationID; j < range.y; j += gl_SubgroupSize) {
+        const uvec2 range = bucketWithin(args.cloud, cell, kAlone, kEstimateWorkBudget, work);
+        for (uint j = range.x; j < range.y; ++j) {
           const vec4 point = args.cloud.positions.at[j];
           const vec3 d = point.xyz - center;
           const uint other = floatBitsToUint(point.w);
           if (dot(d, d) >= radius * radius || other == id || cellOf(args.cloud.grid, point.xyz) != cell) continue;
           const float far = lengthAlong(d, dot(d, normal));
           const uint sector = sectorOf(vec2(dot(d, u), dot(d, v)));
-          for (uint s = 0; s < kSectors; ++s)
-            if (s == sector && (far < nearest[s] || far == nearest[s] && other < who[s])) {
-              nearest[s] = far;
-              who[s] = other;
-            }
+          if (far < nearest[sector] || far == nearest[sector] && other < who[sector]) {
+            nearest[sector] = far;
+            who[sector] = other;
+          }
         }
       }
+  uint named = 0;
   for (uint s = 0; s < kSectors; ++s) {
-    const float least = subgroupMin(nearest[s]);
-    const uint one = subgroupMin(nearest[s] == least ? who[s] : kNoNeighbour);
-    if (subgroupElect()) args.neighbours.at[id * kSectors + s] = one;
+    args.neighbours.at[id * kSectors + s] = who[s];
+    named += who[s] != kNoNeighbour ? 1 : 0;
   }
+  return named;
 }
 
 void main() {
-  const uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+  const uint i = threadIndex();
   if (i >= args.cloud.count) return;
   const vec4 point = args.cloud.positions.at[i];
   const uint id = floatBitsToUint(point.w);
@@ -75,7 +78,7 @@ void main() {
   float radius = args.radius;
   Moments m;
   for (uint look = 0; look < kEstimateLooks; ++look) {
-    m = momentsAbout(args.cloud, point.xyz, radius, kEstimateWorkBudget, work);
+    m = momentsAbout(args.cloud, point.xyz, radius, kAlone, kEstimateWorkBudget, work);
     const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMostEstimated;
     if (look + 1 == kEstimateLooks || work >= kEstimateWorkBudget || !few && !many) break;
     if (few && radius >= kWidestEstimate * args.radius) break;
@@ -83,8 +86,11 @@ void main() {
   }
   vec3 normal = m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m);
   if (dot(normal, normal) > 0.5 && onLine(m, normal)) normal = vec3(0.0);
-  if (work < kEstimateWorkBudget && dot(normal, normal) > 0.5)
-    nameNeighbours(point.xyz, normal, id, radius, work);
+  if (work < kEstimateWorkBudget && dot(normal, normal) > 0.5) {
+    // Mostly they are found near by, where there is less to look through.
+    const uint named = nameNeighbours(point.xyz, normal, id, 0.5 * radius, work);
+    if (named < kEnoughSectors) nameNeighbours(point.xyz, normal, id, radius, work);
+  }
   if (work >= kEstimateWorkBudget) normal = vec3(0.0);
-  if (subgroupElect()) args.planes.at[id] = vec4(normal, 0.0);
+  args.planes.at[id] = vec4(normal, 0.0);
 }

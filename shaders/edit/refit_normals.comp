@@ -3,6 +3,8 @@
 // After points have moved and the hash is built anew: the normal of every moved point becomes the direction of least
 // spread of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the move goes to the
 // log. One subgroup for each point.
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/lib/plane_fit.glsl"
 #include "shaders/shared/spatial_hash.h"
 #include "shaders/lib/index.glsl"
@@ -12,7 +14,10 @@ layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
 vec3 fittedNormal(vec3 center, vec3 old) {
   uint work = 0;
-  const vec3 normal = planeNormal(momentsAbout(args.cloud, center, args.radius, kRefitWorkBudget, work));
+  const Share share = Share(gl_SubgroupInvocationID, gl_SubgroupSize);
+  const Moments m = momentsAbout(args.cloud, center, args.radius, share, kRefitWorkBudget, work);
+  const vec3 normal = planeNormal(Moments(subgroupAdd(m.weight), subgroupAdd(m.neighbours), subgroupAdd(m.mean),
+                                          subgroupAdd(m.diagonal), subgroupAdd(m.mixed)));
   if (dot(normal, normal) < 0.5) return old;
   return dot(normal, old) < 0.0 ? -normal : normal;
 }

@@ -1,16 +1,13 @@
 // The plane through the neighbours of a place, weighed by Wendland's function: its normal is the direction of least
-// spread (Hoppe et al. 1992, section 3.2). A subgroup works on one place together; its invocations share the points of
-// a bucket.
+// spread (Hoppe et al. 1992, section 3.2). One invocation looks at every neighbour, or some share them.
 #ifndef PALPATE_LIB_PLANE_FIT_GLSL
 #define PALPATE_LIB_PLANE_FIT_GLSL
 
-#extension GL_KHR_shader_subgroup_basic : require
-#extension GL_KHR_shader_subgroup_arithmetic : require
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/lib/eigen.glsl"
 #include "shaders/lib/weight.glsl"
 
-// Weighted moments of the neighbours about a place, summed over the subgroup.
+// Weighted moments of the neighbours about a place.
 struct Moments {
   float weight;
   uint neighbours;
@@ -19,16 +16,20 @@ struct Moments {
   vec3 mixed;     // sums of w dx dy, w dy dz, w dz dx
 };
 
-// The points of a bucket that this subgroup still looks at. `work`: rounds so far, the same in all its invocations;
-// none are left at `budget`.
-uvec2 bucketWithin(CloudView cloud, ivec3 cell, uint budget, inout uint work) {
+// Which points of a bucket an invocation looks at, where `sharers` share them.
+struct Share {
+  uint own, sharers;
+};
+
+// The points of a bucket that are still looked at. `work`: rounds so far; none are left at `budget`.
+uvec2 bucketWithin(CloudView cloud, ivec3 cell, Share share, uint budget, inout uint work) {
   const uvec2 range = cloud.ranges.at[bucketOf(cloud.grid, cell)];
-  const uint rounds = min((range.y - range.x + gl_SubgroupSize - 1) / gl_SubgroupSize, budget - min(work, budget));
+  const uint rounds = min((range.y - range.x + share.sharers - 1) / share.sharers, budget - min(work, budget));
   work += 1 + rounds;
-  return uvec2(range.x, min(range.y, range.x + rounds * gl_SubgroupSize));
+  return uvec2(range.x + share.own, min(range.y, range.x + rounds * share.sharers));
 }
 
-Moments momentsAbout(CloudView cloud, vec3 center, float radius, uint budget, inout uint work) {
+Moments momentsAbout(CloudView cloud, vec3 center, float radius, Share share, uint budget, inout uint work) {
   const ivec3 low = cellOf(cloud.grid, center - radius);
   const ivec3 high = cellOf(cloud.grid, center + radius);
   Moments m = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
@@ -36,8 +37,8 @@ Moments momentsAbout(CloudView cloud, vec3 center, float radius, uint budget, in
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(cloud, cell, budget, work);
-        for (uint j = range.x + gl_SubgroupInvocationID; j < range.y; j += gl_SubgroupSize) {
+        const uvec2 range = bucketWithin(cloud, cell, share, budget, work);
+        for (uint j = range.x; j < range.y; j += share.sharers) {
           const vec3 position = cloud.positions.at[j].xyz;
           const vec3 d = position - center;
           const float squared = dot(d, d);
@@ -50,8 +51,7 @@ Moments momentsAbout(CloudView cloud, vec3 center, float radius, uint budget, in
           m.mixed += w * d * d.yzx;
         }
       }
-  return Moments(subgroupAdd(m.weight), subgroupAdd(m.neighbours), subgroupAdd(m.mean), subgroupAdd(m.diagonal),
-                 subgroupAdd(m.mixed));
+  return m;
 }
 
 mat3 covarianceOf(Moments m) {

@@ -18,6 +18,7 @@ const uint kEstimateWorkBudget = 3000;
 // Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
 // the points do (Yao 1982), with few edges.
 const uint kSectors = 8;
+const uint kEnoughSectors = 6;  // with a neighbour within half the support radius; with fewer, all of it is searched
 const uint kNoNeighbour = 0xffffffffu;
 
 struct NormalEstimateArgs {
