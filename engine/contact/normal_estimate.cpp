@@ -53,6 +53,7 @@ NormalEstimate::NormalEstimate(Device& device)
 
 void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, const Buffer& planes,
                             const Buffer& neighbours, double radius) const {
+  list.fill(planes, 0, planes.bytes());
   list.dispatch(pass_, cloud.count,
                 shared::NormalEstimateArgs{.cloud = cloud,
                                            .planes = planes.address(),

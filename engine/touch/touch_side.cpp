@@ -128,7 +128,7 @@ void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
 }
 
 Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
-  const Contact invalid{.proxy = pose.hip};
+  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     const Stopwatch watch;
@@ -143,6 +143,7 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
+    invalid.lost = true;
     return invalid;
   }
 }

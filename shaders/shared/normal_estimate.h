@@ -11,9 +11,9 @@ const uint kMostEstimated = 200;
 const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
 const float kWidestEstimate = 4.0f;
 const uint kEstimateLooks = 5;
-// Rounds of one point. Past it the point is left to the host; reached only where a bucket is very crowded. Small, since
-// a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
-const uint kEstimateWorkBudget = 3000;
+// Rounds of one point. Past it the point is left to the host; reached only where buckets are crowded. Small, since a
+// validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
+const uint kEstimateWorkBudget = 1024;
 
 // Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
 // the points do (Yao 1982), with few edges.
