@@ -13,14 +13,30 @@
 namespace palpate {
 namespace {
 
-/// Direction of least extent of the points around `center`.
-Vec3 planeNormal(std::span<const Vec3> points, std::span<const std::uint32_t> around, const Vec3& center) {
+/// A noisy neighbourhood needs more points than a clean one, whose detail they would blur. The plane's slope is off by
+/// about sqrt(off / (points * along)), of the least and the middle variance; from a degree on a wider one is tried.
+constexpr double kClean = 0.005;  // off / along, with 16 points
+constexpr unsigned kWider = 4;    // times the points
+/// It is taken where it is flatter by this, off / along of one over that of the other: noise stays as thick while the
+/// place grows, whereas over an edge the points come as much farther off the plane as along it, and on a curved surface
+/// more.
+constexpr double kFlatter = 0.5;
+
+struct PlaneFit {
+  Vec3 normal;
+  double off, along;  ///< variances, off the plane and along its narrower side, squared model units
+};
+
+/// The plane of the points `around`, some of those near `center`.
+PlaneFit fitPlane(std::span<const Vec3> points, std::span<const std::uint32_t> around, const Vec3& center) {
   DVec3 mean(0);
   for (const std::uint32_t j : around) mean += DVec3(points[j]) - DVec3(center);
-  mean /= static_cast<double>(around.size());
+  const auto count = static_cast<double>(around.size());
+  mean /= count;
   SymmetricMatrix3 covariance;
   for (const std::uint32_t j : around) covariance.addSquare(DVec3(points[j]) - DVec3(center) - mean);
-  return Vec3(eigenSymmetric(covariance).vectors[0]);
+  const Eigen3 eigen = eigenSymmetric(covariance);
+  return {Vec3(eigen.vectors[0]), eigen.values[0] / count, eigen.values[1] / count};
 }
 
 }  // namespace
@@ -28,19 +44,27 @@ Vec3 planeNormal(std::span<const Vec3> points, std::span<const std::uint32_t> ar
 void fitNearestPlanes(std::span<const Vec3> points, std::span<const std::uint32_t> which, unsigned neighbours,
                       std::span<Vec3> normals, NeighbourGraph& graph, unsigned threads) {
   if (which.empty()) return;
-  const std::size_t taken = std::min<std::size_t>(std::max(neighbours, 1u), points.size());
+  const auto most = [&](std::size_t count) { return std::min(std::max<std::size_t>(count, 1), points.size()); };
+  const std::size_t few = most(neighbours), many = most(std::size_t{neighbours} * kWider);
   const PointTree tree(points);
   parallelFor(which.size(), threads, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> around(taken);
-    std::vector<double> squaredDistances(taken);
+    std::vector<std::uint32_t> around(many);
+    std::vector<double> squaredDistances(many);
+    const auto fit = [&](std::uint32_t i, std::size_t count) {
+      const std::size_t found = tree.nearest(points[i], {around.data(), count}, {squaredDistances.data(), count});
+      PALPATE_CHECK_EQ(found, count);
+      return fitPlane(points, {around.data(), count}, points[i]);
+    };
     for (std::size_t n = begin; n < end; ++n) {
       const std::uint32_t i = which[n];
-      const std::size_t found = tree.nearest(points[i], around, squaredDistances);
-      PALPATE_CHECK_EQ(found, taken);
-      normals[i] = planeNormal(points, around, points[i]);
+      const PlaneFit near = fit(i, few);
       const auto edges = graph.of(i);
       std::ranges::fill(edges, NeighbourGraph::kNobody);
-      std::copy_n(around.begin(), std::min(taken, edges.size()), edges.begin());
+      std::copy_n(around.begin(), std::min(few, edges.size()), edges.begin());
+      normals[i] = near.normal;
+      if (near.off <= kClean * near.along) continue;
+      if (const PlaneFit wide = fit(i, many); wide.off * near.along < kFlatter * near.off * wide.along)
+        normals[i] = wide.normal;
     }
   });
 }

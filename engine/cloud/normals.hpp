@@ -13,9 +13,11 @@
 namespace palpate {
 
 /// In double precision: the normal of the plane that fits the nearest `neighbours` points best (Hoppe, DeRose, Duchamp,
-/// McDonald and Stuetzle 1992, "Surface reconstruction from unorganized points", section 3.2), with signs as of
-/// orientNormals(). Coincident points count once. Always unit length, also where the neighbours are on a line. The
-/// result does not depend on `threads`. For the same on a GPU see engine/contact/normal_estimate.hpp.
+/// McDonald and Stuetzle 1992, "Surface reconstruction from unorganized points", section 3.2), or the nearest three
+/// times as many where the points are noisy and no less flat over the wider place (how much noise needs how many: Mitra
+/// and Nguyen 2003, "Estimating surface normals in noisy point cloud data"), with signs as of orientNormals().
+/// Coincident points count once. Always unit length, also where the neighbours are on a line. The result does not
+/// depend on `threads`. For the same on a GPU see engine/contact/normal_estimate.hpp.
 void estimateNormals(PointCloud& cloud, unsigned neighbours = 16, unsigned threads = 0);
 
 /// Its planes, without signs, for the points of `which` alone: writes their normals, and their nearest points into the

@@ -49,17 +49,19 @@ Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double ra
 }  // namespace
 
 NormalEstimate::NormalEstimate(Device& device)
-    : pass_(device, shader_code::contact_estimate_normals, {.pushBytes = sizeof(shared::NormalEstimateArgs)}) {}
+    : fit_(device, shader_code::contact_estimate_normals, {.pushBytes = sizeof(shared::NormalEstimateArgs)}),
+      name_(device, shader_code::contact_name_neighbours, {.pushBytes = sizeof(shared::NormalEstimateArgs)}) {}
 
 void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, const Buffer& planes,
                             const Buffer& neighbours, double radius) const {
+  const shared::NormalEstimateArgs args{.cloud = cloud,
+                                        .planes = planes.address(),
+                                        .neighbours = neighbours.address(),
+                                        .radius = static_cast<float>(radius),
+                                        .unused = 0};
   list.fill(planes, 0, planes.bytes());
-  list.dispatch(pass_, cloud.count,
-                shared::NormalEstimateArgs{.cloud = cloud,
-                                           .planes = planes.address(),
-                                           .neighbours = neighbours.address(),
-                                           .radius = static_cast<float>(radius),
-                                           .unused = 0});
+  list.dispatch(fit_, cloud.count, args);
+  list.dispatch(name_, cloud.count, args);
 }
 
 NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads) {

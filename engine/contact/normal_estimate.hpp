@@ -19,7 +19,7 @@ class NormalEstimate {
               double radius) const;
 
  private:
-  ComputePipeline pass_;
+  ComputePipeline fit_, name_;
 };
 
 /// Where the time of an estimate went.

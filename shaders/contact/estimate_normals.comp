@@ -1,72 +1,39 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// For every point the normal of the plane that fits its neighbours, and the nearest of them all around, for the host to
-// carry the signs along. One invocation for each point: in hash order those of a subgroup look at the same cells.
+// For every point the normal of the plane that fits its neighbours. One invocation for each point: in hash order those
+// of a subgroup look at the same cells.
 #include "shaders/lib/plane_fit.glsl"
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/normal_estimate.h"
 
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
 
-const float kFar = 3.0e38;
+// Variances of the neighbours: off the plane, and along the shorter and the longer side of where they lie in it.
+struct Spread {
+  float off, along, farther;
+};
 
-// One of eight sectors of a plane, 45 degrees each.
-uint sectorOf(vec2 p) {
-  return (p.x < 0.0 ? 1u : 0u) | (p.y < 0.0 ? 2u : 0u) | (abs(p.y) > abs(p.x) ? 4u : 0u);
-}
-
-// Points off the plane count as farther, so that of a thin sheet's two sides the own one is nearer.
-float lengthAlong(vec3 d, float height) { return dot(d, d) + 8.0 * height * height; }
-
-vec3 besides(vec3 normal) {
-  return normalize(abs(normal.x) < 0.6 ? cross(normal, vec3(1, 0, 0)) : cross(normal, vec3(0, 1, 0)));
-}
-
-// Whether the neighbours lie along a line rather than in a plane, where single precision turns the normal about it.
-bool onLine(Moments m, vec3 normal) {
+Spread spreadAbout(Moments m, vec3 normal) {
   const mat3 covariance = covarianceOf(m);
   const vec3 u = besides(normal), v = cross(normal, u);
   const float uu = dot(u, covariance * u), vv = dot(v, covariance * v), uv = dot(u, covariance * v);
-  return uu * vv - uv * uv < 1e-3 * (uu + vv) * (uu + vv);
+  const float middle = 0.5 * (uu + vv), apart = length(vec2(0.5 * (uu - vv), uv));
+  return Spread(dot(normal, covariance * normal), middle - apart, middle + apart);
 }
 
 const Share kAlone = Share(0, 1);
 
-// Says how many sectors have a neighbour.
-uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
-  const vec3 u = besides(normal), v = cross(normal, u);
-  float nearest[kSectors];
-  uint who[kSectors];
-  for (uint s = 0; s < kSectors; ++s) {
-    nearest[s] = kFar;
-    who[s] = kNoNeighbour;
-  }
-  const ivec3 low = cellOf(args.cloud.grid, center - radius);
-  const ivec3 high = cellOf(args.cloud.grid, center + radius);
-  for (int z = low.z; z <= high.z; ++z)
-    for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
-        const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(args.cloud, cell, kAlone, kEstimateWorkBudget, work);
-        for (uint j = range.x; j < range.y; ++j) {
-          const vec4 point = args.cloud.positions.at[j];
-          const vec3 d = point.xyz - center;
-          const uint other = floatBitsToUint(point.w);
-          if (dot(d, d) >= radius * radius || other == id || cellOf(args.cloud.grid, point.xyz) != cell) continue;
-          const float far = lengthAlong(d, dot(d, normal));
-          const uint sector = sectorOf(vec2(dot(d, u), dot(d, v)));
-          if (far < nearest[sector] || far == nearest[sector] && other < who[sector]) {
-            nearest[sector] = far;
-            who[sector] = other;
-          }
-        }
-      }
-  uint named = 0;
-  for (uint s = 0; s < kSectors; ++s) {
-    args.neighbours.at[id * kSectors + s] = who[s];
-    named += who[s] != kNoNeighbour ? 1 : 0;
-  }
-  return named;
+// The normal of a place where the points are noisy, from a wider one if that is flatter; zero where they lie on a
+// line, about which single precision would turn it.
+vec3 calmed(vec3 center, float radius, vec3 normal, Spread near, inout uint work) {
+  if (near.along < kLineLike * near.farther) return vec3(0.0);
+  if (near.off <= kCleanEstimate * near.along) return normal;
+  const Share everyOther = Share(0, 2);
+  const Moments m = momentsAbout(args.cloud, center, kWiderEstimate * radius, everyOther, kEstimateWorkBudget, work);
+  const vec3 wide = planeNormal(m);
+  if (work >= kEstimateWorkBudget || dot(wide, wide) < 0.5) return normal;
+  const Spread far = spreadAbout(m, wide);
+  return far.off * near.along < kFlatterEstimate * near.off * far.along ? wide : normal;
 }
 
 void main() {
@@ -85,12 +52,7 @@ void main() {
     radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));
   }
   vec3 normal = m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m);
-  if (dot(normal, normal) > 0.5 && onLine(m, normal)) normal = vec3(0.0);
-  if (work < kEstimateWorkBudget && dot(normal, normal) > 0.5) {
-    // Mostly they are found near by, where there is less to look through.
-    const uint named = nameNeighbours(point.xyz, normal, id, 0.5 * radius, work);
-    if (named < kEnoughSectors) nameNeighbours(point.xyz, normal, id, radius, work);
-  }
+  if (dot(normal, normal) > 0.5) normal = calmed(point.xyz, radius, normal, spreadAbout(m, normal), work);
   if (work >= kEstimateWorkBudget) normal = vec3(0.0);
-  args.planes.at[id] = vec4(normal, 0.0);
+  args.planes.at[id] = vec4(normal, radius);
 }

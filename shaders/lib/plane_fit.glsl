@@ -54,6 +54,11 @@ Moments momentsAbout(CloudView cloud, vec3 center, float radius, Share share, ui
   return m;
 }
 
+// A unit vector in the plane of a unit normal.
+vec3 besides(vec3 normal) {
+  return normalize(abs(normal.x) < 0.6 ? cross(normal, vec3(1, 0, 0)) : cross(normal, vec3(0, 1, 0)));
+}
+
 mat3 covarianceOf(Moments m) {
   const vec3 mean = m.mean / m.weight;
   const vec3 diagonal = m.diagonal / m.weight - mean * mean;

@@ -11,7 +11,12 @@ const uint kMostEstimated = 200;
 const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
 const float kWidestEstimate = 4.0f;
 const uint kEstimateLooks = 5;
-// Rounds of one point. Past it the point is left to the host; reached only where buckets are crowded. Small, since a
+// A noisy place takes a wider one; engine/cloud/normals.cpp says when and why, in points where this says lengths.
+const float kCleanEstimate = 0.005f;
+const float kWiderEstimate = 2.0f;  // and every other point of it
+const float kFlatterEstimate = 0.5f;
+const float kLineLike = 1e-3f;  // variance across over variance along, below which neighbours lie on a line
+// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small, since a
 // validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
 const uint kEstimateWorkBudget = 1024;
 
@@ -23,7 +28,7 @@ const uint kNoNeighbour = 0xffffffffu;
 
 struct NormalEstimateArgs {
   CloudView cloud;
-  PALPATE_ADDRESS(Vec4s) planes;      // out, by the point's id: unit normal of either sign; zero: left to the host
+  PALPATE_ADDRESS(Vec4s) planes;      // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
   PALPATE_ADDRESS(Uints) neighbours;  // out, kSectors ids for each id; kNoNeighbour where there is none
   float radius;                       // support radius, model units
   uint unused;
