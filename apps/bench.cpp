@@ -84,6 +84,8 @@ void judge(Context& context, const BenchOptions& options) {
 
 void bench(Context& context, const BenchOptions& options) {
   checkMethods(options);
+  for (const std::string& surface : options.surfaces)
+    for (const std::string& backend : options.backends) checkBackendOptions({.backend = backend, .surface = surface});
   Context::checkWritable(options.plotFile);
   std::vector<BenchRecord> records;
   for (const auto& makeOne : subjectsOf(options)) {
@@ -162,7 +164,6 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
       "haptic tick); touch judges what is felt against surfaces that are known");
   auto options = std::make_shared<BenchOptions>();
-  options->backend.surface = "average";  // which every back end has
   sub->add_option("names", options->names, "build, sort, query, step; or touch")
       ->required()
       ->check(CLI::IsMember({"build", "sort", "query", "step", "touch"}))
@@ -206,7 +207,8 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
       "tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same path "
       "twice, and the CPU against the back end.\n");
-  sub->callback([&, options, backends] {
+  sub->callback([&, options, backends, sub] {
+    if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, options, chosen = backends->count() > 0] {
       if (std::ranges::find(options->names, "touch") == options->names.end()) return bench(context, *options);
       if (!chosen) options->backends = {ownTouchBackend(context)};

@@ -132,7 +132,8 @@ void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* what) {
     sub.add_option(name, values, what)->check(CLI::IsMember(values))->delimiter(',')->capture_default_str();
   };
-  list("--surface", options.surfaces, "touch: surfaces that are judged");
+  list("--surface", options.surfaces,
+       "touch: surfaces that are judged; query, step: that are measured (default: average)");
   list("--shapes", options.shapes, "touch: shapes that are felt");
   list("--conditions", options.conditions,
        "touch: clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
