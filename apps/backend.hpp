@@ -8,7 +8,7 @@
 namespace palpate {
 
 struct BackendOptions {
-  std::string backend = "vulkan", index = "rebuild", bucketKey = "teschner", sort = "auto";
+  std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", sort = "auto";
   std::string method, surface, wait;  ///< empty: the back end's own choice
   bool deterministic = false, realtime = false;
   std::string radius = "auto";
@@ -27,6 +27,9 @@ std::vector<std::string> methodChoices(std::string_view backend);
 void checkBackendOptions(const BackendOptions& options);
 /// The method that is used.
 std::string methodName(const BackendOptions& options);
+
+/// Where normals are estimated for a session on this back end: the same for it and for its replay.
+EstimateOn estimateOn(const BackendOptions& options);
 
 /// The surface and the support radius that the options ask for.
 SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options);

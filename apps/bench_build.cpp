@@ -52,7 +52,7 @@ Summary measureVulkan(Device& device, const PointCloud& cloud, const HashGrid& g
   CommandList list(device, device.touch(), "build", CommandList::Timing::sections);
   list.begin();
   // Never flipped: every repetition has the same input.
-  hash.recordBuild(list, live.side(), live.otherSide(), live.count(), sort);
+  hash.recordBuild(list, live.side(), live.otherSide(), live.slots(), sort);
   list.end();
   device.touch().run(list);
   std::vector<double> times;

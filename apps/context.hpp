@@ -55,6 +55,7 @@ using Command = std::function<void()>;
 void addInfo(CLI::App& app, Context& context, Command& command);
 void addMake(CLI::App& app, Context& context, Command& command);
 void addTouch(CLI::App& app, Context& context, Command& command);
+void addReplay(CLI::App& app, Context& context, Command& command);
 void addRender(CLI::App& app, Context& context, Command& command);
 void addBench(CLI::App& app, Context& context, Command& command);
 void addDoctor(CLI::App& app, Context& context, Command& command);

@@ -36,10 +36,10 @@ void info(Context& context, const std::string& file) {
              scale.toMm(spacing), kDefaultLongestSide_mm);
   fmt::print(
       out,
-      "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + edit log "
-      "{:.1f}\n",
+      "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
+      "{:.1f} + edit log {:.1f}\n",
       mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
-      mib(memory.editLog));
+      mib(memory.editing), mib(memory.editLog));
   Json attributes = Json::array();
   for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
   context.writeJson({{"points", cloud.size()},
@@ -55,6 +55,7 @@ void info(Context& context, const std::string& file) {
                        {"index", memory.index},
                        {"contact", memory.contact},
                        {"drawn_cloud", memory.drawnCloud},
+                       {"editing", memory.editing},
                        {"edit_log", memory.editLog},
                        {"total", memory.total()}}}});
 }

@@ -20,6 +20,7 @@ int run(int argc, char** argv) {
   addInfo(app, context, command);
   addMake(app, context, command);
   addTouch(app, context, command);
+  addReplay(app, context, command);
   addRender(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);

@@ -100,11 +100,26 @@ void printReport(std::FILE* out, const TouchReport& report) {
     row("late answers bridged",
         fmt::format("p50 / p99.9 {:.1f} / {:.1f} us on the CPU, from the last patch of points{}", report.bridge_us.p50,
                     report.bridge_us.p999, shortfalls.thinnedPatches ? "; some were thinned" : ""));
+  if (report.back) {
+    const StrokesTakenBack& back = *report.back;
+    row("undo", fmt::format("{} of {} strokes taken back, {} done again", back.undone, back.strokes, back.redone));
+    if (back.dropped)
+      row("strokes forgotten",
+          fmt::format("{}, for --undo-memory{}", back.dropped,
+                      back.tooLarge ? fmt::format("; {} larger than all of it", back.tooLarge) : std::string()));
+  }
+  if (report.log)
+    row("session log",
+        fmt::format(
+            "{} bytes, {:.1f} a tick{}", report.log->bytes,
+            static_cast<double>(report.log->bytes) / static_cast<double>(std::max<std::uint64_t>(1, trace.ticks)),
+            report.log->lostTicks ? fmt::format("; {} ticks are missing, it had fallen behind", report.log->lostTicks)
+                                  : std::string()));
   if (shortfalls.editsTooSlow)
     row("edits left out",
         fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
   if (shortfalls.editsLogFull)
-    row("edits left out", fmt::format("{}: the picture had fallen behind", shortfalls.editsLogFull));
+    row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));
@@ -152,6 +167,13 @@ Json toJson(const TouchReport& report) {
       {"spacing_mm", report.spacing_mm},
       {"mm_per_unit", report.mm_per_unit}};
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
+  if (report.back)
+    json["undo"] = {{"strokes", report.back->strokes},
+                    {"undone", report.back->undone},
+                    {"redone", report.back->redone},
+                    {"forgotten", report.back->dropped},
+                    {"too_large", report.back->tooLarge}};
+  if (report.log) json["log"] = {{"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}};
   if (report.edits) {
     json["edit_us"] = summary(report.edit_us);
     json["edit_ticks"] = report.edit_us.count;

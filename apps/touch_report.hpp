@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/followers.hpp"
 #include "apps/model.hpp"
 #include "engine/contact/surface_reference.hpp"
 #include "engine/core/touch_backend.hpp"
@@ -25,6 +26,11 @@ struct ServoReport {
 };
 ServoReport servoReport(const ServoResult& result);
 
+/// The session log, as it ended.
+struct LogReport {
+  std::uint64_t bytes = 0, lostTicks = 0;
+};
+
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
@@ -41,6 +47,8 @@ struct TouchReport {
   bool edits = false;
   double radius_mm = 0, cell_mm = 0, spacing_mm = 0, mm_per_unit = 0;
   ContactError error;
+  std::optional<StrokesTakenBack> back;  ///< where undo was asked for
+  std::optional<LogReport> log;
 };
 
 void printReport(std::FILE* out, const TouchReport& report);

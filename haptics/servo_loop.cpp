@@ -149,6 +149,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, Tr
   row.neighbours = contact.neighbours;
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
+  if (options_.recorder) options_.recorder->ticked(row, state.position);
   if (!written) return Tick::deviceFailed;
   return answer.lost ? Tick::queryLost : Tick::done;
 }

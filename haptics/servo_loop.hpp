@@ -17,6 +17,15 @@
 
 namespace palpate {
 
+/// Is told of every tick at which the device answered, on the servo thread and as part of the tick: it waits for nobody
+/// and allocates nothing.
+class TickRecorder {
+ public:
+  virtual ~TickRecorder() = default;
+  /// `device`: where it was, in its own unit.
+  virtual void ticked(const TraceRow& row, const DVec3& device) noexcept = 0;
+};
+
 struct ServoOptions {
   double rate_Hz = 1000;
   double duration_s = 0;  ///< the number of ticks is duration times rate, rounded; at least one
@@ -29,6 +38,7 @@ struct ServoOptions {
   /// No force while it is false; when it becomes true again, as at the start of a session: first a small demand, then
   /// the ramp. Unless set, forces are on.
   const std::atomic<bool>* forcesOn = nullptr;
+  TickRecorder* recorder = nullptr;  ///< told of each tick, in virtual and in real time; outlives the loop
 };
 
 struct ServoResult {

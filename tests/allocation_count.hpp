@@ -4,17 +4,20 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <thread>
 
 namespace {
 
 std::atomic<bool> counting = false;
 std::atomic<int> allocations = 0;
+std::atomic<std::thread::id> countedThread{};  // none: every one
 
 }  // namespace
 
-// Counts only while a test says so, on every thread.
+// Counts only while a test says so.
 void* operator new(std::size_t size) {
-  if (counting) ++allocations;
+  const std::thread::id only = countedThread;
+  if (counting && (only == std::thread::id() || only == std::this_thread::get_id())) ++allocations;
   if (void* memory = std::malloc(size ? size : 1)) return memory;
   throw std::bad_alloc();
 }

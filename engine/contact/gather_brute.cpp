@@ -31,14 +31,14 @@ GatherBrute::GatherBrute(Device& device, std::uint32_t points, std::uint32_t mos
 std::uint64_t GatherBrute::slots() const { return std::min(points_, mostPoints_); }
 
 void GatherBrute::record(CommandList& list, std::uint32_t, const GatherIo& io) const {
-  PALPATE_CHECK_LE(io.cloud.count, points_);
+  PALPATE_CHECK_LE(io.cloud.slots, points_);
   shared::GatherBruteArgs args{.cloud = io.cloud,
                                .pose = io.pose,
                                .state = io.state,
                                .gathered = io.patch,
                                .starts = starts_.address(),
                                .radius = io.radius,
-                               .chunks = chunksOf(io.cloud.count),
+                               .chunks = chunksOf(io.cloud.slots),
                                .fill = 0,
                                .mostPoints = mostPoints_};
   const std::uint64_t threads = std::uint64_t{args.chunks} * shared::kContactWorkgroup;

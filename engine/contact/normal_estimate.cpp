@@ -60,8 +60,8 @@ void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, c
                                         .radius = static_cast<float>(radius),
                                         .unused = 0};
   list.fill(planes, 0, planes.bytes());
-  list.dispatch(fit_, cloud.count, args);
-  list.dispatch(name_, cloud.count, args);
+  list.dispatch(fit_, cloud.slots, args);
+  list.dispatch(name_, cloud.slots, args);
 }
 
 NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads) {

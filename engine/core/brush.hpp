@@ -23,18 +23,22 @@ constexpr std::array<std::pair<std::string_view, BrushKind>, 6> kBrushKinds = {{
                                                                                 {"grab", BrushKind::grab},
                                                                                 {"paint", BrushKind::paint}}};
 
-/// A brush and its settings.
+/// A brush and its settings. Every brush acts only while the HIP stands deeper than `tau` behind the proxy. Push and
+/// carve work with a ball whose tip stands tau before the HIP, the others with one about the proxy.
 struct BrushOptions {
   BrushKind kind = BrushKind::push;
   double tau = 0;         ///< how deep the HIP may stand behind the proxy before the surface yields, model units
   double beta = 0;        ///< push: share of the way to its target that a point goes in one tick, 0 to 1
   double toolRadius = 0;  ///< of the round tool, model units
-  /// The others: how much of its effect a brush has in one tick at the middle of the tool, 0 to 1. For inflate the
-  /// whole effect is a thousandth of the tool's radius.
+  /// The others: how much of its effect a brush has in one tick, 0 to 1; but for carve, at the middle of the tool. The
+  /// whole effect is for carve and smooth the way to the tool and to the surface, for grab the motion of the hand, for
+  /// inflate a thousandth of the tool's radius, for paint the colour.
   double strength = 0.5;
-  /// How the effect falls off towards the rim: (1 - r^2)^falloff, r the distance in tool radii; 0 is a hard rim.
-  double falloff = 1;
+  /// Inflate, smooth, grab and paint: how the effect falls off towards the rim, (1 - r^2)^falloff, r the distance in
+  /// tool radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMostFalloff the most.
+  std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
 };
+constexpr std::uint32_t kMostFalloff = 16;
 
 }  // namespace palpate

@@ -9,6 +9,7 @@
 
 #include "engine/core/brush.hpp"
 #include "engine/core/contact_query.hpp"
+#include "engine/core/edit_batch.hpp"
 
 namespace palpate {
 
@@ -28,9 +29,25 @@ class TouchBackend : public ContactQuery {
  public:
   /// Waits for the last edit. Throws what a query could not.
   virtual void finish() = 0;
-  /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
-  /// points moved.
+  /// Makes `cloud`, which must be the one this was made from, the present one (editedCloud() of engine/cloud); says how
+  /// many points were edited: stand elsewhere than in the file, have another colour, are gone, or are new.
   virtual std::size_t readBack(PointCloud& cloud) const = 0;
+
+  // What is done to the points, for whoever follows it: a journal, a session log. Only where keepsEdits() says so.
+
+  virtual bool keepsEdits() const { return false; }
+  /// From now on edits wait for takeEdits(). Before the first query.
+  virtual void keepEdits() { noEdits(); }
+  /// Appends all that was done since the last call, in order. For one thread, which may be another than the one that
+  /// queries, and does not hold that up; where the back end's sight queue is used too, for the thread that uses it.
+  virtual void takeEdits(EditBatch&) { noEdits(); }
+  /// Ends the stroke that is under way, if any, and sets points exactly as `changes` have them in `to`: moved, taken
+  /// away, put back or new, each of them once. Done when it returns; takeEdits() tells of it with a mark of its own.
+  /// For the thread that queries, between queries.
+  virtual void change(std::span<const PointChange>) { noEdits(); }
+  /// How many states takeEdits() has told or will tell of that came before the last answer (kept or not), so that
+  /// answers and edits can be put in order.
+  virtual std::uint64_t editsAnswered() const { return 0; }
 
   /// The machine that answers.
   virtual std::string machine() const = 0;
@@ -46,6 +63,9 @@ class TouchBackend : public ContactQuery {
   virtual const TouchShortfalls& shortfalls() const = 0;
   /// Edge of a cell of the index, model units.
   virtual double cell() const = 0;
+
+ private:
+  [[noreturn]] void noEdits() const;
 };
 
 }  // namespace palpate

@@ -13,7 +13,7 @@ struct Tested {
   vec3 relative;
 };
 __device__ Tested test(const StepArgs& args, const Gather& gather, uint i) {
-  if (i >= args.cloud.count) return {false, vec3(0.0f)};
+  if (i >= args.cloud.slots) return {false, vec3(0.0f)};
   const vec3 relative = (xyz(loadPoint(args.cloud.positions, i)) - gather.hip) - gather.centre;
   return {glm::dot(relative, relative) < gather.reach * gather.reach, relative};
 }
@@ -65,7 +65,7 @@ __global__ void __launch_bounds__(kStepThreads) fillNear(const __grid_constant__
 }  // namespace
 
 void launchBruteGather(const StepArgs& args, const ContactPose& pose, cudaStream_t stream) {
-  const std::uint32_t chunks = bruteChunks(args.cloud.count);
+  const std::uint32_t chunks = bruteChunks(args.cloud.slots);
   countNear<<<chunks, kStepThreads, 0, stream>>>(args, pose);
   fillNear<<<chunks, kStepThreads, 0, stream>>>(args, pose);
   checkLaunch("launching the brute force");

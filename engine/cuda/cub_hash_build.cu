@@ -78,7 +78,7 @@ CloudView CubBuild::view(const CloudSide& side, std::uint32_t count) const {
           .normals = address(side.normals.data()),
           .ranges = address(ranges_.data()),
           .grid = grid_,
-          .count = count,
+          .slots = count,
           .unused = 0};
 }
 

@@ -56,7 +56,7 @@ inline __device__ CellBox boxAround(const CloudView& cloud, const vec3& hip, con
   box.low = cellOf(cloud.grid, hip + centre - margin);
   box.size = uvec3(cellOf(cloud.grid, hip + centre + margin) - box.low + 1);
   const unsigned long long plane = 1ull * box.size.x * box.size.y;
-  box.cells = cloud.count == 0 ? 0 : uint(min(plane * min(box.size.z, kPatchMaxCells), 1ull * kPatchMaxCells));
+  box.cells = cloud.slots == 0 ? 0 : uint(min(plane * min(box.size.z, kPatchMaxCells), 1ull * kPatchMaxCells));
   return box;
 }
 inline __device__ ivec3 cellAt(const CellBox& box, uint c) {

@@ -12,37 +12,31 @@ constexpr unsigned kBlock = 256;
 
 unsigned blocksFor(std::uint32_t threads) { return threads / kBlock + (threads % kBlock != 0); }
 
-__global__ void __launch_bounds__(kBlock) pushPoints(const __grid_constant__ PushArgs args) {
+__global__ void __launch_bounds__(kBlock)
+    pushPoints(float4* positions, float4* normals, const ContactState* state, uint count, const Brush brush) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
-  if (i >= args.count) return;
-  const ContactState& state = *reinterpret_cast<const ContactState*>(args.state);
-  const float depth = glm::length(state.spring);
-  if (state.touching == 0 || depth <= args.tau) return;
-  const vec3 outward = state.spring / depth;
-  const vec3 center = (state.lastHip + args.tau * outward) + args.toolRadius * outward;
-
-  const float4 point = loadPoint(args.positions, i);
-  const vec3 fromCenter = xyz(point) - center;
-  const float distance = glm::length(fromCenter);
-  if (distance >= args.toolRadius) return;
-  const vec3 away = distance > 1e-6f * args.toolRadius ? fromCenter / distance : -outward;
-  const float move = fminf(args.beta * (args.toolRadius - distance), args.longestMove);
-  const vec3 to = xyz(point) + move * away;
-  reinterpret_cast<float4*>(args.positions)[i] = make_float4(to.x, to.y, to.z, point.w);
-  reinterpret_cast<float4*>(args.normals)[i].w = 1.0f;
+  if (i >= count) return;
+  const Tool tool = toolOf(brush, state->lastHip, state->lastHip, state->spring, state->touching);
+  const float4 point = positions[i];
+  const vec3 from = xyz(point);
+  const vec3 to = brushed(brush, tool, from, vec3(0.0f)).position;
+  if (to == from) return;
+  positions[i] = make_float4(to.x, to.y, to.z, point.w);
+  normals[i].w = kMarkRefit;
 }
 
 // The places of the marked points, in any order: what follows costs by their number and not by the cloud's.
-__global__ void __launch_bounds__(kBlock) collectMoved(const __grid_constant__ CollectMovedArgs args) {
+__global__ void __launch_bounds__(kBlock)
+    collectMoved(const float4* normals, uint* movedPlaces, uint* movedCount, uint count) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
-  const bool moved = i < args.count && loadPoint(args.normals, i).w != 0.0f;
+  const bool moved = i < count && normals[i].w != 0.0f;
   const unsigned marked = __ballot_sync(kAllLanes, moved);
   if (marked == 0) return;
   const uint lane = threadIdx.x % kWarp;
   uint first = 0;
-  if (lane == 0) first = atomicAdd(reinterpret_cast<uint*>(args.movedCount), uint(__popc(marked)));
+  if (lane == 0) first = atomicAdd(movedCount, uint(__popc(marked)));
   first = __shfl_sync(kAllLanes, first, 0);
-  if (moved) reinterpret_cast<uint*>(args.moved)[first + __popc(marked & ((1u << lane) - 1))] = i;
+  if (moved) movedPlaces[first + __popc(marked & ((1u << lane) - 1))] = i;
 }
 
 // Weighted moments of the neighbours about a place.
@@ -66,7 +60,7 @@ __device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, floa
         const ivec3 cell(x, y, z);
         const uint2 range = reinterpret_cast<const uint2*>(cloud.ranges)[bucketOf(cloud.grid, cell)];
         ++work;
-        for (uint j = range.x + threadIdx.x % kWarp; j < range.y && work < kRefitWorkBudget; j += kWarp, ++work) {
+        for (uint j = range.x + threadIdx.x % kWarp; j < range.y && work < kNeighbourWorkBudget; j += kWarp, ++work) {
           const vec3 position = xyz(loadPoint(cloud.positions, j));
           const vec3 d = position - center;
           if (!inReach(cloud, position, cell, d, radius)) continue;
@@ -108,7 +102,7 @@ __global__ void __launch_bounds__(kBlock)
   }
 }
 
-std::uint64_t addressOf(const void* pointer) { return reinterpret_cast<std::uint64_t>(pointer); }
+float4* points(const DeviceArray<Vec4>& array) { return reinterpret_cast<float4*>(const_cast<Vec4*>(array.data())); }
 
 // Enough blocks to fill the GPU, whatever the number of moved points turns out to be.
 unsigned fillingBlocks() {
@@ -131,26 +125,25 @@ PushEdit::PushEdit(const BrushOptions& options, double radius, double longestMov
 void PushEdit::recordPush(const Stream& stream, const CloudSide& side, std::uint32_t count,
                           const ContactState* state) const {
   if (count == 0) return;
-  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>({.positions = addressOf(side.positions.data()),
-                                                             .normals = addressOf(side.normals.data()),
-                                                             .state = addressOf(state),
-                                                             .count = count,
-                                                             .tau = static_cast<float>(options_.tau),
-                                                             .beta = static_cast<float>(options_.beta),
-                                                             .toolRadius = static_cast<float>(options_.toolRadius),
-                                                             .longestMove = static_cast<float>(longestMove_),
-                                                             .unused = 0});
+  const Brush brush{.kind = kBrushPush,
+                    .falloff = options_.falloff,
+                    .tau = static_cast<float>(options_.tau),
+                    .beta = static_cast<float>(options_.beta),
+                    .toolRadius = static_cast<float>(options_.toolRadius),
+                    .strength = static_cast<float>(options_.strength),
+                    .longestMove = static_cast<float>(longestMove_),
+                    .support = static_cast<float>(radius_),
+                    .color = 0};
+  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(side.positions), points(side.normals), state, count,
+                                                            brush);
   checkLaunch("launching the push");
 }
 
 void PushEdit::recordRefit(const Stream& stream, const CloudView& cloud) const {
-  if (cloud.count == 0) return;
+  if (cloud.slots == 0) return;
   checkCuda(cudaMemsetAsync(movedCount_.data(), 0, sizeof(std::uint32_t), stream.get()), "clearing a count");
-  collectMoved<<<blocksFor(cloud.count), kBlock, 0, stream.get()>>>({.normals = cloud.normals,
-                                                                     .moved = addressOf(moved_.data()),
-                                                                     .movedCount = addressOf(movedCount_.data()),
-                                                                     .count = cloud.count,
-                                                                     .unused = 0});
+  collectMoved<<<blocksFor(cloud.slots), kBlock, 0, stream.get()>>>(reinterpret_cast<const float4*>(cloud.normals),
+                                                                    moved_.data(), movedCount_.data(), cloud.slots);
   refitNormals<<<refitBlocks_, kBlock, 0, stream.get()>>>(cloud, moved_.data(), movedCount_.data(),
                                                           static_cast<float>(radius_));
   checkLaunch("launching the refit of normals");

@@ -19,31 +19,78 @@ EditLog::EditLog(Device& device, std::uint64_t points, std::uint64_t slack)
   upload(device, head_, std::vector<std::uint32_t>{0});
 }
 
-void EditLog::publish(std::uint32_t head) {
-  const std::uint64_t before = published_.load(std::memory_order_relaxed);
-  const std::uint32_t grown = head - static_cast<std::uint32_t>(before);
-  published_.store(before + grown, std::memory_order_release);
+std::uint64_t EditLog::positionOf(std::uint32_t head) const {
+  const std::uint64_t before = published();
+  return before + (head - static_cast<std::uint32_t>(before));
+}
+
+void EditLog::publish(std::uint32_t head) { published_.store(positionOf(head), std::memory_order_release); }
+
+void EditLog::publishChange(std::uint32_t head) {
+  const std::uint64_t end = positionOf(head);
+  if (end == published()) return;
+  mark(end, EditMark::Kind::change);
+  published_.store(end, std::memory_order_release);
+}
+
+void EditLog::mark(std::uint64_t position, EditMark::Kind kind) {
+  const std::uint64_t next = marked_.load(std::memory_order_relaxed);
+  for (const Seat& seat : seats_)
+    PALPATE_CHECK(!seat.taken.load(std::memory_order_acquire) ||
+                  next - seat.consumedMarks.load(std::memory_order_acquire) < kMarks);
+  marks_[next % kMarks] = {position, kind};
+  marked_.store(next + 1, std::memory_order_release);
 }
 
 std::uint64_t EditLog::room() const {
-  if (!hasReader_.load(std::memory_order_acquire)) return capacity_;
-  return capacity_ - (published_.load(std::memory_order_relaxed) - consumed_.load(std::memory_order_acquire));
+  std::uint64_t room = capacity_;
+  for (const Seat& seat : seats_) {
+    if (!seat.taken.load(std::memory_order_acquire)) continue;
+    const std::uint64_t marks =
+        marked_.load(std::memory_order_relaxed) - seat.consumedMarks.load(std::memory_order_acquire);
+    if (marks + kMarksPerTick > kMarks) return 0;
+    room = std::min(room, capacity_ - (published() - seat.consumed.load(std::memory_order_acquire)));
+  }
+  return room;
 }
 
-void EditLog::attachReader() {
-  consumed_.store(published_.load(std::memory_order_acquire), std::memory_order_release);
-  hasReader_.store(true, std::memory_order_release);
+EditLog::Reader::Reader(EditLog& log)
+    : log_(log), seat_([&]() -> Seat& {
+        for (Seat& seat : log.seats_) {
+          if (seat.taken.load(std::memory_order_acquire)) continue;
+          seat.consumed.store(log.published_.load(std::memory_order_acquire), std::memory_order_relaxed);
+          seat.consumedMarks.store(log.marked_.load(std::memory_order_acquire), std::memory_order_relaxed);
+          seat.taken.store(true, std::memory_order_release);
+          return seat;
+        }
+        stopOnBug(__FILE__, __LINE__, "a free seat", fmt::format(" ({} readers)", kMostReaders));
+      }()) {}
+
+EditLog::Reader::~Reader() { seat_.taken.store(false, std::memory_order_release); }
+
+EditLog::Range EditLog::Reader::unread() const {
+  return {seat_.consumed.load(std::memory_order_relaxed), log_.published_.load(std::memory_order_acquire)};
 }
 
-void EditLog::detachReader() { hasReader_.store(false, std::memory_order_release); }
-
-EditLog::Range EditLog::unread() const {
-  return {consumed_.load(std::memory_order_relaxed), published_.load(std::memory_order_acquire)};
+void EditLog::Reader::takeMarks(std::uint64_t from, std::uint64_t upTo, std::vector<EditMark>& marks) {
+  // A mark that belongs before an entry was there before that entry was published.
+  std::uint64_t next = seat_.consumedMarks.load(std::memory_order_relaxed);
+  const std::uint64_t end = log_.marked_.load(std::memory_order_acquire);
+  for (; next < end && log_.marks_[next % kMarks].at <= upTo; ++next) {
+    const EditMark& mark = log_.marks_[next % kMarks];
+    marks.push_back({mark.at - from, mark.kind});
+  }
+  seat_.consumedMarks.store(next, std::memory_order_release);
 }
 
-void EditLog::consume(std::uint64_t upTo) {
-  PALPATE_CHECK_LE(upTo, published_.load(std::memory_order_acquire));
-  consumed_.store(upTo, std::memory_order_release);
+void EditLog::Reader::consume(std::uint64_t upTo) {
+  PALPATE_CHECK_LE(upTo, log_.published_.load(std::memory_order_acquire));
+  std::uint64_t next = seat_.consumedMarks.load(std::memory_order_relaxed);
+  const std::uint64_t end = log_.marked_.load(std::memory_order_acquire);
+  // One at `upTo` itself may have come since the reader looked.
+  while (next < end && log_.marks_[next % kMarks].at < upTo) ++next;
+  seat_.consumedMarks.store(next, std::memory_order_release);
+  seat_.consumed.store(upTo, std::memory_order_release);
 }
 
 }  // namespace palpate

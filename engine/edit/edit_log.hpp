@@ -1,27 +1,31 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
+#include <vector>
 
+#include "engine/core/edit_batch.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "shaders/shared/edit_log.h"
 
 namespace palpate {
 
-/// The only place where the touch side and the sight side meet: a ring of point moves on the GPU, written by the edit
-/// passes of the touch side, read by whoever attached. Positions in the log grow without bound; a position's slot is
-/// its remainder by the capacity.
+/// The only place where the touch side and those who follow it meet: a ring of point states on the GPU, written by the
+/// edit passes of the touch side, read by whoever attached a Reader. Positions in the log grow without bound; a
+/// position's slot is its remainder by the capacity. A small ring of marks on the host tells where strokes and changes
+/// end.
 ///
-/// One writer thread and one reader thread. The writer publishes what has completed on the GPU; the reader says what it
-/// has consumed; neither waits for the other. With no reader attached nothing is kept.
+/// One writer thread, and one thread for each reader. The writer publishes what has completed on the GPU; a reader says
+/// what it has consumed; nobody waits for anybody. With no reader attached nothing is kept.
 class EditLog {
  public:
-  /// Moves kept beside a tick that moves the whole cloud, at least: a reader at 30 Hz may fall a frame behind a brush
+  /// States kept beside a tick that edits the whole cloud, at least: a reader at 30 Hz may fall a frame behind a brush
   /// at 1 kHz.
   static constexpr std::uint64_t kLeastSlack = 1 << 18;
 
-  /// Holds at least twice `points` moves, so that a tick that moves the whole cloud fits beside what a reader that is a
-  /// little behind has not seen yet.
+  /// Holds at least twice `points` states, so that a tick that edits the whole cloud fits beside what a reader that is
+  /// a little behind has not seen yet.
   EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kLeastSlack);
   /// Entries that a log for so many points holds.
   static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kLeastSlack);
@@ -36,27 +40,63 @@ class EditLog {
   // Writer.
   /// All entries before the position whose low 32 bits are `head` are complete on the GPU.
   void publish(std::uint32_t head);
-  /// Entries that may be written now without overwriting unread ones.
+  /// The same for the entries of one change(), with the mark that ends them: no reader sees the former without the
+  /// latter.
+  void publishChange(std::uint32_t head);
+  /// The stroke ended with the last entry that is published.
+  void endStroke() { mark(published_.load(std::memory_order_relaxed), EditMark::Kind::stroke); }
+  /// Entries that may be written now without overwriting unread ones; none while a reader has left too many marks
+  /// unread.
   std::uint64_t room() const;
+  /// Where the next entry will stand that is not published yet.
+  std::uint64_t published() const { return published_.load(std::memory_order_relaxed); }
 
-  // Reader.
   struct Range {
     std::uint64_t begin = 0, end = 0;
     std::uint64_t size() const { return end - begin; }
   };
-  /// From now on unread entries are kept.
-  void attachReader();
-  /// Nothing is kept any more.
-  void detachReader();
-  Range unread() const;
-  void consume(std::uint64_t upTo);
+  /// Keeps what it has not consumed for as long as it lives. Made while nothing is written: before the first edit.
+  class Reader;
 
  private:
+  static constexpr std::size_t kMostReaders = 4;
+  // Marks stand behind at least one entry each, and a tick makes two at most.
+  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 2;
+
+  struct Seat {
+    std::atomic<bool> taken = false;
+    std::atomic<std::uint64_t> consumed = 0;  // entries
+    std::atomic<std::uint64_t> consumedMarks = 0;
+  };
+  std::uint64_t positionOf(std::uint32_t head) const;
+  void mark(std::uint64_t position, EditMark::Kind kind);
+
   std::uint64_t capacity_;
   Buffer entries_, head_;
   std::atomic<std::uint64_t> published_ = 0;
-  std::atomic<std::uint64_t> consumed_ = 0;
-  std::atomic<bool> hasReader_ = false;
+  std::array<EditMark, kMarks> marks_;  // `at` is a position in the log
+  std::atomic<std::uint64_t> marked_ = 0;
+  std::array<Seat, kMostReaders> seats_;
+};
+
+class EditLog::Reader {
+ public:
+  explicit Reader(EditLog& log);
+  ~Reader();
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  const EditLog& log() const { return log_; }
+  Range unread() const;
+  /// Appends the unread marks up to the position `upTo`, which unread() has given, with `at` counted from `from`, and
+  /// consumes them.
+  void takeMarks(std::uint64_t from, std::uint64_t upTo, std::vector<EditMark>& marks);
+  /// The entries before `upTo`, and the marks among them, are no longer needed.
+  void consume(std::uint64_t upTo);
+
+ private:
+  EditLog& log_;
+  Seat& seat_;
 };
 
 }  // namespace palpate

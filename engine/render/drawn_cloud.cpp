@@ -48,8 +48,9 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud)
   device.sight().run(list_);
 }
 
-std::uint64_t DrawnCloud::catchUp(EditLog& log) {
-  const EditLog::Range range = log.unread();
+std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
+  const EditLog& log = reader.log();
+  const EditLog::Range range = reader.unread();
   if (range.size() == 0) return 0;
   PALPATE_CHECK_LE(range.size(), log.capacity());
   PALPATE_CHECK(std::has_single_bit(log.capacity()));
@@ -66,7 +67,7 @@ std::uint64_t DrawnCloud::catchUp(EditLog& log) {
   list_.dispatch(apply_, range.size(), args);
   list_.end();
   device_.sight().run(list_);
-  log.consume(range.end);
+  reader.consume(range.end);
   return range.size();
 }
 

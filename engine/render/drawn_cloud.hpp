@@ -13,9 +13,9 @@ class DrawnCloud {
   /// Normals and colours are optional. Throws OutOfGpuMemory.
   DrawnCloud(Device& device, const PointCloud& cloud);
 
-  /// Applies everything that is unread in `log`, in order, on the sight queue, waits for it, and consumes it; says how
-  /// many entries there were. Whoever made the log has attached a reader to it before the first edit.
-  std::uint64_t catchUp(EditLog& log);
+  /// Applies everything that is unread, in order, on the sight queue, waits for it, and consumes it; says how many
+  /// entries there were.
+  std::uint64_t catchUp(EditLog::Reader& reader);
 
   std::uint32_t count() const { return count_; }
   bool hasColors() const { return hasColors_; }

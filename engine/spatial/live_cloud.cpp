@@ -1,11 +1,13 @@
 #include "engine/spatial/live_cloud.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
 #include "engine/cloud/placed_points.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "shaders/shared/spatial_hash.h"
 
 namespace palpate {
 
@@ -18,25 +20,53 @@ std::uint32_t checkedCount(const Device& device, const PointCloud& cloud) {
   return static_cast<std::uint32_t>(cloud.size());
 }
 
-LiveCloud::Side makeSide(Device& device, std::uint32_t count) {
-  return {Buffer::of<Vec4>(device, count, Memory::device, "live positions"),
-          Buffer::of<Vec4>(device, count, Memory::device, "live normals")};
+std::uint32_t checkedSlots(const Device& device, std::uint32_t count, std::uint32_t spare) {
+  const std::uint64_t slots = std::uint64_t{count} + spare;
+  if (slots > std::numeric_limits<std::uint32_t>::max() / 2)
+    throw OutOfGpuMemory("{}: {} points with room to grow are more than the index can number", device.name(), slots);
+  return static_cast<std::uint32_t>(slots);
+}
+
+LiveCloud::Side makeSide(Device& device, std::uint32_t slots, std::uint32_t parity) {
+  return {Buffer::of<Vec4>(device, slots, Memory::device, "live positions"),
+          Buffer::of<Vec4>(device, slots, Memory::device, "live normals"), parity};
 }
 
 }  // namespace
 
-LiveCloud::LiveCloud(Device& device, const PointCloud& cloud)
-    : device_(device), count_(checkedCount(device, cloud)), sides_{makeSide(device, count_), makeSide(device, count_)} {
-  std::vector<Vec4> packed(count_);
+LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare)
+    : device_(device),
+      count_(checkedCount(device, cloud)),
+      slots_(checkedSlots(device, count_, spare)),
+      sides_{makeSide(device, slots_, 0), makeSide(device, slots_, 1)} {
+  std::vector<Vec4> packed(slots_, Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
   upload(device, sides_[0].positions, packed);
+  std::ranges::fill(packed, Vec4(0));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
   upload(device, sides_[0].normals, packed);
 }
 
 std::size_t LiveCloud::readBack(PointCloud& cloud) const {
-  return takeBack(cloud, download<Vec4>(device_, side().positions, count_),
-                  download<Vec4>(device_, side().normals, count_));
+  std::vector<Vec4> positions, normals;
+  for (const PointState& point : points()) {
+    positions.emplace_back(point.position, std::bit_cast<float>(point.id));
+    normals.emplace_back(point.normal, 0.0f);
+  }
+  return takeBack(cloud, positions, normals);
+}
+
+std::vector<PointState> LiveCloud::points() const {
+  const auto positions = download<Vec4>(device_, side().positions, slots_);
+  const auto normals = download<Vec4>(device_, side().normals, slots_);
+  std::vector<PointState> points;
+  points.reserve(count_);
+  for (std::size_t slot = 0; slot < positions.size(); ++slot) {
+    const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
+    if (id == shared::kEmptySlot) continue;
+    points.push_back({.position = Vec3(positions[slot]), .id = id, .normal = Vec3(normals[slot]), .parent = id});
+  }
+  return points;
 }
 
 }  // namespace palpate

@@ -1,24 +1,29 @@
 #pragma once
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/point_state.hpp"
 #include "engine/gpu/buffer.hpp"
 
 namespace palpate {
 
 /// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its
 /// id (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `side()` is
-/// the one that counts. Owned by the touch side; nobody else reads it while a tick runs.
+/// the one that counts. A slot holds a point or is empty (id kEmptySlot); spare slots let an index grow where points
+/// gather. Owned by the touch side; nobody else reads it while a tick runs.
 class LiveCloud {
  public:
   struct Side {
-    Buffer positions;  ///< count vec4: xyz in model units relative to the cloud's origin, w the bits of the id
-    Buffer normals;    ///< count vec4: xyz unit, w 0
+    Buffer positions;  ///< a vec4 a slot: xyz in model units relative to the cloud's origin, w the bits of the id
+    Buffer normals;    ///< a vec4 a slot: xyz unit, w 0
+    std::uint32_t parity = 0;
   };
 
-  /// `cloud` must have normals. Throws OutOfGpuMemory.
-  LiveCloud(Device& device, const PointCloud& cloud);
+  /// `cloud` must have normals. `spare`: empty slots behind its points. Throws OutOfGpuMemory.
+  LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare = 0);
 
+  /// Points as the cloud was loaded.
   std::uint32_t count() const { return count_; }
+  std::uint32_t slots() const { return slots_; }
   const Side& side() const { return sides_[current_]; }
   const Side& otherSide() const { return sides_[1 - current_]; }
   /// 0 or 1: which side counts, for command lists recorded ahead for both.
@@ -28,10 +33,12 @@ class LiveCloud {
   /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
   /// points moved. Waits for the touch queue.
   std::size_t readBack(PointCloud& cloud) const;
+  /// The points that are there, in the order of their slots. Waits for the touch queue.
+  std::vector<PointState> points() const;
 
  private:
   Device& device_;
-  std::uint32_t count_;
+  std::uint32_t count_, slots_;
   Side sides_[2];
   std::uint32_t current_ = 0;
 };

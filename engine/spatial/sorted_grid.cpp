@@ -24,14 +24,15 @@ SortedGrid::SortedGrid(const HashGrid& grid, unsigned threads)
   starts_.assign(std::size_t{grid.bucketMask} + 2, 0);
 }
 
-void SortedGrid::build(std::span<const Vec3> positions) {
+void SortedGrid::build(std::span<const Vec3> positions, std::span<const std::uint8_t> there) {
   PALPATE_CHECK_LT(positions.size(), std::size_t{1} << 32);
+  PALPATE_CHECK(there.empty() || there.size() == positions.size());
   positions_ = positions;
+  there_ = there;
   const std::size_t count = positions.size();
   keys_.resize(count);
   halfway_.resize(count);
   halfwayLow_.resize(count);
-  placed_.resize(count);
   const std::size_t used = std::clamp<std::size_t>(count / kSmallestPart, 1, parts_.size());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     parts_[k].begin = count * std::min(k, used) / used;
@@ -39,17 +40,19 @@ void SortedGrid::build(std::span<const Vec3> positions) {
   }
   team_.forEach(used, [&](std::size_t k) { countGroups(parts_[k]); });
   placeParts();
+  placed_.resize(grouped_[groups_]);
   team_.forEach(used, [&](std::size_t k) { scatterToGroups(parts_[k]); });
   const std::size_t runs = used == 1 ? 1 : std::min<std::size_t>(groups_, used * kGroupsPerThread);
   team_.forEach(runs, [&](std::size_t run) {
     for (std::size_t group = groups_ * run / runs; group < groups_ * (run + 1) / runs; ++group) sortGroup(group);
   });
-  starts_.back() = static_cast<std::uint32_t>(count);
+  starts_.back() = grouped_[groups_];
 }
 
 void SortedGrid::countGroups(Part& part) {
   std::ranges::fill(part.next, 0);
   for (std::size_t i = part.begin; i < part.end; ++i) {
+    if (!isThere(i)) continue;
     keys_[i] = bucketOf(grid_, cellOf(grid_, positions_[i]));
     ++part.next[keys_[i] >> lowBits_];
   }
@@ -69,6 +72,7 @@ void SortedGrid::placeParts() {
 void SortedGrid::scatterToGroups(Part& part) {
   const std::uint32_t lowMask = (1u << lowBits_) - 1;
   for (std::size_t i = part.begin; i < part.end; ++i) {
+    if (!isThere(i)) continue;
     const std::uint32_t key = keys_[i], place = part.next[key >> lowBits_]++;
     halfway_[place] = {positions_[i], static_cast<std::uint32_t>(i)};
     halfwayLow_[place] = static_cast<LowBits>(key & lowMask);
@@ -90,7 +94,7 @@ void SortedGrid::sortGroup(std::size_t group) {
 }
 
 void SortedGrid::move(std::span<const PointMove> moves) {
-  if (!moves.empty()) build(positions_);
+  if (!moves.empty()) build(positions_, there_);
 }
 
 void SortedGrid::near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const {

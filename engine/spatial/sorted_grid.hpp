@@ -23,7 +23,9 @@ class SortedGrid final : public NeighbourSearch {
   /// `threads`: 0 is one per core.
   explicit SortedGrid(const HashGrid& grid, unsigned threads = 0);
 
-  void build(std::span<const Vec3> positions) override;
+  void build(std::span<const Vec3> positions) override { build(positions, {}); }
+  /// `there`: zero for each point that is to be left out; empty when all are in.
+  void build(std::span<const Vec3> positions, std::span<const std::uint8_t> there);
   void move(std::span<const PointMove> moves) override;
   void near(const DVec3& center, double radius, std::vector<std::uint32_t>& found) const override;
   std::string_view name() const override { return "sorted grid"; }
@@ -33,7 +35,7 @@ class SortedGrid final : public NeighbourSearch {
   std::size_t threads() const { return team_.size(); }
   /// The threads that build, free for other work between builds.
   WorkerTeam& team() { return team_; }
-  /// All points in bucket order, stable.
+  /// All points that are there in bucket order, stable.
   std::span<const Placed> placed() const { return placed_; }
 
   /// Calls visit(Placed) for every point strictly nearer than `radius` to `center`, once.
@@ -68,7 +70,10 @@ class SortedGrid final : public NeighbourSearch {
   HashGrid grid_;
   WorkerTeam team_;
   std::uint32_t lowBits_, groups_;
+  bool isThere(std::size_t point) const { return there_.empty() || there_[point]; }
+
   std::span<const Vec3> positions_;
+  std::span<const std::uint8_t> there_;
   std::vector<Part> parts_;
   std::vector<std::uint32_t> keys_;     // bucket of every point
   std::vector<std::uint32_t> grouped_;  // first point of every group of buckets

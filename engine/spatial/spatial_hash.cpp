@@ -1,5 +1,7 @@
 #include "engine/spatial/spatial_hash.hpp"
 
+#include <bit>
+
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -28,18 +30,27 @@ SortMethod fallbackFor(const Device& device, SortMethod sort) {
   return canLookBack(device) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
+std::uint32_t keyBits(const HashGrid& grid, Slots slots) {
+  const std::uint32_t last = slots == Slots::spare ? shared::emptyBucket(grid) : grid.bucketMask;
+  return static_cast<std::uint32_t>(std::bit_width(last));
+}
+
+Buffer makeRanges(Device& device, std::uint32_t buckets) {
+  return Buffer::of<UVec2>(device, buckets, Memory::device, "hash ranges");
+}
+
 }  // namespace
 
 SortMethod defaultSort(const Device& device) { return device.isCpu() ? SortMethod::counting : SortMethod::radix; }
 
 SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, std::optional<SortMethod> sort,
-                         BucketOrder order)
+                         BucketOrder order, Slots slots)
     : device_(device),
       grid_(grid),
       sort_(sort.value_or(defaultSort(device))),
       fallback_(fallbackFor(device, sort_)),
       bucketOrder_(order),
-      pairSort_(makePairSort(device, fallback_, bucketBits(grid))),
+      pairSort_(makePairSort(device, fallback_, keyBits(grid, slots))),
       scan_(device),
       keysPass_(device, shader_code::spatial_hash_keys, {.pushBytes = sizeof(shared::HashKeysArgs)}),
       reorderPass_(device, shader_code::spatial_hash_reorder, {.pushBytes = sizeof(shared::HashReorderArgs)}),
@@ -54,8 +65,8 @@ SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t cap
       sortScratch_(device, pairSort_->scratchBytes(capacity), Memory::device, "hash sort scratch"),
       counts_(words(device, buckets(), "hash counts")),
       scanScratch_(device, PrefixScan::scratchBytes(buckets()), Memory::device, "hash scan scratch"),
-      ranges_(Buffer::of<UVec2>(device, buckets(), Memory::device, "hash ranges")),
-      crowded_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "hash crowded")) {
+      crowded_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "hash crowded")),
+      ranges_{makeRanges(device, buckets()), makeRanges(device, buckets())} {
   crowded_.mapped<std::uint32_t>()[0] = 0;
   CommandList clear(device, device.touch(), "clear counts");
   clear.begin();
@@ -69,7 +80,7 @@ double SpatialHash::build(LiveCloud& cloud) {
   for (SortMethod used = sort();; used = fallback_) {
     CommandList list(device_, device_.touch(), "build", CommandList::Timing::sections);
     list.begin();
-    recordBuild(list, cloud.side(), cloud.otherSide(), cloud.count(), used);
+    recordBuild(list, cloud.side(), cloud.otherSide(), cloud.slots(), used);
     list.end();
     device_.touch().run(list);
     time_us += list.sectionTime_us("hash");
@@ -96,7 +107,7 @@ void SpatialHash::recordSorted(CommandList& list, const LiveCloud::Side& from, c
                                std::uint32_t count) const {
   {
     const auto overlap = list.independent();
-    list.fill(ranges_, 0, ranges_.bytes());
+    list.fill(ranges(to), 0, ranges(to).bytes());
     list.dispatch(keysPass_, count,
                   shared::HashKeysArgs{.positions = from.positions.address(),
                                        .keys = keys_.address(),
@@ -119,7 +130,7 @@ void SpatialHash::recordSorted(CommandList& list, const LiveCloud::Side& from, c
                                         .normalsIn = from.normals.address(),
                                         .positionsOut = to.positions.address(),
                                         .normalsOut = to.normals.address(),
-                                        .ranges = ranges_.address(),
+                                        .ranges = ranges(to).address(),
                                         .count = count,
                                         .unused = 0});
 }
@@ -135,12 +146,12 @@ void SpatialHash::recordCounted(CommandList& list, const LiveCloud::Side& from, 
                                       .grid = grid_,
                                       .count = count,
                                       .unused = 0});
-  scan_.recordRanges(list, {counts_.address(), scanScratch_.address()}, ranges_.address(), buckets());
+  scan_.recordRanges(list, {counts_.address(), scanScratch_.address()}, ranges(to).address(), buckets());
   if (bucketOrder_ == BucketOrder::arrival) {
     list.dispatch(scatterPass_, count,
                   shared::HashScatterArgs{.keys = keys_.address(),
                                           .arrivals = arrivals.address(),
-                                          .ranges = ranges_.address(),
+                                          .ranges = ranges(to).address(),
                                           .positionsIn = from.positions.address(),
                                           .normalsIn = from.normals.address(),
                                           .positionsOut = to.positions.address(),
@@ -152,42 +163,42 @@ void SpatialHash::recordCounted(CommandList& list, const LiveCloud::Side& from, 
   list.dispatch(placePass_, count,
                 shared::HashPlaceArgs{.keys = keys_.address(),
                                       .arrivals = arrivals.address(),
-                                      .ranges = ranges_.address(),
+                                      .ranges = ranges(to).address(),
                                       .order = order_.address(),
                                       .count = count,
                                       .unused = 0});
   list.dispatch(settlePass_, count,
                 shared::HashSettleArgs{.keys = keys_.address(),
                                        .order = order_.address(),
-                                       .ranges = ranges_.address(),
+                                       .ranges = ranges(to).address(),
                                        .positionsIn = from.positions.address(),
                                        .normalsIn = from.normals.address(),
                                        .positionsOut = to.positions.address(),
                                        .normalsOut = to.normals.address(),
                                        .crowded = crowded_.address(),
                                        .count = count,
-                                       .unused = 0});
+                                       .emptyBucket = shared::emptyBucket(grid_)});
 }
 
-shared::CloudView SpatialHash::view(const LiveCloud::Side& side, std::uint32_t count) const {
+shared::CloudView SpatialHash::view(const LiveCloud::Side& side, std::uint32_t slots) const {
   return {.positions = side.positions.address(),
           .normals = side.normals.address(),
-          .ranges = ranges_.address(),
+          .ranges = ranges(side).address(),
           .grid = grid_,
-          .count = count,
+          .slots = slots,
           .unused = 0};
 }
 
 std::uint64_t SpatialHash::bytes() const {
   return keys_.bytes() + order_.bytes() + keysAlt_.bytes() + orderAlt_.bytes() + sortScratch_.bytes() +
-         counts_.bytes() + scanScratch_.bytes() + ranges_.bytes() + crowded_.bytes();
+         counts_.bytes() + scanScratch_.bytes() + 2 * ranges_[0].bytes() + crowded_.bytes();
 }
 
 std::uint64_t SpatialHash::predictedBytes(std::uint64_t points) {
   constexpr std::uint32_t kUsualWorkgroup = 256;
   const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
   return 4 * sizeof(std::uint32_t) * points + RadixSort::scratchBytes(points, kUsualWorkgroup) +
-         buckets * (sizeof(UVec2) + sizeof(std::uint32_t)) + PrefixScan::scratchBytes(buckets);
+         buckets * (2 * sizeof(UVec2) + sizeof(std::uint32_t)) + PrefixScan::scratchBytes(buckets);
 }
 
 }  // namespace palpate

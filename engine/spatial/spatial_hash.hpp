@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "engine/spatial/hash_grid.hpp"
@@ -19,6 +20,8 @@ enum class SortMethod {
 /// The order of points within a bucket: the one in which they stood, so that the same cloud gives the same index run
 /// after run; or whichever came first, which saves `counting` a pass and the others nothing.
 enum class BucketOrder { stable, arrival };
+/// Whether some slots of the cloud may hold no point: that takes a bucket more, which a sort may pay for.
+enum class Slots { full, spare };
 /// What was measured to be the fastest for a driver; radix where nothing is known.
 SortMethod defaultSort(const Device& device);
 
@@ -27,12 +30,14 @@ SortMethod defaultSort(const Device& device);
 class SpatialHash {
  public:
   SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity,
-              std::optional<SortMethod> sort = std::nullopt, BucketOrder order = BucketOrder::stable);
+              std::optional<SortMethod> sort = std::nullopt, BucketOrder order = BucketOrder::stable,
+              Slots slots = Slots::full);
 
   /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
   double build(LiveCloud& cloud);
 
-  /// Records a full build: reads the points on `from`, writes them in bucket order to `to`. The caller flips the cloud.
+  /// Records a full build: reads the `count` slots of `from`, writes their points in bucket order to `to`, and the
+  /// empty slots behind them. The caller flips the cloud.
   void recordBuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to, std::uint32_t count,
                    SortMethod sort) const;
   /// What the next build should use. Counting gives way to a radix sort once a build has met a crowded bucket.
@@ -41,9 +46,10 @@ class SpatialHash {
   SortMethod fallback() const { return fallback_; }
 
   const HashGrid& grid() const { return grid_; }
-  const Buffer& ranges() const { return ranges_; }
-  /// What a query needs to read the points on `side`.
-  shared::CloudView view(const LiveCloud::Side& side, std::uint32_t count) const;
+  /// First and one-past-last slot of every bucket, and last of the empty slots, for one side of the cloud.
+  const Buffer& ranges(const LiveCloud::Side& side) const { return ranges_[side.parity]; }
+  /// What a query needs to read the points on `side`, which has so many slots.
+  shared::CloudView view(const LiveCloud::Side& side, std::uint32_t slots) const;
   /// Bytes on the GPU besides the cloud itself.
   std::uint64_t bytes() const;
   /// The same for a cloud that is not there yet; the sort's scratch, a few per cent, differs a little between GPUs.
@@ -54,7 +60,8 @@ class SpatialHash {
                     std::uint32_t count) const;
   void recordCounted(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                      std::uint32_t count) const;
-  std::uint32_t buckets() const { return grid_.bucketMask + 1; }
+  // With the one of the empty slots.
+  std::uint32_t buckets() const { return grid_.bucketMask + 2; }
 
   Device& device_;
   HashGrid grid_;
@@ -63,7 +70,8 @@ class SpatialHash {
   std::unique_ptr<PairSort> pairSort_;
   PrefixScan scan_;
   ComputePipeline keysPass_, reorderPass_, countPass_, placePass_, settlePass_, scatterPass_;
-  Buffer keys_, order_, keysAlt_, orderAlt_, sortScratch_, counts_, scanScratch_, ranges_, crowded_;
+  Buffer keys_, order_, keysAlt_, orderAlt_, sortScratch_, counts_, scanScratch_, crowded_;
+  std::array<Buffer, 2> ranges_;
 };
 
 }  // namespace palpate

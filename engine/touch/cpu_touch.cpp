@@ -1,8 +1,9 @@
 #include "engine/touch/cpu_touch.hpp"
 
 #include <algorithm>
+#include <utility>
 
-#include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/held_contact.hpp"
@@ -13,11 +14,13 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kRefitBatch = 64;  // points that a thread takes at a time
-
 HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
   return makeHashGrid(Vec3(boundsOf(cloud).min), options.cell > 0 ? options.cell : options.radius, cloud.size(),
                       options.bucketKey);
+}
+
+SculptOptions sculptOptions(const CpuTouchOptions& options) {
+  return {.radius = options.radius, .keepsDensity = options.brush && options.keepsDensity, .threads = options.threads};
 }
 
 }  // namespace
@@ -25,39 +28,36 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
     : options_(options),
       origin_(cloud.origin),
-      positions_(cloud.positions),
-      normals_(cloud.normals),
-      grid_(gridFor(cloud, options), options.threads),
+      sculpture_(cloud, gridFor(cloud, options), sculptOptions(options)),
       surface_{.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius},
       tracker_(options.radius, options.friction),
       pace_(kStalest_s) {
-  PALPATE_CHECK_EQ(normals_.size(), positions_.size());
-  const Stopwatch watch;
-  grid_.build(positions_);
-  buildTime_us_ = watch.elapsed_us();
   if (!options.brush) return;
-  moved_.reserve(positions_.size());
   editTimes_us_.reserve(kEditTimesKept);
   edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
 }
 
 SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
   return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
-    grid_.forEachNear(
-        x, radius, [&](const SortedGrid::Placed& point) { visit(DVec3(point.position) - x, normals_[point.number]); });
+    sculpture_.grid().forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, sculpture_.points().normals[point.number]);
+    });
   });
 }
 
 Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
-  const Contact invalid{.proxy = pose.hip};
+  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     if (!editFinishedWithin(budget_us)) return heldContact(last_, lastPose_, pose);
+    const DVec3 lastHip = last_.valid ? lastPose_.hip : pose.hip;
     answer(pose);
-    if (last_.valid) editIfYielding(budget_us > 0);
+    if ((!last_.touching || !last_.valid) && sculpture_.settled()) endStroke();
+    if (last_.valid) editIfYielding(lastHip, budget_us > 0);
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
+    invalid.lost = true;
     return invalid;
   }
 }
@@ -74,73 +74,71 @@ void CpuTouch::answer(const Pose& pose) {
   lastPose_ = pose;
 }
 
-void CpuTouch::editIfYielding(bool realtime) {
-  if (!edit_ || !last_.touching) return;
-  const double longestMove = static_cast<double>(shared::kLongestMove) * options_.radius;
-  tool_.emplace(lastPose_.hip - origin_, last_.proxy - lastPose_.hip, *options_.brush, longestMove);
-  if (!tool_->yields()) return;
+void CpuTouch::editIfYielding(const DVec3& lastHip, bool realtime) {
+  if (!edit_) return;
+  const DVec3 spring = last_.touching ? last_.proxy - lastPose_.hip : DVec3(0);
+  tool_.emplace(*options_.brush, options_.radius, lastPose_.hip - origin_, lastHip - origin_, spring);
+  if (!tool_->acts() && sculpture_.settled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;
   }
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
   editTime_s_ = lastPose_.time_s;
-  editing_ = true;
+  editing_ = inStroke_ = true;
   edit_->start();
 }
 
 void CpuTouch::edit() {
   const Stopwatch watch;
-  moved_.clear();
-  grid_.forEachNear(tool_->center(), tool_->toolRadius(),
-                    [&](const SortedGrid::Placed& point) { moved_.push_back(point.number); });
-  for (const std::uint32_t point : moved_) positions_[point] = Vec3(tool_->of(DVec3(positions_[point])));
-  grid_.build(positions_);
-  const std::size_t batches = (moved_.size() + kRefitBatch - 1) / kRefitBatch;
-  grid_.team().forEach(batches, [&](std::size_t batch) {
-    const std::size_t end = std::min(moved_.size(), (batch + 1) * kRefitBatch);
-    for (std::size_t i = batch * kRefitBatch; i < end; ++i) refit(moved_[i]);
-  });
+  sculpture_.edit(*tool_);
+  const auto changed = sculpture_.changed();
+  queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
+  editsTold_ += changed.size();
   editTime_us_ = watch.elapsed_us();
-}
-
-void CpuTouch::refit(std::uint32_t point) {
-  const DVec3 place(positions_[point]);
-  NormalFit fit(options_.radius);
-  grid_.forEachNear(place, options_.radius,
-                    [&](const SortedGrid::Placed& near) { fit.add(DVec3(near.position) - place); });
-  normals_[point] = Vec3(fit.normal(DVec3(normals_[point])).normal);
 }
 
 bool CpuTouch::editFinishedWithin(double budget_us) {
   if (!editing_) return true;
   if (!edit_->finishedWithin(budget_us)) return false;
   editing_ = false;
+  editsAnswered_ = editsTold_;
   pace_.took(editTime_s_, editTime_us_ * 1e-6);
   if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(editTime_us_);
   return true;
 }
 
+void CpuTouch::endStroke() {
+  if (std::exchange(inStroke_, false)) queue_.endStroke();
+}
+
+void CpuTouch::change(std::span<const PointChange> changes) {
+  finish();
+  if (changes.empty()) return;
+  sculpture_.set(changes);
+  queue_.append(
+      changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
+  editsAnswered_ = editsTold_ += changes.size();
+  if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
+}
+
 void CpuTouch::finish() {
   if (failure_) std::rethrow_exception(failure_);
   editFinishedWithin(0);
+  endStroke();
 }
 
 std::size_t CpuTouch::readBack(PointCloud& cloud) const {
-  PALPATE_CHECK_EQ(cloud.size(), positions_.size());
   if (edit_) edit_->finishedWithin(0);
-  std::size_t moved = 0;
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (positions_[i] == cloud.positions[i]) continue;
-    ++moved;
-    cloud.positions[i] = positions_[i];
-    cloud.normals[i] = normals_[i];
-  }
-  return moved;
+  std::vector<PointState> points(sculpture_.points().size());
+  for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = sculpture_.points().state(i);
+  const std::size_t changed = changedPoints(cloud, points);
+  cloud = editedCloud(cloud, points);
+  return changed;
 }
 
 std::string CpuTouch::machine() const {
-  const std::size_t threads = grid_.threads();
+  const std::size_t threads = sculpture_.threads();
   return fmt::format("{}, {} thread{}", processorName(), threads, threads == 1 ? "" : "s");
 }
 

@@ -6,9 +6,9 @@
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/background_task.hpp"
+#include "engine/core/edit_queue.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "engine/edit/push_reference.hpp"
-#include "engine/spatial/sorted_grid.hpp"
+#include "engine/edit/sculpt_reference.hpp"
 #include "engine/touch/edit_pace.hpp"
 
 namespace palpate {
@@ -21,6 +21,7 @@ struct CpuTouchOptions {
   bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
   double friction = 0;                ///< coefficient, of a proxy that slides
   std::optional<BrushOptions> brush;  ///< edit while touching
+  bool keepsDensity = true;           ///< of what is edited: insert where it is stretched, merge where it is crowded
   unsigned threads = 0;               ///< that build the index and refit normals; 0: one per core
 };
 
@@ -38,43 +39,49 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override { queue_.keep(); }
+  void takeEdits(EditBatch& batch) override { queue_.take(batch); }
+  void change(std::span<const PointChange> changes) override;
+  std::uint64_t editsAnswered() const override { return editsAnswered_; }
+
   /// The processor, and how many threads build and edit; one answers.
   std::string machine() const override;
-  double buildTime_us() const override { return buildTime_us_; }
+  double buildTime_us() const override { return sculpture_.buildTime_us(); }
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
-  double cell() const override { return 1.0 / static_cast<double>(grid_.grid().inverseCell); }
+  double cell() const override { return 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell); }
 
  private:
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   void answer(const Pose& pose);
-  void editIfYielding(bool realtime);
+  void editIfYielding(const DVec3& lastHip, bool realtime);
   // On the edit's own thread: everything up to last_ is its alone until it has finished.
   void edit();
-  void refit(std::uint32_t point);
   bool editFinishedWithin(double budget_us);
+  void endStroke();
 
   CpuTouchOptions options_;
   DVec3 origin_;
-  std::vector<Vec3> positions_, normals_;  // in file order
-  SortedGrid grid_;
-  std::optional<PushedPlaces> tool_;  // of the edit that runs
-  std::vector<std::uint32_t> moved_;  // by the edit that runs
-  double editTime_us_ = 0;            // of the edit that ran last
+  SculptReference sculpture_;
+  std::optional<BrushTool> tool_;  // of the edit that runs
+  double editTime_us_ = 0;         // of the edit that ran last
+  std::uint64_t editsTold_ = 0;    // states
 
   SurfaceOptions surface_;
   ProxyTracker tracker_;
   Contact last_;
   Pose lastPose_;
-  double buildTime_us_ = 0;
-  bool editing_ = false;
+  bool editing_ = false, inStroke_ = false;
+  std::uint64_t editsAnswered_ = 0;
   double editTime_s_ = 0;  // of the pose whose answer led to the last edit
   EditPace pace_;
   std::vector<double> editTimes_us_;
   std::optional<double> firstEditTime_s_;
   TouchShortfalls shortfalls_;
   std::exception_ptr failure_;
+  EditQueue queue_;
   std::unique_ptr<BackgroundTask> edit_;  // with push; goes first
 };
 

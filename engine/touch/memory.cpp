@@ -2,6 +2,7 @@
 
 #include "engine/contact/contact_step.hpp"
 #include "engine/edit/edit_log.hpp"
+#include "engine/edit/edit_pass.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 
@@ -9,16 +10,21 @@ namespace palpate {
 
 GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
   constexpr std::uint64_t kVec4 = 16, kWord = 4;
+  const std::uint64_t spare = HashUpdate::spareSlots(points);
+  const std::uint64_t index = SpatialHash::predictedBytes(points);
   return {.liveCloud = 2 * 2 * kVec4 * points,
-          .index = SpatialHash::predictedBytes(points),
+          .index = index,
           .contact = ContactStep::predictedBytes(points),
           .drawnCloud = (2 * kVec4 + kWord + (colors ? kWord : 0)) * points,
-          .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry) + kWord * points};
+          .editing = 2 * 2 * kVec4 * spare + SpatialHash::predictedBytes(points + spare) - index +
+                     EditPass::predictedBytes(points, colors),
+          .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry)};
 }
 
 void requireGpuMemory(const Device& device, std::uint64_t points, bool edits) {
   const GpuMemory needs = predictGpuMemory(points, false);
-  const std::uint64_t bytes = needs.liveCloud + needs.index + needs.contact + (edits ? needs.editLog : 0);
+  const std::uint64_t bytes =
+      needs.liveCloud + needs.index + needs.contact + (edits ? needs.editing + needs.editLog : 0);
   if (bytes > device.ownMemory())
     throw OutOfGpuMemory("{}: touching {} points needs {} MiB, and the GPU has {} MiB; take a smaller model",
                          device.name(), points, bytes >> 20, device.ownMemory() >> 20);

@@ -12,8 +12,9 @@ struct GpuMemory {
   std::uint64_t index = 0;       ///< keys, order, sort scratch, bucket ranges
   std::uint64_t contact = 0;     ///< the points around the probe
   std::uint64_t drawnCloud = 0;  ///< the sight side's copy
-  std::uint64_t editLog = 0;     ///< with the list of moved points; only when editing
-  std::uint64_t total() const { return liveCloud + index + contact + drawnCloud + editLog; }
+  std::uint64_t editing = 0;     ///< spare slots, and the lists by which the index follows edits; only when editing
+  std::uint64_t editLog = 0;     ///< only when editing
+  std::uint64_t total() const { return liveCloud + index + contact + drawnCloud + editing + editLog; }
 };
 GpuMemory predictGpuMemory(std::uint64_t points, bool colors);
 

@@ -5,7 +5,9 @@
 #include <thread>
 #include <utility>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -18,6 +20,25 @@ namespace {
 
 constexpr double kLook_us = 1;  // a budget that lets no thread sleep
 constexpr double kNap_us = 40;  // between looks, where spinning would starve the driver
+
+// Of the points: an edit that touches more is followed by a full build, which then takes less time.
+constexpr double kLargeEdit = 1.0 / 16;
+// A cloud whose index is always built anew needs spare slots for new points alone.
+constexpr std::uint32_t kFewerSpare = 4;
+
+std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
+  const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
+  return options.index == IndexFollow::rebuild ? spare / kFewerSpare : spare;
+}
+
+// RGBA8 of every point; none where the cloud has none and none are painted.
+std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const BrushOptions& brush) {
+  std::vector<std::uint32_t> colors;
+  if (!cloud.hasColors() && brush.kind != BrushKind::paint) return colors;
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    colors.push_back(cloud.hasColors() ? packedColor(cloud, i) : shared::kUnpainted);
+  return colors;
+}
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
@@ -65,8 +86,9 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       options_(options),
       wait_(options.wait.value_or(device.defaultWait())),
       origin_(cloud.origin),
-      live_(device, fitting(device, cloud, options)),
-      hash_(device, gridFor(cloud, options), live_.count(), options.sort, options.bucketOrder),
+      live_(device, fitting(device, cloud, options), options.brush ? spareSlots(cloud, options) : 0),
+      hash_(device, gridFor(cloud, options), live_.slots(), options.sort, options.bucketOrder,
+            options.brush ? Slots::spare : Slots::full),
       contact_(device,
                {.radius = options.radius,
                 .method = options.method,
@@ -74,23 +96,21 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                 .localRadius = options.localRadius,
                 .friction = options.friction,
                 .split = options.split},
-               hash_.grid(), live_.count()),
+               hash_.grid(), live_.slots()),
       log_(device, options.brush ? live_.count() : 0),
-      refit_(device, options.brush ? live_.count() : 0),
       bridge_(device, hash_.grid(), origin_,
               {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
-              live_.count()),
+              live_.slots()),
       pace_(kStalest_s) {
   if (options.brush) {
-    push_.emplace(device, *options.brush);
+    edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, *options.brush), options.radius);
     editTimes_us_.reserve(kEditTimesKept);
   }
   buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());
-    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.count()));
-    if (push_)
-      for (const SortMethod sort : {hash_.sort(), hash_.fallback()}) recordEdit(live_.parity(), sort);
+    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.slots()));
+    if (edit_) recordEdits();
     live_.flip();
   }
 }
@@ -107,24 +127,31 @@ void TouchSide::recordQuery(std::uint32_t parity) {
     auto& list = queries_[parity].emplace_back(
         std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing));
     list->begin();
-    contact_.record(*list, i, hash_.view(live_.side(), live_.count()), log_.head());
+    contact_.record(*list, i, hash_.view(live_.side(), live_.slots()), log_.head());
     list->end();
   }
 }
 
-void TouchSide::recordEdit(std::uint32_t parity, SortMethod sort) {
-  auto& list = edits_[parity][sort];
-  if (list) return;
-  list = std::make_unique<CommandList>(device_, device_.touch(), "edit", options_.timing);
-  list->begin();
-  {
-    const auto section = list->section("edit");
-    push_->record(*list, live_.side(), live_.count(), contact_.state(),
-                  static_cast<double>(shared::kLongestMove) * options_.radius);
-    hash_.recordBuild(*list, live_.side(), live_.otherSide(), live_.count(), sort);
-    refit_.record(*list, hash_.view(live_.otherSide(), live_.count()), log_, options_.radius);
-  }
-  list->end();
+void TouchSide::recordEdits() {
+  const auto recorded = [&](auto&& record) {
+    auto list = std::make_unique<CommandList>(device_, device_.touch(), "edit", options_.timing);
+    list->begin();
+    {
+      const auto section = list->section("edit");
+      record(*list);
+    }
+    list->end();
+    return list;
+  };
+  const std::uint32_t parity = live_.parity();
+  incrementals_[parity] =
+      recorded([&](CommandList& list) { edit_->recordIncremental(list, live_.side(), contact_.state()); });
+  for (const SortMethod sort : {hash_.sort(), hash_.fallback()})
+    for (const EditPass::Reach reach : {EditPass::Reach::box, EditPass::Reach::all})
+      if (!rebuilds_[parity].contains({sort, reach}))
+        rebuilds_[parity][{sort, reach}] = recorded([&](CommandList& list) {
+          edit_->recordRebuild(list, live_.side(), live_.otherSide(), contact_.state(), sort, reach);
+        });
 }
 
 Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
@@ -206,6 +233,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
   const shared::ContactSample sample = contact_.sample();
   collectEdit(asked.timed);
   log_.publish(sample.logHead);
+  editsAnswered_ = log_.published();
   shortfalls_.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
   shortfalls_.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
   last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
@@ -216,6 +244,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
+  if (!last_.touching || !last_.valid) endStroke();
   bridge_.answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
   shortfalls_.thinnedPatches = bridge_.thinnedPatches();
   return true;
@@ -243,26 +272,48 @@ bool TouchSide::runEndsWithin(double budget_us) {
   }
 }
 
+const CommandList& TouchSide::chosenEdit() const {
+  const bool rebuild = options_.index == IndexFollow::rebuild || largeEdits_;
+  return rebuild ? *rebuilds_[live_.parity()].at({hash_.sort(), reach_}) : *incrementals_[live_.parity()];
+}
+
 void TouchSide::editIfYielding(bool realtime) {
   const double depth = glm::distance(last_.proxy, lastPose_.hip);
-  if (!push_ || !last_.touching || depth <= options_.brush->tau) return;
+  if (!edit_ || !last_.touching || depth <= options_.brush->tau) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;
   }
-  // Everything written so far has just been published, so this edit's own moves are all that must fit.
-  if (log_.room() < live_.count()) {
+  const CommandList& edit = chosenEdit();
+  // Everything written so far has just been published, so this edit's own points are all that must fit.
+  const bool updates = &edit == incrementals_[live_.parity()].get();
+  if (log_.room() < (updates ? edit_->mostMoves() : live_.slots())) {
     ++shortfalls_.editsLogFull;
     return;
   }
-  lastEdit_ = edits_[live_.parity()].at(hash_.sort()).get();
-  editTicket_ = device_.touch().submit(*lastEdit_);
   if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
+  submitEdit(edit);
+  // In virtual time an edit that the index could not follow is done again at once, in real time with the next tick.
+  if (!realtime) settleEdit();
+}
+
+void TouchSide::submitEdit(const CommandList& edit) {
+  lastEdit_ = &edit;
+  editTicket_ = device_.touch().submit(edit);
   editTime_s_ = lastPose_.time_s;
-  editInFlight_ = true;
+  editInFlight_ = inStroke_ = true;
   sinceEdit_ = Stopwatch();
   bridge_.edited(lastPose_.time_s);
-  live_.flip();
+  if (&edit != incrementals_[live_.parity()].get()) live_.flip();
+}
+
+void TouchSide::settleEdit() {
+  collectEdit(true);
+  while (edit_->report().failed != 0) {
+    compact();  // so that the order of points in a bucket follows from the edits alone
+    submitEdit(chosenEdit());
+    collectEdit(true);
+  }
 }
 
 void TouchSide::collectEdit(bool timed) {
@@ -273,6 +324,16 @@ void TouchSide::collectEdit(bool timed) {
   pace_.took(editTime_s_, time_us * 1e-6);
   editInFlight_ = false;
   if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
+  takeReport();
+}
+
+void TouchSide::takeReport() {
+  const shared::HashUpdate& report = edit_->report();
+  // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
+  const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(live_.count()));
+  // What fails with a build, too, has found more points than there is room for.
+  if (report.failed & shared::kUpdateTooLarge) reach_ = EditPass::Reach::all;
+  largeEdits_ = report.failed != 0 || share > (largeEdits_ ? kLargeEdit / 2 : kLargeEdit);
 }
 
 void TouchSide::finish() {
@@ -280,14 +341,93 @@ void TouchSide::finish() {
   if (asked_) answerWithin(0, lastPose_.time_s);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit(true);
+  endStroke();
+}
+
+void TouchSide::endStroke() {
+  if (std::exchange(inStroke_, false)) log_.endStroke();
+}
+
+void TouchSide::runAndFlip(const std::function<void(CommandList&, SortMethod)>& record) {
+  for (SortMethod used = hash_.sort();; used = hash_.fallback()) {
+    CommandList list(device_, device_.touch(), "build");
+    list.begin();
+    record(list, used);
+    list.end();
+    device_.touch().run(list);
+    if (used == hash_.sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
+  }
+  live_.flip();
+}
+
+void TouchSide::compact() {
+  runAndFlip([&](CommandList& list, SortMethod sort) {
+    edit_->recordCompaction(list, live_.side(), live_.otherSide(), sort);
+  });
+}
+
+void TouchSide::change(std::span<const PointChange> changes) {
+  if (!edit_) throw Error("{}: points can only be changed where they can be edited", machine());
+  finish();
+  if (log_.room() < changes.size())
+    throw Error("{} changes do not fit beside what the readers of the edit log have not taken yet", changes.size());
+  while (!changes.empty()) {
+    const std::size_t batch = std::min<std::size_t>(changes.size(), edit_->mostChanges());
+    changeBatch(changes.first(batch));
+    changes = changes.subspan(batch);
+  }
+  log_.publishChange(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);
+  editsAnswered_ = log_.published();
+  bridge_.edited(lastPose_.time_s);
+}
+
+void TouchSide::changeBatch(std::span<const PointChange> changes) {
+  edit_->give(changes);
+  if (options_.index == IndexFollow::incremental) {
+    CommandList list(device_, device_.touch(), "change");
+    list.begin();
+    edit_->recordGivenIncremental(list, live_.side());
+    list.end();
+    device_.touch().run(list);
+  }
+  if (options_.index == IndexFollow::rebuild || edit_->report().failed != 0) {
+    compact();  // the order of points in a bucket follows from the edits alone
+    CommandList list(device_, device_.touch(), "change");
+    list.begin();
+    edit_->recordGivenRebuild(list, live_.side(), live_.otherSide(), hash_.sort());
+    list.end();
+    device_.touch().run(list);
+    live_.flip();
+    if (edit_->report().failed == 0) compact();  // a bucket may have been crowded in that build
+  }
+  if (edit_->report().failed & shared::kUpdateUnknown)
+    throw Error("{}: a change names a point that is not where it says; nothing of it is done", machine());
+  if (edit_->report().failed & shared::kUpdateNoSlots)
+    throw Error("{}: there is no room for so many new points", machine());
+}
+
+std::size_t TouchSide::readBack(PointCloud& cloud) const {
+  if (!edit_) return 0;
+  auto present = live_.points();
+  edit_->complete(present);
+  auto states = statesOf(cloud);
+  for (PointState& state : states) state.id |= PointState::kGone;
+  for (const PointState& point : present) {
+    for (auto id = static_cast<std::uint32_t>(states.size()); id <= point.id; ++id)
+      states.push_back({.id = id | PointState::kGone});
+    states[point.id] = point;
+  }
+  const std::size_t changed = changedPoints(cloud, states);
+  cloud = editedCloud(cloud, states);
+  return changed;
 }
 
 std::vector<PassRecord> TouchSide::passes() const {
   std::vector<PassRecord> all;
   for (std::uint32_t list = lastQuery_.first; list <= lastQuery_.last; ++list)
     std::ranges::copy(queries_[lastQuery_.parity][list]->passes(), std::back_inserter(all));
-  if (push_) {
-    const CommandList& edit = lastEdit_ ? *lastEdit_ : *edits_[live_.parity()].at(hash_.sort());
+  if (edit_) {
+    const CommandList& edit = lastEdit_ ? *lastEdit_ : chosenEdit();
     std::ranges::copy(edit.passes(), std::back_inserter(all));
   }
   return all;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <exception>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -9,15 +10,19 @@
 #include "engine/contact/contact_step.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/edit/edit_fetch.hpp"
 #include "engine/edit/edit_log.hpp"
-#include "engine/edit/push_brush.hpp"
-#include "engine/edit/refit_normals.hpp"
+#include "engine/edit/edit_pass.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/patch_bridge.hpp"
 
 namespace palpate {
+
+/// How the index follows an edit: at the cost of what the edit touched, as long as that is less than building it anew;
+/// or built anew each time.
+enum class IndexFollow { incremental, rebuild };
 
 struct TouchOptions {
   double radius = 0;  ///< support radius, model units
@@ -31,15 +36,16 @@ struct TouchOptions {
   double friction = 0;                ///< coefficient, of a proxy that slides
   std::optional<bool> split;          ///< fused: whether a few workgroups share a gather (ContactOptions)
   std::optional<BrushOptions> brush;  ///< edit while touching
-  std::optional<Wait> wait;           ///< how the servo thread waits for the GPU; the device's default when not given
+  IndexFollow index = IndexFollow::incremental;
+  std::optional<Wait> wait;  ///< how the servo thread waits for the GPU; the device's default when not given
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
 /// ahead (pose, gather, surface, proxy, answer); two where the query method brings the host in between. When the answer
-/// says that the surface yields, a second one is submitted that edits the points and builds the index anew; nobody
-/// waits for it but the next tick's query. While a question is out past its tick's budget, ticks are answered on the
-/// CPU from the patch of points that the GPU brought last.
+/// says that the surface yields, a second one is submitted that edits the points and brings the index up to date;
+/// nobody waits for it but the next tick's query. While a question is out past its tick's budget, ticks are answered on
+/// the CPU from the patch of points that the GPU brought last.
 class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -51,7 +57,13 @@ class TouchSide final : public TouchBackend {
   Contact query(const Pose& pose, double budget_us) noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
-  std::size_t readBack(PointCloud& cloud) const override { return live_.readBack(cloud); }
+  std::size_t readBack(PointCloud& cloud) const override;
+
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override { fetch_.emplace(device_, log_); }
+  void takeEdits(EditBatch& batch) override { fetch_->take(batch); }
+  void change(std::span<const PointChange> changes) override;
+  std::uint64_t editsAnswered() const override { return editsAnswered_; }
 
   EditLog& editLog() { return log_; }
   const LiveCloud& live() const { return live_; }
@@ -92,10 +104,21 @@ class TouchSide final : public TouchBackend {
   // Whether the list that was submitted last has done its part, as `wait_` looks at it (0: waits until it has).
   bool runEndsWithin(double budget_us);
   void recordQuery(std::uint32_t parity);
-  void recordEdit(std::uint32_t parity, SortMethod sort);
+  void recordEdits();
   void editIfYielding(bool realtime);
+  const CommandList& chosenEdit() const;
+  // Waits for the edit under way; one that did not come out is done again with a full build.
+  void settleEdit();
+  void submitEdit(const CommandList& edit);
+  // Records, with the sort that a build needs, what reads one side of the cloud and writes the other; runs and flips.
+  void runAndFlip(const std::function<void(CommandList&, SortMethod)>& record);
+  void compact();
+  void changeBatch(std::span<const PointChange> changes);
+  // Takes note of what the last edit came to, for the next one.
+  void takeReport();
   // Not timed: takes the time until now for the edit's.
   void collectEdit(bool timed);
+  void endStroke();
 
   Device& device_;
   TouchOptions options_;
@@ -105,18 +128,23 @@ class TouchSide final : public TouchBackend {
   SpatialHash hash_;
   ContactStep contact_;
   EditLog log_;
-  std::optional<PushBrush> push_;
-  RefitNormals refit_;
+  std::optional<EditFetch> fetch_;  // where somebody takes edits
+  std::optional<EditPass> edit_;
   PatchBridge bridge_;
-  // One for each side of the live cloud; an edit's also for each sort that its build may need.
+  // One for each side of the live cloud; an edit with a build also for each sort that it may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
-  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> edits_;
+  using Rebuild = std::pair<SortMethod, EditPass::Reach>;
+  std::array<std::map<Rebuild, std::unique_ptr<CommandList>>, 2> rebuilds_;
+  std::array<std::unique_ptr<CommandList>, 2> incrementals_;
   std::uint32_t tick_ = 0;
   std::optional<Asked> asked_;
   Contact last_;
   Pose lastPose_;
   double buildTime_us_ = 0;
-  bool editInFlight_ = false;
+  bool editInFlight_ = false, inStroke_ = false;
+  bool largeEdits_ = false;                       // the next edit is too large for an update
+  EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
+  std::uint64_t editsAnswered_ = 0;
   Queue::Ticket editTicket_ = 0;
   Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered

@@ -156,6 +156,7 @@ void main() {
   args.state.at[0].lastHip = probe.hip;
   args.state.at[0].side = side;
   args.state.at[0].started = 1;
+  args.state.at[0].motion = -probe.lastHip;
   args.state.at[0].spring = proxy;
   ContactSample answer;
   answer.spring = proxy;

@@ -25,9 +25,10 @@ void main() {
     const uint i = chunk * kBruteChunk + item * kContactWorkgroup + scanIndex();
     vec3 at = vec3(0.0);
     bool keep = false;
-    if (i < args.cloud.count) {
-      at = placeInPatch(args.cloud.positions.at[i].xyz, probe.hip, centre);
-      keep = inReach(at, reach);
+    if (i < args.cloud.slots) {
+      const vec4 position = args.cloud.positions.at[i];
+      at = placeInPatch(position.xyz, probe.hip, centre);
+      keep = floatBitsToUint(position.w) != kEmptySlot && inReach(at, reach);
     }
     if (args.fill == 0) {
       count += keep ? 1 : 0;

@@ -2,8 +2,9 @@
 #extension GL_GOOGLE_include_directive : require
 // For every point that has a plane the nearest neighbours all around it, for the host to carry the signs of the normals
 // along. One invocation for each point.
-#include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/bucket_share.glsl"
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/plane_fit.glsl"
 #include "shaders/shared/normal_estimate.h"
 
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
@@ -58,9 +59,10 @@ uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint 
 
 void main() {
   const uint i = threadIndex();
-  if (i >= args.cloud.count) return;
+  if (i >= args.cloud.slots) return;
   const vec4 point = args.cloud.positions.at[i];
   const uint id = floatBitsToUint(point.w);
+  if (id == kEmptySlot) return;
   const vec4 plane = args.planes.at[id];
   if (dot(plane.xyz, plane.xyz) < 0.5) return;
   uint work = 0;

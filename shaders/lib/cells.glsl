@@ -22,7 +22,7 @@ CellBox boxAround(CloudView cloud, vec3 place, float reach, uint mostCells) {
   CellBox box;
   box.low = cellOf(cloud.grid, place - margin);
   box.size = uvec3(cellOf(cloud.grid, place + margin) - box.low + 1);
-  box.cells = cloud.count == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, mostCells);
+  box.cells = cloud.slots == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, mostCells);
   return box;
 }
 

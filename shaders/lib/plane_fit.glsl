@@ -1,9 +1,8 @@
 // The plane through the neighbours of a place, weighed by Wendland's function: its normal is the direction of least
-// spread (Hoppe et al. 1992, section 3.2). One invocation looks at every neighbour, or some share them.
+// spread (Hoppe et al. 1992, section 3.2).
 #ifndef PALPATE_LIB_PLANE_FIT_GLSL
 #define PALPATE_LIB_PLANE_FIT_GLSL
 
-#include "shaders/lib/contact_buffers.glsl"
 #include "shaders/lib/eigen.glsl"
 #include "shaders/lib/weight.glsl"
 
@@ -16,42 +15,15 @@ struct Moments {
   vec3 mixed;     // sums of w dx dy, w dy dz, w dz dx
 };
 
-// Which points of a bucket an invocation looks at, where `sharers` share them.
-struct Share {
-  uint own, sharers;
-};
+Moments noMoments() { return Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0)); }
 
-// The points of a bucket that are still looked at. `work`: rounds so far; none are left at `budget`.
-uvec2 bucketWithin(CloudView cloud, ivec3 cell, Share share, uint budget, inout uint work) {
-  const uvec2 range = cloud.ranges.at[bucketOf(cloud.grid, cell)];
-  const uint rounds = min((range.y - range.x + share.sharers - 1) / share.sharers, budget - min(work, budget));
-  work += 1 + rounds;
-  return uvec2(range.x + share.own, min(range.y, range.x + rounds * share.sharers));
-}
-
-Moments momentsAbout(CloudView cloud, vec3 center, float radius, Share share, uint budget, inout uint work) {
-  const ivec3 low = cellOf(cloud.grid, center - radius);
-  const ivec3 high = cellOf(cloud.grid, center + radius);
-  Moments m = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
-  for (int z = low.z; z <= high.z; ++z)
-    for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
-        const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(cloud, cell, share, budget, work);
-        for (uint j = range.x; j < range.y; j += share.sharers) {
-          const vec3 position = cloud.positions.at[j].xyz;
-          const vec3 d = position - center;
-          const float squared = dot(d, d);
-          if (squared >= radius * radius || cellOf(cloud.grid, position) != cell) continue;
-          const float w = wendland(sqrt(squared) / radius);
-          m.weight += w;
-          m.neighbours += 1;
-          m.mean += w * d;
-          m.diagonal += w * d * d;
-          m.mixed += w * d * d.yzx;
-        }
-      }
-  return m;
+void addNeighbour(inout Moments m, vec3 d, float radius) {
+  const float w = wendland(length(d) / radius);
+  m.weight += w;
+  m.neighbours += 1;
+  m.mean += w * d;
+  m.diagonal += w * d * d;
+  m.mixed += w * d * d.yzx;
 }
 
 // A unit vector in the plane of a unit normal.

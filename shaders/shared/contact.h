@@ -76,10 +76,11 @@ struct ContactState {
   uint touching;  // kFree, kSliding or kSticking
   vec3 spring;    // from HIP to proxy
   uint side;      // kSide...; while touching, the one that is felt
+  vec3 motion;    // of the HIP since the tick before
   vec3 facing;    // normal of the surface felt last, as the points have it; zero where there was none
   uint started;   // 0 before the first tick
 };
-PALPATE_SIZE(ContactState, 48);
+PALPATE_SIZE(ContactState, 60);
 
 const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
 const uint kSampleThinned = 2;    // more points were near than a step looks at; every so-manyth was taken
@@ -91,7 +92,7 @@ struct ContactQuestion {
   ContactPose pose;
   ContactState carried;
 };
-PALPATE_SIZE(ContactQuestion, 64);
+PALPATE_SIZE(ContactQuestion, 76);
 
 // What the host reads after a tick.
 struct ContactSample {

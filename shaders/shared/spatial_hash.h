@@ -4,16 +4,26 @@
 
 PALPATE_SHARED_BEGIN
 
-// A cloud in hash order with its index: what a query reads.
+// The id in a slot that holds no point. A build gives empty slots a bucket of their own behind all others, and with it
+// the end of the slots.
+const uint kEmptySlot = 0xffffffffu;
+
+// A cloud in hash order with its index: what a query reads. The points of a bucket stand in consecutive slots.
 struct CloudView {
-  PALPATE_ADDRESS(Vec4s) positions;  // xyz: model units; w: bits of the point's id
-  PALPATE_ADDRESS(Vec4s) normals;    // xyz: unit; w: 1 while the point's normal waits to be refitted, else 0
-  PALPATE_ADDRESS(UVec2s) ranges;    // first and one-past-last point of every bucket
+  PALPATE_ADDRESS(Vec4s) positions;  // xyz: model units; w: bits of the point's id, or of kEmptySlot
+  PALPATE_ADDRESS(Vec4s) normals;    // xyz: unit; w: 0, or a kMark... of shaders/shared/hash_update.h during an edit
+  PALPATE_ADDRESS(UVec2s) ranges;    // first and one-past-last slot of every bucket; last, of the empty slots
   HashGrid grid;
-  uint count;
+  uint slots;
   uint unused;
 };
 PALPATE_SIZE(CloudView, 56);
+
+PALPATE_FUNCTION uint emptyBucket(HashGrid grid) { return grid.bucketMask + 1u; }
+PALPATE_FUNCTION uint bucketOfSlot(HashGrid grid, vec4 position) {
+  return floatBitsToUint(position.w) == kEmptySlot ? emptyBucket(grid)
+                                                   : bucketOf(grid, cellOf(grid, vec3(position.x, position.y, position.z)));
+}
 
 struct HashKeysArgs {
   PALPATE_ADDRESS(Vec4s) positions;
@@ -91,7 +101,7 @@ struct HashSettleArgs {
   PALPATE_ADDRESS(Vec4s) normalsOut;
   PALPATE_ADDRESS(Uints) crowded;  // host-read: points of a crowded bucket; untouched where there is none
   uint count;
-  uint unused;
+  uint emptyBucket;
 };
 PALPATE_SIZE(HashSettleArgs, 72);
 

@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform Push { HashCountArgs args; };
 void main() {
   const uint i = threadIndex();
   if (i >= args.count) return;
-  const uint key = bucketOf(args.grid, cellOf(args.grid, args.positions.at[i].xyz));
+  const uint key = bucketOfSlot(args.grid, args.positions.at[i]);
   const uint lane = gl_SubgroupInvocationID;
   const uint before = subgroupShuffle(key, max(lane, 1) - 1);
   const uvec4 heads = subgroupBallot(lane == 0 || before != key);

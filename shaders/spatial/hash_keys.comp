@@ -9,6 +9,6 @@ layout(push_constant, scalar) uniform Push { HashKeysArgs args; };
 void main() {
   const uint i = threadIndex();
   if (i >= args.count) return;
-  args.keys.at[i] = bucketOf(args.grid, cellOf(args.grid, args.positions.at[i].xyz));
+  args.keys.at[i] = bucketOfSlot(args.grid, args.positions.at[i]);
   args.order.at[i] = i;
 }

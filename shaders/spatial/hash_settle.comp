@@ -12,14 +12,16 @@ void main() {
   const uint place = threadIndex();
   if (place >= args.count) return;
   const uint from = args.order.at[place];
-  const uvec2 range = args.ranges.at[args.keys.at[from]];
+  const uint key = args.keys.at[from];
+  const uvec2 range = args.ranges.at[key];
   const uint points = range.y - range.x;
   uint to = place;
-  if (points <= kMostRanked) {
+  const bool empty = key == args.emptyBucket;  // such slots stand in any order
+  if (points <= kMostRanked && !empty) {
     to = range.x;
     for (uint other = range.x; other < range.y; ++other) to += args.order.at[other] < from ? 1 : 0;
   }
-  if (points > kCrowdedBucket && place == range.x) args.crowded.at[0] = points;
+  if (points > kCrowdedBucket && !empty && place == range.x) args.crowded.at[0] = points;
   args.positionsOut.at[to] = args.positionsIn.at[from];
   args.normalsOut.at[to] = args.normalsIn.at[from];
 }

@@ -5,7 +5,7 @@
 
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/point_tree.hpp"
-#include "engine/edit/push_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/spatial_hash.hpp"

@@ -3,7 +3,8 @@
 #include <bit>
 
 #include "engine/cuda/live_copy.hpp"
-#include "engine/edit/push_reference.hpp"
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
@@ -57,11 +58,11 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
        {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
-    const PushedPlaces pushed(hip, spring, options, kLongestMove * scene.radius);
+    const BrushTool tool(options, scene.radius, hip, hip, spring);
     std::size_t inRange = 0, wrong = 0, marked = 0, disturbed = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = pushed.of(before);
+      const DVec3 expected = tool.brushed(before, {}).position;
       inRange += expected != before;
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;

@@ -12,9 +12,9 @@ namespace {
 /// Plays the touch side: writes entries into the ring and publishes them; keeps what the cloud should be.
 class Writer {
  public:
-  Writer(Device& device, const PointCloud& cloud) : device_(device), log_(device, cloud.size(), 0), cloud_(cloud) {
+  Writer(Device& device, const PointCloud& cloud)
+      : device_(device), log_(device, cloud.size(), 0), reader_(log_), cloud_(cloud) {
     ring_.resize(log_.capacity());
-    log_.attachReader();
   }
 
   void write(std::uint32_t id) {
@@ -29,18 +29,20 @@ class Writer {
     cloud_.normals[id] = entry.normal;
   }
   void publish() {
-    PALPATE_CHECK_LE(head_ - log_.unread().end, log_.room());
+    PALPATE_CHECK_LE(head_ - reader_.unread().end, log_.room());
     upload(device_, log_.entriesBuffer(), ring_);
     log_.publish(static_cast<std::uint32_t>(head_));
   }
 
-  EditLog& log() { return log_; }
+  const EditLog& log() const { return log_; }
+  EditLog::Reader& reader() { return reader_; }
   const PointCloud& cloud() const { return cloud_; }
   std::uint64_t head() const { return head_; }
 
  private:
   Device& device_;
   EditLog log_;
+  EditLog::Reader reader_;
   PointCloud cloud_;
   std::vector<shared::EditEntry> ring_;
   std::uint64_t head_ = 0;
@@ -65,7 +67,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "nothing in the log changes nothing") {
   const PointCloud cloud = strewnCloud(257);
   DrawnCloud drawn(device, cloud);
   Writer writer(device, cloud);
-  CHECK(drawn.catchUp(writer.log()) == 0);
+  CHECK(drawn.catchUp(writer.reader()) == 0);
   CHECK(same(drawn, cloud));
 }
 
@@ -78,8 +80,8 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "the drawn cloud follows the log, round and
     const std::size_t entries = random() % 500;
     for (std::size_t i = 0; i < entries; ++i) writer.write(static_cast<std::uint32_t>(random() % cloud.size()));
     writer.publish();
-    CHECK(drawn.catchUp(writer.log()) == entries);
-    CHECK(writer.log().unread().size() == 0);
+    CHECK(drawn.catchUp(writer.reader()) == entries);
+    CHECK(writer.reader().unread().size() == 0);
     REQUIRE(same(drawn, writer.cloud()));
   }
 }
@@ -90,11 +92,11 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a full ring, over its end, where one point
   Writer writer(device, cloud);
   for (int i = 0; i < 777; ++i) writer.write(5);
   writer.publish();
-  CHECK(drawn.catchUp(writer.log()) == 777);
+  CHECK(drawn.catchUp(writer.reader()) == 777);
   CHECK(same(drawn, writer.cloud()));
   for (std::uint64_t i = 0; i < writer.log().capacity(); ++i) writer.write(i % 7 == 0 ? 5 : 299);
   writer.publish();
-  CHECK(drawn.catchUp(writer.log()) == writer.log().capacity());
+  CHECK(drawn.catchUp(writer.reader()) == writer.log().capacity());
   CHECK(same(drawn, writer.cloud()));
 }
 
@@ -104,7 +106,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "a hundred thousand entries for three point
   Writer writer(device, cloud);
   for (std::uint32_t i = 0; i < 100'003; ++i) writer.write(i % 3);
   writer.publish();
-  CHECK(drawn.catchUp(writer.log()) == 100'003);
+  CHECK(drawn.catchUp(writer.reader()) == 100'003);
   CHECK(same(drawn, writer.cloud()));
 }
 
@@ -116,7 +118,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order"
     for (std::uint32_t id = 100; id < 300; ++id) writer.write(id);
     writer.publish();
   }
-  CHECK(drawn.catchUp(writer.log()) == 1000);
+  CHECK(drawn.catchUp(writer.reader()) == 1000);
   CHECK(same(drawn, writer.cloud()));
 }
 

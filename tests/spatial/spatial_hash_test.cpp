@@ -67,7 +67,7 @@ class SpatialHashFixture : public GpuFixture {
                Vec3(normals[i]) != cloud.normals[id];
     }
     CHECK(wrong == 0);
-    const auto ranges = download<UVec2>(device, hash.ranges(), std::size_t{hash.grid().bucketMask} + 1);
+    const auto ranges = download<UVec2>(device, hash.ranges(live.side()), std::size_t{hash.grid().bucketMask} + 1);
     std::size_t wrongRanges = 0;
     for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
       const UVec2 expected = reference.range(bucket);
@@ -136,7 +136,7 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "in the order of arrival every bucket hold
   for (int turn = 0; turn < 2; ++turn) {
     hash.build(live);
     const auto positions = download<Vec4>(device, live.side().positions, live.count());
-    const auto ranges = download<UVec2>(device, hash.ranges(), std::size_t{grid.bucketMask} + 1);
+    const auto ranges = download<UVec2>(device, hash.ranges(live.side()), std::size_t{grid.bucketMask} + 1);
     std::size_t wrong = 0;
     for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
       const UVec2 expected = reference.range(bucket);

@@ -22,7 +22,7 @@ class BackendsFixture : public GpuFixture {
 
   Story play(const Scene& scene, const std::vector<DVec3>& path, const std::optional<BrushOptions>& push = {}) {
     TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = push});
-    CpuTouch cpu(scene.cloud, {.radius = scene.radius, .brush = push});
+    CpuTouch cpu(scene.cloud, {.radius = scene.radius, .brush = push, .keepsDensity = false});
     Story story{.onGpu = scene.cloud, .onCpu = scene.cloud};
     double time_s = 0;
     for (const DVec3& hip : path) {

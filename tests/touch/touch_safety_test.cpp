@@ -73,7 +73,7 @@ TEST_CASE_FIXTURE(GpuFixture, "numbers that are none from the shader mean zero f
   constexpr double kFrom_s = 1.2, kTo_s = 1.25;
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   const Buffer& normals = touch.live().side().normals;
-  const auto good = download<Vec4>(device, normals, scene.cloud.size());
+  const auto good = download<Vec4>(device, normals, touch.live().slots());
   // Their sum is infinite, and a vector of infinite length has no direction: the shader's own arithmetic fails.
   const std::vector<Vec4> huge(good.size(), Vec4(3e38f, 3e38f, 3e38f, 0));
   Meddled query(touch, [&](double time_s) {

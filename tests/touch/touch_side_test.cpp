@@ -15,7 +15,7 @@ namespace {
 BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
 
 // Presses straight down on the sphere's top, to `depth` below it.
-std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog* drained = nullptr) {
+std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::Reader* drained = nullptr) {
   std::vector<Contact> contacts;
   for (int i = 0; i <= ticks; ++i) {
     const double z = 51 - (1 + depth) * std::min(1.0, i / (0.5 * ticks));
@@ -109,19 +109,19 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, neve
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
-  touch.editLog().attachReader();
+  const EditLog::Reader reader(touch.editLog());
   press(touch, 20, 80);
   touch.finish();
   CHECK(touch.shortfalls().editsLogFull > 0);
-  CHECK(touch.editLog().unread().size() > scene.cloud.size());
-  CHECK(touch.editLog().unread().size() <= touch.editLog().capacity());
+  CHECK(reader.unread().size() > scene.cloud.size());
+  CHECK(reader.unread().size() <= touch.editLog().capacity());
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "with a reader that keeps up no edit is left out") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
-  touch.editLog().attachReader();
-  press(touch, 3, 60, &touch.editLog());
+  EditLog::Reader reader(touch.editLog());
+  press(touch, 3, 60, &reader);
   touch.finish();
   CHECK(touch.shortfalls().editsLogFull == 0);
 }

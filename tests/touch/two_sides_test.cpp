@@ -15,13 +15,13 @@ TEST_CASE_FIXTURE(GpuFixture,
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 10}});
   DrawnCloud drawn(device, scene.cloud);
-  touch.editLog().attachReader();
+  EditLog::Reader reader(touch.editLog());
 
   std::atomic<bool> sculpting = true;
   std::uint64_t followed = 0;
   std::thread sight([&] {
     while (sculpting) {
-      followed += drawn.catchUp(touch.editLog());
+      followed += drawn.catchUp(reader);
       std::this_thread::yield();
     }
   });
@@ -33,7 +33,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   touch.finish();
   sculpting = false;
   sight.join();
-  followed += drawn.catchUp(touch.editLog());
+  followed += drawn.catchUp(reader);
   CHECK(touch.shortfalls().editsLogFull == 0);
 
   PointCloud sculpted = scene.cloud;
@@ -51,7 +51,7 @@ TEST_CASE_FIXTURE(GpuFixture,
 TEST_CASE("a log is written by one thread and read by another without losing a move") {
   Device device({.gpu = "", .validate = false});
   EditLog log(device, 1000);
-  log.attachReader();
+  EditLog::Reader reader(log);
   constexpr std::uint64_t kMoves = 5'000'000;
   std::thread writer([&] {
     std::uint64_t head = 0;
@@ -65,10 +65,10 @@ TEST_CASE("a log is written by one thread and read by another without losing a m
   std::uint64_t read = 0;
   bool inOrder = true;
   while (read < kMoves) {
-    const auto range = log.unread();
+    const auto range = reader.unread();
     inOrder = inOrder && range.begin == read && range.size() <= log.capacity();
     read = range.end;
-    log.consume(read);
+    reader.consume(read);
   }
   writer.join();
   CHECK(inOrder);

@@ -1,28 +1,10 @@
-#include "engine/edit/push_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 
 #include <algorithm>
 
 #include "shaders/shared/contact.h"
 
 namespace palpate {
-
-PushedPlaces::PushedPlaces(const DVec3& hip, const DVec3& spring, const BrushOptions& options, double longestMove)
-    : toolRadius_(options.toolRadius), beta_(options.beta), longestMove_(longestMove) {
-  const double depth = glm::length(spring);
-  yields_ = depth > options.tau;
-  if (!yields_) return;
-  outward_ = spring / depth;
-  center_ = hip + (options.tau + options.toolRadius) * outward_;
-}
-
-DVec3 PushedPlaces::of(const DVec3& place) const {
-  constexpr double kAtCenter = 1e-6;  // of the tool's radius: from here there is no way out but the tip's
-  const DVec3 fromCenter = place - center_;
-  const double distance = glm::length(fromCenter);
-  if (!yields_ || distance >= toolRadius_) return place;
-  const DVec3 away = distance > kAtCenter * toolRadius_ ? fromCenter / distance : -outward_;
-  return place + std::min(beta_ * (toolRadius_ - distance), longestMove_) * away;
-}
 
 NormalFit::Result NormalFit::normal(const DVec3& old) const {
   if (neighbours_ < shared::kMinNeighbours || weights_ <= 0) return {.normal = old};

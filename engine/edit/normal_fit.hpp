@@ -1,32 +1,10 @@
-// An edit in double precision on the CPU: what shaders/edit/push.comp and refit_normals.comp compute.
+// In double precision on the CPU: what shaders/edit/refit_normals.comp computes.
 #pragma once
 
 #include "engine/cloud/eigen3.hpp"
 #include "engine/contact/surface_reference.hpp"
-#include "engine/core/touch_backend.hpp"
 
 namespace palpate {
-
-/// Where a round tool sends points, for one position of the hand (thesis section 5.2). Places relative to the cloud's
-/// origin, model units.
-class PushedPlaces {
- public:
-  /// `spring`: from HIP to proxy. No point moves further than `longestMove`.
-  PushedPlaces(const DVec3& hip, const DVec3& spring, const BrushOptions& options, double longestMove);
-
-  /// False where the spring is no longer than tau: nothing yields.
-  bool yields() const { return yields_; }
-  /// The ball whose points move: all those nearer than the tool's radius to its centre.
-  const DVec3& center() const { return center_; }
-  double toolRadius() const { return toolRadius_; }
-  /// Where a point at `place` goes; outside the ball, and where nothing yields, it stays.
-  DVec3 of(const DVec3& place) const;
-
- private:
-  bool yields_;
-  DVec3 outward_{0}, center_{0};
-  double toolRadius_, beta_, longestMove_;
-};
 
 /// The weighted moments of the neighbours of a place, whose direction of least spread is its normal (Hoppe et al. 1992,
 /// section 3.2).

@@ -1,14 +1,15 @@
-#include "engine/edit/push_brush.hpp"
+#include "engine/edit/edit_pass.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <set>
 
-#include "engine/edit/push_reference.hpp"
-#include "engine/edit/refit_normals.hpp"
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/normal_fit.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "shaders/shared/edit.h"
+#include "tests/edit/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
@@ -16,64 +17,59 @@ namespace palpate {
 
 namespace {
 
-class PushFixture : public GpuFixture {
+class EditFixture : public GpuFixture {
  protected:
   struct Moved {
     std::vector<Vec4> positions, normals;    // in id order
     std::vector<shared::EditEntry> entries;  // as they stand in the log
   };
 
-  // One edited tick: push, rebuild, refit, for a contact state that we choose.
+  // One edited tick for a contact state that we choose, by update of the index and with a full build, which must agree.
   Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options,
              double radius) {
-    LiveCloud live(device, cloud);
-    const SpatialHash hash(device, makeHashGrid(Vec3(0), radius, cloud.size()), live.count());
-    const EditLog log(device, cloud.size());
-    const PushBrush brush(device, options);
-    const RefitNormals refit(device, live.count());
-    const Buffer state = Buffer::of<shared::ContactState>(device, 1, Memory::device, "state");
-    upload(device, state,
-           std::vector<shared::ContactState>{
-               {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .facing = {}, .started = 1}});
-    CommandList list(device, device.touch(), "edit");
-    list.begin();
-    brush.record(list, live.side(), live.count(), state, static_cast<double>(shared::kLongestMove) * radius);
-    hash.recordBuild(list, live.side(), live.otherSide(), live.count(), hash.sort());
-    refit.record(list, hash.view(live.otherSide(), live.count()), log, radius);
-    list.end();
-    device.touch().run(list);
-    live.flip();
+    const Moved updated = push(cloud, hip, spring, options, radius, EditedScene::How::incremental);
+    const Moved rebuilt = push(cloud, hip, spring, options, radius, EditedScene::How::rebuild);
+    CHECK(updated.positions == rebuilt.positions);
+    CHECK(updated.entries.size() == rebuilt.entries.size());
+    double worst_deg = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i)
+      worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(updated.normals[i]), DVec3(rebuilt.normals[i])));
+    CHECK(worst_deg < 0.1);  // they sum up in another order
+    return updated;
+  }
 
-    Moved moved;
-    moved.positions.resize(cloud.size());
-    moved.normals.resize(cloud.size());
-    const auto positions = download<Vec4>(device, live.side().positions, cloud.size());
-    const auto normals = download<Vec4>(device, live.side().normals, cloud.size());
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
-      moved.positions[id] = positions[i];
-      moved.normals[id] = normals[i];
+  Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const BrushOptions& options, double radius,
+             EditedScene::How how) {
+    EditedScene scene(device, cloud, makeHashGrid(Vec3(0), radius, cloud.size()), radius, options);
+    if (!scene.brush(hip, spring, how)) {
+      how = EditedScene::How::rebuildAll;
+      CHECK(scene.brush(hip, spring, how));
     }
-    const auto head = download<std::uint32_t>(device, log.headBuffer(), 1)[0];
-    moved.entries = download<shared::EditEntry>(device, log.entriesBuffer(), head);
+    CHECK(scene.faults() == 0);
+    Moved moved;
+    for (const auto& [id, point] : scene.points()) {
+      moved.positions.emplace_back(point.position, std::bit_cast<float>(id));
+      moved.normals.emplace_back(point.normal, 0.0f);
+    }
+    for (const PointState& entry : scene.takeLog()) moved.entries.push_back(std::bit_cast<shared::EditEntry>(entry));
     return moved;
   }
 };
 
 }  // namespace
 
-TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the others stay bit by bit") {
+TEST_CASE_FIXTURE(EditFixture, "points in range move as the reference says, the others stay bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :
        {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
-    const PushedPlaces pushed(hip, spring, options, static_cast<double>(shared::kLongestMove) * scene.radius);
+    const BrushTool tool(options, scene.radius, hip, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = pushed.of(before);
+      const DVec3 expected = tool.brushed(before, {}).position;
       if (expected == before) {
         // A point within rounding of the tool's border may go either way; by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);
@@ -88,7 +84,7 @@ TEST_CASE_FIXTURE(PushFixture, "points in range move as the reference says, the 
   }
 }
 
-TEST_CASE_FIXTURE(PushFixture, "the log holds exactly the points that moved, once each, as they are now") {
+TEST_CASE_FIXTURE(EditFixture, "the log holds exactly the points that moved, once each, as they are now") {
   const Scene scene = makeScene("torus", 20'000);
   const DVec3 hip(48, 0, 0), spring(2, 0, 0);
   const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .toolRadius = 8}, scene.radius);
@@ -99,7 +95,6 @@ TEST_CASE_FIXTURE(PushFixture, "the log holds exactly the points that moved, onc
     CHECK(entry.normal == Vec3(moved.normals[entry.id]));
   }
   for (std::uint32_t i = 0; i < scene.cloud.size(); ++i) {
-    CHECK(moved.normals[i].w == 0);
     if (!ids.contains(i)) {
       CHECK(Vec3(moved.positions[i]) == scene.cloud.positions[i]);
       CHECK(Vec3(moved.normals[i]) == scene.cloud.normals[i]);
@@ -107,7 +102,7 @@ TEST_CASE_FIXTURE(PushFixture, "the log holds exactly the points that moved, onc
   }
 }
 
-TEST_CASE_FIXTURE(PushFixture, "normals of moved points are those of the new shape, on their old side") {
+TEST_CASE_FIXTURE(EditFixture, "normals of moved points are those of the new shape, on their old side") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
@@ -135,14 +130,14 @@ TEST_CASE_FIXTURE(PushFixture, "normals of moved points are those of the new sha
   CHECK(worst_deg < 0.1);
 }
 
-TEST_CASE_FIXTURE(PushFixture, "a spring no longer than tau moves nothing") {
+TEST_CASE_FIXTURE(EditFixture, "a spring no longer than tau moves nothing") {
   const Scene scene = makeScene("plane", 5'000);
   const Moved moved =
       push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .toolRadius = 5}, scene.radius);
   CHECK(moved.entries.empty());
 }
 
-TEST_CASE_FIXTURE(PushFixture, "points all in one place, and points on a line, keep a unit normal") {
+TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, keep a unit normal") {
   PointCloud cloud;
   cloud.positions.assign(3000, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
@@ -155,7 +150,7 @@ TEST_CASE_FIXTURE(PushFixture, "points all in one place, and points on a line, k
   }
 }
 
-TEST_CASE_FIXTURE(PushFixture, "a tool larger than the model moves every point and the log holds them all") {
+TEST_CASE_FIXTURE(EditFixture, "a tool larger than the model moves every point and the log holds them all") {
   const Scene scene = makeScene("sphere", 4'097);
   const Moved moved = push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150),
                            {.tau = 1, .beta = 0.01, .toolRadius = 1000}, scene.radius);

@@ -1,0 +1,100 @@
+#include "apps/followers.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRate_Hz = 30;
+constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
+
+}  // namespace
+
+Followers::Followers(Context& context, const Model& model, TouchBackend& backend, const FollowersWanted& wanted)
+    : model_(model), backend_(backend), log_(wanted.log), touchSide_(dynamic_cast<TouchSide*>(&backend)) {
+  if (wanted.picture && touchSide_) {
+    drawn_.emplace(context.device(), model.cloud);
+    drawnReader_.emplace(touchSide_->editLog());
+  }
+  if (!wanted.journal) return;
+  journal_.emplace(model.cloud, wanted.undo_bytes);
+  backend.keepEdits();
+}
+
+TickObserver Followers::begin(double rate_Hz, bool realtime) {
+  if (!drawn_ && !journal_ && !log_) return {};
+  if (!realtime) {
+    period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kRate_Hz));
+    return [this](const TraceRow& row) { observe(row); };
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    try {
+      while (!stop.stop_requested()) {
+        catchUp();
+        std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz));
+      }
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+  });
+  return {};
+}
+
+bool Followers::isNearlyFull() const {
+  return touchSide_ && touchSide_->editLog().room() < 2 * std::uint64_t{model_.cloud.size()};
+}
+
+void Followers::observe(const TraceRow& row) {
+  const bool flushes = log_ && row.time_s >= lastFlush_s_ + kBetweenFlushes_s;
+  if (++ticks_ % period_ == 0 || flushes || isNearlyFull()) catchUp();
+  if (!flushes) return;
+  log_->flush();
+  lastFlush_s_ = row.time_s;
+}
+
+void Followers::catchUp() {
+  draw();
+  if (!journal_) return;
+  batch_.clear();
+  backend_.takeEdits(batch_);
+  if (batch_.empty()) return;
+  if (log_) log_->add(batch_);
+  journal_->follow(batch_);
+}
+
+void Followers::draw() {
+  if (!drawnReader_) return;
+  try {
+    drawn_->catchUp(*drawnReader_);
+  } catch (...) {
+    drawnReader_.reset();  // the hand, the journal and the log go on without the picture
+    if (!failure_) failure_ = std::current_exception();
+  }
+}
+
+void Followers::finish() {
+  thread_ = {};
+  catchUp();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+StrokesTakenBack takeBack(TouchBackend& backend, Journal& journal, const std::function<void()>& follow,
+                          std::size_t undo, std::size_t redo) {
+  StrokesTakenBack back;
+  const auto apply = [&](const std::vector<PointChange>& changes) {
+    if (changes.empty()) return false;
+    backend.change(changes);
+    follow();
+    return true;
+  };
+  while (back.undone < undo && apply(journal.undo())) ++back.undone;
+  while (back.redone < redo && apply(journal.redo())) ++back.redone;
+  back.strokes = journal.strokes();
+  back.dropped = journal.dropped();
+  back.tooLarge = journal.tooLarge();
+  return back;
+}
+
+}  // namespace palpate

@@ -1,0 +1,231 @@
+#include "apps/followers.hpp"
+#include "apps/replay_comparison.hpp"
+#include "apps/session_text.hpp"
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/ply_writer.hpp"
+#include "haptics/replay_device.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct ReplayOptions {
+  std::string log, model, saveFile, traceFile;
+  bool recover = false;
+  double tolerance = 0;
+};
+
+/// A log, the model that it is about, and the points as its edits leave them.
+struct Recorded {
+  SessionRecord record;
+  RecordedSession session;
+  Model model;
+  std::vector<PointState> points;
+  std::optional<bool> endsAsRecorded;  ///< nothing where the session did not come to its end
+};
+
+// What a log of edits may do to the points: sets them, and adds some behind them.
+std::vector<PointState> edited(const ReplayOptions& options, const Model& model, const EditBatch& edits) {
+  const std::size_t most = model.cloud.size() + edits.points.size();
+  for (const PointState& state : edits.points)
+    if (state.number() >= most || state.parent >= most)
+      throw FileError(options.log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
+                                               std::max(state.number(), state.parent), most));
+  Journal journal(model.cloud);
+  journal.follow(edits);
+  return {journal.points().begin(), journal.points().end()};
+}
+
+Recorded load(Context& context, const ReplayOptions& options) {
+  Recorded recorded{.record = readSessionLog(options.log)};
+  recorded.session = parseSessionText(options.log, recorded.record.text);
+  const SessionRecord& record = recorded.record;
+  if (!record.end)
+    context.log().say(
+        "{}: {}; {} ticks up to {:.3f} s and {} edits are whole", options.log,
+        record.wholeBytes < record.fileBytes
+            ? fmt::format("torn at byte {} of {}, the rest is left out", record.wholeBytes, record.fileBytes)
+            : fmt::format("ends at byte {} without the session's end", record.wholeBytes),
+        record.ticks.size(), record.ticks.empty() ? 0 : record.ticks.back().time_s, record.edits.points.size());
+  ModelOptions model = recorded.session.options.model;
+  model.file = options.model.empty() ? recorded.session.modelFile : options.model;
+  if (!std::filesystem::exists(model.file))
+    throw FileError(model.file, "is not there; name the model of the session with --model");
+  recorded.model = loadModel(context, model, estimateOn(recorded.session.options.backend));
+  if (recorded.model.cloud.size() != recorded.session.points)
+    throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with "
+                                            "--model",
+                                            recorded.model.cloud.size(), recorded.session.points));
+  if (checksumOf(recorded.model) != recorded.session.checksum)
+    throw FileError(model.file,
+                    "has changed since the session: its points are others; name the right model with "
+                    "--model");
+  const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
+  if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
+    throw FileError(options.log, "its ticks do not follow one another in time; it is damaged");
+  recorded.points = edited(options, recorded.model, record.edits);
+  if (record.end)
+    recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
+  return recorded;
+}
+
+/// The session run again in virtual time.
+struct Again {
+  ServoResult result;
+  std::vector<LoggedTick> ticks;
+  EditBatch edits;
+  std::vector<PointState> points;
+};
+
+Again runAgain(Context& context, const Recorded& recorded) {
+  const TouchCommandOptions& options = recorded.session.options;
+  const SessionRecord& record = recorded.record;
+  Again again;
+  const auto backend =
+      makeBackend(context, recorded.model, options.backend, brushOptions(options, recorded.model.scale));
+  Journal journal(recorded.model.cloud, undoBytes(options));
+  backend->keepEdits();
+  EditBatch batch;
+  const auto take = [&] {
+    batch.clear();
+    backend->takeEdits(batch);
+    const std::size_t before = again.edits.points.size();
+    again.edits.points.insert(again.edits.points.end(), batch.points.begin(), batch.points.end());
+    for (const EditMark& mark : batch.marks) again.edits.marks.push_back({before + mark.at, mark.kind});
+    journal.follow(batch);
+  };
+  ReplayDevice device(record.ticks, recorded.session.limits);
+  TickTap tap(*backend, [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
+  ServoLoop loop(device, *backend, ForceLaw(options.force, recorded.model.scale),
+                 {.rate_Hz = options.rate_Hz,
+                  .duration_s = record.ticks.back().time_s + 1 / options.rate_Hz,
+                  .map = recorded.session.map,
+                  .passivity = recorded.session.passivity,
+                  .recorder = &tap});
+  again.ticks.reserve(loop.plannedTicks());
+  again.result = loop.run([&](const TraceRow&) { take(); });
+  backend->finish();
+  take();
+  if (record.end) takeBack(*backend, journal, take, options.undo, options.redo);
+  again.points.assign(journal.points().begin(), journal.points().end());
+  return again;
+}
+
+struct Outcome {
+  ComparableTicks comparable;
+  Differences differences;
+};
+
+Outcome compare(const Recorded& recorded, const Again& again, double tolerance) {
+  const TouchCommandOptions& options = recorded.session.options;
+  const bool ordered = options.backend.backend == "cpu" || options.backend.deterministic;
+  const Tolerance allowed{tolerance, recorded.model.scale};
+  Outcome outcome{.comparable = comparableTicks(recorded.record, options.rate_Hz, options.realtime, ordered)};
+  outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
+                                     outcome.comparable.count, allowed);
+  outcome.differences.ends = recorded.record.end && outcome.comparable.count == recorded.record.ticks.size();
+  if (outcome.differences.ends) outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
+  return outcome;
+}
+
+void print(std::FILE* out, const Recorded& recorded, const Outcome* outcome, const std::string& machine) {
+  const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
+  const SessionRecord& record = recorded.record;
+  row("session", fmt::format("{} ticks, {} edits of points, {}", record.ticks.size(), record.edits.points.size(),
+                             record.end ? "to its end" : "not to its end"));
+  if (record.end && record.end->lostTicks)
+    row("missing in the log", fmt::format("{} ticks: its thread had fallen behind", record.end->lostTicks));
+  row("recorded on", recorded.session.machine);
+  if (recorded.endsAsRecorded)
+    row("recorded edits", *recorded.endsAsRecorded ? "give the recorded points" : "do NOT give the recorded points");
+  if (!outcome) return;
+  const Differences& found = outcome->differences;
+  row("run again on", machine);
+  row("ticks compared", fmt::format("{}{}", found.ticks,
+                                    outcome->comparable.because.empty()
+                                        ? std::string()
+                                        : fmt::format(" of {}; the session cannot be run again exactly: {}",
+                                                      record.ticks.size(), outcome->comparable.because)));
+  row("force", fmt::format("{} ticks differ, by {} N at most", found.forceTicks, found.largestForce_N));
+  row("edits", fmt::format("{} ticks differ", found.editTicks));
+  row("points in the end", found.ends ? fmt::format("{} differ", found.points) : "not compared");
+  if (found.first_s) row("first difference", fmt::format("{:.3f} s", *found.first_s));
+}
+
+Json toJson(const Recorded& recorded, const Outcome* outcome) {
+  const SessionRecord& record = recorded.record;
+  Json json{{"ticks", record.ticks.size()},
+            {"edits", record.edits.points.size()},
+            {"points", recorded.model.cloud.size()},
+            {"whole_bytes", record.wholeBytes},
+            {"file_bytes", record.fileBytes},
+            {"ended", record.end.has_value()},
+            {"lost_ticks", record.end ? record.end->lostTicks : 0},
+            {"ends_as_recorded", recorded.endsAsRecorded ? Json(*recorded.endsAsRecorded) : Json(nullptr)}};
+  if (!outcome) return json;
+  const Differences& found = outcome->differences;
+  json["compared_ticks"] = found.ticks;
+  json["not_compared_because"] = outcome->comparable.because;
+  json["force_ticks"] = found.forceTicks;
+  json["largest_force_N"] = found.largestForce_N;
+  json["edit_ticks"] = found.editTicks;
+  json["end_points"] = found.ends ? Json(found.points) : Json(nullptr);
+  json["first_difference_s"] = found.first_s ? Json(*found.first_s) : Json(nullptr);
+  return json;
+}
+
+void replay(Context& context, const ReplayOptions& options) {
+  if (options.recover && options.saveFile.empty()) throw UsageError("--recover: needs --save OUT.ply");
+  if (!options.recover && !options.saveFile.empty()) throw UsageError("--save: needs --recover");
+  if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
+  for (const std::string* file : {&options.saveFile, &options.traceFile}) Context::checkWritable(*file);
+  const Recorded recorded = load(context, options);
+  std::optional<Outcome> outcome;
+  std::string machine;
+  if (options.recover) {
+    writePly(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
+  } else {
+    if (recorded.record.ticks.empty()) throw FileError(options.log, "has no whole tick; there is nothing to run again");
+    const Again again = runAgain(context, recorded);
+    if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, again.result.trace);
+    outcome = compare(recorded, again, options.tolerance);
+    machine = machineOf(context, recorded.session.options.backend.backend);
+  }
+  print(context.tables(), recorded, outcome ? &*outcome : nullptr, machine);
+  context.writeJson(toJson(recorded, outcome ? &*outcome : nullptr));
+  if (recorded.endsAsRecorded == false)
+    throw FileError(options.log, "its edits do not give the points that the session ended with");
+  if (outcome && outcome->differences.any())
+    throw FileError(options.log, "the session did not come out the same; see above");
+}
+
+}  // namespace
+
+void addReplay(CLI::App& app, Context& context, Command& command) {
+  CLI::App* sub = app.add_subcommand(
+      "replay",
+      "a recorded session again, in virtual time: force and points compared tick by tick; or its edits alone");
+  auto options = std::make_shared<ReplayOptions>();
+  sub->add_option("log", options->log,
+                  "what palpate touch --log wrote; one that a crash cut off is read as far as it goes")
+      ->required()
+      ->type_name("LOG");
+  sub->add_option("--model", options->model, "the model of the session (default: the file that the log names)")
+      ->type_name("MODEL");
+  sub->add_option("--tolerance", options->tolerance,
+                  "largest difference that counts as none, N for forces and mm for points (0: the same bits)")
+      ->check(notNegative())
+      ->capture_default_str();
+  sub->add_flag("--recover", options->recover, "run nothing: only do what was done to the points, and --save them");
+  sub->add_option("--save", options->saveFile, "the points as the recorded edits leave them")->type_name("OUT.ply");
+  sub->add_option("--trace", options->traceFile, "of the session as it was run again, one row per tick")
+      ->type_name("FILE.csv");
+  sub->footer(
+      "A session against the wall clock comes out the same only up to the first late answer; past it, and where points "
+      "were taken in the order of their arrival, forces are not compared, and that is said. The recorded edits are "
+      "held against the recorded end in any case.\n"
+      "Exit code 1 when anything differs by more than the tolerance.\n");
+  sub->callback([&, options] { command = [&context, options] { replay(context, *options); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,36 @@
+// The options of `palpate touch`, which `palpate replay` takes from a session log.
+#pragma once
+
+#include "apps/backend.hpp"
+#include "apps/picture.hpp"
+#include "apps/stylus.hpp"
+#include "haptics/force_law.hpp"
+
+namespace palpate {
+
+struct TouchCommandOptions {
+  ModelOptions model;
+  BackendOptions backend;
+  PictureOptions picture;
+  StylusOptions stylus;
+  std::string path = "builtin:press", edit = "none";
+  std::string traceFile, saveFile, pictureFile, logFile;
+  double penetration_mm = 2, rate_Hz = 1000;
+  double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
+  std::size_t undo = 0, redo = 0;
+  double undoMemory_MiB = 1024;
+  bool realtime = false;
+  ForceOptions force;
+};
+void addTouchOptions(CLI::App& command, TouchCommandOptions& options);
+
+/// Throws UsageError for options that do not go together; before anything is loaded.
+void checkTouchOptions(const TouchCommandOptions& options);
+
+/// The brush that the options ask for; nothing for --edit none.
+std::optional<BrushOptions> brushOptions(const TouchCommandOptions& options, const ModelScale& scale);
+
+/// What the strokes to undo may take.
+std::uint64_t undoBytes(const TouchCommandOptions& options);
+
+}  // namespace palpate

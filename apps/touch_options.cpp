@@ -1,0 +1,106 @@
+#include "apps/touch.hpp"
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+void addForceOptions(CLI::App& sub, ForceOptions& force) {
+  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(notNegative())->capture_default_str();
+  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(notNegative())->capture_default_str();
+  sub.add_option("--max-force", force.maxForce_N,
+                 "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
+      ->check(notNegative())
+      ->capture_default_str();
+}
+
+void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
+  sub.add_option("--edit", options.edit, "none, or push: the surface yields to a round tool")
+      ->check(CLI::IsMember({"none", "push"}))
+      ->capture_default_str();
+  sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
+      ->check(notNegative())
+      ->capture_default_str();
+  sub.add_option("--beta", options.beta, "share of the way to the tool's surface that a point goes per tick, 0 to 1")
+      ->check(between(0, 1))
+      ->capture_default_str();
+  sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
+      ->check(positive())
+      ->capture_default_str();
+  sub.add_option("--save", options.saveFile,
+                 "write the edited points, with all their other properties (faces and other elements are not kept)")
+      ->type_name("OUT.ply");
+  sub.add_option("--undo", options.undo,
+                 "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
+      ->check(between(0, 1e9))
+      ->type_name("N");
+  sub.add_option("--redo", options.redo, "and do M of them again")->check(between(0, 1e9))->type_name("M");
+  sub.add_option("--undo-memory", options.undoMemory_MiB,
+                 "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
+      ->check(positive())
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
+  addModelOptions(command, options.model);
+  command
+      .add_option(
+          "--path", options.path,
+          "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
+          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
+      ->capture_default_str();
+  command.add_option("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
+      ->check(positive())
+      ->capture_default_str();
+  command.add_option("--rate", options.rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
+  command.add_flag("--realtime", options.realtime,
+                   "against the wall clock (default: virtual time, as fast as it goes)");
+  addStylusOptions(command, options.stylus);
+  addBackendOptions(command, options.backend);
+  addForceOptions(command, options.force);
+  addEditOptions(command, options);
+  command
+      .add_option("--trace", options.traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
+      ->type_name("FILE.csv");
+  command.add_option("--picture", options.pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
+      ->type_name("IMG.png");
+  addPictureOptions(command, options.picture);
+  command
+      .add_option("--log", options.logFile,
+                  "record the session: device poses, forces and edits, for palpate replay; what is there survives "
+                  "a crash")
+      ->type_name("SESSION");
+  command.add_flag("--print-tick", options.backend.timePasses,
+                   "list the passes of a tick with threads, bytes and GPU us");
+}
+
+void checkTouchOptions(const TouchCommandOptions& options) {
+  checkBackendOptions(options.backend);
+  checkPictureOptions(options.picture);
+  if (options.edit == "none") {
+    if (!options.saveFile.empty()) throw UsageError("--save: nothing changes with --edit none");
+    if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
+  }
+  if (options.redo > 0 && options.undo == 0) throw UsageError("--redo: only what --undo took back can be done again");
+  if (options.picture.printFrame && options.pictureFile.empty()) throw UsageError("--print-frame: needs --picture");
+  if (options.backend.backend == "cuda" && options.undo > 0)
+    throw UsageError("--undo: --backend cuda tells nobody of its edits; take vulkan or cpu");
+  if (options.backend.backend == "cuda" && !options.logFile.empty())
+    throw UsageError("--log: --backend cuda tells nobody of its edits; take vulkan or cpu");
+}
+
+std::optional<BrushOptions> brushOptions(const TouchCommandOptions& options, const ModelScale& scale) {
+  if (options.edit != "push") return std::nullopt;
+  return BrushOptions{
+      .tau = scale.toUnits(options.tau_mm), .beta = options.beta, .toolRadius = scale.toUnits(options.toolRadius_mm)};
+}
+
+std::uint64_t undoBytes(const TouchCommandOptions& options) {
+  constexpr double kMiB = 1 << 20, kMost = 1e18;
+  return options.undo > 0 ? static_cast<std::uint64_t>(std::min(kMost, options.undoMemory_MiB * kMiB)) : 0;
+}
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+#include "engine/edit/edit_fetch.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/queue.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint64_t kPiece = 1 << 18;  // entries that are brought at a time
+
+static_assert(sizeof(PointState) == sizeof(shared::EditEntry));
+static_assert(offsetof(PointState, position) == offsetof(shared::EditEntry, position));
+static_assert(offsetof(PointState, id) == offsetof(shared::EditEntry, id));
+static_assert(offsetof(PointState, normal) == offsetof(shared::EditEntry, normal));
+static_assert(offsetof(PointState, color) == offsetof(shared::EditEntry, color));
+static_assert(offsetof(PointState, parent) == offsetof(shared::EditEntry, parent));
+static_assert(PointState::kGone == shared::kPointGone);
+
+}  // namespace
+
+EditFetch::EditFetch(Device& device, EditLog& log)
+    : device_(device),
+      staging_(Buffer::of<PointState>(device, std::min(log.capacity(), kPiece), Memory::readback, "edit fetch")),
+      list_(device, device.sight(), "edit fetch"),
+      reader_(log) {}
+
+void EditFetch::take(EditBatch& batch) {
+  const EditLog::Range range = reader_.unread();
+  const std::uint64_t capacity = reader_.log().capacity(), before = batch.points.size();
+  PALPATE_CHECK_LE(range.size(), capacity);
+  batch.points.resize(before + range.size());
+  const std::span<const PointState> staged = staging_.mapped<PointState>();
+  for (std::uint64_t at = range.begin; at < range.end;) {
+    const std::uint64_t slot = at % capacity;
+    const std::uint64_t count = std::min({range.end - at, capacity - slot, std::uint64_t{staged.size()}});
+    list_.begin();
+    list_.copy(reader_.log().entriesBuffer(), staging_, count * sizeof(PointState), slot * sizeof(PointState), 0);
+    list_.end();
+    device_.sight().run(list_);
+    std::ranges::copy(staged.first(count),
+                      batch.points.begin() + static_cast<std::ptrdiff_t>(before + at - range.begin));
+    at += count;
+  }
+  const std::size_t marksBefore = batch.marks.size();
+  reader_.takeMarks(range.begin, range.end, batch.marks);
+  for (std::size_t i = marksBefore; i < batch.marks.size(); ++i) batch.marks[i].at += before;
+  reader_.consume(range.end);
+}
+
+}  // namespace palpate

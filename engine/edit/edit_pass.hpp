@@ -1,0 +1,78 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "engine/core/brush.hpp"
+#include "engine/core/point_state.hpp"
+#include "engine/edit/edit_log.hpp"
+#include "engine/spatial/hash_update.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+/// Everything that an edit does to the live cloud in one tick: the brush, or changes as they are given; the index, by
+/// update or by a full build; the normals of what changed; the log.
+class EditPass {
+ public:
+  /// `colors`: RGBA8 of the cloud's points, empty when it has none and none are painted. `radius`: support radius,
+  /// model units. `live` and `log` must outlive the pass.
+  EditPass(Device& device, const BrushOptions& brush, const SpatialHash& hash, const LiveCloud& live,
+           const EditLog& log, std::span<const std::uint32_t> colors, double radius);
+
+  /// Where a brush with a full build looks for the points that it reaches: in the cells of its box, which fails with
+  /// kUpdateTooLarge where they are more than mostMoves(); or among all points, as many at a time.
+  enum class Reach { box, all };
+
+  // Of the brush, for the contact state of this tick; recorded ahead.
+  /// At the cost of the points that it reaches: the points on `side` and their index change in place.
+  void recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const;
+  /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
+  void recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                     const Buffer& contactState, SortMethod sort, Reach reach) const;
+
+  // Of changes as they are given, at most mostChanges() at a time; recorded after give().
+  std::uint32_t mostChanges() const { return mostChanges_; }
+  void give(std::span<const PointChange> changes);
+  void recordGivenIncremental(CommandList& list, const LiveCloud::Side& side) const;
+  void recordGivenRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                          SortMethod sort) const;
+  /// A full build and nothing else: the points on `from` stand without gaps on `to`.
+  void recordCompaction(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
+                        SortMethod sort) const;
+
+  /// What the last edit that has completed came to.
+  const shared::HashUpdate& report() const { return update_.report(); }
+  const HashUpdate& update() const { return update_; }
+  std::uint32_t mostMoves() const { return update_.mostMoves(); }
+  const BrushOptions& brush() const { return options_; }
+
+  /// Completes a point, of which LiveCloud::points() knows place and normal, with its colour and parent.
+  void complete(std::vector<PointState>& points) const;
+  std::uint64_t bytes() const;
+  /// The same for a cloud that is not there yet.
+  static std::uint64_t predictedBytes(std::uint64_t points, bool colors);
+
+ private:
+  void recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Buffer& contactState,
+                    std::optional<std::uint32_t> firstSlot) const;
+  void recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
+  void recordLogGone(CommandList& list) const;
+  void recordRefit(CommandList& list, const shared::CloudView& cloud) const;
+  shared::CloudView view(const LiveCloud::Side& side) const { return hash_.view(side, live_.slots()); }
+  DeviceAddress colors() const { return colors_.bytes() > 0 ? colors_.address() : 0; }
+
+  Device& device_;
+  BrushOptions options_;
+  const SpatialHash& hash_;
+  const LiveCloud& live_;
+  const EditLog& log_;
+  double radius_;
+  HashUpdate update_;
+  std::uint32_t mostChanges_, given_ = 0;
+  std::uint64_t boxCells_;  // of the tool's box, along one side; 0: looking at every slot is less
+  ComputePipeline select_, smooth_, restore_, logGone_, refit_;
+  Buffer brush_, colors_, parents_, changes_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#include "engine/edit/journal.hpp"
+
+#include <utility>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/check.hpp"
+
+namespace palpate {
+
+Journal::Journal(const PointCloud& file, std::uint64_t budget_bytes)
+    : budget_(budget_bytes), points_(statesOf(file)), slot_(budget_bytes ? points_.size() : 0) {}
+
+void Journal::follow(const EditBatch& batch) {
+  const std::span<const PointState> all = batch.points;
+  std::size_t begin = 0;
+  for (const EditMark& mark : batch.marks) {
+    PALPATE_CHECK(begin <= mark.at && mark.at <= all.size());
+    const auto states = all.subspan(begin, mark.at - begin);
+    if (mark.kind == EditMark::Kind::stroke) {
+      addToStroke(states);
+      endStroke();
+    } else {
+      endStroke();  // a change ends it, should nobody have said so
+      set(states);
+    }
+    begin = mark.at;
+  }
+  addToStroke(all.subspan(begin));
+}
+
+void Journal::growTo(std::uint32_t point) {
+  while (points_.size() <= point) {
+    const auto id = static_cast<std::uint32_t>(points_.size());
+    points_.push_back({.id = id | PointState::kGone, .parent = id});
+  }
+  if (budget_) slot_.resize(points_.size());
+}
+
+void Journal::set(std::span<const PointState> states) {
+  for (const PointState& state : states) {
+    const std::uint32_t point = state.number();
+    if (point >= points_.size()) growTo(point);
+    points_[point] = state;
+  }
+}
+
+void Journal::addToStroke(std::span<const PointState> states) {
+  if (states.empty()) return;
+  if (!std::exchange(inStroke_, true)) {
+    for (const Stroke& stroke : undone_) bytes_ -= bytesOf(stroke);
+    undone_.clear();
+    keepsStroke_ = budget_ > 0;
+    measureRoom();
+  }
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!keepsStroke_) return set(states.subspan(i));
+    const std::uint32_t point = states[i].number();
+    if (point >= points_.size()) growTo(point);
+    if (!isInStroke(point)) keepBefore(point);
+    points_[point] = states[i];
+  }
+}
+
+void Journal::measureRoom() {
+  const std::uint64_t used = bytes_ + sizeof(Stroke);
+  room_ = used < budget_ ? (budget_ - used) / sizeof(PointState) : 0;
+}
+
+void Journal::keepBefore(std::uint32_t point) {
+  while (open_.size() >= room_ && !done_.empty()) {
+    bytes_ -= bytesOf(done_.front());
+    done_.pop_front();
+    ++dropped_;
+    measureRoom();
+  }
+  if (open_.size() >= room_) {
+    open_ = {};
+    keepsStroke_ = false;
+    return;
+  }
+  slot_[point] = static_cast<std::uint32_t>(open_.size());
+  open_.push_back(points_[point]);
+}
+
+void Journal::endStroke() {
+  if (!std::exchange(inStroke_, false)) return;
+  ++strokes_;
+  if (keepsStroke_) {
+    open_.shrink_to_fit();
+    bytes_ += bytesOf(open_);
+    done_.push_back(std::move(open_));
+  } else if (budget_) {
+    ++dropped_;
+    ++tooLarge_;
+  }
+  open_ = {};
+}
+
+std::vector<PointChange> Journal::cross(Stroke& stroke) {
+  std::vector<PointChange> changes;
+  changes.reserve(stroke.size());
+  for (PointState& other : stroke) {
+    PointState& present = points_[other.number()];
+    changes.push_back({.from = present, .to = other});
+    std::swap(present, other);
+  }
+  return changes;
+}
+
+std::vector<PointChange> Journal::undo() {
+  PALPATE_CHECK(!inStroke_);
+  if (done_.empty()) return {};
+  undone_.push_back(std::move(done_.back()));
+  done_.pop_back();
+  return cross(undone_.back());
+}
+
+std::vector<PointChange> Journal::redo() {
+  PALPATE_CHECK(!inStroke_);
+  if (undone_.empty()) return {};
+  done_.push_back(std::move(undone_.back()));
+  undone_.pop_back();
+  return cross(done_.back());
+}
+
+}  // namespace palpate

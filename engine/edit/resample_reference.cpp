@@ -1,0 +1,105 @@
+#include "engine/edit/resample_reference.hpp"
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+bool sameSheet(const DVec3& normal, const DVec3& other) {
+  return glm::dot(normal, other) > static_cast<double>(shared::kSameSheet);
+}
+
+bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  const double closest = static_cast<double>(shared::kCrowded) * std::min(a.spacing, b.spacing);
+  return glm::distance(a.offset, b.offset) < closest && sameSheet(a.normal, b.normal);
+}
+
+// Who stays when two crowd: the smaller one.
+auto rank(const ResampleNeighbour& point) { return std::tuple(point.unsettled, point.number); }
+
+bool hasToYield(const ResampleNeighbour& point, const ResampleNeighbour& other) {
+  return rank(other) < rank(point) && crowd(point, other);
+}
+
+// The nearest neighbour in each sector of the tangent plane, and how far it is.
+struct SectorView {
+  std::array<double, shared::kSectors> distance;
+  std::array<std::size_t, shared::kSectors> nearest;
+};
+
+SectorView lookAround(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+  SectorView view{};
+  view.distance.fill(kFar);
+  const Frame3 frame = frameAround(self.normal);
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const ResampleNeighbour& other = neighbours[i];
+    if (!sameSheet(self.normal, other.normal)) continue;
+    const shared::uint sector = shared::sectorOf(static_cast<float>(glm::dot(other.offset, frame.u)),
+                                                 static_cast<float>(glm::dot(other.offset, frame.v)));
+    const double distance = glm::length(other.offset);
+    if (distance > view.distance[sector]) continue;
+    if (distance == view.distance[sector] && other.number > neighbours[view.nearest[sector]].number) continue;
+    view.distance[sector] = distance;
+    view.nearest[sector] = i;
+  }
+  return view;
+}
+
+// In double precision what shared::halfWay is in single.
+DVec3 halfWay(const DVec3& offset, const DVec3& normal, const DVec3& otherNormal) {
+  return 0.5 * offset + 0.125 * (glm::dot(offset, otherNormal) * otherNormal - glm::dot(offset, normal) * normal);
+}
+
+}  // namespace
+
+ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+  ResampleWish wish;
+  const ResampleNeighbour* first = nullptr;  // of those that crowd this point
+  for (const ResampleNeighbour& other : neighbours)
+    if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
+  if (first) {
+    const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
+    if (std::ranges::none_of(neighbours, firstYieldsTo)) return {.goes = true};
+    wish.unsettled = true;
+  }
+
+  const SectorView view = lookAround(self, neighbours);
+  double narrowest = kFar;
+  for (std::size_t sector = 0; sector < shared::kSectors; ++sector) {
+    const double gap = view.distance[sector];
+    if (gap == kFar || gap >= narrowest || gap <= static_cast<double>(shared::kWidestGap) * self.spacing) continue;
+    const ResampleNeighbour& other = neighbours[view.nearest[sector]];
+    const DVec3 place = halfWay(other.offset, self.normal, other.normal);
+    const double clearance = static_cast<double>(shared::kLeastClearance) * self.spacing;
+    const auto blocks = [&](const ResampleNeighbour& point) {
+      return glm::distance(point.offset, place) < clearance && sameSheet(self.normal, point.normal);
+    };
+    if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
+    narrowest = gap;
+    wish.inserts = wish.unsettled = true;
+    wish.offset = place;
+    wish.other = other.number;
+  }
+  return wish;
+}
+
+void InsertionClaims::claim(const Vec3& place, std::uint32_t id) {
+  std::uint32_t& slot = slots_[bucketOf(grid_, cellOf(grid_, place))];
+  slot = std::min(slot, id);
+}
+
+bool InsertionClaims::stands(const Vec3& place, std::uint32_t id) const {
+  const IVec3 cell = cellOf(grid_, place);
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x)
+        if (slots_[bucketOf(grid_, cell + IVec3(x, y, z))] < id) return false;
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,60 @@
+// The surface stays a surface, in double precision on the CPU: where an edit stretches it, points are inserted, where
+// it crowds them, they are merged. Every decision depends on the places, normals and ids of the points within the
+// support radius alone, and not on the order in which points are looked at.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+#include "shaders/shared/resample.h"
+
+namespace palpate {
+
+/// A neighbour of the point that decides.
+struct ResampleNeighbour {
+  DVec3 offset{0};           ///< from the point that decides, model units
+  DVec3 normal{0};           ///< unit
+  double spacing = 0;        ///< target, model units
+  std::uint32_t number = 0;  ///< of the point; in the order of ids
+  bool unsettled = false;    ///< has moved, or is new, or has not yet got what it wished for
+};
+
+/// What an unsettled point wishes for in one tick.
+struct ResampleWish {
+  bool goes = false;        ///< it is merged into a neighbour
+  bool unsettled = false;   ///< it must look again in the next tick, whatever becomes of its wish
+  bool inserts = false;     ///< it wants a new point
+  DVec3 offset{0};          ///< of the new point
+  std::uint32_t other = 0;  ///< number of the neighbour on the other side of the gap
+};
+
+/// Points nearer than kCrowded to one another rank settled before unsettled, then by number. A point goes where the
+/// first of those before it stays itself in this tick. Otherwise it wishes for a new point in the middle of the
+/// narrowest gap where none stands: a gap has a neighbour on its other side, within the support radius, so that borders
+/// do not grow.
+/// `self`: the point that decides, its offset zero; `neighbours`: all others within the support radius.
+ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours);
+
+/// Who may insert where: of all that want a place near the same one, the point with the smallest id.
+class InsertionClaims {
+ public:
+  /// `spacing`: the widest target spacing, model units.
+  explicit InsertionClaims(double spacing)
+      : grid_(shared::claimGrid(static_cast<float>(spacing))), slots_(shared::kClaimSlots, kFree) {}
+
+  void clear() { std::fill(slots_.begin(), slots_.end(), kFree); }
+  /// `place`: of the new point, relative to the cloud's origin; `id`: of the point that wants it.
+  void claim(const Vec3& place, std::uint32_t id);
+  /// After all claims of a tick.
+  bool stands(const Vec3& place, std::uint32_t id) const;
+
+ private:
+  static constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+  shared::HashGrid grid_;
+  std::vector<std::uint32_t> slots_;
+};
+
+}  // namespace palpate

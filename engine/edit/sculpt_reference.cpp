@@ -1,0 +1,210 @@
+#include "engine/edit/sculpt_reference.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/edit/normal_fit.hpp"
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
+// Neighbours that a point looks at before it decides to come or go. More share its surroundings only where many lie in
+// one place, and those are merged with the ones that are seen.
+constexpr std::size_t kMostNeighbours = 1024;
+
+// Calls body(i) for every i below `count`, on all threads.
+template <class Body>
+void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
+  team.forEach((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    const std::size_t end = std::min(count, (batch + 1) * kBatch);
+    for (std::size_t i = batch * kBatch; i < end; ++i) body(i);
+  });
+}
+
+double widestSpacing(const SculptOptions& options) {
+  return options.radius / static_cast<double>(shared::kSupportSpacings);
+}
+
+}  // namespace
+
+SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
+    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(widestSpacing(options)) {
+  PALPATE_CHECK_LT(0.0, options.radius);
+  const Stopwatch watch;
+  build();
+  buildTime_us_ = watch.elapsed_us();
+  if (options.keepsDensity) measureSpacings();
+}
+
+// The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2. Never wider than the
+// support radius is made for.
+void SculptReference::measureSpacings() {
+  const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
+  std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    counts[i] = 1;
+    grid_.forEachNear(DVec3(points_.positions[i]), least,
+                      [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
+  });
+  points_.spacings.resize(points_.size());
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    const DVec3 place(points_.positions[i]);
+    double weights = 0;
+    grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+      if (counts[near.number] && glm::dot(points_.normals[i], points_.normals[near.number]) > shared::kSameSheet)
+        weights += wendland(glm::distance(DVec3(near.position), place) / options_.radius);
+    });
+    const double spacing = options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 0.1));
+    points_.spacings[i] = static_cast<float>(std::clamp(spacing, least, widestSpacing(options_)));
+  });
+}
+
+void SculptReference::edit(const BrushTool& tool) {
+  for (const std::uint32_t point : changed_) told_[point] = 0;
+  changed_.clear();
+  if (tool.acts()) applyBrush(tool);
+  findUnsettled();
+  refit();
+  if (options_.keepsDensity)
+    resample();
+  else
+    for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
+}
+
+void SculptReference::set(std::span<const PointChange> changes) {
+  for (const PointChange& change : changes) points_.set(change.to);
+  std::ranges::fill(points_.unsettled, 0);
+  settled_ = true;
+  build();
+}
+
+void SculptReference::tellOf(std::uint32_t point) {
+  told_.resize(points_.size(), 0);
+  if (std::exchange(told_[point], 1) == 0) changed_.push_back(point);
+}
+
+// Every point reads the others where they were before.
+void SculptReference::applyBrush(const BrushTool& tool) {
+  reached_.clear();
+  grid_.forEachNear(tool.center(), tool.radius(),
+                    [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
+  places_.resize(reached_.size());
+  forEachOf(grid_.team(), reached_.size(), [&](std::size_t i) {
+    const std::uint32_t point = reached_[i];
+    if (tool.kind() == BrushKind::smooth)
+      places_[i] = {smoothed(tool, point)};
+    else
+      places_[i] = tool.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]));
+  });
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    const std::uint32_t point = reached_[i];
+    const Vec3 place(places_[i].position);
+    const std::uint32_t color = tool.painted(DVec3(points_.positions[point]), points_.colors[point]);
+    const bool moved = place != points_.positions[point];
+    if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
+    points_.positions[point] = place;
+    points_.colors[point] = color;
+    points_.there[point] = !places_[i].taken;
+    if (moved) points_.unsettled[point] = 1;
+  }
+  if (!changed_.empty() && tool.kind() != BrushKind::paint) build();
+}
+
+DVec3 SculptReference::smoothed(const BrushTool& tool, std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
+  return tool.smoothed(place, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+                         grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+                           visit(DVec3(near.position) - place, points_.normals[near.number]);
+                         });
+                       }));
+}
+
+void SculptReference::findUnsettled() {
+  unsettled_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i)
+    if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
+}
+
+Vec3 SculptReference::refitted(std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  NormalFit fit(options_.radius);
+  DVec3 side(0);
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    const DVec3 offset = DVec3(near.position) - place;
+    fit.add(offset);
+    side += wendland(glm::length(offset) / options_.radius) * DVec3(points_.normals[near.number]);
+  });
+  const Vec3 old = points_.normals[point];
+  const DVec3 normal = fit.normal(DVec3(old)).normal;
+  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
+}
+
+// The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
+// angle in one tick, and its own old side says nothing then.
+void SculptReference::refit() {
+  normals_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    Vec3& normal = points_.normals[unsettled_[i]];
+    if (normal != normals_[i]) tellOf(unsettled_[i]);
+    normal = normals_[i];
+  }
+}
+
+ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours) const {
+  const auto seen = [&](std::uint32_t number, const DVec3& offset) {
+    return ResampleNeighbour{.offset = offset,
+                             .normal = DVec3(points_.normals[number]),
+                             .spacing = points_.spacing(number),
+                             .number = number,
+                             .unsettled = points_.unsettled[number] != 0};
+  };
+  neighbours.clear();
+  const DVec3 place(points_.positions[point]);
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    if (near.number != point && neighbours.size() < kMostNeighbours)
+      neighbours.push_back(seen(near.number, DVec3(near.position) - place));
+  });
+  return resampleWish(seen(point, DVec3(0)), neighbours);
+}
+
+void SculptReference::resample() {
+  wishes_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) {
+    thread_local Neighbours neighbours;
+    static_cast<ResampleWish&>(wishes_[i]) = wishOf(unsettled_[i], neighbours);
+    if (wishes_[i].inserts) wishes_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + wishes_[i].offset);
+  });
+  const std::size_t before = points_.size();
+  bool someGone = false;
+  settled_ = true;
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    const std::uint32_t point = unsettled_[i];
+    points_.unsettled[point] = wishes_[i].unsettled;
+    settled_ = settled_ && !wishes_[i].unsettled;
+    if (!wishes_[i].goes) continue;
+    points_.there[point] = 0;
+    someGone = true;
+    tellOf(point);
+  }
+  insertClaimed();
+  if (someGone || points_.size() > before) build();
+}
+
+void SculptReference::insertClaimed() {
+  claims_.clear();
+  for (std::size_t i = 0; i < unsettled_.size(); ++i)
+    if (wishes_[i].inserts) claims_.claim(wishes_[i].place, unsettled_[i]);
+  for (std::size_t i = 0; i < unsettled_.size(); ++i)
+    if (wishes_[i].inserts && claims_.stands(wishes_[i].place, unsettled_[i]))
+      tellOf(points_.insertBetween(unsettled_[i], wishes_[i].other, wishes_[i].place));
+}
+
+}  // namespace palpate

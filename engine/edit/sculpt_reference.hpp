@@ -1,0 +1,71 @@
+// One tick of sculpting in double precision on the CPU, with every brush, over an index that is built anew each time.
+#pragma once
+
+#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/resample_reference.hpp"
+#include "engine/edit/sculpted_points.hpp"
+#include "engine/spatial/sorted_grid.hpp"
+
+namespace palpate {
+
+struct SculptOptions {
+  double radius = 0;         ///< support radius, model units
+  bool keepsDensity = true;  ///< insert where the surface is stretched, merge where it is crowded
+  unsigned threads = 0;      ///< 0: one per core
+};
+
+/// The points and their index. The result of a tick depends neither on the number of threads nor on the order of the
+/// points in the index.
+class SculptReference {
+ public:
+  /// Copies what it needs of `cloud`, which must have normals; builds the index and, to keep the density, measures it.
+  SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options);
+
+  const SculptedPoints& points() const { return points_; }
+  const SortedGrid& grid() const { return grid_; }
+  std::size_t threads() const { return grid_.threads(); }
+  /// Time of the first build of the index, us.
+  double buildTime_us() const { return buildTime_us_; }
+
+  /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
+  /// and come and go.
+  void edit(const BrushTool& tool);
+  /// What the last edit did something to, each point once.
+  std::span<const std::uint32_t> changed() const { return changed_; }
+  /// False: an edit would change something though no brush acts.
+  bool settled() const { return settled_; }
+  /// Sets points exactly; after that all are settled.
+  void set(std::span<const PointChange> changes);
+
+ private:
+  using Neighbours = std::vector<ResampleNeighbour>;
+  void measureSpacings();
+  void build() { grid_.build(points_.positions, points_.there); }
+  void applyBrush(const BrushTool& tool);
+  DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
+  void findUnsettled();
+  void refit();
+  Vec3 refitted(std::uint32_t point) const;
+  ResampleWish wishOf(std::uint32_t point, Neighbours& neighbours) const;
+  void resample();
+  void insertClaimed();
+  void tellOf(std::uint32_t point);
+
+  SculptOptions options_;
+  SculptedPoints points_;
+  SortedGrid grid_;
+  InsertionClaims claims_;
+  double buildTime_us_ = 0;
+  bool settled_ = true;
+  // Of one tick.
+  struct Wish : ResampleWish {
+    Vec3 place{0};  // of the new point
+  };
+  std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
+  std::vector<BrushTool::Point> places_;                      // of those reached
+  std::vector<Vec3> normals_;                                 // new ones of those unsettled
+  std::vector<Wish> wishes_;                                  // of those unsettled
+  std::vector<std::uint8_t> told_;                            // by point: it stands in changed_
+};
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+// The points of a cloud while it is sculpted on the CPU: they come and go, each keeps its number.
+#pragma once
+
+#include <span>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/point_state.hpp"
+
+namespace palpate {
+
+/// One entry in every array per point that is or was there: the file's in its order, then those that came later.
+struct SculptedPoints {
+  std::vector<Vec3> positions;         ///< model units, relative to the cloud's origin
+  std::vector<Vec3> normals;           ///< unit
+  std::vector<std::uint32_t> colors;   ///< RGBA8; 0 where the cloud has none
+  std::vector<std::uint32_t> parents;  ///< the point of the file that the other properties come from
+  std::vector<std::uint8_t> there;     ///< 0: the point is gone
+  /// Not 0: the point has moved, is new, or has not got what it wished for; the next tick looks at it.
+  std::vector<std::uint8_t> unsettled;
+  /// Of the points of the file: how far apart they and their neighbours were, which is what edits keep to; model units.
+  /// Empty where nobody asks.
+  std::vector<float> spacings;
+
+  /// `cloud` must have normals. Spacings are left empty.
+  explicit SculptedPoints(const PointCloud& cloud);
+  /// Points that are or were there.
+  std::size_t size() const { return positions.size(); }
+  /// The target for a point and those around it, model units.
+  double spacing(std::uint32_t point) const { return double{spacings[parents[point]]}; }
+
+  PointState state(std::uint32_t point) const;
+  /// Sets a point, which is settled then; makes room where it is new. Its parent must be one of the file's points.
+  void set(const PointState& state);
+  /// Adds a point at `position`, with the middle of the normals and colours of two points and the parent of the first;
+  /// gives its number.
+  std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, const Vec3& position);
+};
+
+}  // namespace palpate

@@ -1,0 +1,126 @@
+#include "engine/spatial/hash_update.hpp"
+
+#include <algorithm>
+
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
+// from which an edit rebuilds; both cost memory.
+constexpr std::uint64_t kSpareShare = 4, kMovesShare = 16;
+constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
+
+constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +
+                                        2 * sizeof(Vec4);  // a move touches two buckets at most
+
+PipelineOptions pipeline(std::uint32_t pushBytes) {
+  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+}
+
+Buffer words(Device& device, std::uint64_t count, const char* name) {
+  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
+}
+
+}  // namespace
+
+std::uint32_t HashUpdate::spareSlots(std::uint64_t points) {
+  return static_cast<std::uint32_t>(std::max(kLeastSpare, points / kSpareShare));
+}
+
+std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
+  return static_cast<std::uint32_t>(std::max(kLeastMoves, points / kMovesShare));
+}
+
+HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)
+    : mostMoves_(defaultMoves(live.count())),
+      plan_(device, shader_code::spatial_update_plan, pipeline(sizeof(shared::HashUpdateArgs))),
+      place_(device, shader_code::spatial_update_place, pipeline(sizeof(shared::HashUpdateArgs))),
+      apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs))),
+      commit_(device, shader_code::spatial_update_commit, pipeline(sizeof(shared::HashUpdateArgs))),
+      recount_(device, shader_code::spatial_update_recount, pipeline(sizeof(shared::HashRecountArgs))),
+      template_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "empty update")),
+      counters_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "update counters")),
+      report_(Buffer::of<shared::HashUpdate>(device, 1, Memory::readback, "update report")),
+      moves_(Buffer::of<shared::PointMove>(device, mostMoves_, Memory::device, "point moves")),
+      marks_(words(device, hash.grid().bucketMask + 1, "bucket marks")),
+      touched_(
+          Buffer::of<shared::TouchedBucket>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "touched buckets")),
+      arrivals_(Buffer::of<Vec4>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "arrivals")),
+      changed_(words(device, live.slots(), "changed slots")),
+      dirty_(words(device, 1 + 4 * std::uint64_t{mostMoves_}, "dirty buckets")),
+      capacities_{words(device, hash.grid().bucketMask + 1, "bucket capacities"),
+                  words(device, hash.grid().bucketMask + 1, "bucket capacities")} {
+  const UVec3 none(0, 1, 1);
+  const shared::HashUpdate begin{.moveGroups = none,
+                                 .movedGroups = none,
+                                 .bucketGroups = none,
+                                 .applyGroups = none,
+                                 .changedGroups = none,
+                                 .head = live.count()};
+  upload(device, template_, std::vector{begin});
+  upload(device, counters_, std::vector{begin});
+  report_.mapped<shared::HashUpdate>()[0] = begin;
+  CommandList clear(device, device.touch(), "clear update");
+  clear.begin();
+  clear.fill(marks_, 0, marks_.bytes());
+  clear.fill(dirty_, 4 * mostMoves_, sizeof(std::uint32_t));
+  for (const Buffer& capacities : capacities_) clear.fill(capacities, 0, capacities.bytes());
+  clear.end();
+  device.touch().run(clear);
+}
+
+shared::HashUpdateArgs HashUpdate::args(const shared::CloudView& cloud, std::uint32_t parity) const {
+  return {.cloud = cloud,
+          .update = counters_.address(),
+          .moves = moves_.address(),
+          .marks = marks_.address(),
+          .touched = touched_.address(),
+          .arrivals = arrivals_.address(),
+          .capacities = capacities_[parity].address(),
+          .changed = changed_.address(),
+          .dirty = dirty_.address(),
+          .mostMoves = mostMoves_,
+          .unused = 0};
+}
+
+void HashUpdate::recordBegin(CommandList& list) const { list.copy(template_, counters_, shared::kUpdateBegins); }
+
+void HashUpdate::recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
+  const auto section = list.section("index update");
+  const shared::HashUpdateArgs io = args(cloud, parity);
+  list.dispatchIndirect(plan_, counters_, io, offsetof(shared::HashUpdate, bucketGroups));
+  list.dispatchIndirect(place_, counters_, io, offsetof(shared::HashUpdate, moveGroups));
+  list.dispatchIndirect(apply_, counters_, io, offsetof(shared::HashUpdate, applyGroups));
+}
+
+void HashUpdate::recordCommit(CommandList& list, const shared::CloudView& cloud) const {
+  list.dispatchIndirect(commit_, counters_, args(cloud, 0), offsetof(shared::HashUpdate, moveGroups));
+}
+
+void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
+  list.fill(capacities_[parity], 0, capacities_[parity].bytes());
+  list.dispatch(recount_, cloud.slots,
+                shared::HashRecountArgs{.cloud = cloud, .update = counters_.address(), .changed = changed_.address()});
+}
+
+void HashUpdate::recordReport(CommandList& list) const { list.copy(counters_, report_, sizeof(shared::HashUpdate)); }
+
+std::uint64_t HashUpdate::bytes() const {
+  return template_.bytes() + counters_.bytes() + report_.bytes() + moves_.bytes() + marks_.bytes() + touched_.bytes() +
+         arrivals_.bytes() + changed_.bytes() + dirty_.bytes() + 2 * capacities_[0].bytes();
+}
+
+std::uint64_t HashUpdate::predictedBytes(std::uint64_t points) {
+  const std::uint64_t buckets = std::uint64_t{makeHashGrid(Vec3(0), 1, points).bucketMask} + 1;
+  constexpr std::uint64_t kWord = sizeof(std::uint32_t), kDirtyWords = 4, kArraysByBucket = 3;
+  return defaultMoves(points) * (kBytesPerMove + kDirtyWords * kWord) + (points + spareSlots(points)) * kWord +
+         kArraysByBucket * kWord * buckets;
+}
+
+}  // namespace palpate

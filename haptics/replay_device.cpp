@@ -1,0 +1,21 @@
+#include "haptics/replay_device.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/core/check.hpp"
+
+namespace palpate {
+
+ReplayDevice::ReplayDevice(std::vector<LoggedTick> ticks, const DeviceLimits& limits)
+    : ticks_(std::move(ticks)), limits_(limits) {
+  PALPATE_CHECK(!ticks_.empty());
+  PALPATE_CHECK(std::ranges::is_sorted(ticks_, {}, &LoggedTick::time_s));
+}
+
+DeviceState ReplayDevice::read(double time_s) noexcept {
+  const auto after = std::ranges::upper_bound(ticks_, time_s, {}, &LoggedTick::time_s);
+  return {.position = after == ticks_.begin() ? ticks_.front().device : (after - 1)->device, .ok = true};
+}
+
+}  // namespace palpate

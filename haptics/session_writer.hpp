@@ -1,0 +1,67 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <span>
+#include <thread>
+
+#include "haptics/session_log.hpp"
+
+namespace palpate {
+
+/// Writes a session log from a thread of its own. The file has its name from the beginning, so that a crash leaves what
+/// there is: every tick is in it a fifth of a second after it was added, and on the disk a second after.
+class SessionWriter {
+ public:
+  /// `text` says how to run the session again. Throws FileError when the file cannot be made.
+  SessionWriter(std::filesystem::path file, std::string text);
+  /// Without finish() the log ends like that of a session that did not come to its end.
+  ~SessionWriter();
+  SessionWriter(const SessionWriter&) = delete;
+  SessionWriter& operator=(const SessionWriter&) = delete;
+
+  /// For the servo thread: waits for nobody. A tick for which there is no room is counted as lost.
+  void add(const LoggedTick& tick) noexcept;
+  /// For one thread, not the servo's: what was done to the points since the last call.
+  void add(const EditBatch& edits);
+  /// Waits until all that was added is in the file, or cannot be. Not for the servo thread against the clock.
+  void flush();
+  /// Writes what is left and how the session ended. Throws FileError, now at last, when not all of it could be written;
+  /// the session has gone on without the log then.
+  void finish(std::uint64_t pointsChecksum);
+
+  std::uint64_t lostTicks() const { return lostTicks_.load(std::memory_order_relaxed); }
+  std::uint64_t bytes() const { return bytes_; }  ///< of the file; after finish()
+
+ private:
+  static constexpr std::size_t kRing = 1 << 15;  // ticks that may wait: half a minute at 1 kHz
+
+  void serve(const std::stop_token& stop);
+  // Both on the log's own thread, or once that is gone.
+  void writePending();
+  void writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, const SessionEnd* end);
+  void put(std::span<const std::byte> bytes);
+  void sync();
+
+  std::filesystem::path file_;
+  int descriptor_ = -1;
+  std::uint32_t blocks_ = 0;
+  std::uint64_t bytes_ = 0;
+  std::string failure_;
+
+  std::vector<LoggedTick> ring_;
+  std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lostTicks_ = 0;
+
+  std::mutex lock_;  // of what follows
+  std::condition_variable_any wake_;
+  std::condition_variable written_;
+  EditBatch pending_;
+  std::uint64_t asked_ = 0, done_ = 0;  // flushes
+
+  EditBatch edits_;  // the log thread's
+  std::vector<LoggedTick> ticks_;
+  std::jthread thread_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,57 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Smoothing: each point that the brush has selected goes its share of the way to the algebraic sphere of its neighbours
+// as they all still stand. One subgroup for each.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/neighbours.glsl"
+#include "shaders/lib/surface_fit.glsl"
+#include "shaders/lib/weight.glsl"
+
+layout(push_constant, scalar) uniform Push { SmoothArgs args; };
+
+Brush brush;
+vec3 facing;       // the side of the sheet that is smoothed
+SurfaceSums sums;  // of what this invocation has seen
+
+void visitNeighbour(uint slot, vec4 position, vec3 d) {
+  const vec3 offset = d / brush.support;
+  const float squared = dot(offset, offset);
+  const vec3 n = args.cloud.normals.at[slot].xyz;
+  const float w = wendland(sqrt(squared)) * clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+  if (w <= 0.0) return;
+  sums.offsets += w * vec4(offset, 1.0);
+  sums.normals += vec4(w * n, 1.0);
+  sums.products += w * vec2(squared, dot(offset, n));
+}
+
+Surface surfaceAbout(vec3 place) {
+  sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
+  visitNeighbours(args.cloud, place, brush.support);
+  const SurfaceSums all =
+      SurfaceSums(subgroupAdd(sums.offsets), subgroupAdd(sums.normals), subgroupAdd(sums.products));
+  return surfaceFrom(all, brush.support, kSurfaceSphere);
+}
+
+void main() {
+  brush = args.brush.at[0];
+  const vec3 hip = args.state.at[0].lastHip;
+  const Tool tool =
+      toolOf(brush, hip, hip - args.state.at[0].motion, args.state.at[0].spring, args.state.at[0].touching);
+  const uint moves = min(args.update.at[0].moves, args.mostMoves);
+  const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
+    const vec3 place = args.moves.at[i].position;
+    facing = args.moves.at[i].normal;
+    const Surface surface = surfaceAbout(place);
+    if (!surface.defined || !subgroupElect()) continue;
+    const vec3 to = smoothed(brush, tool, place, surface.distance, surface.normal);
+    const uint from = args.moves.at[i].fromBucket;
+    const uint bucket = bucketOf(args.cloud.grid, cellOf(args.cloud.grid, to));
+    args.moves.at[i].position = to;
+    args.moves.at[i].toBucket = bucket;
+    if (bucket == from) continue;
+    touchBucket(args.update, args.marks, args.touched, from, false);
+    touchBucket(args.update, args.marks, args.touched, bucket, true);
+  }
+}

@@ -1,0 +1,78 @@
+// The lists of an update (shaders/shared/hash_update.h) and how invocations append to them.
+#ifndef PALPATE_LIB_HASH_UPDATE_GLSL
+#define PALPATE_LIB_HASH_UPDATE_GLSL
+
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_buffer_reference : require
+
+layout(buffer_reference) buffer HashUpdates;
+layout(buffer_reference) buffer PointMoves;
+layout(buffer_reference) buffer TouchedBuckets;
+layout(buffer_reference) buffer DirtyBuckets;
+#include "shaders/shared/hash_update.h"
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HashUpdates { HashUpdate at[1]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PointMoves { PointMove at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TouchedBuckets { TouchedBucket at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets {
+  uint capacity;
+  uint at[];
+};
+
+const uint kBucketTouched = 0x80000000u;  // in a mark; the rest counts arrivals until the update is planned
+
+// Groups of `each` that hold so many.
+uint updateGroups(uint count, uint each) { return min((count + each - 1) / each, kMostUpdateGroups); }
+
+// Places at the end of the list of moves for every invocation of the subgroup that wants one; all of it call together.
+uint nextMove(HashUpdates update, bool wants) {
+  const uvec4 ballot = subgroupBallot(wants);
+  const uint count = subgroupBallotBitCount(ballot);
+  if (count == 0) return 0;
+  uint first = 0;
+  if (subgroupElect()) {
+    first = atomicAdd(update.at[0].moves, count);
+    atomicMax(update.at[0].moveGroups.x, updateGroups(first + count, kUpdateWorkgroup));
+    atomicMax(update.at[0].movedGroups.x, updateGroups(first + count, gl_NumSubgroups));
+  }
+  return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
+}
+
+// The same for the list of changed slots.
+uint nextChanged(HashUpdates update, bool wants) {
+  const uvec4 ballot = subgroupBallot(wants);
+  const uint count = subgroupBallotBitCount(ballot);
+  if (count == 0) return 0;
+  uint first = 0;
+  if (subgroupElect()) {
+    first = atomicAdd(update.at[0].changed, count);
+    atomicMax(update.at[0].changedGroups.x, updateGroups(first + count, gl_NumSubgroups));
+  }
+  return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
+}
+
+// Says that the points of a bucket change, and whether one arrives there.
+void touchBucket(HashUpdates update, Uints marks, TouchedBuckets touched, uint bucket, bool arrives) {
+  if (arrives) atomicAdd(marks.at[bucket], 1);
+  if ((atomicOr(marks.at[bucket], kBucketTouched) & kBucketTouched) != 0) return;
+  const uint t = atomicAdd(update.at[0].touched, 1);
+  touched.at[t].bucket = bucket;
+  atomicMax(update.at[0].bucketGroups.x, updateGroups(t + 1, kUpdateWorkgroup));
+  atomicMax(update.at[0].applyGroups.x, updateGroups(t + 1, gl_NumSubgroups));
+}
+
+// Writes a move where nextMove() said, and touches the buckets that it concerns. `most`: moves that there is room for.
+void writeMove(HashUpdates update, PointMoves moves, Uints marks, TouchedBuckets touched, uint most, uint at,
+               PointMove move) {
+  if (at >= most) {
+    atomicOr(update.at[0].failed, kUpdateTooLarge);
+    return;
+  }
+  moves.at[at] = move;
+  if (move.fromBucket == move.toBucket) return;
+  if (move.fromBucket != kNoBucket) touchBucket(update, marks, touched, move.fromBucket, false);
+  if (move.toBucket != kNoBucket) touchBucket(update, marks, touched, move.toBucket, true);
+}
+
+#endif

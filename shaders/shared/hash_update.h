@@ -1,0 +1,101 @@
+// Bringing the index up to date after an edit that touched k points, at the cost of k. A bucket's points stand in
+// consecutive slots, so that a query reads them as after a full build. A bucket that outgrows its slots moves, whole,
+// to new ones at the end; the slots that it leaves are empty until the next build or compaction.
+#ifndef PALPATE_SHARED_HASH_UPDATE_H
+#define PALPATE_SHARED_HASH_UPDATE_H
+#include "shaders/shared/spatial_hash.h"
+
+PALPATE_SHARED_BEGIN
+
+const uint kNoBucket = 0xffffffffu;
+
+// What an edit writes into the w of a normal until the end of its tick.
+const float kMarkRefit = 1.0f;  // the normal waits to be fitted to its new surroundings
+const float kMarkGiven = 2.0f;  // the point is as it was given
+
+// One change of a point, on its way into the index.
+struct PointMove {
+  vec3 position;    // where it goes; model units
+  uint id;
+  vec3 normal;
+  float mark;       // kMark...
+  uint slot;        // where it stands; kEmptySlot when it is new
+  uint fromBucket;  // kNoBucket when it is new
+  uint toBucket;    // kNoBucket when it is taken away
+};
+PALPATE_SIZE(PointMove, 44);
+
+// A bucket whose points change.
+struct TouchedBucket {
+  uint bucket;
+  uint firstArrival;  // of its run in the list of arrivals
+  uint arrivals;
+  uint placed;        // of those, so far
+  uint firstSlot;     // from now on
+  uint capacity;      // slots from there that are its own
+};
+PALPATE_SIZE(TouchedBucket, 24);
+
+// Why an update was not carried out; the cloud is then as it was.
+const uint kUpdateTooLarge = 1;   // more moves than there is room for
+const uint kUpdateNoSlots = 2;    // no slots left for a bucket to grow
+const uint kUpdateCrowded = 4;    // too many points arrive in one bucket
+const uint kUpdateUnknown = 8;    // a point is not where the edit says
+
+// Workgroups in the first axis of an indirect dispatch; loops cover what is beyond.
+const uint kMostUpdateGroups = 65535;
+const uint kUpdateWorkgroup = 256;
+// Points that may arrive in one bucket in one tick. They are put into order by comparing each with each.
+const uint kMostArrivals = 256;
+// A bucket that moves gets room for half as many points again as it then has, and a few.
+const uint kSpareInBucket = 8;
+
+// Counters of one update. The first part begins every update as kBeginUpdate.
+struct HashUpdate {
+  uint moves;
+  uint touched;
+  uint arrivals;
+  uint wanted;   // slots that buckets have taken at the end
+  uint failed;   // kUpdate...
+  uint changed;  // slots whose points changed
+  uint gone;     // points that were taken away
+  uint added;    // points that are new
+  uvec3 moveGroups;     // one invocation a move
+  uvec3 movedGroups;    // one subgroup a move
+  uvec3 bucketGroups;   // one invocation a touched bucket
+  uvec3 applyGroups;    // one subgroup a touched bucket
+  uvec3 changedGroups;  // one subgroup a changed or gone point
+
+  uint head;        // first slot that no bucket has
+  uint points;      // that are there
+  uint compacting;  // not 0: buckets that change are noted
+  uint dirty;       // buckets noted
+};
+PALPATE_SIZE(HashUpdate, 108);
+const uint kUpdateBegins = 92;  // bytes of the first part
+
+struct HashUpdateArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(PointMoves) moves;
+  PALPATE_ADDRESS(Uints) marks;         // one a bucket, zero between updates
+  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(Vec4s) arrivals;      // two an arrival: position with id, normal with mark
+  PALPATE_ADDRESS(Uints) capacities;    // one a bucket; 0: as many as it has points
+  PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(DirtyBuckets) dirty;
+  uint mostMoves;
+  uint unused;
+};
+PALPATE_SIZE(HashUpdateArgs, 128);
+
+// After a full build: what is in which slots, found anew.
+struct HashRecountArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(Uints) changed;
+};
+PALPATE_SIZE(HashRecountArgs, 72);
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,36 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What becomes of the moves when a full build follows: each is written where its point stands, and new points into the
+// empty slots at the end. The marks of their buckets are taken away; where the list is not whole, that is all.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/hash_update.glsl"
+
+layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
+
+void main() {
+  const bool failed = (args.update.at[0].failed & (kUpdateUnknown | kUpdateTooLarge)) != 0;
+  const uint moves = min(args.update.at[0].moves, args.mostMoves);
+  for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    const uint from = args.moves.at[i].fromBucket;
+    const uint to = args.moves.at[i].toBucket;
+    uint slot = args.moves.at[i].slot;
+    if (from != kNoBucket) args.marks.at[from] = 0;
+    if (to != kNoBucket) args.marks.at[to] = 0;
+    if (failed) continue;
+    if (from == kNoBucket) {
+      slot = args.update.at[0].head + atomicAdd(args.update.at[0].wanted, 1);
+      atomicAdd(args.update.at[0].added, 1);
+      if (slot >= args.cloud.slots) {
+        atomicOr(args.update.at[0].failed, kUpdateNoSlots);
+        continue;
+      }
+    }
+    if (to == kNoBucket) {
+      args.cloud.positions.at[slot].w = uintBitsToFloat(kEmptySlot);
+      atomicAdd(args.update.at[0].gone, 1);
+    } else {
+      args.cloud.positions.at[slot] = vec4(args.moves.at[i].position, uintBitsToFloat(args.moves.at[i].id));
+      args.cloud.normals.at[slot] = vec4(args.moves.at[i].normal, args.moves.at[i].mark);
+    }
+  }
+}

@@ -1,0 +1,18 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// After a full build: lists the slots whose points changed, and finds where the empty slots begin.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/hash_update.glsl"
+
+layout(push_constant, scalar) uniform Push { HashRecountArgs args; };
+
+void main() {
+  const uint slot = threadIndex();
+  const bool changed = slot < args.cloud.slots && args.cloud.normals.at[slot].w != 0.0 &&
+                       floatBitsToUint(args.cloud.positions.at[slot].w) != kEmptySlot;
+  const uint at = nextChanged(args.update, changed);
+  if (changed) args.changed.at[at] = slot;
+  if (slot != 0) return;
+  const uvec2 empty = args.cloud.ranges.at[emptyBucket(args.cloud.grid)];
+  args.update.at[0].head = args.cloud.slots - (empty.y - empty.x);
+}

@@ -1,0 +1,298 @@
+// Undo, saving, session logs and their replay, as a user meets them.
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <thread>
+
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/core/checksum.hpp"
+#include "haptics/session_log.hpp"
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string program() {
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
+  return elsewhere ? elsewhere : PALPATE_PROGRAM;
+}
+
+/// A sphere, and a path that taps on it `taps` times, each time elsewhere.
+struct Scene {
+  explicit Scene(int taps = 3, int points = 20'000) {
+    works("make sphere -n " + std::to_string(points) + " -o " + file("model.ply"));
+    writePath("path.csv", taps);
+  }
+  void writePath(const std::string& name, int taps, double deepest = 47) const {
+    std::ofstream path(folder / name);
+    path << "t_s,x,y,z\n";
+    for (int i = 0; i < taps; ++i) {
+      path << 0.2 * i << "," << 5 * i << ",0,52\n" << 0.2 * i + 0.08 << "," << 5 * i << ",0," << deepest << "\n";
+      path << 0.2 * i + 0.16 << "," << 5 * i << ",0,52\n";
+    }
+  }
+  std::string file(const std::string& name) const { return (folder / name).string(); }
+  std::string touch(const std::string& options, const std::string& path = "path.csv") const {
+    return "touch " + file("model.ply") + " --edit push --tau 0.3 --path " + file(path) + " " + options;
+  }
+  ScratchFolder folder;
+};
+
+nlohmann::json replay(const Scene& scene, const std::string& options, int code = 0) {
+  const Outcome outcome = palpate("replay " + options + " --json " + scene.file("replay.json"));
+  REQUIRE_MESSAGE(outcome.code == code, outcome.text);
+  return jsonOf(scene.folder / "replay.json");
+}
+
+void checkSame(const nlohmann::json& json) {
+  CAPTURE(json.dump());
+  CHECK(json["compared_ticks"] == json["ticks"]);
+  CHECK(json["force_ticks"] == 0);
+  CHECK(json["largest_force_N"] == 0);
+  CHECK(json["edit_ticks"] == 0);
+  CHECK(json["end_points"] == 0);
+  CHECK(json["ends_as_recorded"] == true);
+}
+
+// The log with another text in its header, checksum and all.
+void changeText(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& what,
+                const std::string& with) {
+  REQUIRE(what.size() == with.size());
+  std::string content = contentOf(from);
+  const std::size_t at = content.find(what);
+  REQUIRE(at != std::string::npos);
+  content.replace(at, what.size(), with);
+  session_file::Header header;
+  std::memcpy(&header, content.data(), sizeof header);
+  Checksum sum;
+  sum.add(std::as_bytes(std::span(content.data() + sizeof header, header.textBytes)));
+  header.checksum = sum.value();
+  std::memcpy(content.data(), &header, sizeof header);
+  std::ofstream(to, std::ios::binary) << content;
+}
+
+}  // namespace
+
+TEST_CASE("with every stroke undone the saved file is the model's, byte by byte; redone, it is the sculpted one's") {
+  const Scene scene(3);
+  const auto save = [&](const std::string& name, const std::string& options, const std::string& path = "path.csv") {
+    works(scene.touch("--backend cpu --save " + scene.file(name) + " --json " + scene.file("t.json") + " " + options,
+                      path));
+    return contentOf(scene.folder / name);
+  };
+  const std::string model = contentOf(scene.folder / "model.ply"), sculpted = save("sculpted.ply", "");
+  CHECK(sculpted != model);
+  CHECK(save("undone.ply", "--undo 3") == model);
+  CHECK(jsonOf(scene.folder / "t.json")["moved_points"] == 0);
+  CHECK(jsonOf(scene.folder / "t.json")["undo"]["undone"] == 3);
+  CHECK(save("redone.ply", "--undo 3 --redo 3") == sculpted);
+  CHECK(save("most.ply", "--undo 99 --redo 99") == sculpted);
+  CHECK(jsonOf(scene.folder / "t.json")["undo"]["undone"] == 3);
+  CHECK(jsonOf(scene.folder / "t.json")["undo"]["redone"] == 3);
+  scene.writePath("two.csv", 2);
+  CHECK(save("back.ply", "--undo 2 --redo 1") == save("two.ply", "", "two.csv"));
+}
+
+TEST_CASE("strokes past the memory for them are forgotten, and that is said") {
+  const Scene scene(3);
+  const Outcome outcome = palpate(scene.touch("--backend cpu --undo 3 --undo-memory 0.0001 --save " +
+                                              scene.file("s.ply") + " --json " + scene.file("t.json")));
+  REQUIRE(outcome.code == 0);
+  CHECK(outcome.text.find("strokes forgotten") != std::string::npos);
+  const auto json = jsonOf(scene.folder / "t.json")["undo"];
+  CHECK(json["undone"] == 0);
+  CHECK(json["strokes"] == 3);
+  CHECK(json["forgotten"] == 3);
+  CHECK(json["too_large"] == 3);
+}
+
+TEST_CASE("a recorded session comes out the same again: on the CPU, on the GPU, with a hand, friction and undo") {
+  const Scene scene(2);
+  for (const std::string options :
+       {"--backend cpu", "--backend vulkan", "--backend cpu --device sim --friction 0.3 --surface sharp",
+        "--backend vulkan --method indirect --bucket-key morton --stiffness 0.5 --rate 500",
+        "--backend cpu --undo 2 --redo 1"}) {
+    CAPTURE(options);
+    works(scene.touch(options + " --log " + scene.file("log") + " --trace " + scene.file("a.csv") + " --save " +
+                      scene.file("saved.ply")));
+    const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("b.csv"));
+    checkSame(json);
+    CHECK(json["ticks"] > 100);
+    CHECK(json["edits"] > 100);
+    CHECK(contentOf(scene.folder / "a.csv") == contentOf(scene.folder / "b.csv"));
+    replay(scene, scene.file("log") + " --recover --save " + scene.file("recovered.ply"));
+    CHECK(contentOf(scene.folder / "saved.ply") == contentOf(scene.folder / "recovered.ply"));
+  }
+}
+
+TEST_CASE("a session that only feels is recorded and comes out the same too") {
+  const Scene scene(1);
+  works("touch " + scene.file("model.ply") + " --backend cpu --path builtin:slide --log " + scene.file("log"));
+  const auto json = replay(scene, scene.file("log"));
+  checkSame(json);
+  CHECK(json["edits"] == 0);
+}
+
+TEST_CASE("a replay that does not come out the same says by how much, and is exit code 1") {
+  const Scene scene(2);
+  works(scene.touch("--backend cpu --log " + scene.file("log")));
+  SUBCASE("another stiffness: other forces, the same points") {
+    changeText(scene.file("log"), scene.file("other"), "\"--stiffness\": \"0.8\"", "\"--stiffness\": \"0.7\"");
+    const auto json = replay(scene, scene.file("other"), 1);
+    CHECK(json["force_ticks"] > 50);
+    CHECK(json["largest_force_N"] > 0.01);
+    CHECK(json["edit_ticks"] == 0);
+    CHECK(json["end_points"] == 0);
+    CHECK(replay(scene, scene.file("other") + " --tolerance 1")["force_ticks"] == 0);
+  }
+  SUBCASE("another tool: other points") {
+    changeText(scene.file("log"), scene.file("other"), "\"--beta\": \"0.1\"", "\"--beta\": \"0.2\"");
+    const auto json = replay(scene, scene.file("other"), 1);
+    CHECK(json["edit_ticks"] > 20);
+    CHECK(json["end_points"] > 20);
+    CHECK(json["first_difference_s"] < 0.08);
+    CHECK(json["ends_as_recorded"] == true);
+  }
+  SUBCASE("an option that is none") {
+    changeText(scene.file("log"), scene.file("other"), "\"--beta\": \"0.1\"", "\"--geta\": \"0.1\"");
+    const Outcome outcome = palpate("replay " + scene.file("other"));
+    CHECK(outcome.code == 1);
+    CHECK_MESSAGE(outcome.text.find("does not say how") != std::string::npos, outcome.text);
+  }
+}
+
+TEST_CASE("a log that was cut off gives what is whole, and says where it ends") {
+  const Scene scene(6);
+  works(scene.touch("--backend cpu --log " + scene.file("log")));
+  const std::string whole = contentOf(scene.folder / "log");
+  std::ofstream(scene.folder / "cut", std::ios::binary) << whole.substr(0, whole.size() - 5000);
+  const Outcome outcome = palpate("replay " + scene.file("cut") + " --json " + scene.file("c.json"));
+  CHECK(outcome.code == 0);
+  CHECK_MESSAGE(outcome.text.find("torn at byte") != std::string::npos, outcome.text);
+  const auto json = jsonOf(scene.folder / "c.json");
+  CHECK(json["whole_bytes"] < json["file_bytes"]);
+  CHECK(json["ended"] == false);
+  CHECK(json["ends_as_recorded"].is_null());
+  CHECK(json["force_ticks"] == 0);
+  CHECK(json["edit_ticks"] == 0);
+  CHECK(json["compared_ticks"] > 100);
+  replay(scene, scene.file("cut") + " --recover --save " + scene.file("r.ply"));
+  CHECK(readPly(scene.folder / "r.ply").size() == 20'000);
+}
+
+TEST_CASE("what cannot be replayed is one clear line") {
+  const Scene scene(1, 5'000);
+  works(scene.touch("--backend cpu --log " + scene.file("log")));
+  const auto fails = [&](const std::string& arguments, int code, const std::string& reason) {
+    CAPTURE(arguments);
+    const Outcome outcome = palpate(arguments);
+    CHECK(outcome.code == code);
+    CHECK_MESSAGE(outcome.text.find(reason) != std::string::npos, outcome.text);
+  };
+  const std::string log = scene.file("log"), model = scene.file("model.ply");
+  fails("replay " + model, 1, "no session log");
+  fails("replay " + scene.file("none"), 1, "cannot be opened");
+  fails("replay " + log + " --model " + scene.file("none.ply"), 1, "--model");
+  works("make sphere -n 5001 -o " + scene.file("more.ply"));
+  fails("replay " + log + " --model " + scene.file("more.ply"), 1, "5001 points");
+  works("make torus -n 5000 -o " + scene.file("torus.ply"));
+  fails("replay " + log + " --model " + scene.file("torus.ply"), 1, "has changed");
+  std::string newer = contentOf(scene.folder / "log");
+  newer[8] = 2;
+  std::ofstream(scene.folder / "newer", std::ios::binary) << newer;
+  fails("replay " + scene.file("newer"), 1, "version 2");
+  fails("replay " + log + " --recover", 2, "--save");
+  fails("replay " + log + " --save x.ply", 2, "--recover");
+  fails("replay " + log + " --tolerance -1", 2, "--tolerance");
+  fails("touch " + model + " --undo 1", 2, "--edit none");
+  fails("touch " + model + " --edit push --redo 1", 2, "--undo");
+  fails("touch " + model + " --edit push --undo -1", 2, "--undo");
+  fails("touch " + model + " --edit push --undo 1 --undo-memory 0", 2, "--undo-memory");
+  fails("touch " + model + " --edit push --undo 1 --backend cuda", 2, "--undo");
+  fails("touch " + model + " --log x --backend cuda", 2, "--log");
+  fails("touch " + model + " --log " + scene.file("no/where"), 1, "where");
+  fails("touch " + model + " --backend cpu --log " + model, 2, "model itself");
+  if (std::filesystem::exists("/dev/full")) fails("touch " + model + " --log /dev/full --backend cpu", 1, "free some");
+  // The file that the log names has moved, and is named by hand.
+  std::filesystem::rename(model, scene.file("moved.ply"));
+  fails("replay " + log, 1, "model.ply");
+  works("replay " + log + " --model " + scene.file("moved.ply"));
+}
+
+TEST_CASE("against the clock only what can be the same is compared, and the edits are held against the end") {
+  const Scene scene(2, 5'000);
+  for (const std::string options : {"--backend cpu", "--backend vulkan", "--backend vulkan --deterministic"}) {
+    CAPTURE(options);
+    works(scene.touch("--realtime " + options + " --log " + scene.file("log") + " --save " + scene.file("s.ply")));
+    const auto json = replay(scene, scene.file("log"));
+    CHECK(json["ends_as_recorded"] == true);
+    CHECK(json["force_ticks"] == 0);
+    CHECK(json["edit_ticks"] == 0);
+    CHECK(json["lost_ticks"] == 0);
+    if (json["compared_ticks"] < json["ticks"]) {
+      CHECK(json["not_compared_because"] != "");
+      CHECK(json["end_points"].is_null());
+    }
+    replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
+    CHECK(contentOf(scene.folder / "s.ply") == contentOf(scene.folder / "r.ply"));
+  }
+}
+
+TEST_CASE("a killed session loses no more than its last second, and the rest is recovered and runs again") {
+  const Scene scene(60, 5'000);  // 12 s of taps
+  const pid_t child = ::fork();
+  if (child == 0) {
+    // A process group of its own, so that killing it leaves no shell behind.
+    ::execl("/bin/sh", "sh", "-c",
+            ("exec " + program() + " " +
+             scene.touch("--backend cpu --realtime --log " + scene.file("log") + " >" + scene.file("said") + " 2>&1"))
+                .c_str(),
+            nullptr);
+    ::_exit(127);
+  }
+  const auto begin = std::chrono::steady_clock::now();
+  while (!std::filesystem::exists(scene.folder / "log") &&
+         std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  std::this_thread::sleep_for(std::chrono::milliseconds(3000));
+  ::kill(child, SIGKILL);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE_MESSAGE(WIFSIGNALED(status), contentOf(scene.folder / "said"));
+  const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("t.csv"));
+  CHECK(json["ended"] == false);
+  CHECK(json["edits"] > 100);
+  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 3 s, less what the start takes
+  replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
+  const PointCloud before = readPly(scene.folder / "model.ply"), after = readPly(scene.folder / "r.ply");
+  REQUIRE(after.size() == before.size());
+  CHECK(after.positions != before.positions);
+}
+
+TEST_CASE("on a full disk the log ends, the session goes on, and what was there before stays") {
+  const Scene scene(12);
+  std::ofstream(scene.folder / "saved.ply") << "old";
+  const auto limited = [&](const std::string& options) {
+    const std::string command = "bash -c \"trap '' XFSZ; ulimit -f 200; " + program() + " " +
+                                scene.touch("--backend cpu " + options) + "\" >" + scene.file("said") + " 2>&1";
+    return WEXITSTATUS(std::system(command.c_str()));
+  };
+  CHECK(limited("--save " + scene.file("saved.ply")) == 1);
+  std::string said = contentOf(scene.folder / "said");
+  CHECK_MESSAGE(said.find("saved.ply: cannot be written") != std::string::npos, said);
+  CHECK(said.find("free some space") != std::string::npos);
+  CHECK(contentOf(scene.folder / "saved.ply") == "old");
+
+  CHECK(limited("--log " + scene.file("log")) == 1);
+  said = contentOf(scene.folder / "said");
+  CHECK_MESSAGE(said.find("log: cannot be written") != std::string::npos, said);
+  CHECK(said.find("peak force") != std::string::npos);
+  CHECK(replay(scene, scene.file("log"))["compared_ticks"] > 100);
+  for (const auto& entry : std::filesystem::directory_iterator(scene.folder.path()))
+    CHECK(entry.path().extension() != ".tmp");
+}
+
+}  // namespace palpate

@@ -1,0 +1,118 @@
+#include "tests/edit/edited_scene.hpp"
+
+#include <bit>
+
+#include "engine/gpu/transfer.hpp"
+
+namespace palpate {
+
+EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid& grid, double radius,
+                         const BrushOptions& brush, std::span<const std::uint32_t> colors,
+                         std::optional<SortMethod> sort)
+    : device_(device),
+      live_(device, cloud, HashUpdate::spareSlots(cloud.size())),
+      hash_(device, grid, live_.slots(), sort, BucketOrder::stable, Slots::spare),
+      log_(device, live_.slots()),
+      state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "state")),
+      edit_(device, brush, hash_, live_, log_, colors, radius) {
+  hash_.build(live_);
+}
+
+bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) {
+  CommandList list(device_, device_.touch(), "edit");
+  list.begin();
+  record(list);
+  list.end();
+  device_.touch().run(list);
+  if (how != How::incremental) live_.flip();
+  return edit_.report().failed == 0;
+}
+
+bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DVec3& motion) {
+  upload(device_, state_,
+         std::vector<shared::ContactState>{{.lastHip = Vec3(hip),
+                                            .touching = 1,
+                                            .spring = Vec3(spring),
+                                            .side = 0,
+                                            .motion = Vec3(motion),
+                                            .facing = {},
+                                            .started = 1}});
+  return run(how, [&](CommandList& list) {
+    if (how == How::incremental)
+      edit_.recordIncremental(list, live_.side(), state_);
+    else
+      edit_.recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort(),
+                          how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
+  });
+}
+
+bool EditedScene::change(std::span<const PointChange> changes, How how) {
+  edit_.give(changes);
+  return run(how, [&](CommandList& list) {
+    if (how == How::incremental)
+      edit_.recordGivenIncremental(list, live_.side());
+    else
+      edit_.recordGivenRebuild(list, live_.side(), live_.otherSide(), hash_.sort());
+  });
+}
+
+void EditedScene::compact() {
+  run(How::rebuild,
+      [&](CommandList& list) { edit_.recordCompaction(list, live_.side(), live_.otherSide(), hash_.sort()); });
+}
+
+std::vector<PointState> EditedScene::takeLog() {
+  const auto head = download<std::uint32_t>(device_, log_.headBuffer(), 1)[0];
+  const auto ring = download<PointState>(device_, log_.entriesBuffer(), log_.capacity());
+  std::vector<PointState> taken;
+  for (; logSeen_ != head; ++logSeen_) taken.push_back(ring[logSeen_ % log_.capacity()]);
+  return taken;
+}
+
+std::map<std::uint32_t, PointState> EditedScene::points() const {
+  auto points = live_.points();
+  edit_.complete(points);
+  std::map<std::uint32_t, PointState> byId;
+  for (const PointState& point : points) byId[point.id] = point;
+  return byId;
+}
+
+std::size_t EditedScene::faults() const {
+  const auto positions = download<Vec4>(device_, live_.side().positions, live_.slots());
+  const auto normals = download<Vec4>(device_, live_.side().normals, live_.slots());
+  const std::uint32_t buckets = hash_.grid().bucketMask + 1;
+  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.side()), buckets);
+  std::vector<bool> owned(positions.size());
+  std::map<std::uint32_t, int> ids;
+  std::size_t faults = 0;
+  for (std::uint32_t bucket = 0; bucket < buckets; ++bucket) {
+    for (std::uint32_t slot = ranges[bucket].x; slot < ranges[bucket].y; ++slot) {
+      if (slot >= positions.size() || owned[slot]) {
+        ++faults;
+        continue;
+      }
+      owned[slot] = true;
+      const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
+      if (id == shared::kEmptySlot || bucketOf(hash_.grid(), cellOf(hash_.grid(), Vec3(positions[slot]))) != bucket ||
+          ids[id]++ > 0 || normals[slot].w != 0)
+        ++faults;
+    }
+  }
+  for (std::size_t slot = 0; slot < positions.size(); ++slot)
+    if (!owned[slot] && std::bit_cast<std::uint32_t>(positions[slot].w) != shared::kEmptySlot) ++faults;
+  const auto& head = edit_.report().head;
+  for (std::size_t slot = head; slot < positions.size(); ++slot) faults += owned[slot];
+  return faults;
+}
+
+std::map<std::uint32_t, std::vector<std::uint32_t>> EditedScene::buckets() const {
+  const auto positions = download<Vec4>(device_, live_.side().positions, live_.slots());
+  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.side()), hash_.grid().bucketMask + 1);
+  std::map<std::uint32_t, std::vector<std::uint32_t>> all;
+  for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket)
+    for (std::uint32_t slot = ranges[bucket].x; slot < ranges[bucket].y; ++slot)
+      all[bucket].push_back(std::bit_cast<std::uint32_t>(positions[slot].w));
+  return all;
+}
+
+}  // namespace palpate

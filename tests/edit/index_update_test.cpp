@@ -1,0 +1,153 @@
+// The index that follows edits at the cost of the edit is at any moment what a full build would make of the points.
+#include <algorithm>
+#include <random>
+
+#include "tests/edit/edited_scene.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+using How = EditedScene::How;
+
+// Edits of every kind, in random order, and what they must leave.
+class RandomEdits {
+ public:
+  RandomEdits(EditedScene& scene, std::uint32_t seed) : scene_(scene), random_(seed), mirror_(scene.points()) {
+    nextId_ = scene.live().count();
+  }
+
+  void one() {
+    const std::uint32_t kind = pick(20);
+    if (kind < 8)
+      brush();
+    else if (kind < 19)
+      change();
+    else
+      scene_.compact();
+    auto log = scene_.takeLog();  // within a tick in any order
+    std::ranges::sort(log, {}, &PointState::number);
+    for (const PointState& state : log) apply(state);
+  }
+  bool agrees() const { return scene_.points() == mirror_; }
+  std::size_t size() const { return mirror_.size(); }
+  std::size_t refused() const { return refused_; }
+
+ private:
+  std::uint32_t pick(std::uint32_t n) { return std::uniform_int_distribution<std::uint32_t>(0, n - 1)(random_); }
+  double signedShare() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
+  Vec3 somewhere() { return Vec3(DVec3(signedShare(), signedShare(), signedShare()) * 60.0); }
+
+  void brush() {
+    auto at = std::next(mirror_.begin(), pick(static_cast<std::uint32_t>(mirror_.size())));
+    const DVec3 outward(at->second.normal);
+    const double depth = 0.5 + std::abs(signedShare());
+    if (!scene_.brush(DVec3(at->second.position) - depth * outward, depth * outward, How::incremental)) refuse();
+  }
+
+  // Some points move near or far, some go, some come back and some are new; half the time all in one corner, so that
+  // buckets grow.
+  void change() {
+    std::map<std::uint32_t, PointChange> changes;
+    const std::uint32_t count = 1 + pick(pick(4) == 0 ? 400 : 20);
+    const bool corner = pick(2) == 0;
+    const Vec3 center = somewhere();
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t kind = pick(8);
+      const Vec3 place = corner ? center + 0.02f * somewhere() : somewhere();
+      PointState to{.position = place, .normal = Vec3(0, 0, 1)};
+      if (kind == 0 && !gone_.empty()) {
+        to.id = gone_[pick(static_cast<std::uint32_t>(gone_.size()))];
+      } else if (kind == 1 && nextId_ < scene_.live().slots()) {
+        to.id = nextId_++;
+      } else {
+        auto at = std::next(mirror_.begin(), pick(static_cast<std::uint32_t>(mirror_.size())));
+        to.id = at->first;
+        if (kind == 3) to.position = at->second.position + 0.01f * somewhere();
+        if (kind == 4 && mirror_.size() > 100) to.id |= PointState::kGone;
+      }
+      to.parent = to.number() < scene_.live().count() ? to.number() : 0;
+      const auto before = mirror_.find(to.number());
+      const PointState from = before != mirror_.end()
+                                  ? before->second
+                                  : PointState{.id = to.number() | PointState::kGone, .parent = to.parent};
+      if (from.gone() && to.gone()) continue;
+      changes[to.number()] = {from, to};
+    }
+    std::vector<PointChange> given;
+    for (const auto& [id, each] : changes) given.push_back(each);
+    if (scene_.change(given, How::incremental)) return;
+    refuse();
+    CHECK(scene_.change(given, How::rebuild));
+  }
+
+  // What was not carried out must have left everything as it was.
+  void refuse() {
+    ++refused_;
+    CHECK(scene_.takeLog().empty());
+    CHECK(scene_.faults() == 0);
+    CHECK(agrees());
+    scene_.compact();
+  }
+
+  void apply(const PointState& state) {
+    if (state.gone()) {
+      mirror_.erase(state.number());
+      gone_.push_back(state.number());
+    } else {
+      mirror_[state.id] = state;
+      std::erase(gone_, state.id);
+    }
+  }
+
+  EditedScene& scene_;
+  std::mt19937 random_;
+  std::map<std::uint32_t, PointState> mirror_;
+  std::vector<std::uint32_t> gone_;
+  std::uint32_t nextId_ = 0;
+  std::size_t refused_ = 0;
+};
+
+BrushOptions brushOf(BrushKind kind) {
+  return {.kind = kind, .tau = 0.1, .beta = 0.5, .toolRadius = 6, .strength = 0.8};
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "after any edit the index holds every point in its bucket and nothing else") {
+  const Scene scene = makeScene("sphere", 5'000);
+  for (const BrushKind kind : {BrushKind::push, BrushKind::carve, BrushKind::inflate, BrushKind::smooth}) {
+    CAPTURE(static_cast<int>(kind));
+    EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                       brushOf(kind));
+    RandomEdits edits(edited, 7 + static_cast<std::uint32_t>(kind));
+    for (int i = 0; i < 250; ++i) {
+      edits.one();
+      if (i % 10 != 0) continue;
+      CHECK(edited.faults() == 0);
+      CHECK(edits.agrees());
+    }
+    CHECK(edited.faults() == 0);
+    CHECK(edits.agrees());
+    MESSAGE(edits.size() << " points, " << edits.refused() << " refused");
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the same edits give the same order in every bucket, whatever the GPU's timing") {
+  const Scene scene = makeScene("torus", 3'000);
+  std::map<std::uint32_t, std::vector<std::uint32_t>> first;
+  for (int run = 0; run < 2; ++run) {
+    EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                       brushOf(BrushKind::push));
+    RandomEdits edits(edited, 99);
+    for (int i = 0; i < 100; ++i) edits.one();
+    if (run == 0)
+      first = edited.buckets();
+    else
+      CHECK(edited.buckets() == first);
+  }
+}
+
+}  // namespace palpate

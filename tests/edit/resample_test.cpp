@@ -1,0 +1,241 @@
+// When points come and go: the decisions one by one, and what they make of whole surfaces.
+#include "engine/edit/resample_reference.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "engine/edit/sculpt_reference.hpp"
+#include "tests/edit/surface_gaps.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+const DVec3 kUp(0, 0, 1);
+
+ResampleNeighbour pointAt(const DVec3& offset, std::uint32_t number, bool unsettled = false) {
+  return {.offset = offset, .normal = kUp, .spacing = 1, .number = number, .unsettled = unsettled};
+}
+
+// Six neighbours around, `far` times as far in the direction of the first.
+std::vector<ResampleNeighbour> ring(double far) {
+  std::vector<ResampleNeighbour> points;
+  for (std::uint32_t k = 0; k < 6; ++k) {
+    const double angle = (k + 0.5) * std::numbers::pi / 3;
+    points.push_back(pointAt((k == 0 ? far : 1.0) * DVec3(std::cos(angle), std::sin(angle), 0), k + 10));
+  }
+  return points;
+}
+
+// A flat sheet of points about a spacing of 1 apart, in a square of `side` points.
+PointCloud sheet(int side, double uneven = 0, std::uint32_t seed = 3) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> offset(-uneven, uneven);
+  PointCloud cloud;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) cloud.positions.push_back(Vec3(DVec3(x + offset(random), y + offset(random), 0)));
+  cloud.normals.assign(cloud.positions.size(), Vec3(kUp));
+  return cloud;
+}
+
+// Moves everything a little, so that all is looked at, and waits until nothing comes or goes.
+int shakeUntilSettled(SculptReference& sculpture, double radius) {
+  const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .toolRadius = 1e4, .strength = 1, .falloff = 0};
+  const DVec3 hip(0, 0, -1);
+  sculpture.edit(BrushTool(everything, radius, hip, hip - DVec3(0, 0, 0.01), kUp));
+  const BrushTool nothing(everything, radius, hip, hip, DVec3(0));
+  int ticks = 1;
+  for (; !sculpture.settled() && ticks < 1000; ++ticks) sculpture.edit(nothing);
+  return ticks;
+}
+
+PointCloud cloudOf(const SculptReference& sculpture) {
+  PointCloud cloud;
+  for (std::uint32_t i = 0; i < sculpture.points().size(); ++i) {
+    if (!sculpture.points().there[i]) continue;
+    cloud.positions.push_back(sculpture.points().positions[i]);
+    cloud.normals.push_back(sculpture.points().normals[i]);
+  }
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("a sector is a sixth of the turn, counter-clockwise") {
+  for (int k = 0; k < 360; ++k) {
+    const double angle = (k + 0.5) * std::numbers::pi / 180;
+    CHECK(shared::sectorOf(static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))) ==
+          static_cast<shared::uint>(k / 60));
+  }
+  CHECK(shared::sectorOf(1, 0) == 0);
+  CHECK(shared::sectorOf(-1, 0) == 3);
+  CHECK(shared::sectorOf(0, 0) < shared::kSectors);
+}
+
+TEST_CASE("half way between two points of a sphere lies on it") {
+  for (const float angle : {0.05f, 0.2f, 0.4f}) {
+    const Vec3 a(0, 0, 1), b(std::sin(angle), 0, std::cos(angle));
+    const Vec3 middle = a + shared::halfWay(b - a, a, b);
+    CHECK(std::abs(glm::length(middle) - 1) < 0.03f * angle * angle * angle * angle + 1e-6f);
+    CHECK(glm::dot(middle, Vec3(0.5f * (a + b))) > 0.99f * glm::length(0.5f * (a + b)));
+  }
+}
+
+TEST_CASE("a point whose neighbours are all near wishes for nothing; behind a gap it wants one in the middle") {
+  const ResampleWish content = resampleWish(pointAt(DVec3(0), 1), ring(1.5));
+  CHECK_FALSE(content.inserts);
+  CHECK_FALSE(content.goes);
+  CHECK_FALSE(content.unsettled);
+  const auto gap = ring(1.8);
+  const ResampleWish wish = resampleWish(pointAt(DVec3(0), 1), gap);
+  CHECK(wish.inserts);
+  CHECK(wish.unsettled);
+  CHECK(wish.other == 10);
+  CHECK(glm::distance(wish.offset, 0.5 * gap[0].offset) < 1e-12);
+}
+
+TEST_CASE("no point is wished for beyond a border, where one stands, or on the other side of a sheet") {
+  auto border = ring(1.8);
+  border.erase(border.begin());
+  CHECK_FALSE(resampleWish(pointAt(DVec3(0), 1), border).inserts);
+
+  auto taken = ring(1.8);
+  taken.push_back(pointAt(0.5 * taken[0].offset + DVec3(0, 0, 0.55), 30));
+  CHECK_FALSE(resampleWish(pointAt(DVec3(0), 1), taken).inserts);
+  taken.back().normal = -kUp;  // stands on the back of the sheet
+  CHECK(resampleWish(pointAt(DVec3(0), 1), taken).inserts);
+
+  auto back = ring(1.8);
+  back[0].normal = -kUp;
+  CHECK_FALSE(resampleWish(pointAt(DVec3(0), 1), back).inserts);
+}
+
+TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; never both") {
+  const auto goes = [](const ResampleNeighbour& self, ResampleNeighbour other) {
+    other.offset = {0.3, 0, 0};
+    return resampleWish(self, std::vector{other}).goes;
+  };
+  const auto at = [](std::uint32_t number, bool unsettled) { return pointAt(DVec3(0), number, unsettled); };
+  CHECK(goes(at(7, true), at(3, true)));
+  CHECK_FALSE(goes(at(3, true), at(7, true)));
+  CHECK(goes(at(3, true), at(7, false)));
+  CHECK_FALSE(goes(at(7, false), at(3, true)));
+  // In a chain the middle one goes for the first; the last waits to see whether it may stay.
+  const ResampleWish last =
+      resampleWish(at(9, true), std::vector{pointAt({0.3, 0, 0}, 5, true), pointAt({0.6, 0, 0}, 2, true)});
+  CHECK_FALSE(last.goes);
+  CHECK(last.unsettled);
+}
+
+TEST_CASE("what a point wishes does not depend on the order in which its neighbours come") {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> place(-3, 3);
+  std::size_t inserted = 0, gone = 0;
+  for (int round = 0; round < 400; ++round) {
+    std::vector<ResampleNeighbour> neighbours;
+    for (std::uint32_t k = 0; k < 16; ++k)
+      neighbours.push_back(pointAt({place(random), place(random), 0.1 * place(random)}, k, k % 3 > 0));
+    neighbours.push_back(neighbours[3]);  // two that are equally near
+    neighbours.back().number = 40;
+    const ResampleNeighbour self = pointAt(DVec3(0), 20, true);
+    const ResampleWish wish = resampleWish(self, neighbours);
+    inserted += wish.inserts;
+    gone += wish.goes;
+    for (int shuffle = 0; shuffle < 4; ++shuffle) {
+      std::ranges::shuffle(neighbours, random);
+      const ResampleWish again = resampleWish(self, neighbours);
+      CHECK(again.goes == wish.goes);
+      CHECK(again.inserts == wish.inserts);
+      CHECK(again.unsettled == wish.unsettled);
+      CHECK(again.other == wish.other);
+      CHECK(again.offset == wish.offset);
+    }
+  }
+  CHECK(inserted > 100);
+  CHECK(gone > 50);
+}
+
+TEST_CASE("of all claims near one place that of the smallest number stands, and far ones do not hinder one another") {
+  InsertionClaims claims(1);
+  claims.claim({0.1f, 0.1f, 0}, 5);
+  claims.claim({0.5f, 0.1f, 0}, 3);
+  claims.claim({9, 0, 0}, 8);
+  CHECK_FALSE(claims.stands({0.1f, 0.1f, 0}, 5));
+  CHECK(claims.stands({0.5f, 0.1f, 0}, 3));
+  CHECK(claims.stands({9, 0, 0}, 8));
+  claims.clear();
+  claims.claim({0.1f, 0.1f, 0}, 5);
+  CHECK(claims.stands({0.1f, 0.1f, 0}, 5));
+}
+
+TEST_CASE("an even surface stays as it is, an uneven sheet keeps its borders, and both settle") {
+  const Scene scene = makeScene("sphere", 20'000);
+  SculptReference even(scene.cloud, makeHashGrid(Vec3(0), scene.radius, scene.cloud.size()), {.radius = scene.radius});
+  CHECK(shakeUntilSettled(even, scene.radius) < 5);
+  CHECK(even.points().size() <= scene.cloud.size() + 5);
+  CHECK(std::ranges::count(even.points().there, 0) == 0);
+
+  const PointCloud rough = sheet(40, 0.6);
+  SculptReference uneven(rough, makeHashGrid(Vec3(0), 4, rough.size()), {.radius = 4});
+  CHECK(shakeUntilSettled(uneven, 4) < 30);
+  const PointCloud after = cloudOf(uneven);
+  CHECK(after.size() > rough.size() * 9 / 10);
+  CHECK(after.size() < rough.size() * 5 / 4);
+  const Bounds before = boundsOf(rough), now = boundsOf(after);
+  for (int k = 0; k < 2; ++k) {
+    CHECK(now.min[k] >= before.min[k]);
+    CHECK(now.max[k] <= before.max[k]);
+  }
+}
+
+TEST_CASE("a hole smaller than the support radius closes, evenly") {
+  PointCloud holed = sheet(40, 0.2);
+  const auto inHole = [](const Vec3& p) { return glm::distance(p, Vec3(20.3f, 19.6f, 0)) < 1.9f; };
+  const PointCloud whole = holed;
+  std::erase_if(holed.positions, inHole);
+  holed.normals.resize(holed.positions.size());
+  CHECK(holed.size() < whole.size() - 8);
+  const auto middle = [](const DVec3& p) { return glm::distance(p, DVec3(20, 20, 0)) < 8; };
+  CHECK(SurfaceGapFinder(holed, 4, 1).find(middle).widest > 1.8);
+  SculptReference sculpture(holed, makeHashGrid(Vec3(0), 4, holed.size()), {.radius = 4});
+  CHECK(shakeUntilSettled(sculpture, 4) < 30);
+  const PointCloud closed = cloudOf(sculpture);
+  const SurfaceGaps gaps = SurfaceGapFinder(closed, 4, 1).find(middle);
+  CHECK(gaps.widest < 1.25);
+  CHECK(gaps.closest > 0.4);
+  CHECK(closed.size() < whole.size() * 11 / 10);
+}
+
+TEST_CASE("many points in one place become one") {
+  PointCloud cloud = sheet(12);
+  cloud.positions.insert(cloud.positions.end(), 3000, cloud.positions[40]);
+  const std::size_t single = cloud.size() - 3000;
+  cloud.normals.assign(cloud.positions.size(), Vec3(kUp));
+  SculptReference heap(cloud, makeHashGrid(Vec3(0), 4, cloud.size()), {.radius = 4});
+  CHECK(shakeUntilSettled(heap, 4) < 100);
+  std::size_t left = 0;
+  for (std::uint32_t i = 0; i < heap.points().size(); ++i)
+    left += heap.points().there[i] && glm::distance(heap.points().positions[i], cloud.positions[40]) < 0.1f;
+  CHECK(left == 1);
+  CHECK(cloudOf(heap).size() <= single + 20);
+}
+
+TEST_CASE("the result does not depend on the cells of the index or the number of threads") {
+  const PointCloud rough = sheet(60, 0.6);
+  std::vector<Vec3> first;
+  for (const double cell : {1.0, 0.4, 2.5})
+    for (const unsigned threads : {1u, 3u}) {
+      SculptReference sculpture(rough, makeHashGrid(Vec3(0), cell * 4, rough.size()),
+                                {.radius = 4, .threads = threads});
+      shakeUntilSettled(sculpture, 4);
+      if (first.empty()) first = sculpture.points().positions;
+      CHECK(sculpture.points().positions == first);
+    }
+  CHECK(first.size() > rough.size());
+}
+
+}  // namespace palpate

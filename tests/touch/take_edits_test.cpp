@@ -1,0 +1,173 @@
+// What the back ends tell of their edits, and what change() does: followed by a journal.
+#include <thread>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/edit/journal.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+
+// `strokes` presses on the sphere's top, each a little further along, with the hand lifted in between.
+std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = nullptr) {
+  constexpr int kTicks = 60;
+  std::vector<Contact> contacts;
+  EditBatch batch;
+  for (int i = 0; i < strokes * kTicks; ++i) {
+    const double phase = (i % kTicks) / (0.5 * kTicks), depth = 3 * (phase < 1 ? phase : 2 - phase);
+    contacts.push_back(touch.query({.time_s = 1e-3 * i, .hip = {6.0 * (i / kTicks), 0, 51 - depth}}, 0));
+    if (!journal) continue;
+    touch.takeEdits(batch);
+    journal->follow(batch);
+    batch.clear();
+  }
+  touch.finish();
+  if (journal) {
+    touch.takeEdits(batch);
+    journal->follow(batch);
+  }
+  return contacts;
+}
+
+void apply(TouchBackend& touch, Journal& journal, std::span<const PointChange> changes) {
+  touch.change(changes);
+  EditBatch batch;
+  touch.takeEdits(batch);
+  CHECK(batch.marks.size() == (changes.empty() ? 0 : 1));
+  for (const EditMark& mark : batch.marks) CHECK(mark.kind == EditMark::Kind::change);
+  journal.follow(batch);
+}
+
+bool same(const PointCloud& a, const PointCloud& b) {
+  return a.positions == b.positions && a.normals == b.normals && a.colors == b.colors;
+}
+
+void checkFollowed(TouchBackend& touch, const PointCloud& cloud) {
+  touch.keepEdits();
+  Journal journal(cloud, 1 << 26);
+  press(touch, 3, &journal);
+  CHECK(journal.strokes() == 3);
+  CHECK_FALSE(journal.inStroke());
+  CHECK(touch.editsAnswered() > 500);
+  PointCloud ended = cloud;
+  const std::size_t changed = touch.readBack(ended);
+  CHECK(changed > 50);
+  CHECK(changedPoints(cloud, journal.points()) == changed);
+  CHECK(same(editedCloud(cloud, journal.points()), ended));
+}
+
+}  // namespace
+
+TEST_CASE("a journal that follows the CPU back end knows the cloud bit by bit, stroke by stroke") {
+  const Scene scene = makeScene("sphere", 20'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
+  checkFollowed(touch, scene.cloud);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU knows the cloud bit by bit, stroke by stroke") {
+  const Scene scene = makeScene("sphere", 20'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
+  checkFollowed(touch, scene.cloud);
+}
+
+TEST_CASE("undone on the CPU, the cloud is felt and read back as it was; redone, as it had become") {
+  const Scene scene = makeScene("sphere", 20'000);
+  const CpuTouchOptions options{.radius = scene.radius, .brush = softPush()};
+  CpuTouch touch(scene.cloud, options);
+  touch.keepEdits();
+  Journal journal(scene.cloud, 1 << 26);
+  press(touch, 2, &journal);
+  PointCloud sculpted = scene.cloud;
+  touch.readBack(sculpted);
+  for (int i = 0; i < 2; ++i) apply(touch, journal, journal.undo());
+  PointCloud back = scene.cloud;
+  CHECK(touch.readBack(back) == 0);
+  CHECK(same(back, scene.cloud));
+  for (int i = 0; i < 3; ++i) apply(touch, journal, journal.redo());
+  touch.readBack(back);
+  CHECK(same(back, sculpted));
+  for (int i = 0; i < 2; ++i) apply(touch, journal, journal.undo());
+
+  CpuTouch fresh(scene.cloud, options);
+  const auto again = press(touch, 1), first = press(fresh, 1);
+  for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(again[i].proxy == first[i].proxy);
+}
+
+TEST_CASE("points that a change takes away are not felt on the CPU, and new ones are") {
+  const Scene scene = makeScene("sphere", 20'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius});
+  const auto feels = [&](double z) {
+    for (const double above : {3, 1}) touch.query({.hip = {0, 0, z + above}}, 0);
+    return touch.query({.hip = {0, 0, z - 0.2}}, 0).touching;
+  };
+  CHECK(feels(50));
+  std::vector<PointChange> changes;
+  auto states = statesOf(scene.cloud);
+  for (const PointState& state : states) {
+    if (state.position.z < 40) continue;
+    PointChange change{state, state};
+    change.to.id |= PointState::kGone;
+    changes.push_back(change);
+    PointState higher = state;  // the same cap, a little further out, of new points
+    higher.id = static_cast<std::uint32_t>(states.size() + changes.size() - 1);
+    higher.parent = state.id;
+    higher.position.z += 10;
+    changes.push_back({higher, higher});
+    changes.back().from.id |= PointState::kGone;
+  }
+  // The new ones' numbers follow the file's without a gap.
+  std::uint32_t next = static_cast<std::uint32_t>(states.size());
+  for (PointChange& change : changes)
+    if (change.to.number() >= states.size()) change.to.id = next++;
+  touch.change(changes);
+  CHECK_FALSE(feels(50));
+  CHECK(feels(60));
+  PointCloud edited = scene.cloud;
+  CHECK(touch.readBack(edited) == changes.size());
+  CHECK(edited.size() == scene.cloud.size());
+  for (PointChange& change : changes) std::swap(change.from, change.to);
+  for (PointChange& change : changes)
+    if (change.to.number() >= states.size()) change.to.id = change.from.number() | PointState::kGone;
+  touch.change(changes);
+  CHECK(feels(50));
+  CHECK_FALSE(feels(60));
+  edited = scene.cloud;
+  CHECK(touch.readBack(edited) == 0);
+  CHECK(same(edited, scene.cloud));
+}
+
+TEST_CASE("a change ends the stroke that is under way, on the CPU in real time too, while another thread follows") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = softPush()});
+  touch.keepEdits();
+  EditBatch all;
+  {
+    std::jthread follower([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) touch.takeEdits(all);
+    });
+    for (int i = 0; i < 200; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.02 * i}}, 300);
+    const PointState first = statesOf(scene.cloud)[0];
+    touch.change(std::vector<PointChange>{{first, first}});
+    for (int i = 0; i < 50; ++i) touch.query({.time_s = 0.2 + 1e-3 * i, .hip = {0, 0, 47}}, 300);
+    touch.finish();
+  }
+  touch.takeEdits(all);
+  REQUIRE(all.marks.size() == 3);
+  CHECK(all.marks[0].kind == EditMark::Kind::stroke);
+  CHECK(all.marks[1] == EditMark{all.marks[0].at + 1, EditMark::Kind::change});
+  CHECK(all.marks[2] == EditMark{all.points.size(), EditMark::Kind::stroke});
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the GPU refuses a change that it cannot do yet") {
+  const Scene scene = makeScene("sphere", 1'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
+  CHECK_THROWS_WITH_AS(touch.change({}), doctest::Contains("incremental index"), Error);
+}
+
+}  // namespace palpate
