@@ -9,13 +9,16 @@ namespace {
 
 constexpr double kRate_Hz = 30;
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
+constexpr std::size_t kMostWaitingEdits = 1 << 18;
+constexpr int kLooksPerTurn = 8;  // whether the ring of a GPU fills up faster than usual
 
 }  // namespace
 
 Followers::Followers(Context& context, const Model& model, TouchBackend& backend, const FollowersWanted& wanted)
     : model_(model), backend_(backend), log_(wanted.log), touchSide_(dynamic_cast<TouchSide*>(&backend)) {
   if (wanted.picture && touchSide_) {
-    drawn_.emplace(context.device(), model.cloud);
+    const LiveCloud& live = touchSide_->live();
+    drawn_.emplace(context.device(), model.cloud, live.slots() - live.count(), touchSide_->paints());
     drawnReader_.emplace(touchSide_->editLog());
   }
   if (!wanted.journal) return;
@@ -33,7 +36,8 @@ TickObserver Followers::begin(double rate_Hz, bool realtime) {
     try {
       while (!stop.stop_requested()) {
         catchUp();
-        std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz));
+        for (int look = 0; look < kLooksPerTurn && !isHalfFull(); ++look)
+          std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz / kLooksPerTurn));
       }
     } catch (...) {
       failure_ = std::current_exception();
@@ -46,8 +50,13 @@ bool Followers::isNearlyFull() const {
   return touchSide_ && touchSide_->editLog().room() < 2 * std::uint64_t{model_.cloud.size()};
 }
 
+bool Followers::isHalfFull() const {
+  return touchSide_ && touchSide_->editLog().room() < touchSide_->editLog().capacity() / 2;
+}
+
 void Followers::observe(const TraceRow& row) {
-  const bool flushes = log_ && row.time_s >= lastFlush_s_ + kBetweenFlushes_s;
+  const bool flushes =
+      log_ && (row.time_s >= lastFlush_s_ + kBetweenFlushes_s || log_->waitingEdits() > kMostWaitingEdits);
   if (++ticks_ % period_ == 0 || flushes || isNearlyFull()) catchUp();
   if (!flushes) return;
   log_->flush();
@@ -70,8 +79,13 @@ void Followers::draw() {
     drawn_->catchUp(*drawnReader_);
   } catch (...) {
     drawnReader_.reset();  // the hand, the journal and the log go on without the picture
-    if (!failure_) failure_ = std::current_exception();
+    drawingFailure_ = std::current_exception();
   }
+}
+
+DrawnCloud* Followers::drawn() {
+  if (drawingFailure_) std::rethrow_exception(drawingFailure_);
+  return drawn_ ? &*drawn_ : nullptr;
 }
 
 void Followers::finish() {

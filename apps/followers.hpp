@@ -21,7 +21,7 @@ struct FollowersWanted {
 
 /// They follow between ticks in virtual time and on a thread of their own against the wall clock, 30 times a second.
 /// Nobody waits for them there; in virtual time no edit is left out because they are behind. A failure on their thread
-/// waits for finish(), since the hand goes first.
+/// waits for finish(), one of the picture for drawn(), since the hand goes first.
 class Followers {
  public:
   /// Before the first query. All arguments outlive this.
@@ -35,13 +35,15 @@ class Followers {
   void catchUp();
 
   Journal* journal() { return journal_ ? &*journal_ : nullptr; }
-  DrawnCloud* drawn() { return drawn_ ? &*drawn_ : nullptr; }
+  /// Throws what went wrong while the picture was kept up to date; ask once all else is saved.
+  DrawnCloud* drawn();
 
  private:
   void draw();
   void observe(const TraceRow& row);
   // The ring of a GPU may soon have no room for another edit.
   bool isNearlyFull() const;
+  bool isHalfFull() const;
 
   const Model& model_;
   TouchBackend& backend_;
@@ -53,7 +55,7 @@ class Followers {
   EditBatch batch_;
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
-  std::exception_ptr failure_;
+  std::exception_ptr failure_, drawingFailure_;
   std::jthread thread_;
 };
 

@@ -1,8 +1,8 @@
 #include "apps/picture.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
+
+#include "apps/parse_list.hpp"
 
 namespace palpate {
 
@@ -11,22 +11,6 @@ namespace {
 struct Size {
   std::uint32_t width, height;
 };
-
-// Numbers with a separator between them, to the end of the text.
-template <class T, std::size_t N>
-std::array<T, N> parseList(const std::string& text, char separator, const std::string& option,
-                           const std::string& wanted) {
-  std::array<T, N> values{};
-  const char* at = text.data();
-  const char* end = at + text.size();
-  for (std::size_t i = 0; i < N; ++i) {
-    const auto [next, error] = std::from_chars(at, end, values[i]);
-    const bool separated = i + 1 == N ? next == end : next != end && *next == separator;
-    if (error != std::errc() || !separated) throw UsageError("{}: '{}' is not {}", option, text, wanted);
-    at = next + 1;
-  }
-  return values;
-}
 
 Size parseSize(const std::string& text) {
   const auto [width, height] = parseList<std::uint32_t, 2>(text, 'x', "--size", "WIDTHxHEIGHT in pixels");

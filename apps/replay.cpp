@@ -135,6 +135,8 @@ void print(std::FILE* out, const Recorded& recorded, const Outcome* outcome, con
                              record.end ? "to its end" : "not to its end"));
   if (record.end && record.end->lostTicks)
     row("missing in the log", fmt::format("{} ticks: its thread had fallen behind", record.end->lostTicks));
+  if (record.mergedEdits)
+    row("merged in the log", fmt::format("{} edits that others of the same point followed", record.mergedEdits));
   row("recorded on", recorded.session.machine);
   if (recorded.endsAsRecorded)
     row("recorded edits", *recorded.endsAsRecorded ? "give the recorded points" : "do NOT give the recorded points");
@@ -160,6 +162,7 @@ Json toJson(const Recorded& recorded, const Outcome* outcome) {
             {"whole_bytes", record.wholeBytes},
             {"file_bytes", record.fileBytes},
             {"ended", record.end.has_value()},
+            {"merged_edits", record.mergedEdits},
             {"lost_ticks", record.end ? record.end->lostTicks : 0},
             {"ends_as_recorded", recorded.endsAsRecorded ? Json(*recorded.endsAsRecorded) : Json(nullptr)}};
   if (!outcome) return json;

@@ -43,6 +43,8 @@ ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, boo
     if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was left out");
     if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer came late");
     if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was left out").because};
+    if (record.mergedEdits > 0 && tick.edits > record.countedEdits)
+      return stops("the log had fallen behind the edits and has only the last of them");
     if (tick.edits > record.edits.points.size()) return stops("the log has no more edits");
   }
   return {record.ticks.size(), {}};

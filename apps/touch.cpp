@@ -155,7 +155,9 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                      .mm_per_unit = model.scale.mm_per_unit,
                      .error = contactError(result.trace, model, surface, backend->firstEditTime_s()),
                      .back = back};
-  if (recording) report.log = LogReport{recording->writer().bytes(), recording->writer().lostTicks()};
+  if (recording)
+    report.log =
+        LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
   if (!options.saveFile.empty()) writePly(options.saveFile, end.cloud);
   if (!options.pictureFile.empty()) {
     // A back end without an edit log is drawn once, as it ended.

@@ -16,7 +16,9 @@ struct TouchCommandOptions {
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, saveFile, pictureFile, logFile;
   double penetration_mm = 2, rate_Hz = 1000;
-  double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6;
+  double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6, strength = 0.5;
+  std::uint32_t falloff = 1;
+  std::string paintColor = "255,0,0";
   std::size_t undo = 0, redo = 0;
   double undoMemory_MiB = 1024;
   bool realtime = false;

@@ -1,5 +1,6 @@
 #include "apps/touch.hpp"
 
+#include "apps/parse_list.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -16,15 +17,36 @@ void addForceOptions(CLI::App& sub, ForceOptions& force) {
 }
 
 void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
-  sub.add_option("--edit", options.edit, "none, or push: the surface yields to a round tool")
-      ->check(CLI::IsMember({"none", "push"}))
+  std::vector<std::string> edits{"none"};
+  for (const auto& [name, kind] : kBrushKinds) edits.emplace_back(name);
+  sub.add_option("--edit", options.edit,
+                 "none, or what a round tool does where the HIP stands deeper than --tau: push, the surface yields to "
+                 "it; carve, cuts it out; inflate, along the normals; smooth; grab, along with the hand; paint, with "
+                 "--paint-color (only push with vulkan and cuda)")
+      ->check(CLI::IsMember(std::move(edits)))
       ->capture_default_str();
   sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
       ->check(notNegative())
       ->capture_default_str();
-  sub.add_option("--beta", options.beta, "share of the way to the tool's surface that a point goes per tick, 0 to 1")
+  sub.add_option("--beta", options.beta,
+                 "push: share of the way to the tool's surface that a point goes per tick, 0 to 1")
       ->check(between(0, 1))
       ->capture_default_str();
+  sub.add_option(
+         "--strength", options.strength,
+         "the other brushes: share of their effect per tick, 0 to 1; of carve the way to the tool's surface, of "
+         "inflate a thousandth of its radius, of smooth the way to a smooth surface, of grab the hand's motion, "
+         "of paint the colour")
+      ->check(between(0, 1))
+      ->capture_default_str();
+  sub.add_option(
+         "--falloff", options.falloff,
+         "inflate, smooth, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the proxy; "
+         "a whole number, 0 to 16")
+      ->check(between(0, kMostFalloff))
+      ->type_name("F")
+      ->capture_default_str();
+  sub.add_option("--paint-color", options.paintColor, "R,G,B, 0 to 255")->capture_default_str();
   sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
       ->check(positive())
       ->capture_default_str();
@@ -40,6 +62,11 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
                  "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
       ->check(positive())
       ->capture_default_str();
+}
+
+std::array<std::uint8_t, 4> paintColor(const TouchCommandOptions& options) {
+  const auto rgb = parseList<std::uint8_t, 3>(options.paintColor, ',', "--paint-color", "R,G,B from 0 to 255");
+  return {rgb[0], rgb[1], rgb[2], 255};
 }
 
 }  // namespace
@@ -79,6 +106,9 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
 
 void checkTouchOptions(const TouchCommandOptions& options) {
   checkBackendOptions(options.backend);
+  paintColor(options);
+  if (options.edit != "none" && options.edit != "push" && options.backend.backend != "cpu")
+    throw UsageError("--edit: --backend {} has only push; take cpu for {}", options.backend.backend, options.edit);
   checkPictureOptions(options.picture);
   if (options.edit == "none") {
     if (!options.saveFile.empty()) throw UsageError("--save: nothing changes with --edit none");
@@ -93,9 +123,16 @@ void checkTouchOptions(const TouchCommandOptions& options) {
 }
 
 std::optional<BrushOptions> brushOptions(const TouchCommandOptions& options, const ModelScale& scale) {
-  if (options.edit != "push") return std::nullopt;
-  return BrushOptions{
-      .tau = scale.toUnits(options.tau_mm), .beta = options.beta, .toolRadius = scale.toUnits(options.toolRadius_mm)};
+  for (const auto& [name, kind] : kBrushKinds)
+    if (options.edit == name)
+      return BrushOptions{.kind = kind,
+                          .tau = scale.toUnits(options.tau_mm),
+                          .beta = options.beta,
+                          .toolRadius = scale.toUnits(options.toolRadius_mm),
+                          .strength = options.strength,
+                          .falloff = options.falloff,
+                          .color = paintColor(options)};
+  return std::nullopt;
 }
 
 std::uint64_t undoBytes(const TouchCommandOptions& options) {

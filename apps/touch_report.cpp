@@ -108,13 +108,15 @@ void printReport(std::FILE* out, const TouchReport& report) {
           fmt::format("{}, for --undo-memory{}", back.dropped,
                       back.tooLarge ? fmt::format("; {} larger than all of it", back.tooLarge) : std::string()));
   }
-  if (report.log)
+  if (report.log) {
+    const LogReport& log = *report.log;
     row("session log",
-        fmt::format(
-            "{} bytes, {:.1f} a tick{}", report.log->bytes,
-            static_cast<double>(report.log->bytes) / static_cast<double>(std::max<std::uint64_t>(1, trace.ticks)),
-            report.log->lostTicks ? fmt::format("; {} ticks are missing, it had fallen behind", report.log->lostTicks)
-                                  : std::string()));
+        fmt::format("{} bytes, {:.1f} a tick", log.bytes,
+                    static_cast<double>(log.bytes) / static_cast<double>(std::max<std::uint64_t>(1, trace.ticks))));
+    if (log.lostTicks + log.mergedEdits)
+      row("log behind", fmt::format("{} ticks are missing in it; {} edits gave way to later ones of the same points",
+                                    log.lostTicks, log.mergedEdits));
+  }
   if (shortfalls.editsTooSlow)
     row("edits left out",
         fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
@@ -173,7 +175,9 @@ Json toJson(const TouchReport& report) {
                     {"redone", report.back->redone},
                     {"forgotten", report.back->dropped},
                     {"too_large", report.back->tooLarge}};
-  if (report.log) json["log"] = {{"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}};
+  if (report.log)
+    json["log"] = {
+        {"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}, {"merged_edits", report.log->mergedEdits}};
   if (report.edits) {
     json["edit_us"] = summary(report.edit_us);
     json["edit_ticks"] = report.edit_us.count;

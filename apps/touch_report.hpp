@@ -28,7 +28,7 @@ ServoReport servoReport(const ServoResult& result);
 
 /// The session log, as it ended.
 struct LogReport {
-  std::uint64_t bytes = 0, lostTicks = 0;
+  std::uint64_t bytes = 0, lostTicks = 0, mergedEdits = 0;
 };
 
 /// What a touch session came to.

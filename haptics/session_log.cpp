@@ -106,6 +106,8 @@ bool readBlock(Source& source, std::uint32_t number, SessionRecord& record) {
   }
   for (const Mark& mark : marks)
     record.edits.marks.push_back({states + mark.at, static_cast<EditMark::Kind>(mark.kind)});
+  record.mergedEdits += block.merged;
+  if (record.mergedEdits == 0) record.countedEdits = record.edits.points.size();
   if (block.last) record.end = block.end;
   return true;
 }

@@ -70,11 +70,12 @@ struct Block {
   std::uint32_t magic = 0x6b636c62;  // "blck"
   std::uint32_t number = 0;          // 0, 1, 2, …
   std::uint32_t ticks = 0, states = 0, marks = 0;
-  std::uint32_t last = 0;  // 1: the session ended with it
+  std::uint32_t last = 0;    // 1: the session ended with it
+  std::uint64_t merged = 0;  // states that gave way to later ones of the same point
   SessionEnd end;
   std::uint64_t checksum = 0;  // of this with checksum 0, and of the ticks, states and marks that follow
 };
-static_assert(sizeof(Block) == 48);
+static_assert(sizeof(Block) == 56);
 
 }  // namespace session_file
 
@@ -83,6 +84,9 @@ struct SessionRecord {
   std::string text;  ///< of the header
   std::vector<LoggedTick> ticks;
   EditBatch edits;
+  /// States left out because a later one of the same point followed, where the log had fallen behind; and how many
+  /// states stand before the first such place: that far the ticks' `edits` count the states that are here.
+  std::uint64_t mergedEdits = 0, countedEdits = 0;
   std::optional<SessionEnd> end;  ///< nothing where the session did not come to its end
   std::uint64_t wholeBytes = 0;   ///< up to the end of the last whole block
   std::uint64_t fileBytes = 0;    ///< more than that where the last block is torn

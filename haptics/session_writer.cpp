@@ -3,9 +3,11 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <numeric>
 #include <utility>
 
 #include "engine/core/check.hpp"
@@ -28,6 +30,27 @@ constexpr double kLongestBlock_s = 0.5;  // of session time
 std::string becauseOf(int error) {
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
   return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
+}
+
+// Of each stretch between marks, the last state of each point. Says how many went.
+std::uint64_t mergeEdits(EditBatch& edits) {
+  const std::vector<PointState> all = std::exchange(edits.points, {});
+  std::vector<std::uint32_t> order;
+  const auto keep = [&](std::size_t begin, std::size_t end) {
+    order.resize(end - begin);
+    std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return all[i].number(); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+      if (i + 1 == order.size() || all[order[i]].number() != all[order[i + 1]].number())
+        edits.points.push_back(all[order[i]]);
+  };
+  std::size_t begin = 0;
+  for (EditMark& mark : edits.marks) {
+    keep(begin, mark.at);
+    begin = std::exchange(mark.at, edits.points.size());
+  }
+  keep(begin, all.size());
+  return all.size() - edits.points.size();
 }
 
 }  // namespace
@@ -74,6 +97,15 @@ void SessionWriter::add(const EditBatch& edits) {
   const std::size_t before = pending_.points.size();
   pending_.points.insert(pending_.points.end(), edits.points.begin(), edits.points.end());
   for (const EditMark& mark : edits.marks) pending_.marks.push_back({before + mark.at, mark.kind});
+  // Merged at most once for as many states as there may be, so that it stays cheap where all are of different points.
+  if (pending_.points.size() - leastPending_ < kMostEdits) return;
+  pendingMerged_ += mergeEdits(pending_);
+  leastPending_ = pending_.points.size();
+}
+
+std::size_t SessionWriter::waitingEdits() const {
+  const std::scoped_lock hold(lock_);
+  return pending_.points.size();
 }
 
 void SessionWriter::flush() {
@@ -87,7 +119,7 @@ void SessionWriter::finish(std::uint64_t pointsChecksum) {
   thread_ = {};
   writePending();
   const SessionEnd end{.points = pointsChecksum, .lostTicks = lostTicks()};
-  writeBlock({}, {}, &end);
+  writeBlock({}, {}, 0, &end);
   sync();
   if (::close(std::exchange(descriptor_, -1)) != 0 && failure_.empty()) failure_ = becauseOf(errno);
   if (!failure_.empty()) throw FileError(file_, failure_ + " (the session went on without its log)");
@@ -114,10 +146,14 @@ void SessionWriter::serve(const std::stop_token& stop) {
 }
 
 void SessionWriter::writePending() {
+  std::uint64_t merged = 0;
   {
     const std::scoped_lock hold(lock_);
     std::swap(pending_, edits_);
+    merged = std::exchange(pendingMerged_, 0);
+    leastPending_ = 0;
   }
+  mergedEdits_ += merged;
   const std::uint64_t begin = taken_.load(std::memory_order_relaxed), end = added_.load(std::memory_order_acquire);
   ticks_.clear();
   for (std::uint64_t i = begin; i < end; ++i) ticks_.push_back(ring_[i % kRing]);
@@ -127,13 +163,14 @@ void SessionWriter::writePending() {
   while (!left.empty() || !edits_.empty()) {
     std::size_t count = 0;
     while (count < left.size() && left[count].time_s <= left.front().time_s + kLongestBlock_s) ++count;
-    writeBlock(left.first(count), edits_, nullptr);
+    writeBlock(left.first(count), edits_, std::exchange(merged, 0), nullptr);
     edits_.clear();
     left = left.subspan(count);
   }
 }
 
-void SessionWriter::writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, const SessionEnd* end) {
+void SessionWriter::writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, std::uint64_t merged,
+                               const SessionEnd* end) {
   if (!failure_.empty()) return;  // nothing stands behind a gap
   std::vector<Mark> marks;
   for (const EditMark& mark : edits.marks) marks.push_back({mark.at, static_cast<std::uint64_t>(mark.kind)});
@@ -141,7 +178,8 @@ void SessionWriter::writeBlock(std::span<const LoggedTick> ticks, const EditBatc
               .ticks = static_cast<std::uint32_t>(ticks.size()),
               .states = static_cast<std::uint32_t>(edits.points.size()),
               .marks = static_cast<std::uint32_t>(marks.size()),
-              .last = end != nullptr};
+              .last = end != nullptr,
+              .merged = merged};
   if (end) block.end = *end;
   const auto tickBytes = std::as_bytes(ticks), stateBytes = std::as_bytes(std::span(edits.points)),
              markBytes = std::as_bytes(std::span(marks));

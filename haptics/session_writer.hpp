@@ -23,8 +23,11 @@ class SessionWriter {
 
   /// For the servo thread: waits for nobody. A tick for which there is no room is counted as lost.
   void add(const LoggedTick& tick) noexcept;
-  /// For one thread, not the servo's: what was done to the points since the last call.
+  /// For one thread, not the servo's: what was done to the points since the last call. Where too much waits for the
+  /// disk, only the last state of each point in each stroke is kept of it, and the others are counted as merged.
   void add(const EditBatch& edits);
+  /// States that wait for the disk.
+  std::size_t waitingEdits() const;
   /// Waits until all that was added is in the file, or cannot be. Not for the servo thread against the clock.
   void flush();
   /// Writes what is left and how the session ended. Throws FileError, now at last, when not all of it could be written;
@@ -32,31 +35,36 @@ class SessionWriter {
   void finish(std::uint64_t pointsChecksum);
 
   std::uint64_t lostTicks() const { return lostTicks_.load(std::memory_order_relaxed); }
-  std::uint64_t bytes() const { return bytes_; }  ///< of the file; after finish()
+  std::uint64_t mergedEdits() const { return mergedEdits_; }  ///< after finish()
+  std::uint64_t bytes() const { return bytes_; }              ///< of the file; after finish()
 
  private:
-  static constexpr std::size_t kRing = 1 << 15;  // ticks that may wait: half a minute at 1 kHz
+  static constexpr std::size_t kRing = 1 << 15;       // ticks that may wait: half a minute at 1 kHz
+  static constexpr std::size_t kMostEdits = 1 << 20;  // states that may
 
   void serve(const std::stop_token& stop);
   // Both on the log's own thread, or once that is gone.
   void writePending();
-  void writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, const SessionEnd* end);
+  void writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, std::uint64_t merged,
+                  const SessionEnd* end);
   void put(std::span<const std::byte> bytes);
   void sync();
 
   std::filesystem::path file_;
   int descriptor_ = -1;
   std::uint32_t blocks_ = 0;
-  std::uint64_t bytes_ = 0;
+  std::uint64_t bytes_ = 0, mergedEdits_ = 0;
   std::string failure_;
 
   std::vector<LoggedTick> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0, lostTicks_ = 0;
 
-  std::mutex lock_;  // of what follows
+  mutable std::mutex lock_;  // of what follows
   std::condition_variable_any wake_;
   std::condition_variable written_;
   EditBatch pending_;
+  std::uint64_t pendingMerged_ = 0;
+  std::size_t leastPending_ = 0;        // what merging left
   std::uint64_t asked_ = 0, done_ = 0;  // flushes
 
   EditBatch edits_;  // the log thread's

@@ -46,9 +46,10 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       select_(device, shader_code::edit_select, pipeline(sizeof(shared::SelectArgs))),
       smooth_(device, shader_code::edit_smooth, pipeline(sizeof(shared::SmoothArgs))),
       restore_(device, shader_code::edit_restore, pipeline(sizeof(shared::RestoreArgs))),
-      logGone_(device, shader_code::edit_log_gone, pipeline(sizeof(shared::LogGoneArgs))),
       refit_(device, shader_code::edit_refit_normals, pipeline(sizeof(shared::RefitNormalsArgs))),
+      settle_(device, shader_code::edit_settle, pipeline(sizeof(shared::SettleArgs))),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
+      tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
       colors_(Buffer::of<std::uint32_t>(device, colors.empty() ? 0 : live.slots(), Memory::device, "live colors")),
       parents_(Buffer::of<std::uint32_t>(device, live.slots() - live.count(), Memory::device, "parents")),
       changes_(Buffer::of<shared::GivenChange>(device, mostChanges_, Memory::upload, "given changes")) {
@@ -58,6 +59,24 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
     std::ranges::copy(colors, byId.begin());
     upload(device, colors_, byId);
   }
+  if (brush.kind != BrushKind::paint) resample_.emplace(device, live, update_.mostMoves(), radius);
+  upload(device, tables_,
+         std::vector<shared::PointTables>{{.colors = colors.empty() ? 0 : colors_.address(),
+                                           .parents = parents_.address(),
+                                           .spacings = resample_ ? resample_->spacings() : 0,
+                                           .looks = resample_ ? resample_->looks() : 0,
+                                           .firstNew = live.count(),
+                                           .ids = live.slots()}});
+  if (resample_) resample_->measure(view(live.side()), tables_.address());
+}
+
+Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t parity,
+                                  DeviceAddress contactState) const {
+  return {.update = update_.args(cloud, parity),
+          .tables = tables_.address(),
+          .brush = brush_.address(),
+          .contactState = contactState,
+          .counters = update_.counters()};
 }
 
 void EditPass::recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
@@ -75,7 +94,7 @@ void EditPass::recordSelect(CommandList& list, const shared::CloudView& cloud, s
                                    .touched = update.touched,
                                    .state = contactState.address(),
                                    .brush = brush_.address(),
-                                   .colors = colors(),
+                                   .tables = tables_.address(),
                                    .mostMoves = update_.mostMoves(),
                                    .cells = static_cast<std::uint32_t>(cells),
                                    .firstSlot = first,
@@ -101,10 +120,9 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side,
     const auto section = list.section("brush");
     recordSelect(list, cloud, side.parity, contactState, std::nullopt);
   }
+  if (resample_) resample_->recordRecall(list, resampleIo(cloud, side.parity, contactState.address()));
   update_.recordApply(list, cloud, side.parity);
-  if (options_.kind == BrushKind::carve) recordLogGone(list);
-  recordRefit(list, cloud);
-  update_.recordReport(list);
+  recordSequel(list, cloud, side.parity, update_.scratch(), &contactState);
 }
 
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
@@ -117,13 +135,16 @@ void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, con
       update_.recordBegin(list);
       recordSelect(list, view(from), from.parity, contactState, all ? std::optional(first) : std::nullopt);
       update_.recordCommit(list, view(from));
-      if (options_.kind == BrushKind::carve) recordLogGone(list);
     }
+  }
+  if (resample_) {
+    update_.recordBegin(list);
+    resample_->recordRecall(list, resampleIo(view(from), from.parity, contactState.address()));
+    update_.recordCommit(list, view(from));
   }
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
-  recordRefit(list, view(to));
-  update_.recordReport(list);
+  recordSequel(list, view(to), to.parity, from.normals.address(), &contactState);
 }
 
 void EditPass::give(std::span<const PointChange> changes) {
@@ -137,7 +158,8 @@ void EditPass::give(std::span<const PointChange> changes) {
   given_ = static_cast<std::uint32_t>(changes.size());
 }
 
-void EditPass::recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
+void EditPass::recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                             bool finishes) const {
   const shared::HashUpdateArgs update = update_.args(cloud, parity);
   list.dispatch(restore_, std::uint64_t{given_} * device_.subgroupSize(),
                 shared::RestoreArgs{.cloud = cloud,
@@ -146,34 +168,34 @@ void EditPass::recordRestore(CommandList& list, const shared::CloudView& cloud, 
                                     .marks = update.marks,
                                     .touched = update.touched,
                                     .changes = changes_.address(),
-                                    .colors = colors(),
-                                    .parents = parents_.address(),
+                                    .tables = tables_.address(),
+                                    .lists = resample_ ? resample_->lists() : 0,
                                     .mostMoves = update_.mostMoves(),
-                                    .firstNew = live_.count(),
                                     .count = given_,
+                                    .finishes = finishes ? 1u : 0u,
                                     .unused = 0});
 }
 
 void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Side& side) const {
   const shared::CloudView cloud = view(side);
   update_.recordBegin(list);
-  recordRestore(list, cloud, side.parity);
+  if (resample_) resample_->recordForget(list, resampleIo(cloud, side.parity, 0));
+  recordRestore(list, cloud, side.parity, false);
   update_.recordApply(list, cloud, side.parity);
-  recordLogGone(list);
-  recordRefit(list, cloud);
-  update_.recordReport(list);
+  recordRestore(list, cloud, side.parity, true);
+  recordSequel(list, cloud, side.parity, update_.scratch(), nullptr);
 }
 
 void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                                   SortMethod sort) const {
   update_.recordBegin(list);
-  recordRestore(list, view(from), from.parity);
+  if (resample_) resample_->recordForget(list, resampleIo(view(from), from.parity, 0));
+  recordRestore(list, view(from), from.parity, false);
   update_.recordCommit(list, view(from));
-  recordLogGone(list);
+  recordRestore(list, view(from), from.parity, true);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
-  recordRefit(list, view(to));
-  update_.recordReport(list);
+  recordSequel(list, view(to), to.parity, from.normals.address(), nullptr);
 }
 
 void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
@@ -184,35 +206,34 @@ void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, 
   update_.recordReport(list);
 }
 
-void EditPass::recordLogGone(CommandList& list) const {
-  const shared::HashUpdateArgs update = update_.args({}, 0);
-  list.dispatchIndirect(logGone_, update_.counters(),
-                        shared::LogGoneArgs{.update = update.update,
-                                            .moves = update.moves,
-                                            .entries = log_.entries(),
-                                            .head = log_.head(),
-                                            .colors = colors(),
-                                            .parents = parents_.address(),
-                                            .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
-                                            .firstNew = live_.count()},
-                        offsetof(shared::HashUpdate, moveGroups));
-}
-
-void EditPass::recordRefit(CommandList& list, const shared::CloudView& cloud) const {
-  const auto section = list.section("refit normals");
-  list.dispatchIndirect(refit_, update_.counters(),
-                        shared::RefitNormalsArgs{.cloud = cloud,
-                                                 .update = update_.counters().address(),
-                                                 .changed = update_.changed(),
-                                                 .entries = log_.entries(),
-                                                 .head = log_.head(),
-                                                 .colors = colors(),
-                                                 .parents = parents_.address(),
-                                                 .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
-                                                 .radius = static_cast<float>(radius_),
-                                                 .firstNew = live_.count(),
-                                                 .unused = 0},
-                        offsetof(shared::HashUpdate, changedGroups));
+void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                            DeviceAddress fitted, const Buffer* contactState) const {
+  {
+    const auto section = list.section("refit normals");
+    const shared::HashUpdateArgs update = update_.args(cloud, parity);
+    list.dispatchIndirect(refit_, update_.counters(),
+                          shared::RefitNormalsArgs{.cloud = cloud,
+                                                   .update = update.update,
+                                                   .moves = update.moves,
+                                                   .changed = update.changed,
+                                                   .fitted = fitted,
+                                                   .entries = log_.entries(),
+                                                   .head = log_.head(),
+                                                   .tables = tables_.address(),
+                                                   .lists = resample_ ? resample_->lists() : 0,
+                                                   .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
+                                                   .radius = static_cast<float>(radius_)},
+                          offsetof(shared::HashUpdate, changedGroups));
+    list.dispatchIndirect(
+        settle_, update_.counters(),
+        shared::SettleArgs{.cloud = cloud, .update = update.update, .changed = update.changed, .fitted = fitted},
+        offsetof(shared::HashUpdate, changedGroups));
+  }
+  if (resample_ && contactState)
+    resample_->recordWishes(list, resampleIo(cloud, parity, contactState->address()), update_.changed());
+  const auto overlap = list.independent();
+  update_.recordReport(list);
+  if (resample_) resample_->recordReport(list);
 }
 
 void EditPass::complete(std::vector<PointState>& points) const {
@@ -225,7 +246,8 @@ void EditPass::complete(std::vector<PointState>& points) const {
 }
 
 std::uint64_t EditPass::bytes() const {
-  return update_.bytes() + brush_.bytes() + colors_.bytes() + parents_.bytes() + changes_.bytes();
+  return update_.bytes() + (resample_ ? resample_->bytes() : 0) + brush_.bytes() + tables_.bytes() + colors_.bytes() +
+         parents_.bytes() + changes_.bytes();
 }
 
 std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {
@@ -233,7 +255,8 @@ std::uint64_t EditPass::predictedBytes(std::uint64_t points, bool colors) {
   const std::uint64_t spare = HashUpdate::spareSlots(points);
   const std::uint64_t changes = std::min<std::uint64_t>(kMostChanges, HashUpdate::defaultMoves(points));
   return HashUpdate::predictedBytes(points) + kWord * spare + (colors ? kWord * (points + spare) : 0) +
-         changes * sizeof(shared::GivenChange);
+         changes * sizeof(shared::GivenChange) +
+         Resample::predictedBytes(points, points + spare, HashUpdate::defaultMoves(points));
 }
 
 }  // namespace palpate

@@ -6,13 +6,15 @@
 #include "engine/core/brush.hpp"
 #include "engine/core/point_state.hpp"
 #include "engine/edit/edit_log.hpp"
+#include "engine/edit/resample.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {
 
-/// Everything that an edit does to the live cloud in one tick: the brush, or changes as they are given; the index, by
-/// update or by a full build; the normals of what changed; the log.
+/// Everything that an edit does to the live cloud in one tick: the brush, or changes as they are given; points that
+/// come and go to keep the surface whole; the index, by update or by a full build; the normals of what changed; the
+/// log.
 class EditPass {
  public:
   /// `colors`: RGBA8 of the cloud's points, empty when it has none and none are painted. `radius`: support radius,
@@ -41,6 +43,8 @@ class EditPass {
   void recordCompaction(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                         SortMethod sort) const;
 
+  /// True where the last edit that has completed left wishes: another one would change something though no brush acts.
+  bool unsettled() const { return resample_ && resample_->unsettled(); }
   /// What the last edit that has completed came to.
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
@@ -56,11 +60,14 @@ class EditPass {
  private:
   void recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Buffer& contactState,
                     std::optional<std::uint32_t> firstSlot) const;
-  void recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
-  void recordLogGone(CommandList& list) const;
-  void recordRefit(CommandList& list, const shared::CloudView& cloud) const;
+  // `finishes`: after the update, what it leaves to do.
+  void recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, bool finishes) const;
+  // What follows once the index has: normals and log, and wishes after a brush.
+  // `fitted`: room for a vec4 for every changed slot.
+  void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted,
+                    const Buffer* contactState) const;
+  Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState) const;
   shared::CloudView view(const LiveCloud::Side& side) const { return hash_.view(side, live_.slots()); }
-  DeviceAddress colors() const { return colors_.bytes() > 0 ? colors_.address() : 0; }
 
   Device& device_;
   BrushOptions options_;
@@ -71,8 +78,9 @@ class EditPass {
   HashUpdate update_;
   std::uint32_t mostChanges_, given_ = 0;
   std::uint64_t boxCells_;  // of the tool's box, along one side; 0: looking at every slot is less
-  ComputePipeline select_, smooth_, restore_, logGone_, refit_;
-  Buffer brush_, colors_, parents_, changes_;
+  ComputePipeline select_, smooth_, restore_, refit_, settle_;
+  Buffer brush_, tables_, colors_, parents_, changes_;
+  std::optional<Resample> resample_;
 };
 
 }  // namespace palpate

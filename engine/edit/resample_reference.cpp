@@ -88,17 +88,32 @@ ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const Resampl
   return wish;
 }
 
-void InsertionClaims::claim(const Vec3& place, std::uint32_t id) {
-  std::uint32_t& slot = slots_[bucketOf(grid_, cellOf(grid_, place))];
-  slot = std::min(slot, id);
+InsertionClaims::InsertionClaims(double spacing)
+    : grid_(shared::claimGrid(static_cast<float>(spacing))),
+      clearance_(shared::kLeastClearance * static_cast<float>(spacing)),
+      slots_(shared::kClaimSlots) {}
+
+void InsertionClaims::clear() { std::ranges::fill(slots_, Slot()); }
+
+void InsertionClaims::claim(const Vec3& place, std::uint32_t number) {
+  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  slot.number = std::min(slot.number, number);
 }
 
-bool InsertionClaims::stands(const Vec3& place, std::uint32_t id) const {
+void InsertionClaims::confirm(const Vec3& place, std::uint32_t number) {
+  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  if (slot.number == number) slot.place = place;
+}
+
+bool InsertionClaims::stands(const Vec3& place, std::uint32_t number) const {
   const IVec3 cell = cellOf(grid_, place);
+  if (slots_[slotOf(cell)].number != number) return false;
   for (int z = -1; z <= 1; ++z)
     for (int y = -1; y <= 1; ++y)
-      for (int x = -1; x <= 1; ++x)
-        if (slots_[bucketOf(grid_, cell + IVec3(x, y, z))] < id) return false;
+      for (int x = -1; x <= 1; ++x) {
+        const Slot& slot = slots_[slotOf(cell + IVec3(x, y, z))];
+        if (slot.number < number && glm::distance(slot.place, place) < clearance_) return false;
+      }
   return true;
 }
 

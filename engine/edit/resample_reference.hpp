@@ -38,23 +38,32 @@ struct ResampleWish {
 /// `self`: the point that decides, its offset zero; `neighbours`: all others within the support radius.
 ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours);
 
-/// Who may insert where: of all that want a place near the same one, the point with the smallest id.
+/// Who may insert where: of those that want the same cell of the claims' grid the point with the smallest number,
+/// unless the one of a neighbouring cell has a smaller one and wants a place nearer than the clearance. Three passes,
+/// each over all that wish for a place.
 class InsertionClaims {
  public:
   /// `spacing`: the widest target spacing, model units.
-  explicit InsertionClaims(double spacing)
-      : grid_(shared::claimGrid(static_cast<float>(spacing))), slots_(shared::kClaimSlots, kFree) {}
+  explicit InsertionClaims(double spacing);
 
-  void clear() { std::fill(slots_.begin(), slots_.end(), kFree); }
-  /// `place`: of the new point, relative to the cloud's origin; `id`: of the point that wants it.
-  void claim(const Vec3& place, std::uint32_t id);
-  /// After all claims of a tick.
-  bool stands(const Vec3& place, std::uint32_t id) const;
+  void clear();
+  /// `place`: of the new point, relative to the cloud's origin; `number`: of the point that wants it.
+  void claim(const Vec3& place, std::uint32_t number);
+  /// After all claims of a tick: whoever has the smallest number says where it wants its point.
+  void confirm(const Vec3& place, std::uint32_t number);
+  /// After all have confirmed.
+  bool stands(const Vec3& place, std::uint32_t number) const;
 
  private:
-  static constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+  struct Slot {
+    std::uint32_t number = std::numeric_limits<std::uint32_t>::max();
+    Vec3 place{0};
+  };
+  std::uint32_t slotOf(const IVec3& cell) const { return bucketOf(grid_, cell); }
+
   shared::HashGrid grid_;
-  std::vector<std::uint32_t> slots_;
+  float clearance_;  // model units
+  std::vector<Slot> slots_;
 };
 
 }  // namespace palpate

@@ -200,11 +200,15 @@ void SculptReference::resample() {
 
 void SculptReference::insertClaimed() {
   claims_.clear();
-  for (std::size_t i = 0; i < unsettled_.size(); ++i)
-    if (wishes_[i].inserts) claims_.claim(wishes_[i].place, unsettled_[i]);
-  for (std::size_t i = 0; i < unsettled_.size(); ++i)
-    if (wishes_[i].inserts && claims_.stands(wishes_[i].place, unsettled_[i]))
-      tellOf(points_.insertBetween(unsettled_[i], wishes_[i].other, wishes_[i].place));
+  const auto forEachWish = [&](auto&& visit) {
+    for (std::size_t i = 0; i < unsettled_.size(); ++i)
+      if (wishes_[i].inserts) visit(unsettled_[i], wishes_[i]);
+  };
+  forEachWish([&](std::uint32_t point, const Wish& wish) { claims_.claim(wish.place, point); });
+  forEachWish([&](std::uint32_t point, const Wish& wish) { claims_.confirm(wish.place, point); });
+  forEachWish([&](std::uint32_t point, const Wish& wish) {
+    if (claims_.stands(wish.place, point)) tellOf(points_.insertBetween(point, wish.other, wish.place));
+  });
 }
 
 }  // namespace palpate

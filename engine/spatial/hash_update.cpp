@@ -13,7 +13,7 @@ namespace {
 
 // Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
 // from which an edit rebuilds; both cost memory.
-constexpr std::uint64_t kSpareShare = 4, kMovesShare = 16;
+constexpr std::uint64_t kSpareShare = 8, kMovesShare = 16;
 constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
 
 constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +

@@ -38,6 +38,8 @@ class HashUpdate {
   /// What passes that list moves need.
   shared::HashUpdateArgs args(const shared::CloudView& cloud, std::uint32_t parity) const;
   DeviceAddress changed() const { return changed_.address(); }
+  /// Room for a vec4 for every changed slot, free once recordApply() has done its work.
+  DeviceAddress scratch() const { return arrivals_.address(); }
 
   /// Copies the counters to the host; the list's end is a good place.
   void recordReport(CommandList& list) const;

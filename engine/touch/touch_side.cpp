@@ -102,11 +102,11 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
               {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
               live_.slots()),
       pace_(kStalest_s) {
+  buildTime_us_ = hash_.build(live_);
   if (options.brush) {
     edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, *options.brush), options.radius);
     editTimes_us_.reserve(kEditTimesKept);
   }
-  buildTime_us_ = hash_.build(live_);
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());
     bridge_.record(live_.parity(), hash_.view(live_.side(), live_.slots()));
@@ -244,7 +244,7 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
-  if (!last_.touching || !last_.valid) endStroke();
+  if ((!last_.touching || !last_.valid) && !(edit_ && edit_->unsettled())) endStroke();
   bridge_.answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
   shortfalls_.thinnedPatches = bridge_.thinnedPatches();
   return true;
@@ -278,8 +278,9 @@ const CommandList& TouchSide::chosenEdit() const {
 }
 
 void TouchSide::editIfYielding(bool realtime) {
-  const double depth = glm::distance(last_.proxy, lastPose_.hip);
-  if (!edit_ || !last_.touching || depth <= options_.brush->tau) return;
+  if (!edit_) return;
+  const bool yields = last_.touching && glm::distance(last_.proxy, lastPose_.hip) > options_.brush->tau;
+  if (!yields && !edit_->unsettled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;
     return;

@@ -67,6 +67,7 @@ class TouchSide final : public TouchBackend {
 
   EditLog& editLog() { return log_; }
   const LiveCloud& live() const { return live_; }
+  bool paints() const { return options_.brush && options_.brush->kind == BrushKind::paint; }
   const SpatialHash& hash() const { return hash_; }
   const ContactStep& contact() const { return contact_; }
   std::string machine() const override { return device_.name(); }

@@ -10,26 +10,56 @@
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
-Moments moments;  // what this invocation has seen
+// What this invocation has seen.
+Moments moments;
+vec3 sides;  // sum of w n, with the normals as they were
 
 void visitNeighbour(uint slot, vec4 position, vec3 d) {
   addNeighbour(moments, d, args.radius);
+  sides += wendland(length(d) / args.radius) * args.cloud.normals.at[slot].xyz;
 }
 
-Moments momentsAbout(vec3 center) {
+Moments momentsAbout(vec3 center, out vec3 side) {
   moments = noMoments();
-  visitNeighbours(args.cloud, center, args.radius);
+  sides = vec3(0.0);
+  visitNeighbours(args.cloud, center, args.radius, kNeighbourWorkBudget);
+  side = subgroupAdd(sides);
   return Moments(subgroupAdd(moments.weight), subgroupAdd(moments.neighbours), subgroupAdd(moments.mean),
                  subgroupAdd(moments.diagonal), subgroupAdd(moments.mixed));
 }
 
+// Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
+// tick, and its own old side says nothing then.
 vec3 fittedNormal(vec3 center, vec3 old) {
-  const vec3 normal = planeNormal(momentsAbout(center));
-  if (dot(normal, normal) < 0.5) return old;
-  return dot(normal, old) < 0.0 ? -normal : normal;
+  vec3 side;
+  const vec3 fitted = planeNormal(momentsAbout(center, side));
+  vec3 normal = old;
+  if (dot(fitted, fitted) > 0.5) normal = dot(fitted, old) < 0.0 ? -fitted : fitted;
+  return dot(normal, side) < 0.0 ? -normal : normal;
+}
+
+uint nextEntry() { return atomicAdd(args.head.at[0], 1) & args.capacityMask; }
+
+void logPoint(vec3 position, uint id, uint gone, vec3 normal) {
+  const uint slot = nextEntry();
+  args.entries.at[slot].position = position;
+  args.entries.at[slot].id = id | gone;
+  args.entries.at[slot].normal = normal;
+  args.entries.at[slot].color = colorOf(args.tables, id);
+  args.entries.at[slot].parent = parentOf(args.tables, id);
+}
+
+// Points that are taken away have no slot any more: the moves name them.
+void logGone() {
+  const uint moves = args.update.at[0].moves;
+  if (args.update.at[0].gone == 0) return;
+  for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
+    if (args.moves.at[i].toBucket == kNoBucket)
+      logPoint(args.moves.at[i].position, args.moves.at[i].id, kPointGone, args.moves.at[i].normal);
 }
 
 void main() {
+  if (args.update.at[0].failed != 0) return;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
@@ -37,16 +67,14 @@ void main() {
     const vec4 position = args.cloud.positions.at[i];
     const vec4 before = args.cloud.normals.at[i];
     vec3 normal = before.xyz;
-    if (before.w == kMarkRefit) normal = fittedNormal(position.xyz, normal);
+    const bool refits = before.w == kMarkRefit;
+    if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
       const uint id = floatBitsToUint(position.w);
-      args.cloud.normals.at[i] = vec4(normal, 0.0);
-      const uint slot = atomicAdd(args.head.at[0], 1) & args.capacityMask;
-      args.entries.at[slot].position = position.xyz;
-      args.entries.at[slot].id = id;
-      args.entries.at[slot].normal = normal;
-      args.entries.at[slot].color = colorOf(args.colors, id);
-      args.entries.at[slot].parent = parentOf(args.parents, args.firstNew, id);
+      args.fitted.at[which] = vec4(normal, 0.0);
+      if (refits && resamples(args.lists)) args.tables.at[0].looks.at[id] = args.lists.now.tick;
+      logPoint(position.xyz, id, 0, normal);
     }
   }
+  logGone();
 }

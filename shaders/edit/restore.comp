@@ -7,23 +7,23 @@
 
 layout(push_constant, scalar) uniform Push { RestoreArgs args; };
 
-uint bucketAt(vec3 position) { return bucketOf(args.cloud.grid, cellOf(args.cloud.grid, position)); }
-
-// The slot where a bucket has the point; kEmptySlot when it has not.
-uint slotOf(uint bucket, uint id) {
-  const uvec2 range = args.cloud.ranges.at[bucket];
-  for (uint base = range.x; base < range.y; base += gl_SubgroupSize) {
-    const uint slot = base + gl_SubgroupInvocationID;
-    const uvec4 found =
-        subgroupBallot(slot < range.y && floatBitsToUint(args.cloud.positions.at[min(slot, range.y - 1)].w) == id);
-    if (any(notEqual(found, uvec4(0)))) return base + subgroupBallotFindLSB(found);
-  }
-  return kEmptySlot;
+// What is known of a point besides its place. When the update has been carried out.
+void finish(uint i) {
+  if (args.update.at[0].failed != 0 || !subgroupElect()) return;
+  const uint id = args.changes.at[i].to.id & ~kPointGone;
+  if (resamples(args.lists)) atomicMax(args.lists.now.nextId, id + 1);
+  if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = args.changes.at[i].to.color;
+  const uint firstNew = args.tables.at[0].firstNew;
+  if (id >= firstNew) args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;
 }
 
 void main() {
   const uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
   if (i >= args.count) return;
+  if (args.finishes != 0) {
+    finish(i);
+    return;
+  }
   const uint fromId = args.changes.at[i].from.id;
   const uint toId = args.changes.at[i].to.id;
   const uint id = toId & ~kPointGone;
@@ -34,10 +34,10 @@ void main() {
   move.mark = kMarkGiven;
   move.slot = kEmptySlot;
   move.fromBucket = kNoBucket;
-  move.toBucket = (toId & kPointGone) != 0 ? kNoBucket : bucketAt(move.position);
+  move.toBucket = (toId & kPointGone) != 0 ? kNoBucket : bucketAt(args.cloud, move.position);
   if ((fromId & kPointGone) == 0) {
-    move.fromBucket = bucketAt(args.changes.at[i].from.position);
-    move.slot = slotOf(move.fromBucket, id);
+    move.fromBucket = bucketAt(args.cloud, args.changes.at[i].from.position);
+    move.slot = slotIn(args.cloud, move.fromBucket, id);
     if (move.slot == kEmptySlot) {
       if (subgroupElect()) atomicOr(args.update.at[0].failed, kUpdateUnknown);
       return;
@@ -46,7 +46,5 @@ void main() {
   const bool writes = subgroupElect() && (move.fromBucket != kNoBucket || move.toBucket != kNoBucket);
   const uint at = nextMove(args.update, writes);
   if (!writes) return;
-  if (!isNull(args.colors)) args.colors.at[id] = args.changes.at[i].to.color;
-  if (id >= args.firstNew) args.parents.at[id - args.firstNew] = args.changes.at[i].to.parent;
   writeMove(args.update, args.moves, args.marks, args.touched, args.mostMoves, at, move);
 }

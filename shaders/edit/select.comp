@@ -3,7 +3,7 @@
 // Which points a brush reaches, and where it brings them: nothing is moved yet. Looks through the cells of the tool's
 // box, or through all slots where those are fewer.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
 layout(push_constant, scalar) uniform Push { SelectArgs args; };
@@ -11,39 +11,16 @@ layout(push_constant, scalar) uniform Push { SelectArgs args; };
 shared uint cellStart[kSelectCells];  // points in the cells before
 shared uint cellFirst[kSelectCells];  // first slot
 
-Brush brush;
-Tool tool;
-
 ivec3 lowestCell() { return cellOf(args.cloud.grid, tool.center - brush.toolRadius); }
 ivec3 cellOfBox(uint c) {
   return lowestCell() + ivec3(c % args.cells, c / args.cells % args.cells, c / (args.cells * args.cells));
 }
 
-// What becomes of the point in a slot; false when nothing does.
-bool brushedMove(uint slot, vec4 position, out PointMove move) {
-  const uint id = floatBitsToUint(position.w);
-  const vec3 away = position.xyz - tool.center;
-  if (id == kEmptySlot || dot(away, away) >= brush.toolRadius * brush.toolRadius) return false;
-  const vec3 normal = args.cloud.normals.at[slot].xyz;
-  const uint bucket = bucketOf(args.cloud.grid, cellOf(args.cloud.grid, position.xyz));
-  move = PointMove(position.xyz, id, normal, kMarkRefit, slot, bucket, bucket);
-  if (brush.kind == kBrushSmooth) return brushShare(brush, tool, position.xyz) > 0.0;
-  if (brush.kind == kBrushPaint) {
-    if (isNull(args.colors)) return false;
-    const uint before = args.colors.at[id];
-    const uint after = painted(brush, tool, position.xyz, before);
-    args.colors.at[id] = after;
-    move.mark = kMarkGiven;
-    return after != before;
-  }
-  const Brushed result = brushed(brush, tool, position.xyz, normal);
-  if (result.taken != 0) {
-    move.toBucket = kNoBucket;
-    return true;
-  }
-  move.position = result.position;
-  move.toBucket = bucketOf(args.cloud.grid, cellOf(args.cloud.grid, result.position));
-  return result.position != position.xyz;
+bool reached(uint slot, vec4 position, out PointMove move) {
+  if (!brushedMove(args.cloud, args.tables, slot, position, move)) return false;
+  if (brush.kind == kBrushPaint)
+    args.tables.at[0].colors.at[move.id] = painted(brush, tool, position.xyz, colorOf(args.tables, move.id));
+  return true;
 }
 
 void take(bool wants, PointMove move) {
@@ -55,7 +32,7 @@ void selectFromSlots() {
   const uint i = threadIndex();
   const uint slot = args.firstSlot + i;
   PointMove move;
-  const bool wants = i < args.slots && brushedMove(slot, args.cloud.positions.at[slot], move);
+  const bool wants = i < args.slots && reached(slot, args.cloud.positions.at[slot], move);
   take(wants, move);
 }
 
@@ -84,16 +61,14 @@ void selectFromCells() {
       const uint slot = cellFirst[cell] + k - cellStart[cell];
       const vec4 position = args.cloud.positions.at[slot];
       // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
-      if (cellOf(args.cloud.grid, position.xyz) == cellOfBox(first + cell)) wants = brushedMove(slot, position, move);
+      if (cellOf(args.cloud.grid, position.xyz) == cellOfBox(first + cell)) wants = reached(slot, position, move);
     }
     take(wants, move);
   }
 }
 
 void main() {
-  brush = args.brush.at[0];
-  const vec3 hip = args.state.at[0].lastHip;
-  tool = toolOf(brush, hip, hip - args.state.at[0].motion, args.state.at[0].spring, args.state.at[0].touching);
+  takeUpBrush(args.brush, args.state);
   if (tool.acts == 0) return;
   if (args.cells == 0)
     selectFromSlots();

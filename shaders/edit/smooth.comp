@@ -3,14 +3,13 @@
 // Smoothing: each point that the brush has selected goes its share of the way to the algebraic sphere of its neighbours
 // as they all still stand. One subgroup for each.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/surface_fit.glsl"
 #include "shaders/lib/weight.glsl"
 
 layout(push_constant, scalar) uniform Push { SmoothArgs args; };
 
-Brush brush;
 vec3 facing;       // the side of the sheet that is smoothed
 SurfaceSums sums;  // of what this invocation has seen
 
@@ -27,31 +26,31 @@ void visitNeighbour(uint slot, vec4 position, vec3 d) {
 
 Surface surfaceAbout(vec3 place) {
   sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-  visitNeighbours(args.cloud, place, brush.support);
+  visitNeighbours(args.cloud, place, brush.support, kNeighbourWorkBudget);
   const SurfaceSums all =
       SurfaceSums(subgroupAdd(sums.offsets), subgroupAdd(sums.normals), subgroupAdd(sums.products));
   return surfaceFrom(all, brush.support, kSurfaceSphere);
 }
 
 void main() {
-  brush = args.brush.at[0];
-  const vec3 hip = args.state.at[0].lastHip;
-  const Tool tool =
-      toolOf(brush, hip, hip - args.state.at[0].motion, args.state.at[0].spring, args.state.at[0].touching);
+  takeUpBrush(args.brush, args.state);
   const uint moves = min(args.update.at[0].moves, args.mostMoves);
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
     const vec3 place = args.moves.at[i].position;
     facing = args.moves.at[i].normal;
     const Surface surface = surfaceAbout(place);
-    if (!surface.defined || !subgroupElect()) continue;
-    const vec3 to = smoothed(brush, tool, place, surface.distance, surface.normal);
-    const uint from = args.moves.at[i].fromBucket;
-    const uint bucket = bucketOf(args.cloud.grid, cellOf(args.cloud.grid, to));
-    args.moves.at[i].position = to;
-    args.moves.at[i].toBucket = bucket;
-    if (bucket == from) continue;
-    touchBucket(args.update, args.marks, args.touched, from, false);
-    touchBucket(args.update, args.marks, args.touched, bucket, true);
+    const bool goes = args.moves.at[i].toBucket == kNoBucket;
+    if (surface.defined && !goes && subgroupElect()) {
+      const vec3 to = smoothed(brush, tool, place, surface.distance, surface.normal);
+      const uint from = args.moves.at[i].fromBucket;
+      const uint bucket = bucketAt(args.cloud, to);
+      args.moves.at[i].position = to;
+      args.moves.at[i].toBucket = bucket;
+      if (bucket != from) {
+        touchBucket(args.update, args.marks, args.touched, from, false);
+        touchBucket(args.update, args.marks, args.touched, bucket, true);
+      }
+    }
   }
 }

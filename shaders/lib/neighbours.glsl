@@ -12,14 +12,14 @@
 void visitNeighbour(uint slot, vec4 position, vec3 d);
 
 // Visits all points nearer than `radius` to `center`, each once. Each invocation looks up one cell, and then all share
-// the points of those cells evenly. The whole subgroup calls it together.
-void visitNeighbours(CloudView cloud, vec3 center, float radius) {
+// the points of those cells evenly. The whole subgroup calls it together. `budget`: rounds of its loops.
+void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget) {
   const ivec3 low = cellOf(cloud.grid, center - radius);
   const uvec3 size = uvec3(cellOf(cloud.grid, center + radius) - low + 1);
   const uint cells = size.x * size.y * size.z;
   const uint lane = gl_SubgroupInvocationID;
   uint work = 0;
-  for (uint firstCell = 0; firstCell < cells && work < kNeighbourWorkBudget; firstCell += gl_SubgroupSize) {
+  for (uint firstCell = 0; firstCell < cells && work < budget; firstCell += gl_SubgroupSize) {
     const uint c = firstCell + lane;
     const ivec3 cell = low + ivec3(c % size.x, c / size.x % size.y, c / (size.x * size.y));
     uvec2 range = uvec2(0);
@@ -28,7 +28,7 @@ void visitNeighbours(CloudView cloud, vec3 center, float radius) {
     const uint start = subgroupExclusiveAdd(count);
     const uint total = subgroupAdd(count);
     ++work;
-    for (uint base = 0; base < total && work < kNeighbourWorkBudget; base += gl_SubgroupSize) {
+    for (uint base = 0; base < total && work < budget; base += gl_SubgroupSize) {
       const uint k = base + lane;
       uint owner = 0;  // the last lane whose points begin at or before k
       for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2) {

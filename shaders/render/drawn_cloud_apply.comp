@@ -13,9 +13,13 @@ void main() {
   if (i >= args.entryCount) return;
   // Field by field: the validation layer of Debian 12 takes the load of a whole entry for larger than it is.
   const uint slot = (args.firstSlot + i) & args.slotMask;
-  const uint id = args.entries.at[slot].id;
+  const uint state = args.entries.at[slot].id;
+  const uint id = state & ~kPointGone;
   if (id >= args.pointCount || args.latest.at[id] != i + 1) return;
-  args.positions.at[id] = vec4(args.entries.at[slot].position, 0);
+  // No picture shows a point without a place.
+  const bool gone = (state & kPointGone) != 0;
+  args.positions.at[id] = vec4(gone ? vec3(uintBitsToFloat(0x7fc00000u)) : args.entries.at[slot].position, 0);
   args.normals.at[id] = vec4(args.entries.at[slot].normal, 0);
+  if (args.colored != 0) args.colors.at[id] = args.entries.at[slot].color;
   args.latest.at[id] = 0;
 }

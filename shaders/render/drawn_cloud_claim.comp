@@ -10,6 +10,6 @@ layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
 void main() {
   const uint i = threadIndex();
   if (i >= args.entryCount) return;
-  const uint id = args.entries.at[(args.firstSlot + i) & args.slotMask].id;
+  const uint id = args.entries.at[(args.firstSlot + i) & args.slotMask].id & ~kPointGone;
   if (id < args.pointCount) atomicMax(args.latest.at[id], i + 1);
 }

@@ -10,12 +10,15 @@ struct CatchUpArgs {
   PALPATE_ADDRESS(Uints) latest;         // per point: 1 + the place in the range of its last entry; 0 between ranges
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(Uints) colors;  // RGBA8; not written where `colored` is 0
   uint firstSlot;  // of the range in the ring
   uint slotMask;   // the ring has slotMask + 1 slots
   uint entryCount;
   uint pointCount;
+  uint colored;
+  uint unused;
 };
-PALPATE_SIZE(CatchUpArgs, 48);
+PALPATE_SIZE(CatchUpArgs, 64);
 
 PALPATE_SHARED_END
 #endif

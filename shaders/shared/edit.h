@@ -4,12 +4,16 @@
 #include "shaders/shared/contact.h"
 #include "shaders/shared/edit_log.h"
 #include "shaders/shared/hash_update.h"
+#include "shaders/shared/resample.h"
 
 PALPATE_SHARED_BEGIN
 
 // Rounds of the loops over the neighbours of one place. Past it what follows comes from the points seen so far; reached
 // only where a hundred thousand points share a place.
 const uint kNeighbourWorkBudget = 20000;
+// The same for those that decide whether points come or go, who look around several times. Past it they decide by the
+// points that they have seen: only where hundreds share a place, and those are merged with the ones that are seen.
+const uint kWishWorkBudget = 400;
 
 // Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
@@ -17,6 +21,45 @@ const float kLongestMove = 0.25f;
 // Cells that one workgroup looks through for points that a tool reaches: few, so that a surface that lies along them
 // keeps no workgroup much longer than the others.
 const uint kSelectCells = 64;
+
+// In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
+const float kMarkGoes = 3.0f;
+// New points in one tick. They get their ids in the order of those that wish for them, by comparing each with each.
+// Where more are wished for, none come, and in the next tick half of the wishes are heard.
+const uint kMostBirths = 1024;
+
+// What an edit knows of points by their ids; null where it is not kept. Places for `ids` points.
+struct PointTables {
+  PALPATE_ADDRESS(Uints) colors;     // RGBA8
+  PALPATE_ADDRESS(Uints) parents;    // of the points from firstNew on
+  PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
+  PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
+  uint firstNew;
+  uint ids;
+};
+PALPATE_SIZE(PointTables, 40);
+
+// What a point that was looked at wishes for in the next tick. To be looked at again is the least.
+struct PointWish {
+  vec3 position;  // of the point
+  uint id;
+  vec3 place;     // of the new point
+  uint inserts;   // not 0: it wishes for one
+  vec3 normal;    // of that, and so on
+  uint color;
+  uint parent;
+};
+PALPATE_SIZE(PointWish, 52);
+
+struct Resampling {
+  uint wishes;
+  uvec3 wishGroups;  // one subgroup a wish
+  uint births;       // of this tick
+  uint nextId;
+  uint tick;
+  uint thinning;     // only wishes of every 2^thinning-th point for a new one are heard
+};
+PALPATE_SIZE(Resampling, 32);
 
 // The points that a brush reaches, and where it brings them.
 struct SelectArgs {
@@ -27,7 +70,7 @@ struct SelectArgs {
   PALPATE_ADDRESS(TouchedBuckets) touched;
   PALPATE_ADDRESS(ContactStates) state;
   PALPATE_ADDRESS(Brushes) brush;
-  PALPATE_ADDRESS(Uints) colors;  // RGBA8 by id; null where there are none
+  PALPATE_ADDRESS(Tables) tables;
   uint mostMoves;
   uint cells;      // of the tool's box, along one side; 0: all slots from firstSlot on are looked at
   uint firstSlot;
@@ -48,6 +91,64 @@ struct SmoothArgs {
 };
 PALPATE_SIZE(SmoothArgs, 112);
 
+// The wishes of the last tick become moves of this one.
+struct RecallArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(PointMoves) moves;
+  PALPATE_ADDRESS(Uints) marks;
+  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(ContactStates) state;
+  PALPATE_ADDRESS(Brushes) brush;
+  PALPATE_ADDRESS(Tables) tables;
+  PALPATE_ADDRESS(ResampleLists) lists;
+  uint mostMoves;
+  uint forgets;  // not 0: the wishes are dropped instead
+};
+PALPATE_SIZE(RecallArgs, 128);
+
+struct BirthArgs {
+  HashGrid grid;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(PointMoves) moves;
+  PALPATE_ADDRESS(Uints) marks;
+  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(Tables) tables;
+  PALPATE_ADDRESS(ResampleLists) lists;
+  uint mostMoves;
+  uint unused;
+};
+PALPATE_SIZE(BirthArgs, 80);
+
+// After the index has followed: normals as they were fitted, and the wishes that have been heard are taken away.
+struct SettleArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(Vec4s) fitted;
+};
+PALPATE_SIZE(SettleArgs, 80);
+
+struct WishArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(Tables) tables;
+  PALPATE_ADDRESS(ResampleLists) lists;
+  float radius;  // support radius, model units
+  uint most;     // wishes that there is room for
+};
+PALPATE_SIZE(WishArgs, 96);
+
+// Target spacings, measured once on the cloud as it was loaded.
+struct SpacingArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(Tables) tables;
+  float radius;  // support radius, model units
+  uint counts;   // not 0: finds out which points count, in their looks; 0: measures
+};
+PALPATE_SIZE(SpacingArgs, 72);
+
 // A change as the host gives it; both states have the same number.
 struct GivenChange {
   EditEntry from;
@@ -62,41 +163,29 @@ struct RestoreArgs {
   PALPATE_ADDRESS(Uints) marks;
   PALPATE_ADDRESS(TouchedBuckets) touched;
   PALPATE_ADDRESS(GivenChanges) changes;
-  PALPATE_ADDRESS(Uints) colors;   // RGBA8 by id; null where there are none
-  PALPATE_ADDRESS(Uints) parents;  // of the points from firstNew on
+  PALPATE_ADDRESS(Tables) tables;
+  PALPATE_ADDRESS(ResampleLists) lists;
   uint mostMoves;
-  uint firstNew;
-  uint count;  // of changes
+  uint count;   // of changes
+  uint finishes;  // not 0: after the update, what it leaves to do
   uint unused;
 };
 PALPATE_SIZE(RestoreArgs, 128);
 
-struct LogGoneArgs {
-  PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(EditEntries) entries;
-  PALPATE_ADDRESS(Uints) head;
-  PALPATE_ADDRESS(Uints) colors;
-  PALPATE_ADDRESS(Uints) parents;
-  uint capacityMask;  // entries in the ring, less one; a power of two less one
-  uint firstNew;
-};
-PALPATE_SIZE(LogGoneArgs, 56);
-
 struct RefitNormalsArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point
   PALPATE_ADDRESS(EditEntries) entries;
   PALPATE_ADDRESS(Uints) head;
-  PALPATE_ADDRESS(Uints) colors;
-  PALPATE_ADDRESS(Uints) parents;
+  PALPATE_ADDRESS(Tables) tables;
+  PALPATE_ADDRESS(ResampleLists) lists;
   uint capacityMask;  // entries in the ring, less one; a power of two less one
   float radius;       // support radius, model units
-  uint firstNew;
-  uint unused;
 };
-PALPATE_SIZE(RefitNormalsArgs, 120);
+PALPATE_SIZE(RefitNormalsArgs, 128);
 
 PALPATE_SHARED_END
 #endif

@@ -17,7 +17,7 @@ using glm::dot;
 // In target spacings, which are those of the cloud as it was loaded.
 // A direction in which the nearest neighbour is further than this has a gap. Less fills places that are only uneven,
 // more leaves holes.
-const float kWidestGap = 1.6f;
+const float kWidestGap = 1.5f;
 // A new point stands at least so far from every other one: less than half a gap, or no gap could be filled, and enough
 // that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its corners
 // nearer than a gap).
@@ -54,8 +54,9 @@ PALPATE_FUNCTION vec3 halfWay(vec3 offset, vec3 normal, vec3 otherNormal) {
   return 0.5f * offset + 0.125f * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
 }
 
-// The claims stand on a grid of this edge, with one slot for a cell. A point's insertion stands when no point with a
-// smaller id has claimed one of the 27 cells about its place.
+// Insertions claim their places on a grid whose cells are as wide as the clearance, with one slot for a cell: the point
+// with the smallest number has it; its insertion stands unless a point with a smaller number has one of the 26 cells
+// about it and wants a place nearer than the clearance. `spacing`: the widest target, model units.
 PALPATE_FUNCTION HashGrid claimGrid(float spacing) {
   HashGrid grid;
   grid.origin = vec3(0.0f);

@@ -92,6 +92,23 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
   CHECK(jsonOf(folder / "touch.json")["moved_points"] == moved);
 }
 
+TEST_CASE("every brush sculpts on the CPU, and says how many points it edited") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "plain.ply").string(), saved = (folder / "saved.ply").string();
+  works("make sphere -n 20000 -o " + model);
+  const PointCloud before = readPly(model);
+  for (const std::string_view edit : {"push", "carve", "inflate", "smooth", "grab", "paint"}) {
+    CAPTURE(edit);
+    works("touch " + model + " --backend cpu --penetration 4 --strength 1 --falloff 2 --paint-color 0,0,255 --edit " +
+          std::string(edit) + " --save " + saved + " --json " + (folder / "touch.json").string());
+    const PointCloud after = readPly(saved);
+    CHECK(jsonOf(folder / "touch.json")["moved_points"] > 10);
+    CHECK(after.hasColors() == (edit == "paint"));
+    CHECK((after.positions == before.positions) == (edit == "paint"));
+    if (edit == "push" || edit == "carve") CHECK(after.size() > before.size());
+  }
+}
+
 TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
@@ -200,6 +217,12 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
   fails("touch " + model + " --edit push --tau nan", 2, "--tau");
+  fails("touch " + model + " --edit scratch", 2, "--edit");
+  fails("touch " + model + " --edit carve --strength 2", 2, "--strength");
+  fails("touch " + model + " --backend cpu --edit smooth --falloff 0.5", 2, "--falloff");
+  fails("touch " + model + " --backend cpu --edit smooth --falloff 17", 2, "--falloff");
+  fails("touch " + model + " --backend cpu --edit paint --paint-color 300,0,0", 2, "--paint-color");
+  fails("touch " + model + " --edit carve", 2, "take cpu");
   fails("touch " + model + " --surface sharpest", 2, "--surface");
   fails("touch " + model + " --surface sphere --backend cuda", 2, "--surface");
   fails("touch " + model + " --friction 0.3 --backend cuda", 2, "--friction");

@@ -13,9 +13,9 @@ EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid
       live_(device, cloud, HashUpdate::spareSlots(cloud.size())),
       hash_(device, grid, live_.slots(), sort, BucketOrder::stable, Slots::spare),
       log_(device, live_.slots()),
-      state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "state")),
-      edit_(device, brush, hash_, live_, log_, colors, radius) {
+      state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "state")) {
   hash_.build(live_);
+  edit_.emplace(device, brush, hash_, live_, log_, colors, radius);
 }
 
 bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) {
@@ -25,7 +25,7 @@ bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) 
   list.end();
   device_.touch().run(list);
   if (how != How::incremental) live_.flip();
-  return edit_.report().failed == 0;
+  return edit_->report().failed == 0;
 }
 
 bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DVec3& motion) {
@@ -39,26 +39,26 @@ bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DV
                                             .started = 1}});
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_.recordIncremental(list, live_.side(), state_);
+      edit_->recordIncremental(list, live_.side(), state_);
     else
-      edit_.recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort(),
-                          how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
+      edit_->recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort(),
+                           how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
   });
 }
 
 bool EditedScene::change(std::span<const PointChange> changes, How how) {
-  edit_.give(changes);
+  edit_->give(changes);
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_.recordGivenIncremental(list, live_.side());
+      edit_->recordGivenIncremental(list, live_.side());
     else
-      edit_.recordGivenRebuild(list, live_.side(), live_.otherSide(), hash_.sort());
+      edit_->recordGivenRebuild(list, live_.side(), live_.otherSide(), hash_.sort());
   });
 }
 
 void EditedScene::compact() {
   run(How::rebuild,
-      [&](CommandList& list) { edit_.recordCompaction(list, live_.side(), live_.otherSide(), hash_.sort()); });
+      [&](CommandList& list) { edit_->recordCompaction(list, live_.side(), live_.otherSide(), hash_.sort()); });
 }
 
 std::vector<PointState> EditedScene::takeLog() {
@@ -71,7 +71,7 @@ std::vector<PointState> EditedScene::takeLog() {
 
 std::map<std::uint32_t, PointState> EditedScene::points() const {
   auto points = live_.points();
-  edit_.complete(points);
+  edit_->complete(points);
   std::map<std::uint32_t, PointState> byId;
   for (const PointState& point : points) byId[point.id] = point;
   return byId;
@@ -94,13 +94,13 @@ std::size_t EditedScene::faults() const {
       owned[slot] = true;
       const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
       if (id == shared::kEmptySlot || bucketOf(hash_.grid(), cellOf(hash_.grid(), Vec3(positions[slot]))) != bucket ||
-          ids[id]++ > 0 || normals[slot].w != 0)
+          ids[id]++ > 0 || (normals[slot].w != 0 && normals[slot].w != shared::kMarkGoes))
         ++faults;
     }
   }
   for (std::size_t slot = 0; slot < positions.size(); ++slot)
     if (!owned[slot] && std::bit_cast<std::uint32_t>(positions[slot].w) != shared::kEmptySlot) ++faults;
-  const auto& head = edit_.report().head;
+  const auto& head = edit_->report().head;
   for (std::size_t slot = head; slot < positions.size(); ++slot) faults += owned[slot];
   return faults;
 }

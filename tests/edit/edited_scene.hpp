@@ -33,8 +33,8 @@ class EditedScene {
   std::size_t faults() const;
   /// Every bucket's ids in order.
   std::map<std::uint32_t, std::vector<std::uint32_t>> buckets() const;
-  const shared::HashUpdate& report() const { return edit_.report(); }
-  const EditPass& edit() const { return edit_; }
+  const shared::HashUpdate& report() const { return edit_->report(); }
+  const EditPass& edit() const { return *edit_; }
   const SpatialHash& hash() const { return hash_; }
   const LiveCloud& live() const { return live_; }
 
@@ -47,7 +47,7 @@ class EditedScene {
   EditLog log_;
   Buffer state_;
   std::uint32_t logSeen_ = 0;
-  EditPass edit_;
+  std::optional<EditPass> edit_;
 };
 
 }  // namespace palpate

@@ -159,17 +159,25 @@ TEST_CASE("what a point wishes does not depend on the order in which its neighbo
   CHECK(gone > 50);
 }
 
-TEST_CASE("of all claims near one place that of the smallest number stands, and far ones do not hinder one another") {
+TEST_CASE("of all claims near one place that of the smallest number stands, and others do not hinder one another") {
+  const std::vector<std::pair<Vec3, std::uint32_t>> wanted{
+      {{0.1f, 0.1f, 0}, 5}, {{0.5f, 0.1f, 0}, 3}, {{0.8f, 0.1f, 0}, 7}, {{1.3f, 0.1f, 0}, 9}, {{9, 0, 0}, 8}};
   InsertionClaims claims(1);
-  claims.claim({0.1f, 0.1f, 0}, 5);
-  claims.claim({0.5f, 0.1f, 0}, 3);
-  claims.claim({9, 0, 0}, 8);
-  CHECK_FALSE(claims.stands({0.1f, 0.1f, 0}, 5));
-  CHECK(claims.stands({0.5f, 0.1f, 0}, 3));
-  CHECK(claims.stands({9, 0, 0}, 8));
+  for (int round = 0; round < 2; ++round) {
+    claims.clear();
+    for (const auto& [place, number] : wanted) claims.claim(place, number);
+    for (const auto& [place, number] : wanted) claims.confirm(place, number);
+    const auto stands = [&](std::size_t i) { return claims.stands(wanted[i].first, wanted[i].second); };
+    CHECK_FALSE(stands(0));  // in the cell of the second
+    CHECK(stands(1));
+    CHECK_FALSE(stands(2));  // too near to the second
+    CHECK_FALSE(stands(3));  // in the cell of the third
+    CHECK(stands(4));
+  }
   claims.clear();
-  claims.claim({0.1f, 0.1f, 0}, 5);
-  CHECK(claims.stands({0.1f, 0.1f, 0}, 5));
+  claims.claim(wanted[0].first, 5);
+  claims.confirm(wanted[0].first, 5);
+  CHECK(claims.stands(wanted[0].first, 5));
 }
 
 TEST_CASE("an even surface stays as it is, an uneven sheet keeps its borders, and both settle") {
@@ -184,7 +192,7 @@ TEST_CASE("an even surface stays as it is, an uneven sheet keeps its borders, an
   CHECK(shakeUntilSettled(uneven, 4) < 30);
   const PointCloud after = cloudOf(uneven);
   CHECK(after.size() > rough.size() * 9 / 10);
-  CHECK(after.size() < rough.size() * 5 / 4);
+  CHECK(after.size() < rough.size() * 4 / 3);
   const Bounds before = boundsOf(rough), now = boundsOf(after);
   for (int k = 0; k < 2; ++k) {
     CHECK(now.min[k] >= before.min[k]);
@@ -207,7 +215,7 @@ TEST_CASE("a hole smaller than the support radius closes, evenly") {
   const SurfaceGaps gaps = SurfaceGapFinder(closed, 4, 1).find(middle);
   CHECK(gaps.widest < 1.25);
   CHECK(gaps.closest > 0.4);
-  CHECK(closed.size() < whole.size() * 11 / 10);
+  CHECK(closed.size() < whole.size() * 6 / 5);
 }
 
 TEST_CASE("many points in one place become one") {

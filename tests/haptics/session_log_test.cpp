@@ -177,6 +177,37 @@ TEST_CASE("adding a tick waits for nobody: what comes faster than it can be writ
   CHECK(record.ticks.size() + record.end->lostTicks == added);
 }
 
+TEST_CASE("edits that come faster than the disk takes them are merged, and give the same points") {
+  const ScratchFolder folder;
+  constexpr std::uint32_t kPoints = 5000;
+  std::vector<std::uint32_t> last(kPoints);
+  std::uint64_t told = 0;
+  SessionWriter writer(folder / "log", "");
+  std::mt19937 random(3);
+  // Handed over in one go, so that no disk is fast enough.
+  EditBatch all;
+  for (std::uint32_t stroke = 1; stroke <= 3; ++stroke) {
+    for (int i = 0; i < 1'000'000; ++i) {
+      const auto id = static_cast<std::uint32_t>(random() % kPoints);
+      all.points.push_back({.id = id, .color = last[id] = ++told % 1'000'003});
+    }
+    all.marks.push_back({all.points.size(), EditMark::Kind::stroke});
+  }
+  writer.add(all);
+  CHECK(writer.waitingEdits() <= 3 * kPoints);
+  writer.finish(0);
+  CHECK(writer.mergedEdits() == told - 3 * kPoints);
+  const SessionRecord record = readSessionLog(folder / "log");
+  CHECK(record.mergedEdits == writer.mergedEdits());
+  CHECK(record.countedEdits == 0);
+  REQUIRE(record.edits.points.size() == 3 * kPoints);
+  for (std::size_t i = 0; i < 3; ++i) CHECK(record.edits.marks[i].at == kPoints * (i + 1));
+  std::size_t wrong = 0;
+  for (std::size_t i = 2 * kPoints; i < 3 * kPoints; ++i)
+    wrong += record.edits.points[i].color != last[record.edits.points[i].number()];
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a killed process leaves all but the last moments of its session") {
   const ScratchFolder folder;
   const pid_t child = ::fork();

@@ -1,5 +1,6 @@
 #include "engine/render/drawn_cloud.hpp"
 
+#include <cmath>
 #include <random>
 
 #include "engine/gpu/transfer.hpp"
@@ -120,6 +121,32 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order"
   }
   CHECK(drawn.catchUp(writer.reader()) == 1000);
   CHECK(same(drawn, writer.cloud()));
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are painted") {
+  const PointCloud cloud = strewnCloud(300);
+  DrawnCloud drawn(device, cloud, 3, true);
+  EditLog log(device, cloud.size());
+  EditLog::Reader reader(log);
+  const Vec3 place(1, 2, 3), normal(0, 0, 1);
+  const auto entry = [&](std::uint32_t id, std::uint32_t color) {
+    return shared::EditEntry{.position = place, .id = id, .normal = normal, .color = color, .parent = 0};
+  };
+  upload(device, log.entriesBuffer(),
+         std::vector{entry(7 | shared::kPointGone, 1), entry(302, 0xff00ff00), entry(8 | shared::kPointGone, 0),
+                     entry(8, 5), entry(303, 9)});
+  log.publish(5);
+  CHECK(drawn.catchUp(reader) == 5);
+  const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
+  const auto colors = download<std::uint32_t>(device, drawn.colors(), drawn.count());
+  REQUIRE(positions.size() == 303);
+  CHECK(std::isnan(positions[7].x));
+  CHECK(Vec3(positions[8]) == place);
+  CHECK(colors[8] == 5);
+  CHECK(std::isnan(positions[301].x));  // nobody has come there
+  CHECK(Vec3(positions[302]) == place);
+  CHECK(colors[302] == 0xff00ff00);
+  CHECK(colors[0] == 0xffc8c8c8);
 }
 
 }  // namespace palpate

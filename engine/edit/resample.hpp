@@ -1,0 +1,52 @@
+#pragma once
+
+#include "engine/spatial/hash_update.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+/// The surface stays a surface while it is sculpted: where an edit stretches it, points are inserted, where it crowds
+/// them, they are merged. The GPU's side of engine/edit/resample_reference.hpp. What a point wishes for at the end of a
+/// tick comes to pass with the next edit, and points that had a wish are looked at again until none has one.
+class Resample {
+ public:
+  /// `radius`: support radius, model units.
+  Resample(Device& device, const LiveCloud& live, std::uint32_t mostWishes, double radius);
+
+  /// Measures the target spacings of a cloud as it was loaded, once.
+  void measure(const shared::CloudView& cloud, DeviceAddress tables);
+
+  /// What the passes of an edit have in common.
+  struct Io {
+    shared::HashUpdateArgs update;
+    DeviceAddress tables, brush, contactState;
+    const Buffer& counters;
+  };
+  /// The last tick's wishes join the moves of this one.
+  void recordRecall(CommandList& list, const Io& io) const;
+  /// They are dropped.
+  void recordForget(CommandList& list, const Io& io) const;
+  /// Once the index has followed: new wishes.
+  void recordWishes(CommandList& list, const Io& io, DeviceAddress changed) const;
+  /// Copies to the host what unsettled() tells of the last edit that has completed.
+  void recordReport(CommandList& list) const;
+  bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].wishes > 0; }
+
+  DeviceAddress lists() const { return lists_.address(); }
+  DeviceAddress spacings() const { return spacings_.address(); }
+  DeviceAddress looks() const { return looks_.address(); }
+  std::uint64_t bytes() const { return lists_.bytes() + spacings_.bytes() + looks_.bytes() + report_.bytes(); }
+  static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes);
+
+ private:
+  void recordHeard(CommandList& list, const Io& io) const;
+  shared::RecallArgs recallArgs(const Io& io, bool forgets) const;
+
+  Device& device_;
+  double radius_;
+  std::uint32_t mostWishes_;
+  ComputePipeline measure_, recall_, birth_, heard_, wish_;
+  Buffer lists_, spacings_, looks_, report_;
+};
+
+}  // namespace palpate
