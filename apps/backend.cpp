@@ -68,9 +68,10 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   sub.add_option("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
       ->check(notNegative())
       ->capture_default_str();
-  choice("--index", options.index, {"incremental", "rebuild"},
-         "how the index follows an edit, in the same tick: incremental, at the cost of what the edit touched (edits of a "
-         "sixteenth of the points and more still rebuild it), or rebuild, whole");
+  choice(
+      "--index", options.index, {"incremental", "rebuild"},
+      "how the index follows an edit, in the same tick: incremental, at the cost of what the edit touched (edits of a "
+      "sixteenth of the points and more still rebuild it), or rebuild, whole");
   addIndexOptions(sub, options);
 }
 
@@ -131,6 +132,10 @@ void checkBackendOptions(const BackendOptions& options) {
 std::string methodName(const BackendOptions& options) {
   if (!options.method.empty()) return options.method;
   return options.backend == "cpu" ? "direct" : "fused";
+}
+
+EstimateOn estimateOn(const BackendOptions& options) {
+  return options.backend == "vulkan" ? EstimateOn::gpu : EstimateOn::cpu;
 }
 
 SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options) {

@@ -28,6 +28,9 @@ void checkBackendOptions(const BackendOptions& options);
 /// The method that is used.
 std::string methodName(const BackendOptions& options);
 
+/// Where normals are estimated for a session on this back end: the same for it and for its replay.
+EstimateOn estimateOn(const BackendOptions& options);
+
 /// The surface and the support radius that the options ask for.
 SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options);
 

@@ -13,8 +13,8 @@ namespace palpate {
 
 namespace {
 
-Subject loadSubject(Context& context, const std::string& file) {
-  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file})};
+Subject loadSubject(Context& context, const std::string& file, EstimateOn where) {
+  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file}, where)};
   subject.model.wideSpacing = subject.model.spacing;  // every back end gets the same radius
   return subject;
 }
@@ -30,8 +30,9 @@ Subject makeSubject(Context& context, std::size_t count) {
 
 std::vector<SubjectMaker> subjectsOf(const BenchOptions& options) {
   std::vector<SubjectMaker> subjects;
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
   for (const std::string& file : options.models)
-    subjects.emplace_back([file](Context& context) { return loadSubject(context, file); });
+    subjects.emplace_back([file, where](Context& context) { return loadSubject(context, file, where); });
   std::vector<std::int64_t> sizes = options.sizes;
   if (subjects.empty() && sizes.empty()) sizes.push_back(1'000'000);
   for (const std::int64_t size : sizes)
@@ -90,6 +91,8 @@ void benchAlone(Context& context, const BenchOptions& options) {
 
 void bench(Context& context, const BenchOptions& options) {
   checkMethods(options);
+  for (const std::string& surface : options.surfaces)
+    for (const std::string& backend : options.backends) checkBackendOptions({.backend = backend, .surface = surface});
   Context::checkWritable(options.plotFile);
   std::vector<BenchRecord> records;
   for (const auto& makeOne : subjectsOf(options)) {
@@ -221,7 +224,8 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
       "tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same path "
       "twice, and the CPU against the back end.\n");
-  sub->callback([&, options, backends] {
+  sub->callback([&, options, backends, sub] {
+    if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, options, chosen = backends->count() > 0] {
       if (!asksFor(*options, "touch") && !asksFor(*options, "edit")) return bench(context, *options);
       if (asksFor(*options, "touch") && !chosen) options->backends = {ownTouchBackend(context)};

@@ -27,6 +27,7 @@ void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options);
 
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
+  std::vector<std::string> surfaces{"average"};  ///< of query and step; every back end has the average
   std::vector<std::int64_t> sizes;
   std::int64_t repeat = 200;
   double limit_s = 5;

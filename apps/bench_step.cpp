@@ -79,22 +79,24 @@ std::vector<std::string> methodsOf(const std::string& backend, const BenchOption
   return methods;
 }
 
-// Calls measure(backend, method, options) for every method of every back end that is wanted.
+// Calls measure(way) for every method and surface of every back end that is wanted.
 template <class Measure>
 void forEachMethod(const BenchOptions& options, Measure&& measure) {
   for (const std::string& backend : options.backends)
-    for (const std::string& method : methodsOf(backend, options)) {
-      BackendOptions one = options.backend;
-      one.backend = backend;
-      one.method = method;
-      measure(one);
-    }
+    for (const std::string& method : methodsOf(backend, options))
+      for (const std::string& surface : options.surfaces) {
+        BackendOptions one = options.backend;
+        one.backend = backend;
+        one.method = method;
+        one.surface = surface;
+        measure(one);
+      }
 }
 
 BenchRecord recordOf(const char* bench, const BackendOptions& way, const char* input, const Subject& subject) {
   return {.bench = bench,
           .backend = way.backend,
-          .way = way.method,
+          .way = way.surface.empty() || way.surface == "average" ? way.method : way.method + " " + way.surface,
           .input = input,
           .subject = subject.name,
           .points = subject.model.cloud.size(),

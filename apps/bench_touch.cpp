@@ -4,6 +4,7 @@
 #include "apps/bench.hpp"
 #include "apps/touch_tables.hpp"
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/normals.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "haptics/stability.hpp"
@@ -15,12 +16,19 @@ namespace {
 
 struct Condition {
   std::string_view name;
-  double noise = 0;     ///< spacings
-  double thinning = 1;  ///< density at one end over that at the other
-  double away = 0;      ///< of the centre from the origin, model units
+  double noise = 0;        ///< of the positions, spacings
+  double thinning = 1;     ///< density at one end over that at the other
+  double away = 0;         ///< of the centre from the origin, model units
+  bool estimated = false;  ///< normals, from the points as they are; true ones otherwise
 };
-constexpr std::array<Condition, 6> kConditions{
-    {{"clean"}, {"noise-0.1", 0.1}, {"noise-0.25", 0.25}, {"noise-0.5", 0.5}, {"uneven", 0, 10}, {"far", 0, 1, 1e6}}};
+constexpr std::array<Condition, 8> kConditions{{{"clean"},
+                                                {"estimated", 0, 1, 0, true},
+                                                {"noise-0.1", 0.1},
+                                                {"noise-0.25", 0.25},
+                                                {"noise-0.25-estimated", 0.25, 1, 0, true},
+                                                {"noise-0.5", 0.5},
+                                                {"uneven", 0, 10},
+                                                {"far", 0, 1, 1e6}}};
 
 // Slides begin here in the unit square of a shape's area: on the cube on three of its faces, the last 8 mm before an
 // edge that it crosses.
@@ -37,6 +45,7 @@ JudgeSubject shapeSubject(const std::string& name, const Condition& condition, s
   subject.noise = condition.noise * spacing;
   PointCloud cloud = sampleShape(*shape, {.count = drawn, .noise = subject.noise, .threads = threads});
   if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
+  if (condition.estimated) estimateNormals(cloud, 16, threads);
   const SpacingRange spacings = spacingRange(cloud, threads);
   subject.model.spacing = spacings.mean;
   subject.model.wideSpacing = spacings.wide;
@@ -53,7 +62,7 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   auto truth = std::make_shared<const TriangleMesh>(readTriangleMesh(mesh));
   JudgeSubject subject{.name = std::filesystem::path(scan).stem().string(), .condition = "scan", .owner = truth};
   subject.truth = truthOf(*truth);
-  subject.model = loadModel(context, {.file = scan});
+  subject.model = loadModel(context, {.file = scan}, EstimateOn::cpu);  // what is felt does not depend on a GPU
   constexpr std::size_t kLookedAt = 32'768;
   const PointCloud& cloud = subject.model.cloud;
   const TouchTarget target = chooseTarget(ThinnedCloud(cloud, kLookedAt), boundsOf(cloud));
@@ -123,11 +132,12 @@ void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* what) {
     sub.add_option(name, values, what)->check(CLI::IsMember(values))->delimiter(',')->capture_default_str();
   };
-  list("--surface", options.surfaces, "touch: surfaces that are judged");
+  list("--surface", options.surfaces,
+       "touch: surfaces that are judged; query, step: that are measured (default: average)");
   list("--shapes", options.shapes, "touch: shapes that are felt");
   list("--conditions", options.conditions,
-       "touch: clouds that are exact, have positions noisy by so many spacings, are ten times sparser at one end, lie "
-       "1e6 mm from the origin");
+       "touch: clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
+       "are ten times sparser at one end, lie 1e6 mm from the origin");
   sub.add_option("--truth", options.truthFile, "touch: the mesh that --models is a scan of, in the same coordinates")
       ->type_name("MESH.ply");
   sub.add_flag("--quick", options.quick, "touch: no slides at 5 mm/s, no plates, no edits");

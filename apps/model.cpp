@@ -6,6 +6,8 @@
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "engine/contact/normal_estimate.hpp"
+#include "engine/core/clock.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {
@@ -26,15 +28,32 @@ void addModelOptions(CLI::App& command, ModelOptions& options) {
       ->capture_default_str();
 }
 
-Model loadModel(Context& context, const ModelOptions& options) {
+namespace {
+
+void seeToNormals(Context& context, const ModelOptions& options, EstimateOn where, PointCloud& cloud) {
+  if (cloud.hasNormals() && options.normals != "estimate") return;
+  const Stopwatch watch;
+  if (where == EstimateOn::cpu || context.device().isCpu()) {
+    estimateNormals(cloud, 16, context.threads());
+    if (!cloud.empty())
+      context.log().say("{}: normals are estimated from the points: {:.0f} ms on the CPU", options.file,
+                        watch.elapsed_us() * 1e-3);
+    return;
+  }
+  const NormalEstimateCost cost = estimateNormals(context.device(), cloud, context.threads());
+  if (!cloud.empty())
+    context.log().say("{}: normals are estimated from the points: planes {:.0f} ms on {}, signs {:.0f} ms on the CPU",
+                      options.file, cost.planes_ms, context.device().name(), cost.signs_ms);
+}
+
+}  // namespace
+
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where) {
   Model model;
   Log& log = context.log();
   model.cloud = readPly(options.file, &log, {.normalsFromFaces = options.normals == "face"});
   PointCloud& cloud = model.cloud;
-  if (!cloud.hasNormals() || options.normals == "estimate") {
-    if (!cloud.empty()) log.say("{}: normals are estimated from the points", options.file);
-    estimateNormals(cloud, 16, context.threads());
-  }
+  seeToNormals(context, options, where, cloud);
   model.scale =
       options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
   const SpacingRange spacing = spacingRange(cloud, context.threads());

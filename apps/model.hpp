@@ -20,8 +20,11 @@ struct Model {
   double spacing = 0;      ///< model units
   double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
 };
+/// Where normals are estimated: on the GPU where one is going to be opened anyway; the CPU steps in for a software
+/// driver, which takes twice as long for the same.
+enum class EstimateOn { cpu, gpu };
 /// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
-Model loadModel(Context& context, const ModelOptions& options);
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where);
 
 /// Support radius in model units: `text` is a length in mm or `auto`, four spacings.
 double supportRadius(const std::string& text, const Model& model);

@@ -57,16 +57,19 @@ class Page:
     def noise(self, axis):
         lines = {}
         for judgement in self.judgements:
-            name = judgement["condition"]
-            share = {"clean": 0.0}.get(name, float(name[6:]) if name.startswith("noise-") else None)
-            if share is None:
+            name, estimated = judgement["condition"], judgement["condition"].endswith("estimated")
+            if not name.startswith("noise-") and name not in ("clean", "estimated"):
                 continue
+            share = float(name.split("-")[1]) if name.startswith("noise-") else 0.0
+            line = label(judgement) + (", estimated" if estimated else "")
             slide = min(judgement["slides"], key=lambda s: abs(s["speed_mm_per_s"] - 50))
-            lines.setdefault(label(judgement), (judgement, []))[1].append((share, slide["M1_angle_deg"]["p95"]))
+            lines.setdefault(line, (judgement, []))[1].append((share, slide["M1_angle_deg"]["p95"]))
         lines = {name: line for name, line in lines.items() if len(line[1]) > 1}
-        for judgement, places in lines.values():
-            axis.plot(*zip(*sorted(places)), marker="o", **self.look(judgement))
-        axis.set(title="M1 against noise, 50 mm/s", xlabel="deviation, spacings", ylabel="degrees off, p95")
+        for name, (judgement, places) in lines.items():
+            marker = "s" if name.endswith("estimated") else "o"
+            axis.plot(*zip(*sorted(places)), marker=marker, **(self.look(judgement) | {"label": name}))
+        axis.set(title="M1 against noise, 50 mm/s", xlabel="deviation, spacings (squares: normals estimated)",
+                 ylabel="degrees off, p95")
         axis.set_yscale("symlog", linthresh=0.01)
         axis.set_ylim(bottom=0)
         return lines
@@ -117,7 +120,8 @@ def main(result, picture):
     for axis, panel in zip(axes.flat, wanted):
         panel(axis)
         axis.grid(alpha=0.3, which="both")
-        axis.legend(frameon=False, fontsize=7)
+        many = len(axis.get_legend_handles_labels()[1]) > 12
+        axis.legend(frameon=False, fontsize=5.5 if many else 7, ncols=2 if many else 1)
     figure.suptitle("   ".join(f"{backend}: {machine}" for backend, machine in data["machines"].items()), fontsize=9)
     save(figure, picture)
 

@@ -13,7 +13,7 @@ struct RenderOptions {
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
   context.checkWritable(options.output);
-  const Model model = loadModel(context, options.model);
+  const Model model = loadModel(context, options.model, EstimateOn::gpu);
   const DrawnCloud drawn(context.device(), model.cloud);
   takePicture(context, model, drawn, options.picture, {}, options.output);
   context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);

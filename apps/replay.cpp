@@ -51,7 +51,7 @@ Recorded load(Context& context, const ReplayOptions& options) {
   model.file = options.model.empty() ? recorded.session.modelFile : options.model;
   if (!std::filesystem::exists(model.file))
     throw FileError(model.file, "is not there; name the model of the session with --model");
-  recorded.model = loadModel(context, model);
+  recorded.model = loadModel(context, model, estimateOn(recorded.session.options.backend));
   if (recorded.model.cloud.size() != recorded.session.points)
     throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with "
                                             "--model",

@@ -96,7 +96,7 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
     throw UsageError("--log: {} is the model itself", options.logFile);
-  const Model model = loadModel(context, options.model);
+  const Model model = loadModel(context, options.model, estimateOn(options.backend));
   const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
   const auto brush = brushOptions(options, model.scale);
   const SurfaceOptions surface = surfaceOptions(model, options.backend);

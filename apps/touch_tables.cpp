@@ -13,14 +13,14 @@ struct Column {
 };
 
 void printHead(std::FILE* out, const std::string& title, const std::vector<Column>& columns) {
-  fmt::print(out, "\n{}\n{:<14}{:<11}{:<9}{:<8}", title, "shape", "condition", "surface", "machine");
+  fmt::print(out, "\n{}\n{:<14}{:<21}{:<9}{:<8}", title, "shape", "condition", "surface", "machine");
   for (const Column& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
   fmt::print(out, "\n");
 }
 
 void printRow(std::FILE* out, const Judgement& j, const std::vector<Column>& columns,
               const std::vector<std::string>& cells) {
-  fmt::print(out, "{:<14}{:<11}{:<9}{:<8}", j.subject, j.condition, j.surface, j.backend);
+  fmt::print(out, "{:<14}{:<21}{:<9}{:<8}", j.subject, j.condition, j.surface, j.backend);
   for (std::size_t k = 0; k < cells.size(); ++k) fmt::print(out, "{:>{}}", cells[k], columns[k].width);
   fmt::print(out, "\n");
 }

@@ -108,9 +108,11 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
     const double time_s = static_cast<double>(index) / options_.rate_Hz;
     TraceRow& row = result.trace.rows[done];
     if (done > 0) row.hip = result.trace.rows[done - 1].hip;  // where the hand was last, should the device fail now
-    result.deviceFailed = !tick(time_s, time_s - lastTime_s, budget_us, row);
+    const Tick how = tick(time_s, time_s - lastTime_s, budget_us, row);
     ++done;
-    if (result.deviceFailed) break;
+    result.deviceFailed = how == Tick::deviceFailed;
+    result.queryLost = how == Tick::queryLost;
+    if (how != Tick::done) break;
     result.step_us.add(row.step_us);
     lastTime_s = time_s;
     if (observer && !pacer) observer(row);
@@ -118,7 +120,7 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
   return done;
 }
 
-bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept {
+ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept {
   const Stopwatch watch;
   row.time_s = time_s;
   row.proxy = row.hip;
@@ -126,10 +128,11 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   const DVec3 hip = options_.map.toModel(state.position);
   if (!state.ok || !isFinite(hip)) {
     law_.reset();
-    return false;
+    return Tick::deviceFailed;
   }
   const Pose pose{.time_s = time_s, .hip = hip};
-  const Contact contact = trusted(query_.query(pose, budget_us), hip);
+  const Contact answer = query_.query(pose, budget_us);
+  const Contact contact = trusted(answer, hip);
   const DVec3 force_N = forceFor(state.position, pose, contact, dt_s);
   const double step_us = watch.elapsed_us();
   const bool written = device_.write(force_N);
@@ -147,7 +150,8 @@ bool ServoLoop::tick(double time_s, double dt_s, double budget_us, TraceRow& row
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;
   if (options_.recorder) options_.recorder->ticked(row, state.position);
-  return written;
+  if (!written) return Tick::deviceFailed;
+  return answer.lost ? Tick::queryLost : Tick::done;
 }
 
 DVec3 ServoLoop::forceFor(const DVec3& position, const Pose& pose, const Contact& contact, double dt_s) noexcept {

@@ -44,6 +44,7 @@ struct ServoOptions {
 struct ServoResult {
   Trace trace;
   bool deviceFailed = false;
+  bool queryLost = false;         ///< ended early: the query will never answer again
   std::string fault;              ///< the device's fault in words; empty unless it failed
   bool realtimePriority = false;  ///< the ticks ran under SCHED_FIFO
   TickHistogram step_us;          ///< from pose read to force ready
@@ -57,7 +58,7 @@ using TickObserver = std::function<void(const TraceRow&)>;
 
 /// Whatever happens, the last force the device gets is zero, also when a signal ends the program. A fault of the device
 /// ends the session, with zero force from that tick on; a fault of the query means zero force at that tick, a row that
-/// says so, and a ramp afterwards. Every force passes the ForceGate.
+/// says so, and a ramp afterwards, or the end where the query is lost for good. Every force passes the ForceGate.
 class ServoLoop {
  public:
   /// The device and the query must outlive the loop. The force is limited to the device's peak. Throws UsageError for a
@@ -73,8 +74,8 @@ class ServoLoop {
  private:
   /// Fills the rows from the front and returns how many ticks were done.
   std::size_t play(const TickObserver& observer, ServoResult& result);
-  /// False when the device failed.
-  bool tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept;
+  enum class Tick { done, deviceFailed, queryLost };
+  Tick tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept;
   /// The force to write, with the device at `position` in its own unit.
   DVec3 forceFor(const DVec3& position, const Pose& pose, const Contact& contact, double dt_s) noexcept;
   /// Whether the device moved faster than a hand can since the last tick.

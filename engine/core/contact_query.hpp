@@ -21,6 +21,7 @@ struct Contact {
   bool touching = false;
   bool fresh = false;            ///< from this tick's own query
   bool valid = false;            ///< false: a fault; the force must be zero
+  bool lost = false;             ///< and there will never be a valid answer again
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
   double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known

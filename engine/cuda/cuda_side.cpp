@@ -64,7 +64,7 @@ void CudaTouch::Side::recordEdit(unsigned parity) {
 }
 
 Contact CudaTouch::Side::query(const Pose& pose, double budget_us) noexcept {
-  const Contact invalid{.proxy = pose.hip};
+  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     const Stopwatch watch;
@@ -79,6 +79,7 @@ Contact CudaTouch::Side::query(const Pose& pose, double budget_us) noexcept {
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
+    invalid.lost = true;
     return invalid;
   }
 }

@@ -46,7 +46,7 @@ SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
 }
 
 Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
-  const Contact invalid{.proxy = pose.hip};
+  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     if (!editFinishedWithin(budget_us)) return heldContact(last_, lastPose_, pose);
@@ -57,6 +57,7 @@ Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
+    invalid.lost = true;
     return invalid;
   }
 }

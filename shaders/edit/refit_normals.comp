@@ -5,55 +5,37 @@
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
-#include "shaders/lib/eigen.glsl"
 #include "shaders/lib/neighbours.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/lib/plane_fit.glsl"
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
-// Weighted moments of the neighbours about a place.
-struct Moments {
-  float weight;
-  uint neighbours;
-  vec3 mean;       // sum of w d
-  vec3 diagonal;   // sums of w dx dx, w dy dy, w dz dz
-  vec3 mixed;      // sums of w dx dy, w dy dz, w dz dx
-  vec3 side;       // sum of w n, with the normals as they were
-};
-Moments moments;  // what this invocation has seen
+// What this invocation has seen.
+Moments moments;
+vec3 sides;  // sum of w n, with the normals as they were
 
 void visitNeighbour(uint slot, vec4 position, vec3 d) {
-  const float w = wendland(length(d) / args.radius);
-  moments.weight += w;
-  moments.neighbours += 1;
-  moments.mean += w * d;
-  moments.diagonal += w * d * d;
-  moments.mixed += w * d * d.yzx;
-  moments.side += w * args.cloud.normals.at[slot].xyz;
+  addNeighbour(moments, d, args.radius);
+  sides += wendland(length(d) / args.radius) * args.cloud.normals.at[slot].xyz;
 }
 
-Moments momentsAbout(vec3 center) {
-  moments = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0));
+Moments momentsAbout(vec3 center, out vec3 side) {
+  moments = noMoments();
+  sides = vec3(0.0);
   visitNeighbours(args.cloud, center, args.radius, kNeighbourWorkBudget);
+  side = subgroupAdd(sides);
   return Moments(subgroupAdd(moments.weight), subgroupAdd(moments.neighbours), subgroupAdd(moments.mean),
-                 subgroupAdd(moments.diagonal), subgroupAdd(moments.mixed), subgroupAdd(moments.side));
+                 subgroupAdd(moments.diagonal), subgroupAdd(moments.mixed));
 }
 
 // Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
 // tick, and its own old side says nothing then.
 vec3 fittedNormal(vec3 center, vec3 old) {
-  const Moments m = momentsAbout(center);
+  vec3 side;
+  const vec3 fitted = planeNormal(momentsAbout(center, side));
   vec3 normal = old;
-  if (m.neighbours >= kMinNeighbours && m.weight > 0.0) {
-    const vec3 mean = m.mean / m.weight;
-    const vec3 diagonal = m.diagonal / m.weight - mean * mean;
-    const vec3 mixed = m.mixed / m.weight - mean * mean.yzx;
-    const vec3 fitted = smallestEigenvector(mat3(diagonal.x, mixed.x, mixed.z,  //
-                                                 mixed.x, diagonal.y, mixed.y,  //
-                                                 mixed.z, mixed.y, diagonal.z));
-    if (dot(fitted, fitted) > 0.5) normal = dot(fitted, old) < 0.0 ? -fitted : fitted;
-  }
-  return dot(normal, m.side) < 0.0 ? -normal : normal;
+  if (dot(fitted, fitted) > 0.5) normal = dot(fitted, old) < 0.0 ? -fitted : fitted;
+  return dot(normal, side) < 0.0 ? -normal : normal;
 }
 
 uint nextEntry() { return atomicAdd(args.head.at[0], 1) & args.capacityMask; }

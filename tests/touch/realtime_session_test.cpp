@@ -28,4 +28,23 @@ TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, 
   }
 }
 
+TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores") {
+  const Scene scene = makeScene("sphere", 100'000);
+  Device device({.gpu = "", .validate = false});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  Path way({{0, {0, 0, 52}}, {0.3, {0, 0, 49}}, {1.5, {30, 0, 38.7}}, {2.8, {0, 0, 49}}, {3, {0, 0, 49}}});
+  PathDevice hand(std::move(way));
+  ServoLoop loop(hand, touch, ForceLaw({}, {}), {.rate_Hz = 1000, .duration_s = 3, .realtime = true});
+  const ServoResult result = loop.run();
+  touch.finish();
+  const TraceSummary summary = summarize(result.trace);
+  CHECK(summary.faultTicks == 0);
+  CHECK(summary.contactTicks > 500);
+  CHECK(result.withheld.stale == 0);
+  // Loose, since others may want these cores too; a servo thread that waited for the driver would miss most of them.
+  CHECK(result.trace.missedTicks < 300);
+  CHECK(result.step_us.quantile_us(0.5) < 900);
+  CHECK(result.step_us.quantile_us(0.95) < 1500);
+}
+
 }  // namespace palpate

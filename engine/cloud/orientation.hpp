@@ -1,0 +1,36 @@
+// Signs of normals that were fitted point by point.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// Some neighbours of every point, up to `degree` each.
+struct NeighbourGraph {
+  static constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+
+  std::size_t degree = 0;
+  std::vector<std::uint32_t> neighbours;  ///< `degree` for each point; kNobody where there are fewer
+
+  std::span<std::uint32_t> of(std::size_t i) { return {neighbours.data() + i * degree, degree}; }
+  std::span<const std::uint32_t> of(std::size_t i) const { return {neighbours.data() + i * degree, degree}; }
+  bool hasEdge(std::size_t from, std::uint32_t to) const { return std::ranges::find(of(from), to) != of(from).end(); }
+};
+
+/// Turns normals so that neighbours agree: the signs are carried along a minimum spanning tree of the graph (Hoppe,
+/// DeRose, Duchamp, McDonald and Stuetzle 1992, section 3.3), where an edge costs by how much the normals turn along it
+/// and by how far each end lies off the plane of the other. Two normals agree when one is the mirror image of the other
+/// in the plane half-way between their points, as on a circle through both (Koenig and Gumhold 2009, "Consistent
+/// propagation of normal orientations in point clouds"), which goes round edges and tells the two sides of a sheet
+/// apart. In each connected part the highest point (largest z) looks upwards. The points must be distinct. The result
+/// does not depend on `threads` (0: one per core).
+void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,
+                   unsigned threads = 0);
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// For every point the normal of the plane that fits its neighbours. One invocation for each point: in hash order those
+// of a subgroup look at the same cells.
+#include "shaders/lib/bucket_share.glsl"
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/plane_fit.glsl"
+#include "shaders/shared/normal_estimate.h"
+
+layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
+
+// Variances of the neighbours: off the plane, and along the shorter and the longer side of where they lie in it.
+struct Spread {
+  float off, along, farther;
+};
+
+Spread spreadAbout(Moments m, vec3 normal) {
+  const mat3 covariance = covarianceOf(m);
+  const vec3 u = besides(normal), v = cross(normal, u);
+  const float uu = dot(u, covariance * u), vv = dot(v, covariance * v), uv = dot(u, covariance * v);
+  const float middle = 0.5 * (uu + vv), apart = length(vec2(0.5 * (uu - vv), uv));
+  return Spread(dot(normal, covariance * normal), middle - apart, middle + apart);
+}
+
+const Share kAll = Share(0, 1);
+
+Moments momentsAbout(vec3 center, float radius, Share share, inout uint work) {
+  const ivec3 low = cellOf(args.cloud.grid, center - radius);
+  const ivec3 high = cellOf(args.cloud.grid, center + radius);
+  Moments m = noMoments();
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const ivec3 cell = ivec3(x, y, z);
+        const uvec2 range = bucketWithin(args.cloud, cell, share, kEstimateWorkBudget, work);
+        for (uint j = range.x; j < range.y; j += share.sharers) {
+          const vec3 position = args.cloud.positions.at[j].xyz;
+          const vec3 d = position - center;
+          const float squared = dot(d, d);
+          if (squared >= radius * radius || cellOf(args.cloud.grid, position) != cell) continue;
+          addNeighbour(m, d, radius);
+        }
+      }
+  return m;
+}
+
+// The normal of a place where the points are noisy, from a wider one if that is flatter; zero where they lie on a
+// line, about which single precision would turn it.
+vec3 calmed(vec3 center, float radius, vec3 normal, Spread near, inout uint work) {
+  if (near.along < kLineLike * near.farther) return vec3(0.0);
+  if (near.off <= kCleanEstimate * near.along) return normal;
+  const Share everyOther = Share(0, 2);
+  const Moments m = momentsAbout(center, kWiderEstimate * radius, everyOther, work);
+  const vec3 wide = planeNormal(m);
+  if (work >= kEstimateWorkBudget || dot(wide, wide) < 0.5) return normal;
+  const Spread far = spreadAbout(m, wide);
+  return far.off * near.along < kFlatterEstimate * near.off * far.along ? wide : normal;
+}
+
+void main() {
+  const uint i = threadIndex();
+  if (i >= args.cloud.slots) return;
+  const vec4 point = args.cloud.positions.at[i];
+  const uint id = floatBitsToUint(point.w);
+  if (id == kEmptySlot) return;
+  uint work = 0;
+  float radius = args.radius;
+  Moments m;
+  for (uint look = 0; look < kEstimateLooks; ++look) {
+    m = momentsAbout(point.xyz, radius, kAll, work);
+    const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMostEstimated;
+    if (look + 1 == kEstimateLooks || work >= kEstimateWorkBudget || !few && !many) break;
+    if (few && radius >= kWidestEstimate * args.radius) break;
+    radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));
+  }
+  vec3 normal = m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m);
+  if (dot(normal, normal) > 0.5) normal = calmed(point.xyz, radius, normal, spreadAbout(m, normal), work);
+  if (work >= kEstimateWorkBudget) normal = vec3(0.0);
+  args.planes.at[id] = vec4(normal, radius);
+}

@@ -1,0 +1,39 @@
+#ifndef PALPATE_SHARED_NORMAL_ESTIMATE_H
+#define PALPATE_SHARED_NORMAL_ESTIMATE_H
+#include "shaders/shared/contact.h"
+
+PALPATE_SHARED_BEGIN
+
+// A point's support radius holds so many neighbours: with fewer it is widened (at most kWidestEstimate times), with
+// more narrowed, so that one radius serves an uneven cloud.
+const uint kFewestEstimated = 8;
+const uint kMostEstimated = 200;
+const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
+const float kWidestEstimate = 4.0f;
+const uint kEstimateLooks = 5;
+// A noisy place takes a wider one; engine/cloud/normals.cpp says when and why, in points where this says lengths.
+const float kCleanEstimate = 0.005f;
+const float kWiderEstimate = 2.0f;  // and every other point of it
+const float kFlatterEstimate = 0.5f;
+const float kLineLike = 1e-3f;  // variance across over variance along, below which neighbours lie on a line
+// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small, since a
+// validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
+const uint kEstimateWorkBudget = 1024;
+
+// Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
+// the points do (Yao 1982), with few edges.
+const uint kSectors = 8;
+const uint kEnoughSectors = 6;  // with a neighbour within half the support radius; with fewer, all of it is searched
+const uint kNoNeighbour = 0xffffffffu;
+
+struct NormalEstimateArgs {
+  CloudView cloud;
+  PALPATE_ADDRESS(Vec4s) planes;      // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
+  PALPATE_ADDRESS(Uints) neighbours;  // out, kSectors ids for each id; kNoNeighbour where there is none
+  float radius;                       // support radius, model units
+  uint unused;
+};
+PALPATE_SIZE(NormalEstimateArgs, 80);
+
+PALPATE_SHARED_END
+#endif

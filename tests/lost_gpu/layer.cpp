@@ -1,0 +1,144 @@
+// A Vulkan layer that takes the GPU away: it stands between a program and its driver, lets everything pass, and from a
+// moment on answers as a driver does whose device is lost. What runs above it is the program's own code, to the last
+// call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu().
+//
+// Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
+#include <vulkan/vk_layer.h>
+#include <vulkan/vulkan.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+namespace {
+
+constexpr long kNever = std::numeric_limits<long>::max();
+
+// One instance and one device at a time, which is what the program makes.
+PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
+PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
+PFN_vkQueueSubmit2 nextSubmit = nullptr;
+PFN_vkGetFenceStatus nextFenceStatus = nullptr;
+PFN_vkWaitForFences nextWaitForFences = nullptr;
+PFN_vkDeviceWaitIdle nextWaitIdle = nullptr;
+
+std::atomic<long> submissionsLeft = kNever;
+std::atomic<bool> failsAtSubmit = false;  // else that submission hangs and its fence tells
+std::atomic<bool> lost = false;
+
+void readEnvironment() {
+  lost = false;
+  submissionsLeft = kNever;
+  const char* text = std::getenv("PALPATE_LOST_GPU");
+  if (!text) return;
+  failsAtSubmit = std::strncmp(text, "submit:", 7) == 0;
+  if (const char* colon = std::strchr(text, ':')) submissionsLeft = std::atol(colon + 1);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
+  if (lost) return VK_ERROR_DEVICE_LOST;
+  if (submissionsLeft != kNever && --submissionsLeft < 0) {
+    lost = true;
+    return failsAtSubmit ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;  // the hung one never runs
+  }
+  return nextSubmit(queue, count, infos, fence);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL fenceStatus(VkDevice device, VkFence fence) {
+  return lost ? VK_ERROR_DEVICE_LOST : nextFenceStatus(device, fence);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL waitForFences(VkDevice device, std::uint32_t count, const VkFence* fences, VkBool32 all,
+                                             std::uint64_t timeout) {
+  return lost ? VK_ERROR_DEVICE_LOST : nextWaitForFences(device, count, fences, all, timeout);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL waitIdle(VkDevice device) {
+  const VkResult result = nextWaitIdle(device);  // a software driver is still at work
+  return lost ? VK_ERROR_DEVICE_LOST : result;
+}
+
+template <class Info>
+Info* linkInfo(const void* chain, VkStructureType type) {
+  auto* info = const_cast<Info*>(static_cast<const Info*>(chain));
+  while (info && !(info->sType == type && info->function == VK_LAYER_LINK_INFO))
+    info = const_cast<Info*>(static_cast<const Info*>(info->pNext));
+  return info;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, const VkAllocationCallbacks* allocator,
+                                              VkInstance* instance) {
+  auto* link = linkInfo<VkLayerInstanceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_INSTANCE_CREATE_INFO);
+  if (!link) return VK_ERROR_INITIALIZATION_FAILED;
+  nextInstanceProc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
+  return create(info, allocator, instance);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice gpu, const VkDeviceCreateInfo* info,
+                                            const VkAllocationCallbacks* allocator, VkDevice* device) {
+  auto* link = linkInfo<VkLayerDeviceCreateInfo>(info->pNext, VK_STRUCTURE_TYPE_LOADER_DEVICE_CREATE_INFO);
+  if (!link) return VK_ERROR_INITIALIZATION_FAILED;
+  const auto instanceProc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
+  nextDeviceProc = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
+  link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  const auto create = reinterpret_cast<PFN_vkCreateDevice>(instanceProc(VK_NULL_HANDLE, "vkCreateDevice"));
+  const VkResult result = create(gpu, info, allocator, device);
+  if (result != VK_SUCCESS) return result;
+  const auto get = [&](const char* name) { return nextDeviceProc(*device, name); };
+  nextSubmit = reinterpret_cast<PFN_vkQueueSubmit2>(get("vkQueueSubmit2"));
+  nextFenceStatus = reinterpret_cast<PFN_vkGetFenceStatus>(get("vkGetFenceStatus"));
+  nextWaitForFences = reinterpret_cast<PFN_vkWaitForFences>(get("vkWaitForFences"));
+  nextWaitIdle = reinterpret_cast<PFN_vkDeviceWaitIdle>(get("vkDeviceWaitIdle"));
+  readEnvironment();
+  return VK_SUCCESS;
+}
+
+PFN_vkVoidFunction deviceCommand(const char* name) {
+  const std::string_view wanted = name;
+  if (wanted == "vkQueueSubmit2") return reinterpret_cast<PFN_vkVoidFunction>(submit);
+  if (wanted == "vkGetFenceStatus") return reinterpret_cast<PFN_vkVoidFunction>(fenceStatus);
+  if (wanted == "vkWaitForFences") return reinterpret_cast<PFN_vkVoidFunction>(waitForFences);
+  if (wanted == "vkDeviceWaitIdle") return reinterpret_cast<PFN_vkVoidFunction>(waitIdle);
+  return nullptr;
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL deviceProc(VkDevice device, const char* name) {
+  if (std::strcmp(name, "vkGetDeviceProcAddr") == 0) return reinterpret_cast<PFN_vkVoidFunction>(deviceProc);
+  const auto own = deviceCommand(name);
+  return own ? own : nextDeviceProc(device, name);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const char* name) {
+  const std::string_view wanted = name;
+  if (wanted == "vkGetInstanceProcAddr") return reinterpret_cast<PFN_vkVoidFunction>(instanceProc);
+  if (wanted == "vkGetDeviceProcAddr") return reinterpret_cast<PFN_vkVoidFunction>(deviceProc);
+  if (wanted == "vkCreateInstance") return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
+  if (wanted == "vkCreateDevice") return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
+  if (const auto own = deviceCommand(name)) return own;
+  return nextInstanceProc ? nextInstanceProc(instance, name) : nullptr;
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Takes the GPU of this process away at its next submission (`atSubmit`: that call fails; else it hangs).
+VK_LAYER_EXPORT void palpateLoseGpu(bool atSubmit) {
+  failsAtSubmit = atSubmit;
+  submissionsLeft = 0;
+}
+
+VK_LAYER_EXPORT VkResult VKAPI_CALL vkNegotiateLoaderLayerInterfaceVersion(VkNegotiateLayerInterface* version) {
+  if (version->loaderLayerInterfaceVersion < 2) return VK_ERROR_INITIALIZATION_FAILED;
+  version->loaderLayerInterfaceVersion = 2;
+  version->pfnGetInstanceProcAddr = instanceProc;
+  version->pfnGetDeviceProcAddr = deviceProc;
+  version->pfnGetPhysicalDeviceProcAddr = nullptr;
+  return VK_SUCCESS;
+}
+
+}  // extern "C"
