@@ -19,6 +19,7 @@ struct TouchCommandOptions {
   double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6, strength = 0.5;
   std::uint32_t falloff = 1;
   std::string paintColor = "255,0,0";
+  bool keepPoints = false;
   std::size_t undo = 0, redo = 0;
   double undoMemory_MiB = 1024;
   bool realtime = false;

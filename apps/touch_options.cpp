@@ -47,6 +47,8 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->type_name("F")
       ->capture_default_str();
   sub.add_option("--paint-color", options.paintColor, "R,G,B, 0 to 255")->capture_default_str();
+  sub.add_flag("--keep-points", options.keepPoints,
+               "no points are put in where the surface is stretched, and none merge where it is crowded");
   sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
       ->check(positive())
       ->capture_default_str();
@@ -131,7 +133,8 @@ std::optional<BrushOptions> brushOptions(const TouchCommandOptions& options, con
                           .toolRadius = scale.toUnits(options.toolRadius_mm),
                           .strength = options.strength,
                           .falloff = options.falloff,
-                          .color = paintColor(options)};
+                          .color = paintColor(options),
+                          .keepsDensity = !options.keepPoints};
   return std::nullopt;
 }
 

@@ -38,6 +38,7 @@ struct BrushOptions {
   /// tool radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMostFalloff the most.
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
+  bool keepsDensity = true;  ///< points are put in where the surface is stretched, and merge where it is crowded
 };
 constexpr std::uint32_t kMostFalloff = 16;
 

@@ -20,7 +20,9 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 }
 
 SculptOptions sculptOptions(const CpuTouchOptions& options) {
-  return {.radius = options.radius, .keepsDensity = options.brush && options.keepsDensity, .threads = options.threads};
+  return {.radius = options.radius,
+          .keepsDensity = options.brush && options.brush->keepsDensity,
+          .threads = options.threads};
 }
 
 }  // namespace

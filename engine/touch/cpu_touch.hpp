@@ -21,7 +21,6 @@ struct CpuTouchOptions {
   bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
   double friction = 0;                ///< coefficient, of a proxy that slides
   std::optional<BrushOptions> brush;  ///< edit while touching
-  bool keepsDensity = true;           ///< of what is edited: insert where it is stretched, merge where it is crowded
   unsigned threads = 0;               ///< that build the index and refit normals; 0: one per core
 };
 

@@ -36,7 +36,7 @@ TEST_CASE("the CPU answers as the GPU does: the same press gives the same forces
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 30000 -o " + model);
-  for (const std::string edit : {"", " --edit push --penetration 3"}) {
+  for (const std::string edit : {"", " --edit push --keep-points --penetration 3"}) {
     CAPTURE(edit);
     std::vector<Row> traces[2];
     std::size_t moved[2] = {0, 0};

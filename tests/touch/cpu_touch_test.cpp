@@ -131,8 +131,8 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
 
 TEST_CASE("one edited tick moves each point where the tool says, and no further than a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
-  const BrushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9};
-  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options, .keepsDensity = false});
+  const BrushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9, .keepsDensity = false};
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
   touch.query({.hip = {0, 0, 51}}, 0);
   const DVec3 hip(0.3, -0.2, 47);
   const Contact contact = touch.query({.hip = hip}, 0);

@@ -51,10 +51,10 @@ Played play(CpuTouch& touch, const PointCloud& before, const std::vector<Pose>& 
   return played;
 }
 
-Played sculpt(const Scene& scene, const BrushOptions& options, const std::vector<Pose>& poses, bool keepsDensity = true,
+Played sculpt(const Scene& scene, BrushOptions options, const std::vector<Pose>& poses, bool keepsDensity = true,
               unsigned threads = 0) {
-  CpuTouch touch(scene.cloud,
-                 {.radius = scene.radius, .brush = options, .keepsDensity = keepsDensity, .threads = threads});
+  options.keepsDensity = keepsDensity;
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options, .threads = threads});
   return play(touch, scene.cloud, poses);
 }
 
