@@ -84,9 +84,10 @@ TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, 
 TEST_CASE("bench touch judges normals that were estimated from noisy points") {
   const ScratchFolder folder;
   const std::string result = (folder / "t.json").string();
-  works("bench touch --backend cpu --quick --sizes 20000 --shapes torus --surface average --conditions "
-        "noise-0.25,noise-0.25-estimated --json " +
-        result);
+  works(
+      "bench touch --backend cpu --quick --sizes 20000 --shapes torus --surface average --conditions "
+      "noise-0.25,noise-0.25-estimated --json " +
+      result);
   const auto judgements = jsonOf(result)["touch"]["judgements"];
   REQUIRE(judgements.size() == 2);
   const auto p95 = [&](std::size_t i) { return judgements[i]["slides"][0]["M1_angle_deg"]["p95"].get<double>(); };
