@@ -28,7 +28,7 @@ class EditedScene {
   /// Goes on with a compaction in the background, begins it where none is under way, by so many steps: the first notes
   /// what changes, each of the next is a slice, and the last makes an end to it. True when that one came out.
   bool compactFurther(std::uint32_t steps);
-  HashCompaction& compaction() { return compaction_; }
+  HashCompaction& compaction() { return *compaction_; }
 
   /// What the log said since the last call.
   std::vector<PointState> takeLog();
