@@ -144,6 +144,7 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                      .edit_us = summarize(backend->editTimes_us()),
                      .bridge_us = summarize({bridged.begin(), bridged.end()}),
                      .shortfalls = backend->shortfalls(),
+                     .compactions = backend->compactions(),
                      .movedPoints = end.edited,
                      .realtimePriority = result.realtimePriority,
                      .realtime = options.realtime,

@@ -124,6 +124,9 @@ void printReport(std::FILE* out, const TouchReport& report) {
     row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.editsHeldUp)
     row("edits left out", fmt::format("{}: the index was being compacted", shortfalls.editsHeldUp));
+  if (report.compactions || shortfalls.editsBuiltAnew)
+    row("index", fmt::format("compacted {} times in the background, built anew for {} edits that it could not follow",
+                             report.compactions, shortfalls.editsBuiltAnew));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));
@@ -164,6 +167,8 @@ Json toJson(const TouchReport& report) {
       {"interrupted", report.interrupted},
       {"skipped_edits",
        report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow + report.shortfalls.editsHeldUp},
+      {"compactions", report.compactions},
+      {"edits_built_anew", report.shortfalls.editsBuiltAnew},
       {"thinned_ticks", report.shortfalls.thinnedTicks},
       {"thinned_patches", report.shortfalls.thinnedPatches},
       {"truncated_ticks", report.shortfalls.truncatedTicks},

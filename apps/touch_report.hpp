@@ -40,6 +40,7 @@ struct TouchReport {
   ServoReport servo;
   Summary edit_us, bridge_us;
   TouchShortfalls shortfalls;
+  std::uint64_t compactions = 0;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;
   bool realtime = false;

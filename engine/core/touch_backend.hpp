@@ -63,6 +63,8 @@ class TouchBackend : public ContactQuery {
   /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
   virtual std::optional<double> firstEditTime_s() const = 0;
   virtual const TouchShortfalls& shortfalls() const = 0;
+  /// How often the index that follows edits was brought together again in the background.
+  virtual std::uint64_t compactions() const { return 0; }
   /// Edge of a cell of the index, model units.
   virtual double cell() const = 0;
 

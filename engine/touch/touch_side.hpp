@@ -84,10 +84,9 @@ class TouchSide final : public TouchBackend {
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
   std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
-  /// Whether a compaction of the index is under way; how many there were so far; and the longest time of those that
-  /// touch had to wait for, us: their ends.
+  std::uint64_t compactions() const override { return compactions_; }
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
-  std::uint64_t compactions() const { return compactions_; }
+  /// The longest time that touch had to wait for the end of a compaction, us.
   double longestCompactionEnd_us() const { return longestCompactionEnd_us_; }
   double cell() const override { return 1.0 / static_cast<double>(hash_.grid().inverseCell); }
   /// The passes of a tick in order, edit included, with their last times.

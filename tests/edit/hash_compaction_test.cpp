@@ -221,6 +221,17 @@ TEST_CASE_FIXTURE(GpuFixture,
   Compacted compacted(device, makeScene("sphere", 5'000).cloud);
   EditedScene& scene = compacted.scene;
   scene.compactFurther(7);
+  device.waitIdle();
+  // The next slice stands behind other work, so that it is under way when the compaction is given up.
+  const Buffer large(device, 64 << 20, Memory::device, "large");
+  CommandList busy(device, device.background(), "busy");
+  busy.begin();
+  for (int i = 0; i < 20; ++i) busy.fill(large, 1, large.bytes());
+  busy.end();
+  device.background().submit(busy);
+  scene.compaction().advance();
+  scene.compaction().abandon();
+  CHECK_FALSE(scene.compaction().isIdle());
   scene.compaction().settle();
   CHECK(scene.compaction().isIdle());
   compacted.scatter(0, 200, 9);
