@@ -4,6 +4,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -48,6 +49,16 @@ HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const Li
   report_.mapped<shared::HashCompaction>()[0] = {};
   record(parity, live.side(), live.otherSide(), options.mostDirty);
   record(1 - parity, live.otherSide(), live.side(), options.mostDirty);
+  warmUp();
+}
+
+// Some drivers compile a pass when it first runs, which no tick should wait for: here all run for nothing.
+void HashCompaction::warmUp() {
+  sliceOf_.mapped<shared::CompactionSlice>()[0] = {.slots = UVec2(0), .buckets = UVec2(0)};
+  device_.touch().run(*begin_[live_.parity()]);
+  device_.background().run(*slice_[live_.parity()]);
+  upload(device_, state_, std::vector<shared::HashCompaction>{{.failed = shared::kCompactionNoSlots}});
+  device_.touch().run(*end_[live_.parity()]);
 }
 
 void HashCompaction::record(std::uint32_t parity, const LiveCloud::Side& from, const LiveCloud::Side& to,

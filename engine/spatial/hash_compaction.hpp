@@ -28,7 +28,8 @@ class HashCompaction {
  public:
   enum class Stage { idle, noting, copying, abandoning, copied, ending };
 
-  /// All must outlive it, and it must not go before the device is idle.
+  /// All must outlive it, and it must not go before the device is idle. Waits until its passes have run once, for
+  /// nothing.
   HashCompaction(Device& device, const SpatialHash& hash, const LiveCloud& live, const HashUpdate& update,
                  const CompactionOptions& options = {});
 
@@ -68,6 +69,7 @@ class HashCompaction {
 
  private:
   void record(std::uint32_t parity, const LiveCloud::Side& from, const LiveCloud::Side& to, std::uint32_t mostDirty);
+  void warmUp();
   void submit(Queue& queue, const CommandList& list);
   void submitSlice();
 
