@@ -33,7 +33,7 @@ def draw(axis, costs, along, of, label):
                   marker="o", markersize=12, markerfacecolor="none", color=colour)
     axis.set(xscale="log", yscale="log", ylabel="us, median, pose to force with the edit")
     axis.grid(alpha=0.3, which="both")
-    axis.legend(frameon=False, fontsize=8)
+    axis.legend(framealpha=0.6, fontsize=7)
 
 
 def main(result, picture):
