@@ -32,7 +32,7 @@ struct EditCost {
   double toolRadius_mm = 0, spacing_mm = 0;
   Summary touched;   ///< points that edits changed, moved or took away
   Summary query_us;  ///< on the GPU, of the ticks with an edit; no samples where it was not measured
-  Summary edit_us;   ///< on the GPU: brush, index, normals, log
+  Summary edit_us;   ///< on the GPU: brush, index, normals, log; where a driver tells no times, until it was seen done
   Summary step_us;   ///< from pose to force; in virtual time with the whole edit in it
   std::uint64_t edits = 0;
   std::uint64_t builds = 0;    ///< full builds of the index for these edits
