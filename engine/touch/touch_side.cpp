@@ -425,6 +425,8 @@ void TouchSide::compact() {
 void TouchSide::change(std::span<const PointChange> changes) {
   if (!edit_) throw Error("{}: points can only be changed where they can be edited", machine());
   finish();
+  mayBuild(
+      false);  // a compaction that runs on would miss marks that a change takes off points which it does not change
   if (log_.room() < changes.size())
     throw Error("{} changes do not fit beside what the readers of the edit log have not taken yet", changes.size());
   while (!changes.empty()) {
