@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
 #include <thread>
 
 #include "apps/bench.hpp"
@@ -17,8 +19,8 @@ constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a 
 constexpr std::uint64_t kTicksToLand = 1000;  // at most
 constexpr std::uint64_t kFewest = 5;
 constexpr int kTrials = 2;  // strokes to find the tool
-constexpr std::int64_t kTrialEdits = 20;
-constexpr double kTrial_s = 1;
+constexpr std::int64_t kTrialEdits = 10;
+constexpr double kCloseEnough = 0.05;  // of the points that are asked for
 constexpr double kRealtimeRate_Hz = 1000, kHighestRate_Hz = 1e5;
 
 // What happened in one tick.
@@ -183,13 +185,13 @@ EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& s
   return cost;
 }
 
-// The stroke that touches so many points. What lies around a place is a first guess; a short stroke tells how far it is
-// off where the surface bends under the tool.
+// The stroke that touches so many points: of a few short ones the nearest. What lies around a place is a first guess,
+// which is off where the surface bends under the tool.
 Stroke strokeFor(const Scene& scene, const BenchOptions& options, std::size_t touched) {
   const auto* const brush = std::ranges::find(kBrushKinds, options.edit.brush, [](const auto& b) { return b.first; });
   BenchOptions trial = options;
   trial.repeat = kTrialEdits;
-  trial.limit_s = kTrial_s;
+  trial.limit_s = 0;  // the same tool on every machine
   trial.rate_Hz = kHighestRate_Hz;
   trial.edit.duration_s = 0;
   const auto reaching = [&](double count, const BenchOptions& at) {
@@ -197,10 +199,17 @@ Stroke strokeFor(const Scene& scene, const BenchOptions& options, std::size_t to
                              scene.places.front(), ticksPerSecond(at));
   };
   const auto wanted = static_cast<double>(touched);
-  double count = wanted;
-  for (int k = 0; k < kTrials; ++k)
-    count *= wanted / std::max(1.0, sculpt(scene, trial, reaching(count, trial), "incremental").touched.p50);
-  return reaching(count, options);
+  double count = wanted, best = wanted, leastOff = std::numeric_limits<double>::max();
+  for (int k = 0; k < kTrials && leastOff > kCloseEnough; ++k) {
+    const double reached = sculpt(scene, trial, reaching(count, trial), "incremental").touched.p50;
+    const double ratio = std::max(1.0, reached) / wanted;
+    if (std::abs(std::log(ratio)) < leastOff) {
+      leastOff = std::abs(std::log(ratio));
+      best = count;
+    }
+    count /= ratio;
+  }
+  return reaching(best, options);
 }
 
 }  // namespace
