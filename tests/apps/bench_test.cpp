@@ -117,8 +117,11 @@ TEST_CASE("bench touch holds a scan against its mesh, and refuses one without th
 TEST_CASE("bench edit sculpts with tools that reach as many points as they are asked to, and plots what that costs") {
   const ScratchFolder folder;
   const std::string json = (folder / "e.json").string(), plot = (folder / "e.png").string();
-  const Outcome outcome =
-      palpate("bench edit --sizes 20000 60000 --touched 100 800 --repeat 12 --json " + json + " --plot " + plot);
+  const std::string few = (folder / "few.ply").string(), many = (folder / "many.ply").string();
+  works("make sphere -n 20000 -o " + few);
+  works("make sphere -n 60000 -o " + many);
+  const Outcome outcome = palpate("bench edit --models " + few + " " + many + " --touched 100 800 --repeat 12 --json " +
+                                  json + " --plot " + plot);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto edit = jsonOf(json)["edit"];
   REQUIRE(edit["costs"].size() == 2 * 2 * 2);  // sizes, touched, ways to follow
