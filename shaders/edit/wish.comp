@@ -19,7 +19,7 @@ struct Seen {
 
 const uint kNobody = 0xffffffffu;
 const float kFar = 3.0e38;
-const uint kLookCrowd = 0, kLookYields = 1, kLookAround = 2, kLookBlocks = 3;
+const uint kLookAround = 0, kLookYields = 1, kLookBlocks = 2;
 
 uint look;  // what the visits are for
 Seen self;
@@ -47,7 +47,17 @@ bool hasToYield(Seen point, Seen other) {
   return other.rank < point.rank && dot(d, d) < closest * closest && sameSheet(point.normal, other.normal);
 }
 
-void noteSector(uint slot, uint id, vec3 d, vec3 normal) {
+// Only who is nearer than the point's own spacing allows may crowd it.
+void noteCrowding(uint slot, uint id, vec3 d) {
+  const float closest = kCrowded * self.spacing;
+  if (dot(d, d) >= closest * closest) return;
+  const Seen other = seen(slot, id, d);
+  if (!hasToYield(self, other) || other.rank >= firstRank) return;
+  firstRank = other.rank;
+  firstSlot = slot;
+}
+
+void noteSector(uint slot, uint id, vec3 d) {
   const uint sector = sectorOf(dot(d, axisU), dot(d, axisV));
   const float size = length(d);
   if (size > sectorDistance[sector] || (size == sectorDistance[sector] && id > sectorId[sector])) return;
@@ -59,20 +69,15 @@ void noteSector(uint slot, uint id, vec3 d, vec3 normal) {
 void visitNeighbour(uint slot, vec4 position, vec3 d) {
   if (slot == selfSlot) return;
   const uint id = floatBitsToUint(position.w);
-  if (look == kLookCrowd || look == kLookYields) {
-    const Seen other = seen(slot, id, d);
-    if (look == kLookYields) {
-      firstYields = firstYields || hasToYield(first, other);
-    } else if (hasToYield(self, other) && other.rank < firstRank) {
-      firstRank = other.rank;
-      firstSlot = slot;
-    }
+  if (look == kLookYields) {
+    firstYields = firstYields || hasToYield(first, seen(slot, id, d));
     return;
   }
   const vec3 normal = args.cloud.normals.at[slot].xyz;
   if (!sameSheet(self.normal, normal)) return;
   if (look == kLookAround) {
-    noteSector(slot, id, d, normal);
+    noteSector(slot, id, d);
+    noteCrowding(slot, id, d);
     return;
   }
   const float clearance = kLeastClearance * self.spacing;
@@ -96,11 +101,20 @@ void frameAround(vec3 n) {
   axisV = vec3(b, sign + n.y * n.y * a, -n.y);
 }
 
-// The point is crowded by one before it that stays itself; `crowded`: by one at least.
-bool goes(vec3 center, out bool crowded) {
+void lookAround(vec3 center) {
+  frameAround(self.normal);
   firstRank = kNobody;
   firstSlot = kNobody;
-  visitAll(kLookCrowd, center);
+  for (uint s = 0; s < kSectors; ++s) {
+    sectorDistance[s] = kFar;
+    sectorId[s] = kNobody;
+    sectorSlot[s] = kNobody;
+  }
+  visitAll(kLookAround, center);
+}
+
+// The point is crowded by one before it that stays itself; `crowded`: by one at least.
+bool goes(vec3 center, out bool crowded) {
   const uint least = subgroupMin(firstRank);
   crowded = least != kNobody;
   if (!crowded) return false;
@@ -114,13 +128,6 @@ bool goes(vec3 center, out bool crowded) {
 
 // The sector with the narrowest gap that no point fills yet; kSectors where there is none.
 uint openGap(vec3 center) {
-  frameAround(self.normal);
-  for (uint s = 0; s < kSectors; ++s) {
-    sectorDistance[s] = kFar;
-    sectorId[s] = kNobody;
-    sectorSlot[s] = kNobody;
-  }
-  visitAll(kLookAround, center);
   bool any = false;
   for (uint s = 0; s < kSectors; ++s) {
     const float nearest = subgroupMin(sectorDistance[s]);
@@ -192,6 +199,7 @@ void main() {
     const uint id = floatBitsToUint(position.w);
     if (args.tables.at[0].looks.at[id] == tick) {
       self = seen(selfSlot, id, vec3(0.0));
+      lookAround(position.xyz);
       bool crowded;
       const bool leaves = goes(position.xyz, crowded);
       const uint gap = leaves ? kSectors : openGap(position.xyz);
