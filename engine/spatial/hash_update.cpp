@@ -13,7 +13,7 @@ namespace {
 
 // Of the points: slots to spare, and moves in one update. More slots put off compactions, more moves put off the point
 // from which an edit rebuilds; both cost memory.
-constexpr std::uint64_t kSpareShare = 8, kMovesShare = 16;
+constexpr std::uint64_t kSpareShare = 10, kMovesShare = 16;
 constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
 // Buckets that may change while a compaction runs, of those that one update may touch.
 constexpr std::uint64_t kDirtyPerMove = 4;

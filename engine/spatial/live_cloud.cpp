@@ -4,7 +4,6 @@
 #include <bit>
 #include <limits>
 
-#include "engine/cloud/placed_points.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/shared/spatial_hash.h"
@@ -45,15 +44,6 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
   std::ranges::fill(packed, Vec4(0));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
   upload(device, sides_[0].normals, packed);
-}
-
-std::size_t LiveCloud::readBack(PointCloud& cloud) const {
-  std::vector<Vec4> positions, normals;
-  for (const PointState& point : points()) {
-    positions.emplace_back(point.position, std::bit_cast<float>(point.id));
-    normals.emplace_back(point.normal, 0.0f);
-  }
-  return takeBack(cloud, positions, normals);
 }
 
 std::vector<PointState> LiveCloud::points() const {

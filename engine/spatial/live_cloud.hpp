@@ -30,9 +30,6 @@ class LiveCloud {
   std::uint32_t parity() const { return current_; }
   void flip() { current_ = 1 - current_; }
 
-  /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
-  /// points moved. Waits for the touch queue.
-  std::size_t readBack(PointCloud& cloud) const;
   /// The points that are there, in the order of their slots. Waits for the touch queue.
   std::vector<PointState> points() const;
 

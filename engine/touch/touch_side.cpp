@@ -35,8 +35,7 @@ std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
 std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const BrushOptions& brush) {
   std::vector<std::uint32_t> colors;
   if (!cloud.hasColors() && brush.kind != BrushKind::paint) return colors;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    colors.push_back(cloud.hasColors() ? packedColor(cloud, i) : shared::kUnpainted);
+  for (std::size_t i = 0; i < cloud.size(); ++i) colors.push_back(packedColor(cloud, i));
   return colors;
 }
 

@@ -1,5 +1,6 @@
 // Commands, files, exit codes, messages.
 #include <algorithm>
+#include <cstring>
 
 #include "engine/cloud/ply_reader.hpp"
 #include "tests/apps/program.hpp"
@@ -77,19 +78,30 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
   works("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved + " --json " +
         (folder / "touch.json").string());
   const PointCloud before = readPly(folder / "model.ply"), after = readPly(saved);
-  REQUIRE(after.size() == before.size());
+  REQUIRE(after.size() > before.size());
   REQUIRE(after.extra.size() == 1);
   CHECK(after.extra[0].name == "confidence");
-  CHECK(after.extra[0].data == before.extra[0].data);
-  std::size_t moved = 0;
+  const auto confidence = [](const PointCloud& cloud, std::size_t i) {
+    std::int32_t value;
+    std::memcpy(&value, cloud.extra[0].data.data() + i * sizeof value, sizeof value);
+    return value;
+  };
+  // Points that are gone are missing, new ones stand behind the file's with the property of one beside them.
+  std::size_t edited = 0;
+  bool isNew = false;  // from the first one on that stands behind a later one of the file
   double deepest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
-    moved += after.positions[i] != before.positions[i];
+    const auto of = static_cast<std::size_t>(confidence(after, i));
+    REQUIRE(of < before.size());
+    isNew = isNew || (i > 0 && confidence(after, i) <= confidence(after, i - 1));
+    const double way = glm::distance(after.positions[i], before.positions[of]);
+    if (isNew) CHECK(way < 8);
+    edited += isNew || way > 0;
     deepest = std::max(deepest, 50.0 - glm::length(DVec3(after.positions[i])));
   }
   CHECK(deepest > 3);
-  CHECK(moved > 50);
-  CHECK(jsonOf(folder / "touch.json")["moved_points"] == moved);
+  CHECK(edited > 50);
+  CHECK(jsonOf(folder / "touch.json")["moved_points"] >= edited);
 }
 
 TEST_CASE("every brush sculpts on the CPU, and says how many points it edited") {
@@ -116,7 +128,7 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   works("touch " + model + " --path builtin:press --penetration 4 --edit push --realtime --validate --picture " +
         (folder / "touched.png").string() + " --size 320x200 --save " + saved + " --json " +
         (folder / "t.json").string());
-  CHECK(readPly(saved).size() == 5000);
+  CHECK(readPly(saved).size() >= 4900);
   CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
   CHECK(std::filesystem::exists(folder / "touched.png"));
 }
@@ -222,7 +234,6 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --backend cpu --edit smooth --falloff 0.5", 2, "--falloff");
   fails("touch " + model + " --backend cpu --edit smooth --falloff 17", 2, "--falloff");
   fails("touch " + model + " --backend cpu --edit paint --paint-color 300,0,0", 2, "--paint-color");
-  fails("touch " + model + " --edit carve", 2, "take cpu");
   fails("touch " + model + " --surface sharpest", 2, "--surface");
   fails("touch " + model + " --surface sphere --backend cuda", 2, "--surface");
   fails("touch " + model + " --friction 0.3 --backend cuda", 2, "--friction");

@@ -284,7 +284,7 @@ TEST_CASE("a compaction of a million points is made of short slices") {
   const double copied_us = watch.elapsed_us() - edits_us;
   CHECK(edited.compactFurther(1));
   CHECK(edited.report().dirty > 100);
-  CHECK(edited.report().points == scene.cloud.size());
+  CHECK(edited.report().points == edited.points().size());
   CHECK(edited.faults() == 0);
   MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "
                  << edited.report().dirty << " buckets that edits had changed, " << compaction.endTime_us() << " us; "

@@ -20,7 +20,7 @@ constexpr std::uint32_t kLittleSpare = 1'200, kLeastSpare = 500;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
-          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .toolRadius = 7},
+          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .toolRadius = 7, .keepsDensity = false},
           .spareSlots = spare,
           .compaction = {.bucketsPerSlice = 512},
           .wait = Wait::block};
@@ -44,7 +44,7 @@ std::size_t faults(Device& device, const TouchSide& touch) {
     for (std::uint32_t slot = ranges[bucket].x; slot < ranges[bucket].y; ++slot)
       faults += bucketOf(grid, cellOf(grid, Vec3(positions.at(slot)))) != bucket ||
                 !seen.insert(std::bit_cast<std::uint32_t>(positions[slot].w)).second;
-  return faults + (touch.live().count() - seen.size());
+  return faults + (touch.live().points().size() - seen.size());
 }
 
 struct Stroke {
@@ -64,7 +64,7 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   CHECK(touch.shortfalls().editsTooSlow == 0);
   CHECK(touch.editTimes_us().size() > static_cast<std::size_t>(ticks) / 3);
   CHECK(faults(device, touch) == 0);
-  touch.live().readBack(stroke.cloud);
+  touch.readBack(stroke.cloud);
   stroke.compactions = touch.compactions();
   stroke.editsHeldUp = touch.shortfalls().editsHeldUp;
   if (stroke.compactions > 0)

@@ -55,7 +55,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that yields follows the HIP until it st
   CHECK(last.proxy.z > 46.1);
 
   PointCloud sculpted = scene.cloud;
-  const std::size_t moved = touch.live().readBack(sculpted);
+  const std::size_t moved = touch.readBack(sculpted);
   CHECK(moved > 60);
   CHECK(moved < sculpted.size() / 4);
   double deepest = 50;
@@ -71,7 +71,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the index follows every edit: touch afterwards eq
   for (int i = 0; i < 3; ++i) touch.query({.hip = {35, 0, 17.0 + 10 * i}}, 0);
   touch.finish();
   PointCloud sculpted = scene.cloud;
-  CHECK(touch.live().readBack(sculpted) > 30);
+  CHECK(touch.readBack(sculpted) > 30);
 
   TouchSide fresh(device, sculpted, {.radius = scene.radius});
   for (int i = 0; i < 40; ++i) {
@@ -92,7 +92,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
     const auto contacts = press(touch, 3, 60);
     touch.finish();
     PointCloud cloud = scene.cloud;
-    touch.live().readBack(cloud);
+    touch.readBack(cloud);
     if (run == 0) {
       first = contacts;
       firstCloud = cloud;
@@ -132,7 +132,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
   press(touch, 3, 20);
   touch.finish();
   PointCloud after = scene.cloud;
-  CHECK(touch.live().readBack(after) == 0);
+  CHECK(touch.readBack(after) == 0);
   CHECK(touch.passes().size() == 1);
 }
 
