@@ -15,10 +15,13 @@ std::atomic<std::thread::id> countedThread{};  // none: every one
 }  // namespace
 
 // Counts only while a test says so.
-void* operator new(std::size_t size) {
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   const std::thread::id only = countedThread;
   if (counting && (only == std::thread::id() || only == std::this_thread::get_id())) ++allocations;
-  if (void* memory = std::malloc(size ? size : 1)) return memory;
+  return std::malloc(size ? size : 1);
+}
+void* operator new(std::size_t size) {
+  if (void* memory = operator new(size, std::nothrow)) return memory;
   throw std::bad_alloc();
 }
 void operator delete(void* memory) noexcept { std::free(memory); }
