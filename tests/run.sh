@@ -16,9 +16,9 @@ cmake --build --preset asan --target host_tests
 cmake --preset tsan > /dev/null
 cmake --build --preset tsan --target tests_haptics
 
-ctest --preset asan -L host --no-tests=error
-ctest --preset tsan -R '^haptics\.' --no-tests=error
+ctest --preset asan -L host -j 2 --no-tests=error
+ctest --preset tsan -R '^haptics\.' -j 2 --no-tests=error
 if [ "$PALPATE_GPU" = llvmpipe ]; then
-  LP_NUM_THREADS=1 ctest --preset dev -L gpu --no-tests=error
+  LP_NUM_THREADS=1 ctest --preset dev -L gpu -j 2 --no-tests=error
 fi
-ctest --preset dev --no-tests=error
+ctest --preset dev -j 2 --no-tests=error

@@ -30,7 +30,7 @@ Moments momentsAbout(vec3 center, float radius, Share share, inout uint work) {
   Moments m = noMoments();
   for (int z = low.z; z <= high.z; ++z)
     for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
+      for (int x = low.x; x <= high.x && work < kEstimateWorkBudget; ++x) {
         const ivec3 cell = ivec3(x, y, z);
         const uvec2 range = bucketWithin(args.cloud, cell, share, kEstimateWorkBudget, work);
         for (uint j = range.x; j < range.y; j += share.sharers) {

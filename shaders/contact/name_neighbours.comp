@@ -33,7 +33,7 @@ uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint 
   const ivec3 high = cellOf(args.cloud.grid, center + radius);
   for (int z = low.z; z <= high.z; ++z)
     for (int y = low.y; y <= high.y; ++y)
-      for (int x = low.x; x <= high.x; ++x) {
+      for (int x = low.x; x <= high.x && work < kEstimateWorkBudget; ++x) {
         const ivec3 cell = ivec3(x, y, z);
         const uvec2 range = bucketWithin(args.cloud, cell, share, kEstimateWorkBudget, work);
         for (uint j = range.x; j < range.y; ++j) {

@@ -16,8 +16,8 @@ const float kCleanEstimate = 0.005f;
 const float kWiderEstimate = 2.0f;  // and every other point of it
 const float kFlatterEstimate = 0.5f;
 const float kLineLike = 1e-3f;  // variance across over variance along, below which neighbours lie on a line
-// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small, since a
-// validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
+// Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small,
+// since a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
 const uint kEstimateWorkBudget = 1024;
 
 // Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever

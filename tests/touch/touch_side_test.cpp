@@ -108,7 +108,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, neve
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200}});
+                  {.radius = scene.radius,
+                   .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200, .keepsDensity = false}});
   const EditLog::Reader reader(touch.editLog());
   press(touch, 20, 80);
   touch.finish();
