@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // After points have moved and the index follows: the normal of every moved point becomes the direction of least spread
-// of its neighbours (Hoppe et al. 1992, section 3.2), on the side of its old normal, and the point goes to the log as
+// of its neighbours (Hoppe et al. 1992, section 3.2), on the side of theirs, and the point goes to the log as
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"

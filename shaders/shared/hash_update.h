@@ -54,7 +54,7 @@ PALPATE_FUNCTION uint roomToGrow(uint points) { return points + points / 2u + kS
 // Buckets that change while compacting are noted once each: a bit of a map says so, and the list stands behind the map.
 PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32u + 1u; }
 
-// Counters of one update. The first part begins every update as kBeginUpdate.
+// Counters of one update. The first kUpdateBegins bytes begin every update empty.
 struct HashUpdate {
   uint moves;
   uint touched;
