@@ -10,8 +10,7 @@ namespace {
 
 constexpr VkPipelineStageFlags2 kWork = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
 constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
-constexpr VkAccessFlags2 kReads =
-    VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+constexpr VkAccessFlags2 kReads = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
 
 constexpr std::size_t kTimedPasses = 200;  // the rest of the timer is for sections
 static_assert(kTimedPasses < GpuTimer::kMaxScopes);
@@ -82,11 +81,15 @@ void CommandList::end() {
   device_.check(device_.vk().vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
 }
 
-void CommandList::orderAfterPrevious() {
+void CommandList::orderAfterPrevious(Size size) {
   waits_ = false;
   if (independent_ == Overlap::yes) return;
+  // Only who reads its size from memory waits for the stage that does so: on an H200 that barrier takes 3.8 us, the
+  // other one 1.8. The first of several waits for what any of them may need.
+  const bool reads = size == Size::inMemory || independent_ == Overlap::first;
   if (independent_ == Overlap::first) independent_ = Overlap::yes;
-  memoryBarrier(device_, commands_, kWork | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT, kReads | kWrites);
+  memoryBarrier(device_, commands_, kWork | (reads ? VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT : 0),
+                kReads | kWrites | (reads ? VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT : 0));
   waits_ = true;
 }
 
@@ -96,7 +99,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   const std::uint64_t size = pipeline.workgroupSize();
   const GroupGrid grid =
       groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
-  orderAfterPrevious();
+  orderAfterPrevious(Size::known);
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
   device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
@@ -106,7 +109,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
 void CommandList::dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups,
                                         std::span<const std::byte> args, std::uint64_t offset) {
   PALPATE_CHECK_LE(offset + sizeof(VkDispatchIndirectCommand), groups.bytes());
-  orderAfterPrevious();
+  orderAfterPrevious(Size::inMemory);
   openPass(pipeline.name(), 0, args.size());
   bind(pipeline, args);
   device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), offset);
@@ -125,7 +128,7 @@ void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes
   if (bytes == 0) return;
   PALPATE_CHECK_LE(fromOffset + bytes, from.bytes());
   PALPATE_CHECK_LE(toOffset + bytes, to.bytes());
-  orderAfterPrevious();
+  orderAfterPrevious(Size::known);
   openPass("copy " + from.name(), 0, bytes);
   const VkBufferCopy region{fromOffset, toOffset, bytes};
   device_.vk().vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
@@ -135,7 +138,7 @@ void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes
 void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {
   if (bytes == 0) return;
   PALPATE_CHECK_LE(offset + bytes, buffer.bytes());
-  orderAfterPrevious();
+  orderAfterPrevious(Size::known);
   openPass("fill " + buffer.name(), 0, bytes);
   device_.vk().vkCmdFillBuffer(commands_, buffer.handle(), offset, bytes, pattern);
   closePass();

@@ -99,12 +99,13 @@ class CommandList {
 
  private:
   enum class Overlap { no, first, yes };
+  enum class Size { known, inMemory };  // of a pass, while it is recorded
 
   void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args);
   void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args,
                              std::uint64_t offset);
   void bind(const ComputePipeline& pipeline, std::span<const std::byte> args);
-  void orderAfterPrevious();
+  void orderAfterPrevious(Size size);
   void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
   void closePass();
   void openLabel(const std::string& name);
