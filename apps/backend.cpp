@@ -42,6 +42,7 @@ TouchOptions touchOptions(const Model& model, const BackendOptions& options, con
   if (options.wait == "spin") touch.wait = Wait::spin;
   if (options.wait == "poll") touch.wait = Wait::poll;
   if (options.wait == "block") touch.wait = Wait::block;
+  if (options.ahead != "auto") touch.ahead = options.ahead == "on";
   if (options.timePasses) touch.timing = CommandList::Timing::passes;
   return touch;
 }
@@ -89,6 +90,9 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
                "bit-identical results run after run; virtual time is so in any case");
   sub.add_option("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")
       ->check(CLI::IsMember({"spin", "poll", "block"}));
+  choice("--ahead", options.ahead, {"auto", "on", "off"},
+         "submit each question before the hand has moved, so that it waits on the GPU for the place: auto (where the "
+         "driver is known for it), on or off");
   sub.add_option("--radius", options.radius,
                  "support radius of the surface, mm, or auto (4 spacings, place by place where they differ)")
       ->capture_default_str();
@@ -125,6 +129,7 @@ void checkBackendOptions(const BackendOptions& options) {
   if (options.backend == "cuda" && options.friction > 0)
     throw UsageError("--friction: --backend cuda has none; take vulkan or cpu");
   if (options.backend == "vulkan") return;
+  if (options.ahead != "auto") throw UsageError("--ahead: only --backend vulkan can be asked ahead");
   if (!options.wait.empty()) throw UsageError("--wait: only --backend vulkan can be told how to wait");
   if (options.timePasses) throw UsageError("--print-tick: only --backend vulkan knows its passes");
 }

@@ -51,6 +51,7 @@ class Witness final : public ContactQuery {
     if (noted_.size() < noted_.capacity()) noted_.push_back(noted);
     return contact;
   }
+  void prepare() noexcept override { side_.prepare(); }
 
  private:
   TouchSide& side_;

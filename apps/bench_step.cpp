@@ -32,6 +32,7 @@ StepTimes measureAt(TouchBackend& backend, const std::vector<DVec3>& approach, c
     const Stopwatch watch;
     const Contact contact = ask(approach.back());
     wall.push_back(watch.elapsed_us());
+    backend.prepare();
     if (contact.gpu_us > 0) gpu.push_back(contact.gpu_us);
   });
   backend.finish();

@@ -137,6 +137,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, Tr
   const double step_us = watch.elapsed_us();
   const bool written = device_.write(force_N);
   passivity_.acted(written ? force_N : DVec3(0));
+  query_.prepare();
 
   row.hip = hip;
   row.proxy = contact.proxy;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 
+#include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
 
@@ -15,6 +17,13 @@ namespace {
 std::uint64_t spilledPoints(std::uint64_t points) {
   const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMostPatchPoints);
   return most - std::min<std::uint64_t>(most, shared::kSharedPatch);
+}
+
+// How often a step that waits looks for its question: some 20 ms on a GPU. A software driver needs our cores for it,
+// and stops a shader silently after 65,535 rounds, of which GPU-assisted validation makes some at each access.
+std::uint32_t looksOn(Device& device) {
+  if (device.instance().validates()) return 50;
+  return device.isCpu() ? 2'000 : 30'000;
 }
 
 // The forms of the fused step that a session may need: which one a tick takes shows in the answer before it, but for
@@ -43,7 +52,12 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
              .pushBytes = sizeof(shared::ContactStepArgs),
              .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
                            std::bit_cast<std::uint32_t>(static_cast<float>(options.friction))}}),
+      looks_(looksOn(device)),
+      await_(device, shader_code::contact_await_question,
+             {.workgroupSize = shared::kContactWorkgroup / 8, .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
       pose_(Buffer::of<shared::ContactQuestion>(device, 1, Memory::upload, "contact pose")),
+      lastTick_(Buffer::of<std::uint32_t>(device, 1, Memory::upload, "last question")),
+      taken_(Buffer::of<shared::ContactQuestion>(device, 1, Memory::device, "question taken")),
       state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "contact state")),
       sample_(Buffer::of<shared::ContactSample>(device, 1, Memory::readback, "contact sample")),
       spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")),
@@ -52,18 +66,20 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
   PALPATE_CHECK_LT(0.0, options.radius);
   PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
   upload(device, state_, std::vector<shared::ContactState>(1));
-  question() = {};
+  put({});
   sample_.mapped<shared::ContactSample>()[0] = {};
 }
 
 std::uint32_t ContactStep::lists() const {
-  return gather_ ? gather_->submissions() : static_cast<std::uint32_t>(forms_.size());
+  return gather_ ? gather_->submissions() : 2 * static_cast<std::uint32_t>(forms_.size());
 }
 
 void ContactStep::record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud,
                          DeviceAddress logHead) const {
+  if (waits(list)) recordAwait(commands);
   const auto section = commands.section("contact");
-  if (!gather_) return recordSolve(commands, cloud, logHead, forms_[list]);
+  if (!gather_)
+    return recordSolve(commands, cloud, logHead, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
   {
     const auto gathering = commands.section("gather");
     gather_->record(commands, list,
@@ -75,15 +91,38 @@ void ContactStep::record(CommandList& commands, std::uint32_t list, const shared
   }
   if (list + 1 < gather_->submissions()) return;
   const auto solving = commands.section("solve");
-  recordSolve(commands, cloud, logHead, shared::kGatherGiven);
+  recordSolve(commands, cloud, logHead, pose_, shared::kGatherGiven);
+}
+
+void ContactStep::recordAwait(CommandList& commands) const {
+  commands.dispatch(await_, await_.workgroupSize(),
+                    shared::AwaitQuestionArgs{.question = pose_.address(),
+                                              .taken = taken_.address(),
+                                              .lastTick = lastTick_.address(),
+                                              .looks = looks_,
+                                              .unused = 0});
+}
+
+void ContactStep::put(shared::ContactQuestion question) {
+  constexpr std::size_t kWords = sizeof(shared::ContactQuestion) / sizeof(std::uint32_t);
+  static_assert(kWords == shared::kQuestionWords);
+  auto words = std::bit_cast<std::array<std::uint32_t, kWords>>(question);
+  words[shared::kQuestionSealAt] = 0;
+  for (std::uint32_t i = 0; i < shared::kQuestionSealAt; ++i)
+    words[shared::kQuestionSealAt] += shared::questionShare(words[i], i);
+  // The GPU may be looking: every word is written once, and none stays behind in a buffer of the processor.
+  volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data();
+  for (std::size_t i = 0; i < kWords; ++i) to[i] = words[i];
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+  question_ = question.pose;
 }
 
 void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
-                              std::uint32_t gather) const {
+                              const Buffer& pose, std::uint32_t gather) const {
   const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : 1;
   commands.dispatch(step_, workgroups * shared::kContactWorkgroup,
                     shared::ContactStepArgs{.cloud = cloud,
-                                            .pose = pose_.address(),
+                                            .pose = pose.address(),
                                             .state = state_.address(),
                                             .result = sample_.address(),
                                             .spill = spill_.address(),

@@ -26,7 +26,8 @@ struct ContactOptions {
 /// the proxy. Surfaces as SurfaceSums makes them, with Wendland's C2 weight; proxy by tangent-plane tracking
 /// (Salisbury and Tarr 1997) with friction (Ruspini, Kolarov, Khatib 1997), as ProxyTracker does it.
 ///
-/// A tick runs firstList() of the lists recorded here, then nextList() until there is none.
+/// A tick runs firstList() of the lists recorded here, then nextList() until there is none. A fused step can also be
+/// submitted before its question is there: it then waits on the GPU, for some ms at most, until the host has put it.
 class ContactStep {
  public:
   /// `grid`: of the hash that record() is going to see. `points`: how many the cloud may have.
@@ -34,15 +35,22 @@ class ContactStep {
 
   /// Command lists to record ahead.
   std::uint32_t lists() const;
-  /// The run of these lists reads the question that stands in question() and leaves its answer in sample(). `logHead`:
-  /// address of a uint32 that is copied into the answer.
+  /// The run of these lists reads the question that was put and leaves its answer in sample(). `logHead`: address of a
+  /// uint32 that is copied into the answer.
   void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead) const;
   std::uint32_t firstList() const;
+  /// Whether there are lists that wait for their question.
+  bool canWait() const { return !gather_; }
+  /// The list that does what `list` does, and waits for its question first.
+  std::uint32_t waiting(std::uint32_t list) const { return list + static_cast<std::uint32_t>(forms_.size()); }
+  bool waits(std::uint32_t list) const { return !gather_ && list >= forms_.size(); }
   /// What runs after `list` has run; does the host's part between them.
   std::optional<std::uint32_t> nextList(std::uint32_t list) const;
 
-  /// Host-written; valid for the next run.
-  shared::ContactQuestion& question() const { return pose_.mapped<shared::ContactQuestion>()[0]; }
+  /// For the next run, or the one that waits for it. Its tick is another than that of the question before, and not 0.
+  void put(shared::ContactQuestion question);
+  /// Before a list that waits is submitted: the question that stands there now is not the one.
+  void awaitAnother() { lastTick_.mapped<std::uint32_t>()[0] = question_.tick; }
   /// Host-read, after a run.
   shared::ContactSample sample() const;
   /// Whether the answer to `tick` is there, whole; true some us before the driver knows that the run is over.
@@ -56,7 +64,8 @@ class ContactStep {
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:
-  void recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
+  void recordAwait(CommandList& commands) const;
+  void recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead, const Buffer& pose,
                    std::uint32_t gather) const;
 
   ContactOptions options_;
@@ -64,7 +73,10 @@ class ContactStep {
   std::unique_ptr<Gather> gather_;    // none: fused
   std::vector<std::uint32_t> forms_;  // fused: kGather... of each list
   ComputePipeline step_;
-  Buffer pose_, state_, sample_, spill_, patch_;
+  std::uint32_t looks_;
+  ComputePipeline await_;
+  shared::ContactPose question_{};  // the last one that was put
+  Buffer pose_, lastTick_, taken_, state_, sample_, spill_, patch_;
 };
 
 }  // namespace palpate

@@ -33,6 +33,9 @@ class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
   virtual Contact query(const Pose& pose, double budget_us) noexcept = 0;
+  /// The force of the last answer is out: now is the time for what need not come before it, and for what makes the next
+  /// answer come sooner. Never blocks for long.
+  virtual void prepare() noexcept {}
 };
 
 }  // namespace palpate

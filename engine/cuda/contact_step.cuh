@@ -28,7 +28,7 @@ class ContactStep {
     surface_ = surfaceNear(proxy_);
   }
 
-  /// Thread 0 leaves the state for the next tick and the answer for the host, without its sequence word.
+  /// Thread 0 leaves the state for the next tick and the answer for the host.
   __device__ void write() const {
     if (threadIdx.x != 0) return;
     *args_.state = {.lastHip = pose_.hip,
@@ -37,14 +37,16 @@ class ContactStep {
                     .side = side_,
                     .facing = vec3(0.0f),
                     .started = 1};
-    args_.answer->sample = {.spring = proxy_,
-                            .touching = touching_ ? 1u : 0u,
-                            .normal = surface_.normal,
-                            .neighbours = surface_.neighbours,
-                            .tick = pose_.tick,
-                            .trackingSteps = trackingSteps_,
-                            .logHead = 0,
-                            .flags = patch_.thinned() ? kSampleThinned : 0};
+    ContactSample sample{.spring = proxy_,
+                         .touching = touching_ ? 1u : 0u,
+                         .normal = surface_.normal,
+                         .neighbours = surface_.neighbours,
+                         .tick = pose_.tick,
+                         .trackingSteps = trackingSteps_,
+                         .logHead = 0,
+                         .flags = patch_.thinned() ? kSampleThinned : 0};
+    sample.seal = sealOf(sample);
+    args_.answer->sample = sample;
   }
 
  private:
@@ -119,12 +121,5 @@ class ContactStep {
   uint side_ = kSideUnknown;
   uint trackingSteps_ = 0;
 };
-
-/// Thread 0 publishes the answer: whoever sees the sequence word sees everything written before it.
-inline __device__ void publish(const StepArgs& args, uint sequence) {
-  if (threadIdx.x != 0) return;
-  __threadfence_system();
-  *const_cast<volatile std::uint32_t*>(&args.answer->sequence) = sequence;
-}
 
 }  // namespace palpate::cu

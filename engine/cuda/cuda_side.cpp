@@ -90,7 +90,7 @@ void CudaTouch::Side::ask(const Pose& pose, bool timed) {
 }
 
 bool CudaTouch::Side::answerWithin(double budget_us) {
-  const auto answered = [&] { return cu::loadAcquire(buffers_.answer().sequence) == tick_; };
+  const auto answered = [&] { return buffers_.sample(tick_).has_value(); };
   const Stopwatch watch;
   for (unsigned spins = 1; !answered(); ++spins) {
     method_->advance();
@@ -106,7 +106,7 @@ bool CudaTouch::Side::answerWithin(double budget_us) {
 
 void CudaTouch::Side::takeAnswer() {
   const cu::Answer& answer = buffers_.answer();
-  const shared::ContactSample sample = answer.sample;
+  const shared::ContactSample sample = *buffers_.sample(tick_);
   if (answer.launchError != 0) cu::checkCuda(static_cast<cudaError_t>(answer.launchError), "launching from the device");
   const Asked asked = *asked_;
   asked_.reset();

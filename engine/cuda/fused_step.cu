@@ -14,7 +14,6 @@ __global__ void __launch_bounds__(kStepThreads) fusedStep(const __grid_constant_
   ContactStep step(args, args.cloud, memory, pose);
   step.run();
   step.write();
-  publish(args, pose.tick);
 }
 
 }  // namespace
@@ -25,7 +24,6 @@ __global__ void __launch_bounds__(kStepThreads) solveStep(const __grid_constant_
   step.takeOver(*args.gather);
   step.run();
   step.write();
-  publish(args, pose.tick);
 }
 
 void launchFused(const StepArgs& args, cudaStream_t stream) {

@@ -1,5 +1,8 @@
 #include "engine/cuda/query_method.hpp"
 
+#include <array>
+#include <bit>
+
 #include "engine/cuda/cuda_error.hpp"
 #include "engine/cuda/resident_method.hpp"
 #include "engine/cuda/step_kernels.hpp"
@@ -30,6 +33,15 @@ StepArgs StepBuffers::argsFor(const shared::CloudView& cloud) const {
           .slots = slots_.data(),
           .chunkCounts = chunkCounts_.data(),
           .radius = radius_};
+}
+
+std::optional<shared::ContactSample> StepBuffers::sample(std::uint32_t tick) const {
+  constexpr std::size_t kWords = sizeof(shared::ContactSample) / sizeof(std::uint32_t);
+  const auto* from = reinterpret_cast<const volatile std::uint32_t*>(&answer_.host().sample);
+  std::array<std::uint32_t, kWords> words;
+  for (std::size_t i = 0; i < kWords; ++i) words[i] = from[i];
+  const auto sample = std::bit_cast<shared::ContactSample>(words);
+  return sample.tick == tick && sample.seal == shared::sealOf(sample) ? std::optional(sample) : std::nullopt;
 }
 
 void QueryMethod::revive() { throw CudaError("CUDA: a query ended without an answer"); }

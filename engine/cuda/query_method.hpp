@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/cuda/cuda_memory.hpp"
 #include "engine/cuda/cuda_touch.hpp"
@@ -16,6 +17,8 @@ class StepBuffers {
   StepArgs argsFor(const shared::CloudView& cloud) const;
   Letter& letter() const { return letter_.host(); }
   const Answer& answer() const { return answer_.host(); }
+  /// The answer to the pose of that tick, once it is there, whole.
+  std::optional<shared::ContactSample> sample(std::uint32_t tick) const;
   const PlanReport& report() const { return report_.host(); }
   const shared::ContactState* state() const { return state_.data(); }
 
@@ -39,7 +42,7 @@ class QueryMethod {
   QueryMethod(const QueryMethod&) = delete;
   QueryMethod& operator=(const QueryMethod&) = delete;
 
-  /// Submits a query of the cloud on side `parity`; its answer will carry pose.tick as sequence. `timed`: time_us()
+  /// Submits a query of the cloud on side `parity`; its answer will carry pose.tick. `timed`: time_us()
   /// will be asked for.
   virtual void ask(const shared::ContactPose& pose, unsigned parity, bool timed) = 0;
   /// Does what the host has to do in the middle of a query; called again and again until the answer is there.

@@ -1,5 +1,7 @@
 #include "engine/cuda/resident_method.hpp"
 
+#include <array>
+#include <bit>
 #include <thread>
 
 #include "engine/core/clock.hpp"
@@ -35,7 +37,12 @@ void ResidentMethod::ask(const shared::ContactPose& pose, unsigned parity, bool)
 
 void ResidentMethod::post() {
   answered_ = posted_++;
-  storeRelease(buffers_.letter().sequence, posted_);
+  Letter& letter = buffers_.letter();
+  letter.sequence = posted_;
+  auto words = std::bit_cast<std::array<std::uint32_t, kLetterWords>>(letter);
+  words.back() = 0;
+  for (std::uint32_t i = 0; i + 1 < kLetterWords; ++i) words.back() += shared::questionShare(words[i], i);
+  storeRelease(letter.seal, words.back());
 }
 
 void ResidentMethod::begin() {

@@ -20,28 +20,42 @@ __device__ std::uint64_t now_ns() {
   return time_ns;
 }
 
-// Nothing that follows is read before this, by any thread behind the next barrier; what other kernels wrote before the
-// host did is seen as well (PTX memory model, causality order).
-__device__ uint readSequence(const Letter* letter) {
-  uint sequence;
-  asm volatile("ld.acquire.sys.u32 %0, [%1];" : "=r"(sequence) : "l"(&letter->sequence) : "memory");
-  return sequence;
+// The letter as it is on its way, in one trip over the bus.
+__device__ Letter look(const Letter* box) {
+  uint words[kLetterWords];
+  const auto* from = reinterpret_cast<const uint*>(box);
+  asm volatile("ld.volatile.v4.u32 {%0, %1, %2, %3}, [%4];"
+               : "=r"(words[0]), "=r"(words[1]), "=r"(words[2]), "=r"(words[3])
+               : "l"(from)
+               : "memory");
+  asm volatile("ld.volatile.v4.u32 {%0, %1, %2, %3}, [%4];"
+               : "=r"(words[4]), "=r"(words[5]), "=r"(words[6]), "=r"(words[7])
+               : "l"(from + 4)
+               : "memory");
+  uint seal = 0;
+  for (uint i = 0; i + 1 < kLetterWords; ++i) seal += questionShare(words[i], i);
+  Letter letter;
+  letter.pose.hip = vec3(__uint_as_float(words[0]), __uint_as_float(words[1]), __uint_as_float(words[2]));
+  letter.pose.tick = words[3];
+  letter.parity = words[4];
+  letter.stop = words[5];
+  letter.sequence = words[6];
+  letter.seal = seal ^ words[7];  // 0: it is whole
+  return letter;
 }
 
 // Waits for a letter newer than `answered`; one that says stop when none comes.
 __device__ Letter nextLetter(const Letter* box, uint answered) {
   const std::uint64_t began_ns = now_ns();
-  Letter letter{};
-  while ((letter.sequence = readSequence(box)) == answered) {
-    if (now_ns() - began_ns < kLongestIdle_ns) continue;
-    letter.stop = 1;
-    return letter;
+  Letter letter = look(box);
+  while (letter.seal != 0 || letter.sequence == answered) {
+    if (now_ns() - began_ns > kLongestIdle_ns) {
+      letter.stop = 1;
+      return letter;
+    }
+    letter = look(box);
   }
-  const volatile Letter& written = *box;
-  letter.pose.hip = vec3(written.pose.hip.x, written.pose.hip.y, written.pose.hip.z);
-  letter.pose.tick = written.pose.tick;
-  letter.parity = written.parity;
-  letter.stop = written.stop;
+  __threadfence_system();  // what other kernels wrote before the host did is seen as well
   return letter;
 }
 
@@ -68,7 +82,6 @@ __global__ void __launch_bounds__(kStepThreads)
       args.answer->alive_clocks = now_clocks - born_clocks;
       args.answer->alive_ns = now_ns() - born_ns;
     }
-    publish(args, letter.pose.tick);
     answered = letter.sequence;
     __syncthreads();  // thread 0 writes the next letter over this one
   }

@@ -10,23 +10,28 @@ inline constexpr std::uint32_t kMostSlots = shared::kMostPatchPoints;
 /// Points that one block of the brute force looks at.
 inline constexpr std::uint32_t kBruteChunk = 4096;
 
-/// The answer to one pose, in mapped host memory. `sequence` is written last, so whoever sees it sees the rest.
+/// The answer to one pose, in mapped host memory. Words may arrive in any order; the sample is whole when its seal
+/// fits.
 struct Answer {
   shared::ContactSample sample;
-  std::uint32_t sequence;      ///< the pose's tick
-  std::uint32_t launchError;   ///< of a launch from the device; a cudaError_t, 0 when all went well
-  std::uint64_t step_clocks;   ///< resident kernel: from pose read to answer
+  std::uint32_t launchError;  ///< of a launch from the device; a cudaError_t, 0 when all went well
+  std::uint32_t unused;
+  std::uint64_t step_clocks;   ///< resident kernel: from pose read to answer; of this answer or the one before
   std::uint64_t alive_clocks;  ///< resident kernel: since it began, on the same clock,
   std::uint64_t alive_ns;      ///< and on the wall's, which ticks too coarsely for one step
 };
 
-/// What the host asks, in mapped host memory. The resident kernel waits for `sequence`, which is written last.
-struct Letter {
+/// What the host asks, in mapped host memory. The resident kernel reads all of it at each look, since every look takes
+/// a trip over the bus, and takes it up when the seal fits.
+struct alignas(32) Letter {
   shared::ContactPose pose;
   std::uint32_t parity;  ///< which side of the cloud counts
   std::uint32_t stop;
   std::uint32_t sequence;  ///< grows by one with each letter
+  std::uint32_t seal;      ///< the sum of shared::questionShare() of all words before it
 };
+inline constexpr std::uint32_t kLetterWords = 8;
+static_assert(sizeof(Letter) == kLetterWords * sizeof(std::uint32_t));
 
 /// The part of one cell's points that a gather looks at: numbers first, first + stride, ... into slots of their own.
 /// Slots follow the order of cells and of candidates, so whoever fills them, the patch comes out the same.

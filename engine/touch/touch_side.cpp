@@ -21,6 +21,15 @@ namespace {
 constexpr double kLook_us = 1;  // a budget that lets no thread sleep
 constexpr double kNap_us = 40;  // between looks, where spinning would starve the driver
 
+// A question that was submitted ahead ends within so long after it was withdrawn, where the GPU hears the host at all.
+constexpr double kLongestDeafness_us = 5000;
+
+// Drivers that are known to bring what the host writes before a shader that is running. Where sight has the same queue,
+// its frames would wait behind a question that waits.
+bool mayHearTheHost(const Device& device) {
+  return device.driverId() == VK_DRIVER_ID_NVIDIA_PROPRIETARY && !device.roles().shared();
+}
+
 // A cloud whose index is always built anew needs spare slots for new points alone.
 constexpr std::uint32_t kFewerSpare = 4;
 
@@ -112,10 +121,13 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
   }
   if (edit_ && options.index == IndexFollow::incremental)
     compaction_.emplace(device, hash_, live_, edit_->update(), options.compaction);
+  const bool mayAskAhead = wait_ == Wait::spin && mayHearTheHost(device);
+  ahead_ = contact_.canWait() && options.ahead.value_or(mayAskAhead && hearsTheHost());
 }
 
 TouchSide::~TouchSide() {
   try {
+    withdraw();
     device_.waitIdle();
   } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
   }
@@ -136,21 +148,65 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
   if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
   try {
     const Stopwatch watch;
+    const bool realtime = budget_us > 0;
+    closeTick();
     // Nothing new is asked while a question is out.
     if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_.answer(pose);
-    if (budget_us > 0 && !mayAskWithin(budget_us)) return bridge_.answer(pose);
-    ask(pose, budget_us > 0);
-    if (budget_us > 0) bridge_.renew(pose, live_.parity());
-    const double left_us = budget_us > 0 ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
+    if (realtime && !mayAskWithin(budget_us)) return bridge_.answer(pose);
+    ask(pose, realtime);
+    open_ = Open{.pose = pose, .realtime = realtime};
+    const double left_us = realtime ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
     if (!answerWithin(left_us, pose.time_s)) return bridge_.answer(pose);
-    if (last_.valid) editIfYielding(budget_us > 0);
-    compactFurther(budget_us > 0);
+    open_->answered = true;
+    if (!realtime) closeTick();
     return last_;
   } catch (...) {
     failure_ = std::current_exception();
     invalid.lost = true;
     return invalid;
   }
+}
+
+void TouchSide::prepare() noexcept {
+  if (failure_) return;
+  try {
+    closeTick();
+    if (ahead_ && !asked_ && !waiting_) askAhead();
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+void TouchSide::closeTick() {
+  const std::optional<Open> open = std::exchange(open_, std::nullopt);
+  if (!open) return;
+  if (open->realtime) bridge_.renew(open->pose, live_.parity());
+  if (!open->answered) return;
+  if (last_.valid) editIfYielding(open->realtime);
+  compactFurther(open->realtime);
+}
+
+void TouchSide::askAhead() {
+  settleLast();
+  const std::uint32_t first = contact_.waiting(contact_.firstList());
+  const Run run{live_.parity(), first, first};
+  contact_.awaitAnother();
+  waiting_ = Waiting{run, device_.touch().submit(lastList(run))};
+}
+
+void TouchSide::withdraw() {
+  if (!waiting_) return;
+  contact_.put({.pose = {.hip = Vec3(0), .tick = ++tick_}, .withdrawn = 1});
+  device_.touch().wait(std::exchange(waiting_, std::nullopt)->ticket);
+}
+
+bool TouchSide::hearsTheHost() {
+  askAhead();
+  const Queue::Ticket ticket = waiting_->ticket;
+  const bool waits = !device_.touch().isDone(ticket);
+  const Stopwatch watch;
+  withdraw();
+  return waits && watch.elapsed_us() < kLongestDeafness_us;
 }
 
 bool TouchSide::lateAnswerIsIn(const Pose& pose, double budget_us) {
@@ -174,19 +230,29 @@ bool TouchSide::mayAskWithin(double budget_us) const {
 }
 
 void TouchSide::ask(const Pose& pose, bool realtime) {
-  // The answer may have been seen some us before the driver lets its list run again.
-  if (ended_) device_.touch().wait(*ended_, Wait::spin);
-  if (ended_ && wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
-  contact_.question() = {.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_},
-                         .carried = stateOf(bridge_.newerStory())};
+  settleLast();
+  contact_.put({.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_}, .carried = stateOf(bridge_.newerStory())});
   bridge_.handedOver();
+  asked_ = Asked{.pose = pose, .behindEdit = editInFlight_, .timed = wait_ == Wait::spin || !realtime};
+  if (waiting_) {
+    asked_->run = waiting_->run;
+    asked_->ticket = std::exchange(waiting_, std::nullopt)->ticket;
+  } else {
+    submitQuestion();
+  }
+}
+
+void TouchSide::submitQuestion() {
   const std::uint32_t first = contact_.firstList();
-  const Run run{live_.parity(), first, first};
-  asked_ = Asked{.pose = pose,
-                 .run = run,
-                 .ticket = device_.touch().submit(lastList(run)),
-                 .behindEdit = editInFlight_,
-                 .timed = wait_ == Wait::spin || !realtime};
+  asked_->run = {live_.parity(), first, first};
+  asked_->ticket = device_.touch().submit(lastList(asked_->run));
+}
+
+void TouchSide::settleLast() {
+  // The answer may have been seen some us before the driver lets its list run again.
+  if (!ended_) return;
+  device_.touch().wait(*std::exchange(ended_, std::nullopt), Wait::spin);
+  if (wait_ == Wait::spin) lastTime_us_ += lastList(lastQuery_).sectionTime_us("contact");
 }
 
 bool TouchSide::answerWithin(double budget_us, double now_s) {
@@ -194,6 +260,12 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
   while (true) {
     const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
     if (!runEndsWithin(left_us)) return false;
+    const bool ahead = contact_.waits(asked_->run.last);
+    if (ahead && !contact_.hasAnswered(tick_)) {  // it had ended before the question came
+      submitQuestion();
+      continue;
+    }
+    answeredAhead_ += ahead;
     const CommandList& ran = lastList(asked_->run);
     const auto next = contact_.nextList(asked_->run.last);
     if (next) {
@@ -253,6 +325,8 @@ bool TouchSide::runEndsWithin(double budget_us) {
 
 void TouchSide::finish() {
   if (failure_) std::rethrow_exception(failure_);
+  closeTick();
+  withdraw();
   if (asked_) answerWithin(0, lastPose_.time_s);
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit(true);

@@ -41,7 +41,9 @@ struct TouchOptions {
   std::optional<std::uint32_t>
       spareSlots;  ///< where the index follows edits; in proportion to the cloud when not given
   CompactionOptions compaction;
-  std::optional<Wait> wait;  ///< how the servo thread waits for the GPU; the device's default when not given
+  std::optional<Wait> wait;   ///< how the servo thread waits for the GPU; the device's default when not given
+  std::optional<bool> ahead;  ///< submit each question before its pose is known (TouchSide); where not given, on
+                              ///< drivers that are known to let it wait, if it does
   CommandList::Timing timing = CommandList::Timing::sections;
 };
 
@@ -50,6 +52,10 @@ struct TouchOptions {
 /// says that the surface yields, a second one is submitted that edits the points and brings the index up to date;
 /// nobody waits for it but the next tick's query. While a question is out past its tick's budget, ticks are answered on
 /// the CPU from the patch of points that the GPU brought last.
+///
+/// Submitting takes longer than answering. So prepare() can submit the next question ahead: it waits on the GPU until
+/// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question for which no
+/// pose comes in time ends by itself, and the next pose is asked for in the ordinary way.
 class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -59,6 +65,7 @@ class TouchSide final : public TouchBackend {
 
   /// When the GPU is late, the last patch answers (PatchBridge), and `fresh` says so.
   Contact query(const Pose& pose, double budget_us) noexcept override;
+  void prepare() noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
@@ -83,6 +90,10 @@ class TouchSide final : public TouchBackend {
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  /// Whether questions are submitted ahead of their poses.
+  bool asksAhead() const { return ahead_; }
+  /// How many were answered that way.
+  std::uint64_t answeredAhead() const { return answeredAhead_; }
   std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
   std::uint64_t compactions() const override { return compactions_; }
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
@@ -100,15 +111,26 @@ class TouchSide final : public TouchBackend {
   // A question that is out: the last list of its run was submitted.
   struct Asked {
     Pose pose;
-    Run run;
-    Queue::Ticket ticket;
+    Run run = {};
+    Queue::Ticket ticket = 0;
     bool behindEdit = false;  // an edit was still under way
     bool timed = true;        // on the GPU; a driver that needs our cores may wait for all its work to tell a time
     double gpu_us = 0;        // of the lists that have run
   };
+  // What an answer leads to: in virtual time with it, in real time once its force is out.
+  void closeTick();
+  // Submits the next question ahead, if it may be.
+  void askAhead();
+  // Ends a question that was submitted ahead.
+  void withdraw();
+  // Whether a question that was submitted ahead hears what the host writes then.
+  bool hearsTheHost();
   // Whether the last question's list has ended, as the driver sees it: some us after its answer was seen.
   bool mayAskWithin(double budget_us) const;
   void ask(const Pose& pose, bool realtime);
+  void submitQuestion();
+  // Waits until the last question's list may run again, and learns how long it took.
+  void settleLast();
   const CommandList& lastList(const Run& run) const { return *queries_[run.parity][run.last]; }
   // Takes the answer into last_ when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
   bool answerWithin(double budget_us, double now_s);
@@ -158,6 +180,19 @@ class TouchSide final : public TouchBackend {
   std::array<std::map<Rebuild, std::unique_ptr<CommandList>>, 2> rebuilds_;
   std::array<std::unique_ptr<CommandList>, 2> incrementals_;
   std::uint32_t tick_ = 0;
+  bool ahead_ = false;
+  std::uint64_t answeredAhead_ = 0;
+  struct Waiting {
+    Run run;
+    Queue::Ticket ticket = 0;
+  };
+  std::optional<Waiting> waiting_;  // a question that was submitted ahead
+  struct Open {
+    Pose pose;
+    bool realtime = false;
+    bool answered = false;
+  };
+  std::optional<Open> open_;  // the last tick, until closeTick()
   std::optional<Asked> asked_;
   Contact last_;
   Pose lastPose_;

@@ -124,6 +124,7 @@ uint track(inout vec3 proxy, inout Surface surface, inout bool truncated) {
 }
 
 void main() {
+  if (args.pose.at[0].tick == 0) return;  // it was waited for in vain
   const Probe probe = probeOf(args.pose, args.state, args.radius);
   if (!takeFirstPatch(probe)) return;
   touching = probe.touching;

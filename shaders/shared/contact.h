@@ -91,8 +91,21 @@ const uint kSampleSideShift = 30;  // from this bit on: kSide... of the HIP
 struct ContactQuestion {
   ContactPose pose;
   ContactState carried;
+  uint withdrawn;  // not 0: a step that waits for its question shall end without an answer
+  uint seal;       // the sum of questionShare() of all words before it
 };
-PALPATE_SIZE(ContactQuestion, 76);
+PALPATE_SIZE(ContactQuestion, 84);
+const uint kQuestionWords = 21;
+const uint kQuestionTickAt = 3, kQuestionWithdrawnAt = 19, kQuestionSealAt = 20;  // words
+
+// What one word gives to the seal, by which a question that has arrived whole is told from one whose words are still on
+// their way: in any order, by many invocations at once. The finaliser of MurmurHash3 (Appleby 2011).
+PALPATE_FUNCTION uint questionShare(uint word, uint place) {
+  uint x = word ^ (place + 1u) * 0x9e3779b9u;
+  x = (x ^ x >> 16) * 0x85ebca6bu;
+  x = (x ^ x >> 13) * 0xc2b2ae35u;
+  return x ^ x >> 16;
+}
 
 // What the host reads after a tick.
 struct ContactSample {
@@ -142,6 +155,16 @@ struct ContactStepArgs {
   uint unused;
 };
 PALPATE_SIZE(ContactStepArgs, 120);
+
+// A step that was submitted before its question was there looks for it so many times at most.
+struct AwaitQuestionArgs {
+  PALPATE_ADDRESS(QuestionWords) question;  // as the host writes it
+  PALPATE_ADDRESS(Uints) taken;             // the same once it has come; tick 0: it has not, or was withdrawn
+  PALPATE_ADDRESS(Uints) lastTick;          // of the question that stood there before
+  uint looks;
+  uint unused;
+};
+PALPATE_SIZE(AwaitQuestionArgs, 32);
 
 PALPATE_SHARED_END
 #endif

@@ -1,0 +1,109 @@
+// Questions that are submitted before their pose is known.
+#include <chrono>
+#include <thread>
+
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+TouchOptions optionsFor(const Scene& scene, bool ahead) { return {.radius = scene.radius, .ahead = ahead}; }
+
+// Down to the sphere, in, along and out again.
+Pose poseAt(int tick) {
+  const double way = 0.02 * tick, height = tick < 60 ? 52 - 0.05 * tick : tick < 160 ? 49 : 49 + 0.1 * (tick - 160);
+  return {.time_s = 1e-3 * tick, .hip = height * glm::normalize(DVec3(std::sin(way), 0.1, std::cos(way)))};
+}
+constexpr int kTicks = 200;
+
+void checkEqual(const Contact& a, const Contact& b) {
+  CHECK(a.valid);
+  CHECK(a.fresh);
+  CHECK(a.proxy == b.proxy);
+  CHECK(a.normal == b.normal);
+  CHECK(a.touching == b.touching);
+  CHECK(a.neighbours == b.neighbours);
+}
+
+}  // namespace
+
+TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
+  // Without validation: that makes a submission wait until its work is done.
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 20'000);
+  for (const bool sculpts : {false, true}) {
+    CAPTURE(sculpts);
+    TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
+    if (sculpts) plain.brush = ahead.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8};
+    TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
+    CHECK_FALSE(a.asksAhead());
+    CHECK(b.asksAhead());
+    int touching = 0;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      const Contact expected = a.query(poseAt(tick), 0);
+      b.prepare();
+      checkEqual(b.query(poseAt(tick), 0), expected);
+      touching += expected.touching;
+    }
+    a.finish();
+    b.finish();
+    CHECK(touching > kTicks / 3);
+    CHECK(a.answeredAhead() == 0);
+    // Whether a software driver takes up a question before it gives up depends on what else runs on its cores.
+    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : kTicks / 2));
+    PointCloud left = scene.cloud, right = scene.cloud;
+    CHECK(a.readBack(left) == b.readBack(right));
+    CHECK(left.positions == right.positions);
+    CHECK(sculpts == (left.positions != scene.cloud.positions));
+  }
+}
+
+TEST_CASE("a question that waited in vain is asked again") {
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
+  for (int tick = 58; tick < 70; ++tick) {
+    ahead.prepare();
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    checkEqual(ahead.query(poseAt(tick), 0), plain.query(poseAt(tick), 0));
+  }
+  CHECK(ahead.answeredAhead() == 0);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchOptions options = optionsFor(scene, true);
+  options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8};
+  TouchSide touch(device, scene.cloud, options);
+  TouchSide plain(device, scene.cloud, optionsFor(scene, false));
+  touch.prepare();
+  touch.prepare();
+  checkEqual(touch.query(poseAt(0), 0), plain.query(poseAt(0), 0));
+  touch.prepare();
+  touch.finish();
+  touch.prepare();
+  PointState to = touch.live().points().front();
+  const PointState from = to;
+  to.position += Vec3(0, 0, 1);
+  touch.change(std::vector<PointChange>{{from, to}});
+  touch.prepare();
+  CHECK(touch.query(poseAt(1), 0).valid);
+  PointCloud cloud = scene.cloud;
+  touch.prepare();
+  touch.finish();
+  CHECK(touch.readBack(cloud) == 1);
+  touch.prepare();  // and its end
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "by itself a device asks ahead only where the driver is known to let a question wait") {
+  const Scene scene = makeScene("sphere", 1'000);
+  // Under validation every submission waits for its end.
+  CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius}).asksAhead());
+  for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect})
+    CHECK_FALSE(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .ahead = true}).asksAhead());
+}
+
+}  // namespace palpate
