@@ -31,10 +31,10 @@ HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const Li
       hash_(hash),
       live_(live),
       update_(update),
-      slicePass_(device, shader_code::spatial_compact_slice, pipeline(sizeof(shared::CompactSliceArgs))),
-      plan_(device, shader_code::spatial_compact_plan, pipeline(sizeof(shared::CompactAgainArgs))),
-      again_(device, shader_code::spatial_compact_again, pipeline(sizeof(shared::CompactAgainArgs))),
-      finish_(device, shader_code::spatial_compact_finish, pipeline(sizeof(shared::CompactAgainArgs))),
+      slicePass_(device, shader_code::spatial_compact_slice, pipeline(sizeof(shared::CompactionArgs))),
+      plan_(device, shader_code::spatial_compact_plan, pipeline(sizeof(shared::CompactionArgs))),
+      again_(device, shader_code::spatial_compact_again, pipeline(sizeof(shared::CompactionArgs))),
+      finish_(device, shader_code::spatial_compact_finish, pipeline(sizeof(shared::CompactionArgs))),
       state_(Buffer::of<shared::HashCompaction>(device, 1, Memory::device, "compaction state")),
       report_(Buffer::of<shared::HashCompaction>(device, 1, Memory::readback, "compaction report")),
       sliceOf_(Buffer::of<shared::CompactionSlice>(device, 1, Memory::upload, "compaction slice")),
@@ -50,6 +50,13 @@ HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const Li
   record(parity, live.side(), live.otherSide(), options.mostDirty);
   record(1 - parity, live.otherSide(), live.side(), options.mostDirty);
   warmUp();
+}
+
+HashCompaction::~HashCompaction() {
+  try {
+    if (on_) on_->wait(ticket_);  // all before it has ended: each submission waits for the last one
+  } catch (const GpuError&) {     // the device is lost: nothing runs on it any more
+  }
 }
 
 // Some drivers compile a pass when it first runs, which no tick should wait for: here all run for nothing.
@@ -74,29 +81,22 @@ void HashCompaction::record(std::uint32_t parity, const LiveCloud::Side& from, c
     return list;
   };
   const shared::HashUpdateArgs update = update_.args(hash_.view(from, live_.slots()), to.parity);
+  const shared::CompactionArgs args{.from = update.cloud,
+                                    .positions = to.positions.address(),
+                                    .normals = to.normals.address(),
+                                    .ranges = hash_.ranges(to).address(),
+                                    .capacities = update.capacities,
+                                    .state = state_.address(),
+                                    .slice = sliceOf_.address(),
+                                    .update = update.update,
+                                    .dirty = update.dirty};
   begin_[parity] = recorded(device_.touch(), "begin compaction", [&](CommandList& list) {
     update_.recordNoting(list, mostDirty);
     list.fill(state_, 0, state_.bytes());
   });
-  slice_[parity] = recorded(device_.background(), "compaction slice", [&](CommandList& list) {
-    list.dispatch(slicePass_, bucketsPerSlice_,
-                  shared::CompactSliceArgs{.from = update.cloud,
-                                           .positions = to.positions.address(),
-                                           .normals = to.normals.address(),
-                                           .ranges = hash_.ranges(to).address(),
-                                           .capacities = update.capacities,
-                                           .state = state_.address(),
-                                           .slice = sliceOf_.address()});
-  });
+  slice_[parity] = recorded(device_.background(), "compaction slice",
+                            [&](CommandList& list) { list.dispatch(slicePass_, bucketsPerSlice_, args); });
   end_[parity] = recorded(device_.touch(), "end compaction", [&](CommandList& list) {
-    const shared::CompactAgainArgs args{.from = update.cloud,
-                                        .positions = to.positions.address(),
-                                        .normals = to.normals.address(),
-                                        .ranges = hash_.ranges(to).address(),
-                                        .capacities = update.capacities,
-                                        .state = state_.address(),
-                                        .update = update.update,
-                                        .dirty = update.dirty};
     list.dispatch(plan_, shared::kPlanGroups * shared::kUpdateWorkgroup, args);
     list.dispatchIndirect(again_, state_, args, offsetof(shared::HashCompaction, againGroups));
     list.dispatch(finish_, 1, args);

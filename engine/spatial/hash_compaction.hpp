@@ -28,10 +28,13 @@ class HashCompaction {
  public:
   enum class Stage { idle, noting, copying, abandoning, copied, ending };
 
-  /// All must outlive it, and it must not go before the device is idle. Waits until its passes have run once, for
-  /// nothing.
+  /// All must outlive it. Waits until its passes have run once, for nothing.
   HashCompaction(Device& device, const SpatialHash& hash, const LiveCloud& live, const HashUpdate& update,
                  const CompactionOptions& options = {});
+  /// Waits for what is under way, as far as the GPU is still there.
+  ~HashCompaction();
+  HashCompaction(const HashCompaction&) = delete;
+  HashCompaction& operator=(const HashCompaction&) = delete;
 
   Stage stage() const { return stage_; }
   /// Whether more than half of the slots are used that were free after the last compaction, and enough can be won back;

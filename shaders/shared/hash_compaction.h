@@ -32,29 +32,18 @@ struct CompactionSlice {
 };
 PALPATE_SIZE(CompactionSlice, 16);
 
-struct CompactSliceArgs {
+struct CompactionArgs {
   CloudView from;
   PALPATE_ADDRESS(Vec4s) positions;  // these four of the other side
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(UVec2s) ranges;
   PALPATE_ADDRESS(Uints) capacities;
   PALPATE_ADDRESS(HashCompactions) state;
-  PALPATE_ADDRESS(CompactionSlices) slice;
-};
-PALPATE_SIZE(CompactSliceArgs, 104);
-
-// For the passes that end a compaction.
-struct CompactAgainArgs {
-  CloudView from;
-  PALPATE_ADDRESS(Vec4s) positions;  // these four of the other side
-  PALPATE_ADDRESS(Vec4s) normals;
-  PALPATE_ADDRESS(UVec2s) ranges;
-  PALPATE_ADDRESS(Uints) capacities;
-  PALPATE_ADDRESS(HashCompactions) state;
-  PALPATE_ADDRESS(HashUpdates) update;
+  PALPATE_ADDRESS(CompactionSlices) slice;  // for the copy
+  PALPATE_ADDRESS(HashUpdates) update;      // these two for the passes that make an end
   PALPATE_ADDRESS(DirtyBuckets) dirty;
 };
-PALPATE_SIZE(CompactAgainArgs, 112);
+PALPATE_SIZE(CompactionArgs, 120);
 
 PALPATE_SHARED_END
 #endif

@@ -5,7 +5,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 
-layout(push_constant, scalar) uniform Push { CompactAgainArgs args; };
+layout(push_constant, scalar) uniform Push { CompactionArgs args; };
 
 void leaveEmpty(uint from, uint to) {
   for (uint slot = from + gl_SubgroupInvocationID; slot < to; slot += gl_SubgroupSize)

@@ -4,7 +4,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
 
-layout(push_constant, scalar) uniform Push { CompactAgainArgs args; };
+layout(push_constant, scalar) uniform Push { CompactionArgs args; };
 
 void main() {
   const uint noted = args.update.at[0].dirty;

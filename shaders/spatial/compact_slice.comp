@@ -7,7 +7,7 @@
 #include "shaders/lib/hash_compaction.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
-layout(push_constant, scalar) uniform Push { CompactSliceArgs args; };
+layout(push_constant, scalar) uniform Push { CompactionArgs args; };
 
 shared uint starts[kUpdateWorkgroup];  // slots before this bucket's, in this workgroup
 shared uint firsts[kUpdateWorkgroup];  // its first slot on the side that is read
