@@ -1,4 +1,6 @@
 // Compaction in the background leaves what a full build would leave, whatever edits do meanwhile.
+#include <cmath>
+
 #include "engine/core/clock.hpp"
 #include "tests/edit/random_edits.hpp"
 #include "tests/gpu_fixture.hpp"
@@ -40,6 +42,21 @@ struct Compacted {
   }
 
   EditedScene scene;
+};
+
+// Something that the background queue is busy with for a while.
+struct LongWork {
+  explicit LongWork(Device& device)
+      : large(device, 64 << 20, Memory::device, "large"), list(device, device.background(), "long work") {
+    list.begin();
+    for (int i = 0; i < 20; ++i) list.fill(large, 1, large.bytes());
+    list.end();
+    ticket = device.background().submit(list);
+  }
+
+  Buffer large;
+  CommandList list;
+  Queue::Ticket ticket;
 };
 
 }  // namespace
@@ -223,12 +240,7 @@ TEST_CASE("given up without a build, a compaction leaves edits and the next comp
   scene.compactFurther(7);
   device.waitIdle();
   // The next slice stands behind other work, so that it is under way when the compaction is given up.
-  const Buffer large(device, 64 << 20, Memory::device, "large");
-  CommandList busy(device, device.background(), "busy");
-  busy.begin();
-  for (int i = 0; i < 20; ++i) busy.fill(large, 1, large.bytes());
-  busy.end();
-  device.background().submit(busy);
+  const LongWork work(device);
   scene.compaction().advance();
   scene.compaction().abandon();
   CHECK_FALSE(scene.compaction().isIdle());
@@ -240,6 +252,17 @@ TEST_CASE("given up without a build, a compaction leaves edits and the next comp
   CHECK(scene.compactFurther(kMany));
   CHECK(scene.faults() == 0);
   CHECK(scene.points() == before);
+}
+
+TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
+  Device device({.gpu = "", .validate = false});  // validation on the GPU waits for every submission
+  std::optional<Compacted> compacted(std::in_place, device, makeScene("sphere", 5'000).cloud);
+  compacted->scene.compactFurther(7);
+  device.waitIdle();
+  const LongWork work(device);
+  compacted->scene.compaction().advance();
+  compacted.reset();
+  CHECK(device.background().isDone(work.ticket + 1));
 }
 
 TEST_CASE_FIXTURE(GpuFixture,
@@ -257,39 +280,48 @@ TEST_CASE_FIXTURE(GpuFixture,
   CHECK(ratio < 1.5);
 }
 
-TEST_CASE("a compaction of a million points is made of short slices") {
+TEST_CASE(
+    "a compaction of a million points is made of short slices, or of a few long ones, between which edits go on") {
   Device device({.gpu = "", .validate = false});  // times are shown
   const Scene scene = makeScene("sphere", 1'000'000);
-  EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
-                     brushOf(BrushKind::push));
-  HashCompaction& compaction = edited.compaction();
-  const Stopwatch watch;
-  double longest_us = 0, all_us = 0, edits_us = 0;
-  std::uint32_t slices = 0;
-  compaction.begin();
-  while (compaction.stage() != HashCompaction::Stage::copied) {
-    device.waitIdle();
-    if (compaction.stage() == HashCompaction::Stage::copying) {
-      longest_us = std::max(longest_us, compaction.sliceTime_us());
-      all_us += compaction.sliceTime_us();
-      ++slices;
+  constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
+  for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {
+    EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
+                       brushOf(BrushKind::push), {}, std::nullopt, std::nullopt, {.bucketsPerSlice = bucketsPerSlice});
+    HashCompaction& compaction = edited.compaction();
+    constexpr std::uint32_t kEdits = 10;  // or one with each slice, where there are fewer
+    const std::uint32_t apart = std::max(1u, compaction.slices() / kEdits);
+    const Stopwatch watch;
+    double longest_us = 0, all_us = 0, edits_us = 0;
+    std::uint32_t slices = 0, edits = 0;
+    compaction.begin();
+    while (compaction.stage() != HashCompaction::Stage::copied) {
+      device.waitIdle();
+      if (compaction.stage() == HashCompaction::Stage::copying) {
+        longest_us = std::max(longest_us, compaction.sliceTime_us());
+        all_us += compaction.sliceTime_us();
+        ++slices;
+      }
+      compaction.advance();
+      if (slices % apart != apart / 2) continue;
+      const Stopwatch editing;
+      const double angle = 0.5 * ++edits;
+      const DVec3 outward(std::sin(angle), 0, std::cos(angle));
+      CHECK(edited.brush(49.0 * outward, outward, How::incremental));
+      edits_us += editing.elapsed_us();
     }
-    compaction.advance();
-    if (slices % 20 != 10) continue;
-    const Stopwatch editing;
-    CHECK(edited.brush({0, 0, 49}, {0, 0, 1}, How::incremental));
-    edits_us += editing.elapsed_us();
+    CHECK(slices == compaction.slices());
+    CHECK(edits >= 4);
+    const double copied_us = watch.elapsed_us() - edits_us;
+    CHECK(edited.compactFurther(1));
+    CHECK(edited.report().dirty > 50 * edits);  // each edit's own
+    CHECK(edited.report().points == edited.points().size());
+    CHECK(edited.faults() == 0);
+    MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "
+                   << edited.report().dirty << " buckets that " << edits << " edits had changed, "
+                   << compaction.endTime_us() << " us; " << copied_us << " us from begin to the last slice");
+    if (bucketsPerSlice == kDefault && device.roles().backgroundShares()) CHECK(slices >= 32);
   }
-  CHECK(slices == compaction.slices());
-  const double copied_us = watch.elapsed_us() - edits_us;
-  CHECK(edited.compactFurther(1));
-  CHECK(edited.report().dirty > 100);
-  CHECK(edited.report().points == edited.points().size());
-  CHECK(edited.faults() == 0);
-  MESSAGE(slices << " slices, " << all_us << " us in all, the longest " << longest_us << " us; the end, of "
-                 << edited.report().dirty << " buckets that edits had changed, " << compaction.endTime_us() << " us; "
-                 << copied_us << " us from begin to the last slice");
-  if (device.roles().backgroundShares()) CHECK(slices >= 32);
 }
 
 }  // namespace palpate
