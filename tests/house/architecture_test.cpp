@@ -117,7 +117,7 @@ TEST_CASE("the arrows make no circle") {
 TEST_CASE("an include against the arrows is found out") {
   CHECK(complaint("haptics/servo_loop.cpp", "engine/gpu/device.hpp"));
   CHECK(complaint("engine/core/log.cpp", "engine/cloud/point_cloud.hpp"));
-  CHECK(complaint("engine/render/frame.cpp", "engine/edit/push_brush.hpp"));
+  CHECK(complaint("engine/render/frame.cpp", "engine/edit/edit_pass.hpp"));
   CHECK(complaint("engine/gpu/device.cpp", "device.hpp"));
   CHECK_FALSE(complaint("engine/render/frame.cpp", "engine/edit/edit_log.hpp"));
   CHECK_FALSE(complaint("apps/touch.cpp", "engine/touch/touch_side.hpp"));
