@@ -138,7 +138,8 @@ void TouchSide::collectCompaction(bool timed) {
 
 void TouchSide::noteCompaction(bool completed, bool timed) {
   compactionDue_ = compaction_->isDue(edit_->report());
-  if (timed) longestCompactionEnd_us_ = std::max(longestCompactionEnd_us_, compaction_->endTime_us());
+  const double end_us = timed ? compaction_->endTime_us() : sinceAsked_.elapsed_us();
+  longestCompactionEnd_us_ = std::max(longestCompactionEnd_us_, end_us);
   if (!completed) return;
   live_.flip();
   ++compactions_;

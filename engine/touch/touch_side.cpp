@@ -233,6 +233,7 @@ void TouchSide::ask(const Pose& pose, bool realtime) {
   settleLast();
   contact_.put({.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_}, .carried = stateOf(bridge_.newerStory())});
   bridge_.handedOver();
+  sinceAsked_ = Stopwatch();
   asked_ = Asked{.pose = pose, .behindEdit = editInFlight_, .timed = wait_ == Wait::spin || !realtime};
   if (waiting_) {
     asked_->run = waiting_->run;

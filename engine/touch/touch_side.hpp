@@ -97,7 +97,8 @@ class TouchSide final : public TouchBackend {
   std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
   std::uint64_t compactions() const override { return compactions_; }
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
-  /// The longest time that touch had to wait for the end of a compaction, us.
+  /// The longest time that touch had to wait for the end of a compaction, us: its time on the GPU; where a driver is
+  /// not asked for times, that of the question which stood behind it, from then until its answer was seen.
   double longestCompactionEnd_us() const { return longestCompactionEnd_us_; }
   double cell() const override { return 1.0 / static_cast<double>(hash_.grid().inverseCell); }
   /// The passes of a tick in order, edit included, with their last times.
@@ -194,6 +195,7 @@ class TouchSide final : public TouchBackend {
   };
   std::optional<Open> open_;  // the last tick, until closeTick()
   std::optional<Asked> asked_;
+  Stopwatch sinceAsked_;
   Contact last_;
   Pose lastPose_;
   double buildTime_us_ = 0;

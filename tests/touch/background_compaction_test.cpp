@@ -1,8 +1,10 @@
 // Sculpting until the index has been compacted, which nobody may feel.
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <set>
+#include <thread>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/gpu/transfer.hpp"
@@ -16,6 +18,7 @@ namespace palpate {
 namespace {
 
 constexpr double kVirtual = 0, kRealtime_us = 1e7;  // budgets; the latter is never spent
+constexpr std::chrono::milliseconds kTick(1);       // in real time, at least
 constexpr std::uint32_t kLittleSpare = 1'200, kLeastSpare = 500;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
@@ -57,7 +60,13 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   TouchSide touch(device, scene.cloud, optionsFor(scene, spare));
   const std::uint64_t bytes = device.allocatedBytes();
   Stroke stroke{.cloud = scene.cloud};
-  for (int tick = 0; tick < ticks; ++tick) stroke.contacts.push_back(touch.query(strokeAt(tick), budget_us));
+  const bool realtime = budget_us > 0;
+  for (int tick = 0; tick < ticks; ++tick) {
+    // What is in the background has the time that it has in a session.
+    const auto next = std::chrono::steady_clock::now() + kTick;
+    stroke.contacts.push_back(touch.query(strokeAt(tick), budget_us));
+    if (realtime) std::this_thread::sleep_until(next);
+  }
   touch.finish();
   CHECK(device.allocatedBytes() == bytes);
   CHECK(touch.shortfalls().editsBuiltAnew == 0);
@@ -67,6 +76,7 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   touch.readBack(stroke.cloud);
   stroke.compactions = touch.compactions();
   stroke.editsHeldUp = touch.shortfalls().editsHeldUp;
+  CHECK((touch.longestCompactionEnd_us() > 0) == (stroke.compactions > 0));
   if (stroke.compactions > 0)
     MESSAGE(stroke.compactions << " compactions, the longest end " << touch.longestCompactionEnd_us() << " us");
   return stroke;
