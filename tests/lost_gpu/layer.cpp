@@ -1,12 +1,14 @@
 // A Vulkan layer that takes the GPU away: it stands between a program and its driver, lets everything pass, and from a
 // moment on answers as a driver does whose device is lost. What runs above it is the program's own code, to the last
-// call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu().
+// call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
+// "count" takes nothing away and says at the end how many there were.
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
 #include <vulkan/vulkan.h>
 
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
@@ -28,17 +30,27 @@ std::atomic<long> submissionsLeft = kNever;
 std::atomic<bool> failsAtSubmit = false;  // else that submission hangs and its fence tells
 std::atomic<bool> lost = false;
 
+struct Tally {
+  ~Tally() {
+    if (says) std::fprintf(stderr, "%ld submissions\n", submissions.load());
+  }
+  bool says = false;
+  std::atomic<long> submissions = 0;
+} tally;
+
 void readEnvironment() {
   lost = false;
   submissionsLeft = kNever;
   const char* text = std::getenv("PALPATE_LOST_GPU");
   if (!text) return;
+  tally.says = std::strcmp(text, "count") == 0;
   failsAtSubmit = std::strncmp(text, "submit:", 7) == 0;
   if (const char* colon = std::strchr(text, ':')) submissionsLeft = std::atol(colon + 1);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
   if (lost) return VK_ERROR_DEVICE_LOST;
+  ++tally.submissions;
   if (submissionsLeft != kNever && --submissionsLeft < 0) {
     lost = true;
     return failsAtSubmit ? VK_ERROR_DEVICE_LOST : VK_SUCCESS;  // the hung one never runs

@@ -1,20 +1,28 @@
-// Lets a test take the GPU away: see layer.cpp.
+// Lets a test take the GPU away: see layer.cpp. The layer lies in a folder lost_gpu beside the test program, or where
+// PALPATE_LOST_GPU_FOLDER says.
 #pragma once
 
 #include <dlfcn.h>
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 
 namespace palpate {
 
-/// While it lives, new Vulkan instances of this process, and of programs that it starts, go through the layer.
+/// While it lives, new Vulkan instances of this process, and of programs that it starts, go through the layer. Ends the
+/// test where it does not find it.
 class LostGpuLayer {
  public:
-  /// `when`: "submit:N" or "fence:N", after N submissions of the next device; empty: when loseGpu() says.
+  /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program that ends
+  /// says how many it made; empty: when takeGpu() is called.
   explicit LostGpuLayer(const std::string& when = {}) {
-    ::setenv("VK_LAYER_PATH", PALPATE_LOST_GPU_FOLDER, 1);
+    for (const char* file : {kLibrary, "layer.json"})
+      REQUIRE_MESSAGE(std::filesystem::exists(folder() / file),
+                      "no " << (folder() / file).string()
+                            << "; build palpate_lost_gpu, or let PALPATE_LOST_GPU_FOLDER say where it is");
+    ::setenv("VK_LAYER_PATH", folder().c_str(), 1);
     ::setenv("VK_INSTANCE_LAYERS", "VK_LAYER_PALPATE_lost_gpu", 1);
     if (!when.empty()) ::setenv("PALPATE_LOST_GPU", when.c_str(), 1);
   }
@@ -24,14 +32,24 @@ class LostGpuLayer {
   LostGpuLayer(const LostGpuLayer&) = delete;
   LostGpuLayer& operator=(const LostGpuLayer&) = delete;
 
-  /// Once a device has been made: its next submission fails (`atSubmit`), or hangs until its fence tells.
-  static void loseGpu(bool atSubmit) {
-    void* layer = ::dlopen(PALPATE_LOST_GPU_FOLDER "/libpalpate_lost_gpu.so", RTLD_NOW | RTLD_NOLOAD);
-    REQUIRE_MESSAGE(layer, "the layer is not in use");
-    const auto lose = reinterpret_cast<void (*)(bool)>(::dlsym(layer, "palpateLoseGpu"));
-    REQUIRE(bool(lose != nullptr));
-    lose(atSubmit);
-    ::dlclose(layer);
+  /// What takes the GPU away, once a device has been made: its next submission fails (`atSubmit`), or hangs until its
+  /// fence tells. Ends the test where the layer is not in use; what it returns never does, and may be called anywhere.
+  using TakeGpu = void (*)(bool atSubmit);
+  static TakeGpu takeGpu() {
+    const std::filesystem::path library = folder() / kLibrary;
+    void* layer = ::dlopen(library.c_str(), RTLD_NOW | RTLD_NOLOAD);
+    REQUIRE_MESSAGE(layer, "the Vulkan loader has not taken in " << library.string());
+    const auto take = reinterpret_cast<TakeGpu>(::dlsym(layer, "palpateLoseGpu"));
+    ::dlclose(layer);  // the loader holds it
+    REQUIRE_MESSAGE(bool(take != nullptr), "no palpateLoseGpu in " << library.string());
+    return take;
+  }
+
+ private:
+  static constexpr const char* kLibrary = "libpalpate_lost_gpu.so";
+  static std::filesystem::path folder() {
+    if (const char* elsewhere = std::getenv("PALPATE_LOST_GPU_FOLDER")) return elsewhere;
+    return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "lost_gpu";
   }
 };
 

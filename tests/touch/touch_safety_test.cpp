@@ -117,6 +117,7 @@ TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the se
         CAPTURE(sculpting);
         const LostGpuLayer layer;
         Device device({.gpu = "", .validate = false});
+        const auto takeGpu = LostGpuLayer::takeGpu();
         std::optional<BrushOptions> brush;
         if (sculpting) brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 6};
         TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush});
@@ -124,7 +125,7 @@ TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the se
         bool lost = false;
         Meddled query(touch, [&](double time_s) {
           if (lost || time_s < kLost_s) return;
-          LostGpuLayer::loseGpu(atSubmit);
+          takeGpu(atSubmit);
           lost = true;
         });
         WatchedTouch hand;
@@ -142,6 +143,35 @@ TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the se
         CHECK(peak_N > 0.2);
         CHECK_THROWS_WITH_AS(touch.finish(), doctest::Contains("the GPU stopped"), DeviceLost);
       }
+}
+
+TEST_CASE("a GPU that is lost while the index is compacted in the background lets the touch side go in peace") {
+  const Scene scene = makeScene("sphere", 20'000);
+  for (const bool atSubmit : {false, true}) {
+    CAPTURE(atSubmit);
+    const LostGpuLayer layer;
+    Device device({.gpu = "", .validate = false});
+    const auto takeGpu = LostGpuLayer::takeGpu();
+    const BrushOptions brush{.tau = 0.2, .beta = 0.3, .toolRadius = 7, .keepsDensity = false};
+    TouchSide touch(
+        device, scene.cloud,
+        {.radius = scene.radius, .brush = brush, .spareSlots = 500, .compaction = {.bucketsPerSlice = 256}});
+    int tick = 0;
+    const auto press = [&](double budget_us) {  // round and round, ever deeper and farther out
+      const double angle = 0.01 * ++tick, tilt = 0.1 + 0.0005 * tick;
+      const double r = 51 - std::min(1.5, 0.05 * tick) - 0.004 * tick;
+      const DVec3 way(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
+      return touch.query({.time_s = 10.0 * tick, .hip = r * way}, budget_us);
+    };
+    constexpr double kEver_us = 1e7, kSoon_us = 1e3;
+    while (tick < 1000 && !touch.isCompacting()) CHECK(press(kEver_us).valid);
+    REQUIRE(touch.isCompacting());
+    takeGpu(atSubmit);
+    bool lost = false;
+    while (tick < 2000 && !lost) lost = press(kSoon_us).lost;
+    CHECK(lost);
+    CHECK(touch.isCompacting());
+  }
 }
 
 }  // namespace palpate
