@@ -89,7 +89,7 @@ DrawnCloud* Followers::drawn() {
 }
 
 void Followers::finish() {
-  thread_ = {};
+  stop();
   catchUp();
   if (failure_) std::rethrow_exception(failure_);
 }
@@ -97,14 +97,21 @@ void Followers::finish() {
 StrokesTakenBack takeBack(TouchBackend& backend, Journal& journal, const std::function<void()>& follow,
                           std::size_t undo, std::size_t redo) {
   StrokesTakenBack back;
-  const auto apply = [&](const std::vector<PointChange>& changes) {
+  using Turn = std::vector<PointChange> (Journal::*)();
+  const auto apply = [&](Turn turn, Turn opposite) {
+    const std::vector<PointChange> changes = (journal.*turn)();
     if (changes.empty()) return false;
-    backend.change(changes);
-    follow();
+    try {
+      backend.change(changes);
+      follow();
+    } catch (...) {
+      (journal.*opposite)();
+      throw;
+    }
     return true;
   };
-  while (back.undone < undo && apply(journal.undo())) ++back.undone;
-  while (back.redone < redo && apply(journal.redo())) ++back.redone;
+  while (back.undone < undo && apply(&Journal::undo, &Journal::redo)) ++back.undone;
+  while (back.redone < redo && apply(&Journal::redo, &Journal::undo)) ++back.redone;
   back.strokes = journal.strokes();
   back.dropped = journal.dropped();
   back.tooLarge = journal.tooLarge();

@@ -31,6 +31,8 @@ class Followers {
   TickObserver begin(double rate_Hz, bool realtime);
   /// Ends the thread and catches up. Throws what went wrong there. After the back end's own finish().
   void finish();
+  /// Ends the thread: the journal stays as it is, however far it has come.
+  void stop() { thread_ = {}; }
   /// From now on in the session's own thread: takes in what has been done.
   void catchUp();
 
@@ -67,7 +69,8 @@ struct StrokesTakenBack {
   std::uint64_t tooLarge = 0;  ///< of them, those larger than all of it
 };
 /// Takes `undo` strokes back and does `redo` of them again, as far as there are any. `follow` lets the journal take in
-/// what the back end tells; all it told so far has been. Between strokes.
+/// what the back end tells; all it told so far has been. Between strokes. Where the back end throws, the journal is
+/// left as the last change that came out has left the points.
 StrokesTakenBack takeBack(TouchBackend& backend, Journal& journal, const std::function<void()>& follow,
                           std::size_t undo, std::size_t redo);
 

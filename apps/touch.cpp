@@ -82,6 +82,14 @@ Sculpted sculpted(const Model& model, const TouchBackend& backend, const Journal
   return sculpted;
 }
 
+/// What answers has failed, as `error` says: keeps the points as the journal knows them.
+[[noreturn]] void saveAndThrow(const Error& error, const Model& model, const Journal* journal,
+                               const std::string& saveFile) {
+  if (!journal || saveFile.empty()) throw;
+  writePly(saveFile, editedCloud(model.cloud, journal->points()));
+  throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
+}
+
 ServoResult play(ServoLoop& loop, Followers& followers, const TouchCommandOptions& options) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopRequested = true; });
   ServoResult result = loop.run(followers.begin(options.rate_Hz, options.realtime));
@@ -123,12 +131,17 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                   .recorder = recording ? &recording->tap() : nullptr});
   const ServoResult result = play(loop, followers, options);
   if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
-  backend->finish();
-  followers.finish();
   std::optional<StrokesTakenBack> back;
-  if (options.undo > 0)
-    back = takeBack(
-        *backend, *followers.journal(), [&] { followers.catchUp(); }, options.undo, options.redo);
+  try {
+    backend->finish();
+    followers.finish();
+    if (options.undo > 0)
+      back = takeBack(
+          *backend, *followers.journal(), [&] { followers.catchUp(); }, options.undo, options.redo);
+  } catch (const Error& error) {
+    followers.stop();
+    saveAndThrow(error, model, followers.journal(), options.saveFile);
+  }
   std::string logFault;
   if (recording) logFault = recording->finish(checksumOf(model.cloud.origin, followers.journal()->points()));
 

@@ -32,6 +32,42 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
     }
 }
 
+TEST_CASE("what was sculpted is saved when the GPU is lost, in the session or while strokes are taken back") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
+  works("make sphere -n 5000 -o " + model);
+  const std::string session = "touch " + model + " --edit push --penetration 4 --quiet --save " + saved;
+  const auto submissions = [&](const std::string& options) {
+    const LostGpuLayer layer("count");
+    const Outcome outcome = palpate(session + options);
+    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+    const auto end = outcome.text.rfind(" submissions");
+    REQUIRE(end != std::string::npos);
+    return std::stol(outcome.text.substr(outcome.text.rfind('\n', end) + 1));
+  };
+  const long all = submissions(" --undo 1");
+  const std::string untouched = contentOf(saved);
+  const long before = submissions("");
+  const std::string sculpted = contentOf(saved);
+  REQUIRE(sculpted != untouched);
+  REQUIRE(all > before + 2);
+  for (const std::string when : {"submit:", "fence:"})
+    for (const long at : {before * 9 / 10, before, (before + all) / 2, all - 1}) {
+      CAPTURE(when);
+      CAPTURE(at);
+      std::filesystem::remove(saved);
+      const LostGpuLayer layer(when + std::to_string(at));
+      const Outcome outcome = palpate(session + " --undo 1");
+      CHECK(outcome.code == 1);
+      CHECK(outcome.text.find("VK_ERROR_DEVICE_LOST") != std::string::npos);
+      CHECK(outcome.text.find(saved + " has the points") != std::string::npos);
+      CHECK(std::ranges::count(outcome.text, '\n') == 1);
+      REQUIRE(std::filesystem::exists(saved));
+      CHECK(contentOf(saved) != untouched);
+      if (at >= before) CHECK(contentOf(saved) == sculpted);
+    }
+}
+
 TEST_CASE("the layer that takes the GPU away lets everything else pass") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
