@@ -30,7 +30,8 @@ TouchOptions touchOptions(const Model& model, const BackendOptions& options, con
                      .surface = surface.kind,
                      .localRadius = surface.localRadius,
                      .friction = options.friction,
-                     .brush = push};
+                     .brush = push,
+                     .spareSlots = options.spareSlots};
   touch.bucketKey = bucketKey(options);
   touch.index = options.index == "rebuild" ? IndexFollow::rebuild : IndexFollow::incremental;
   for (const auto& [name, method] : kQueryMethods)

@@ -15,6 +15,7 @@ struct BackendOptions {
   double cell_mm = 0, grid = 0;
   double friction = 0;
   bool timePasses = false;
+  std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; no option of a session
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);
 /// Those of them that say how the index is laid out and built, and how the GPU is waited for.

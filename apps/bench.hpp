@@ -22,6 +22,7 @@ struct EditBenchOptions {
   std::vector<std::string> indexes{"incremental", "rebuild"};
   std::vector<std::int64_t> touched{100, 1000, 10'000};
   double duration_s = 0;  ///< of a stroke in real time; 0: virtual time
+  std::optional<std::uint32_t> spareSlots;
 };
 void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options);
 

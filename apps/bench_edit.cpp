@@ -29,7 +29,8 @@ struct Noted {
   std::uint32_t edits = 0;
   std::uint32_t touched = 0;
   double edit_us = 0;
-  std::uint64_t builds = 0;  // so far
+  bool compacts = false;                      // the index, at its beginning or its end, or all within it
+  std::uint64_t builds = 0, compactions = 0;  // so far
 };
 
 // Asks the touch side, tells the hand the answer, and notes what came of it; on the servo thread.
@@ -41,10 +42,14 @@ class Witness final : public ContactQuery {
   const std::vector<Noted>& noted() const { return noted_; }
 
   Contact query(const Pose& pose, double budget_us) noexcept override {
-    const bool ready = hand_.sculpts();
+    const bool ready = hand_.sculpts(), compacting = side_.isCompacting();
+    const std::uint64_t before = side_.compactions();
     const Contact contact = side_.query(pose, budget_us);
     hand_.felt(contact);
-    Noted noted{.sculpts = ready && contact.touching, .builds = side_.fullBuilds()};
+    Noted noted{.sculpts = ready && contact.touching,
+                .compacts = compacting || side_.isCompacting() || side_.compactions() > before,
+                .builds = side_.fullBuilds(),
+                .compactions = side_.compactions()};
     const auto& times = side_.editTimes_us();
     for (; seen_ < times.size(); ++seen_, ++noted.edits) noted.edit_us += times[seen_];
     if (noted.edits > 0) noted.touched = side_.edits()->report().changed + side_.edits()->report().gone;
@@ -89,19 +94,24 @@ class Umpire {
 void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace& trace) {
   const bool realtime = cost.stroke.has_value();
   const std::uint64_t warmUp = realtime ? 0 : kWarmUp;
-  std::vector<double> touched, query, edit, step;
-  std::uint64_t edits = 0, buildsBefore = 0, fresh = 0;
+  std::vector<double> touched, query, edit, step, compacting;
+  std::uint64_t edits = 0, buildsBefore = 0, compactionsBefore = 0, fresh = 0;
   for (std::size_t i = 0; i < std::min(noted.size(), trace.rows.size()); ++i) {
     const Noted& tick = noted[i];
     const TraceRow& row = trace.rows[i];
     const bool counts = tick.sculpts && edits >= warmUp;
     if (tick.sculpts && tick.edits > 0) ++edits;
     if (!counts) {
-      if (cost.edits == 0) buildsBefore = tick.builds;
+      if (cost.edits == 0) {
+        buildsBefore = tick.builds;
+        compactionsBefore = tick.compactions;
+      }
       continue;
     }
+    cost.compactions = tick.compactions - compactionsBefore;
     if (realtime || tick.edits > 0) {
       step.push_back(row.step_us);
+      if (tick.compacts) compacting.push_back(row.step_us);
       fresh += row.fresh;
       if (row.gpu_us > 0) query.push_back(row.gpu_us);
     }
@@ -120,6 +130,7 @@ void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace
   cost.query_us = summarize(std::move(query));
   cost.edit_us = summarize(std::move(edit));
   cost.step_us = summarize(std::move(step));
+  cost.compactingStep_us = summarize(std::move(compacting));
 }
 
 EditMemory memoryOf(const TouchSide& side) {
@@ -150,6 +161,7 @@ EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& s
   BackendOptions way = options.backend;
   way.index = index;
   way.realtime = realtime;
+  way.spareSlots = options.edit.spareSlots;
   if (!options.methods.empty()) way.method = options.methods.front();
   const auto backend = makeBackend(scene.context, model, way, stroke.brush);
   auto& side = dynamic_cast<TouchSide&>(*backend);
@@ -178,10 +190,12 @@ EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& s
     throw Error("{}: {} of {} ticks edited; the stylus finds no surface there that yields to a tool of {:.3g} mm",
                 cost.subject, cost.edits, result.trace.rows.size(), cost.toolRadius_mm);
   cost.landings = hand.landings();
+  cost.longestCompactionEnd_us = side.longestCompactionEnd_us();
   cost.memory = memoryOf(side);
   if (cost.stroke) {
     cost.stroke->missedTicks = result.trace.missedTicks;
     cost.stroke->leftOut = side.shortfalls().editsTooSlow + side.shortfalls().editsLogFull;
+    cost.stroke->heldUp = side.shortfalls().editsHeldUp;
   }
   return cost;
 }
@@ -228,6 +242,12 @@ void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options) {
       ->check(between(1, 1e8))
       ->type_name("K...")
       ->capture_default_str();
+  sub.add_option(
+         "--spare", options.spareSlots,
+         "edit: slots to spare, into which new points and buckets that grow go, and which compactions win back: "
+         "the fewer, the more compactions (default: a tenth of the points)")
+      ->check(between(1, 1e8))
+      ->type_name("SLOTS");
   sub.add_option("--duration", options.duration_s,
                  "edit: s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: "
                  "virtual time, --repeat edits")

@@ -127,6 +127,8 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
                 {"step, in all", 19, [](const EditCost& c) { return times(c.step_us); }},
                 {"edits", 7, [](const EditCost& c) { return fmt::format("{}", c.edits); }},
                 {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
+                {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
+                {"step that compacts", 21, [](const EditCost& c) { return times(c.compactingStep_us); }},
                 {"index MiB", 11,
                  [](const EditCost& c) {
                    return fmt::format("{:.1f}", static_cast<double>(c.memory.index + c.memory.lists) / (1 << 20));
@@ -152,8 +154,15 @@ void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
               {"edits/s", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.stroke->editsPerSecond); }},
               {"fresh", 8, [](const EditCost& c) { return fmt::format("{:.1f} %", 100 * c.stroke->freshShare); }},
               {"left out", 10, [](const EditCost& c) { return fmt::format("{}", c.stroke->leftOut); }},
+              {"held up", 9, [](const EditCost& c) { return fmt::format("{}", c.stroke->heldUp); }},
               {"missed", 8, [](const EditCost& c) { return fmt::format("{}", c.stroke->missedTicks); }},
-              {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }}}),
+              {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
+              {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
+              {"step meanwhile", 19, [](const EditCost& c) { return times(c.compactingStep_us); }},
+              {"longest end", 13,
+               [](const EditCost& c) {
+                 return c.compactions ? fmt::format("{:.1f}", c.longestCompactionEnd_us) : std::string("–");
+               }}}),
         realtime);
 }
 
@@ -171,6 +180,9 @@ Json toJson(const EditCost& cost) {
             {"step_us", summaryOf(cost.step_us)},
             {"edits", cost.edits},
             {"builds", cost.builds},
+            {"compactions", cost.compactions},
+            {"compacting_step_us", summaryOf(cost.compactingStep_us)},
+            {"longest_compaction_end_us", cost.longestCompactionEnd_us},
             {"landings", cost.landings},
             {"memory",
              {{"points_bytes", cost.memory.points},
@@ -181,7 +193,8 @@ Json toJson(const EditCost& cost) {
   if (const auto& stroke = cost.stroke)
     json["stroke"] = {{"rate_Hz", stroke->rate_Hz},          {"duration_s", stroke->duration_s},
                       {"fresh_share", stroke->freshShare},   {"edits_per_s", stroke->editsPerSecond},
-                      {"missed_ticks", stroke->missedTicks}, {"left_out_edits", stroke->leftOut}};
+                      {"missed_ticks", stroke->missedTicks}, {"left_out_edits", stroke->leftOut},
+                      {"held_up_edits", stroke->heldUp}};
   return json;
 }
 

@@ -23,6 +23,7 @@ struct EditStroke {
   double freshShare = 0, editsPerSecond = 0;
   std::uint64_t missedTicks = 0;  ///< left out because their time had passed
   std::uint64_t leftOut = 0;      ///< edits that there was no time or no room in the log for
+  std::uint64_t heldUp = 0;       ///< edits that waited for a compaction
 };
 
 struct EditCost {
@@ -35,8 +36,11 @@ struct EditCost {
   Summary edit_us;   ///< on the GPU: brush, index, normals, log; where a driver tells no times, until it was seen done
   Summary step_us;   ///< from pose to force; in virtual time with the whole edit in it
   std::uint64_t edits = 0;
-  std::uint64_t builds = 0;    ///< full builds of the index for these edits
-  std::uint64_t landings = 0;  ///< how often the tool was put down
+  std::uint64_t builds = 0;       ///< full builds of the index for these edits
+  std::uint64_t compactions = 0;  ///< of the index in the background, that came out, among these ticks
+  Summary compactingStep_us;  ///< of the steps, those while it was compacted; in virtual time with all of that in one
+  double longestCompactionEnd_us = 0;  ///< that touch waited for the end of one, in all the session
+  std::uint64_t landings = 0;          ///< how often the tool was put down
   EditMemory memory;
   std::optional<EditStroke> stroke;
 };

@@ -137,6 +137,8 @@ TEST_CASE("bench edit sculpts with tools that reach as many points as they are a
     // In virtual time a step holds its query and its edit.
     CHECK(cost["step_us"]["p50"] > cost["edit_us"]["p50"]);
     CHECK(cost["step_us"]["p999"] >= cost["step_us"]["p50"]);
+    CHECK(cost["compactions"] == 0);
+    CHECK(cost["compacting_step_us"].is_null());
     CHECK(cost["memory"]["over_plain"] > 1);
     CHECK(cost["memory"]["plain_bytes"] > 64 * cost["points"].get<double>());
   }
@@ -172,11 +174,35 @@ TEST_CASE("bench edit sculpts with every brush") {
   }
 }
 
+TEST_CASE("bench edit tells what compactions cost where there are few spare slots") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "c.json").string();
+  const Outcome outcome =
+      palpate("bench edit --sizes 20000 --touched 100 --index incremental --spare 300 --repeat 60 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto cost = jsonOf(json)["edit"]["costs"][0];
+  CHECK(cost["compactions"] > 0);
+  CHECK(cost["compacting_step_us"]["n"] == cost["compactions"]);  // in virtual time
+  CHECK(cost["longest_compaction_end_us"] > 0);
+  CHECK(cost["compacting_step_us"]["max"] > cost["longest_compaction_end_us"].get<double>());
+  CHECK(outcome.text.find("compactions") != std::string::npos);
+  CHECK(outcome.text.find("step that compacts") != std::string::npos);
+}
+
 TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured") {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
-  works("bench edit --sizes 20000 --touched 100 --index incremental --rate 100 --duration 2 --json " + json);
+  const Outcome outcome = palpate(
+      "bench edit --sizes 20000 --touched 100 --index incremental --spare 2000 --rate 100 --duration 2 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  for (const char* title : {"compactions", "step meanwhile", "longest end", "held up"})
+    CHECK(outcome.text.find(title) != std::string::npos);
   const auto cost = jsonOf(json)["edit"]["costs"][0];
+  CHECK(cost["compactions"] > 0);
+  CHECK(cost["compacting_step_us"]["n"] >= cost["compactions"].get<int>());
+  CHECK(cost["compacting_step_us"]["p999"] <= cost["step_us"]["max"].get<double>());
+  CHECK(cost["longest_compaction_end_us"] > 0);
+  CHECK(cost["stroke"]["held_up_edits"] >= 0);
   CHECK(cost["stroke"]["rate_Hz"] == 100);
   CHECK(cost["edits"] > 5);
   CHECK(cost["edits"] <= 200);
