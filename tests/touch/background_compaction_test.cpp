@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kVirtual = 0, kRealtime_us = 1e7;  // budgets; the latter is never spent
 constexpr std::chrono::milliseconds kTick(1);       // in real time, at least
-constexpr std::uint32_t kLittleSpare = 1'200, kLeastSpare = 500;
+constexpr std::uint32_t kLittleSpare = 1'800, kLeastSpare = 500;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
