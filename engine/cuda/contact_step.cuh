@@ -31,12 +31,6 @@ class ContactStep {
   /// Thread 0 leaves the state for the next tick and the answer for the host.
   __device__ void write() const {
     if (threadIdx.x != 0) return;
-    *args_.state = {.lastHip = pose_.hip,
-                    .touching = touching_ ? 1u : 0u,
-                    .spring = proxy_,
-                    .side = side_,
-                    .facing = vec3(0.0f),
-                    .started = 1};
     ContactSample sample{.spring = proxy_,
                          .touching = touching_ ? 1u : 0u,
                          .normal = surface_.normal,
@@ -47,6 +41,12 @@ class ContactStep {
                          .flags = patch_.thinned() ? kSampleThinned : 0};
     sample.seal = sealOf(sample);
     args_.answer->sample = sample;
+    *args_.state = {.lastHip = pose_.hip,
+                    .touching = touching_ ? 1u : 0u,
+                    .spring = proxy_,
+                    .side = side_,
+                    .facing = vec3(0.0f),
+                    .started = 1};
   }
 
  private:
