@@ -18,7 +18,11 @@ Followers::Followers(Context& context, const Model& model, TouchBackend& backend
     : model_(model), backend_(backend), log_(wanted.log), touchSide_(dynamic_cast<TouchSide*>(&backend)) {
   if (wanted.picture && touchSide_) {
     const LiveCloud& live = touchSide_->live();
-    drawn_.emplace(context.device(), model.cloud, live.slots() - live.count(), touchSide_->paints());
+    drawn_.emplace(context.device(), model.cloud,
+                   DrawnOptions{.spare = live.slots() - live.count(),
+                                .painted = touchSide_->paints(),
+                                .spacing = model.spacing,
+                                .edited = touchSide_->edits() != nullptr});
     drawnReader_.emplace(touchSide_->editLog());
   }
   if (!wanted.journal) return;

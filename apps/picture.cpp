@@ -26,10 +26,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
   constexpr double kWidest = 0.1;  // of the longest side
   const double widest = kWidest * boundsOf(model.cloud).longestSide();
-  if (options.splatRadius == "auto") {
-    frame.splatRadius = automaticSplatRadius(model.spacing);
-    if (widest > 0) frame.splatRadius = std::min(frame.splatRadius, 0.2 * widest);
-  } else {
+  if (options.splatRadius != "auto") {
     const double radius_mm =
         parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
     if (!(radius_mm > 0) || !std::isfinite(radius_mm))
@@ -50,7 +47,11 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
       "--camera", options.camera,
       "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
       "from the front, a little above)");
-  command.add_option("--splat-radius", options.splatRadius, "of a point's disc, mm, or auto")->capture_default_str();
+  command
+      .add_option("--splat-radius", options.splatRadius,
+                  "of every point's disc, mm; auto: each as wide as closes the "
+                  "surface around it")
+      ->capture_default_str();
   command.add_option("--color", options.color, "rgb (the file's, or one material), normal, depth, height")
       ->capture_default_str();
   command.add_option("--pass", options.pass, "final, depth, normal, color, position")->capture_default_str();
@@ -76,7 +77,7 @@ void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
                pass.waits ? "yes" : "no", pass.gpu_us);
 }
 
-void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, const PictureOptions& options,
+void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file) {
   Device& device = context.device();
   const Size size = parseSize(options.size);
@@ -87,6 +88,7 @@ void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, 
   const Camera camera = Camera::parse(options.camera, model.cloud, aspect);
   CommandList list(device, device.sight(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
+  drawn.closeSurface();
   list.begin();
   frame.record(list, drawn, camera, frameOf);
   list.end();

@@ -15,8 +15,9 @@ void addPictureOptions(CLI::App& command, PictureOptions& options);
 /// Checks what can be checked before anything is loaded. Throws UsageError.
 void checkPictureOptions(const PictureOptions& options);
 
-/// Draws `drawn` (the GPU's copy of the model's cloud) into `file`. Says the passes when asked to.
-void takePicture(Context& context, const Model& model, const DrawnCloud& drawn, const PictureOptions& options,
+/// Draws `drawn` (the GPU's copy of the model's cloud, made with its spacing) into `file`. Says the passes when asked
+/// to.
+void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file);
 
 /// The passes of a recording with their threads, bytes and last GPU times.

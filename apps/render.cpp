@@ -14,7 +14,7 @@ void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
   context.checkWritable(options.output);
   const Model model = loadModel(context, options.model, EstimateOn::gpu);
-  const DrawnCloud drawn(context.device(), model.cloud);
+  DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
   takePicture(context, model, drawn, options.picture, {}, options.output);
   context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});

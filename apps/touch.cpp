@@ -176,7 +176,8 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   if (!options.pictureFile.empty()) {
     // A back end without an edit log is drawn once, as it ended.
     std::optional<DrawnCloud> ended;
-    if (!followers.drawn()) ended.emplace(context.device(), brush ? end.cloud : model.cloud);
+    if (!followers.drawn())
+      ended.emplace(context.device(), brush ? end.cloud : model.cloud, DrawnOptions{.spacing = model.spacing});
     takePicture(context, model, ended ? *ended : *followers.drawn(), options.picture,
                 result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model),
                 options.pictureFile);

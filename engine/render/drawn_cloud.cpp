@@ -22,28 +22,36 @@ std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   return static_cast<std::uint32_t>(count);
 }
 
-std::vector<Vec4> widened(const std::vector<Vec3>& vectors, std::size_t count, float missing) {
-  std::vector<Vec4> wide(count, Vec4(Vec3(missing), 0.0f));
-  for (std::size_t i = 0; i < vectors.size(); ++i) wide[i] = Vec4(vectors[i], 0.0f);
-  return wide;
+std::vector<Vec4> positionsOf(const PointCloud& cloud, std::size_t count) {
+  std::vector<Vec4> packed(
+      count, Vec4(Vec3(std::numeric_limits<float>::quiet_NaN()), std::bit_cast<float>(shared::kEmptySlot)));
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
+  return packed;
+}
+
+std::vector<Vec4> normalsOf(const PointCloud& cloud, std::size_t count) {
+  std::vector<Vec4> packed(count, Vec4(0));
+  for (std::size_t i = 0; i < cloud.normals.size(); ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
+  return packed;
 }
 
 }  // namespace
 
-DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, std::uint32_t spare, bool painted)
+DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptions& options)
     : device_(device),
-      count_(checkedCount(device, cloud.size() + spare)),
-      hasColors_(cloud.hasColors() || painted),
+      count_(checkedCount(device, cloud.size() + options.spare)),
+      hasColors_(cloud.hasColors() || options.painted),
       bounds_(boundsOf(cloud)),
-      positions_(Buffer::of<Vec4>(device, count_, Memory::device, "drawn positions")),
-      normals_(Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals")),
+      spacing_(options.spacing),
+      points_{Buffer::of<Vec4>(device, count_, Memory::device, "drawn positions"),
+              Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals"), 1},
       colors_(Buffer::of<std::uint32_t>(device, hasColors_ ? count_ : 0, Memory::device, "drawn colors")),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       list_(device, device.sight(), "catch up") {
-  upload(device, positions_, widened(cloud.positions, count_, std::numeric_limits<float>::quiet_NaN()));
-  upload(device, normals_, widened(cloud.normals, count_, 0));
+  upload(device, points_.positions, positionsOf(cloud, count_));
+  upload(device, points_.normals, normalsOf(cloud, count_));
   if (hasColors_) {
     std::vector<std::array<std::uint8_t, 4>> colors = cloud.colors;
     colors.resize(count_, kUnpainted);
@@ -53,6 +61,11 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, std::uint32_t sp
   list_.fill(latest_, 0, latest_.bytes());
   list_.end();
   device.sight().run(list_);
+  if (!(spacing_ > 0)) return;
+  radii_.emplace(device, bounds_, count_, spacing_);
+  radii_->measure(points_);
+  largestRadius_ = radii_->largest();
+  if (!options.edited) radii_.reset();
 }
 
 std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
@@ -63,22 +76,37 @@ std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
   PALPATE_CHECK(std::has_single_bit(log.capacity()));
   const shared::CatchUpArgs args{.entries = log.entries(),
                                  .latest = latest_.address(),
-                                 .positions = positions_.address(),
-                                 .normals = normals_.address(),
+                                 .positions = points_.positions.address(),
+                                 .normals = points_.normals.address(),
                                  .colors = colors_.address(),
                                  .firstSlot = static_cast<std::uint32_t>(range.begin % log.capacity()),
                                  .slotMask = static_cast<std::uint32_t>(log.capacity() - 1),
                                  .entryCount = static_cast<std::uint32_t>(range.size()),
                                  .pointCount = count_,
                                  .colored = hasColors_ ? 1u : 0u,
-                                 .unused = 0};
+                                 .marks = radii_ ? 1u : 0u,
+                                 .changed = radii_ ? radii_->changed() : 0,
+                                 .grid = radii_ ? radii_->grid() : HashGrid{}};
   list_.begin();
   list_.dispatch(claim_, range.size(), args);
   list_.dispatch(apply_, range.size(), args);
   list_.end();
   device_.sight().run(list_);
   reader.consume(range.end);
+  stale_ = true;
   return range.size();
+}
+
+void DrawnCloud::closeSurface() {
+  if (!radii_ || !stale_) return;
+  radii_->measureChanged(points_);
+  largestRadius_ = radii_->largest();
+  stale_ = false;
+}
+
+std::uint64_t DrawnCloud::bytes() const {
+  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + latest_.bytes() +
+         (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

@@ -1,22 +1,35 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/command_list.hpp"
+#include "engine/render/splat_radii.hpp"
 
 namespace palpate {
+
+struct DrawnOptions {
+  std::uint32_t spare = 0;  ///< points that edits may add
+  bool painted = false;     ///< edits give colours, too
+  /// Mean, model units (meanSpacing()): each point gets a disc that closes the surface around it. 0: none has one, and
+  /// a frame must be told a radius.
+  double spacing = 0;
+  bool edited = false;  ///< keeps what it takes to measure the discs again where points have been edited
+};
 
 /// The cloud that is seen, on the GPU: the sight side's own copy, in the order of the file, so that a point's id is its
 /// place. It follows the touched cloud through the edit log alone.
 class DrawnCloud {
  public:
-  /// Normals and colours are optional. `spare`: points that edits may add; `painted`: they give colours, too. Throws
-  /// OutOfGpuMemory.
-  DrawnCloud(Device& device, const PointCloud& cloud, std::uint32_t spare = 0, bool painted = false);
+  /// Normals and colours are optional. Throws OutOfGpuMemory.
+  DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptions& options = {});
 
   /// Applies everything that is unread, in order, on the sight queue, waits for it, and consumes it; says how many
   /// entries there were.
   std::uint64_t catchUp(EditLog::Reader& reader);
+  /// Measures the discs again of the points that catchUp() has changed, and of those around them. Before a frame.
+  void closeSurface();
 
   /// Places in the arrays: the points of the file, and as many as may be added. Where no point is, or one is gone, the
   /// position is no number.
@@ -24,19 +37,29 @@ class DrawnCloud {
   bool hasColors() const { return hasColors_; }
   /// Of the cloud as it was loaded; edits move points by little.
   const Bounds& bounds() const { return bounds_; }
-  const Buffer& positions() const { return positions_; }  ///< count vec4: xyz relative to the cloud's origin, w 0
-  const Buffer& normals() const { return normals_; }      ///< count vec4: xyz unit, or zero when unknown; w 0
-  const Buffer& colors() const { return colors_; }        ///< count RGBA8; empty without colours
+  /// count vec4: xyz relative to the cloud's origin; w the bits of the id, or of kEmptySlot.
+  const Buffer& positions() const { return points_.positions; }
+  /// count vec4: xyz unit, or zero when unknown; w the radius of the disc, model units.
+  const Buffer& normals() const { return points_.normals; }
+  const Buffer& colors() const { return colors_; }  ///< count RGBA8; empty without colours
+  /// Mean spacing as the options gave it, and the largest radius of a disc, model units; 0 where discs have none.
+  double spacing() const { return spacing_; }
+  double largestRadius() const { return largestRadius_; }
+  std::uint64_t bytes() const;
 
  private:
   Device& device_;
   std::uint32_t count_;
   bool hasColors_;
   Bounds bounds_;
-  Buffer positions_, normals_, colors_;
+  double spacing_, largestRadius_ = 0;
+  LiveCloud::Side points_;
+  Buffer colors_;
   Buffer latest_;  // count uint32, zero between calls
   ComputePipeline claim_, apply_;
   CommandList list_;
+  std::optional<SplatRadii> radii_;
+  bool stale_ = false;  // the discs of edited points
 };
 
 }  // namespace palpate

@@ -13,9 +13,9 @@ const Vec3 kBackgroundTop(0.020f, 0.024f, 0.033f);
 const Vec3 kBackgroundBottom(0.115f, 0.125f, 0.145f);
 constexpr double kDiscThickness = 0.12;  // of its radius
 constexpr double kOcclusionRadius =
-    0.07;                           // of the model's longest side; larger darkens wide hollows, smaller only creases
-constexpr double kDepthBand = 2.0;  // of the splat radius: stray points that stand out less than this are blended away
-constexpr double kHoleReach = 2.0;  // in splat radii, across a gap from any place in it
+    0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
+constexpr double kUsualRadius_spacings = 1.95;  // where discs have their own radii
+constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any place in it
 constexpr std::uint32_t kFinestSum = 1u << 16;
 
 float linearFromSrgb(std::uint8_t encoded) {
@@ -60,11 +60,16 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
   return overlays;
 }
 
+double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
+  return options.splatRadius > 0 ? options.splatRadius : kUsualRadius_spacings * cloud.spacing();
+}
+
 }  // namespace
 
 std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px) {
   const double nearest = std::max(depthRangeOf(camera, cloud.bounds()).x, camera.nearDepth);
-  const double side_px = 2 * splatRadius * camera.focal_px(height_px) / nearest + 2;
+  const double largest = splatRadius > 0 ? splatRadius : cloud.largestRadius();
+  const double side_px = 2 * largest * camera.focal_px(height_px) / nearest + 2;
   const double affordable = std::sqrt(double{shared::kMaxSplatInvocations} / std::max(cloud.count(), 1u));
   const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxSplatTiles});
   return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kSplatTile), 1.0, most));
@@ -80,7 +85,7 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                             .boundsMax = Vec3(cloud.bounds().max),
                             .depthMax = static_cast<float>(depths.y),
                             .splatRadius = static_cast<float>(options.splatRadius),
-                            .depthBand = static_cast<float>(kDepthBand * options.splatRadius),
+                            .usualRadius = static_cast<float>(usualRadius(cloud, options)),
                             .sumScale = 0,
                             .count = cloud.count(),
                             .splatTiles = splatTiles,
@@ -94,7 +99,7 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0};
   if (options.closeHoles) {
-    const double radius_px = options.splatRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
+    const double radius_px = usualRadius(cloud, options) * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
   // No sum may reach 2^31, even with every point in one sample (splat_attributes.comp).

@@ -13,7 +13,7 @@ struct FrameSize {
 };
 
 /// Tiles along each side of the largest splat on screen, as far as kMaxSplatInvocations allows; what is beyond is cut
-/// off.
+/// off. `splatRadius` as in FrameOptions.
 std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px);
 
 shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,

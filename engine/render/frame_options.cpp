@@ -10,10 +10,6 @@ namespace palpate {
 
 namespace {
 
-// Where points are strewn at random, an area of pi r^2 is empty with probability exp(-pi (r / spacing)^2): this radius
-// leaves about one such place in 160,000 spacings squared.
-constexpr double kSplatRadius_spacings = 1.95;
-
 template <class T>
 T named(std::string_view option, std::string_view name, std::span<const std::pair<std::string_view, T>> choices) {
   std::string known;
@@ -41,7 +37,5 @@ ColorBy colorByNamed(std::string_view name) {
       {"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}};
   return named<ColorBy>("--color", name, kChoices);
 }
-
-double automaticSplatRadius(double spacing) { return kSplatRadius_spacings * spacing; }
 
 }  // namespace palpate

@@ -58,13 +58,10 @@ struct Overlays {
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorBy::rgb;
-  double splatRadius = 0;  ///< model units; automaticSplatRadius() of the cloud's spacing is a good one
-  bool closeHoles = true;  ///< gaps up to two splat radii wide take the surface around them, also in depth
+  double splatRadius = 0;  ///< of every point, model units; 0: each has its own (DrawnOptions::spacing)
+  bool closeHoles = true;  ///< gaps a few spacings wide take the surface around them, also in depth
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
 };
-
-/// A radius at which the discs of an unevenly sampled surface leave no holes, for a mean spacing (meanSpacing()).
-double automaticSplatRadius(double spacing);
 
 }  // namespace palpate

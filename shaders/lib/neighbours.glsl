@@ -6,7 +6,7 @@
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 
-#include "shaders/shared/edit.h"
+#include "shaders/shared/spatial_hash.h"
 
 // Whoever includes this says what to do with a neighbour, which is `d` away. One invocation of the subgroup calls it.
 void visitNeighbour(uint slot, vec4 position, vec3 d);

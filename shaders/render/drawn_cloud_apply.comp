@@ -8,6 +8,12 @@
 
 layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
 
+void markBucketOf(vec4 point) {
+  if (args.marks == 0 || floatBitsToUint(point.w) == kEmptySlot) return;
+  const uint bucket = bucketOf(args.grid, cellOf(args.grid, point.xyz));
+  atomicOr(args.changed.at[bucket / 32], 1u << bucket % 32);
+}
+
 void main() {
   const uint i = threadIndex();
   if (i >= args.entryCount) return;
@@ -16,10 +22,14 @@ void main() {
   const uint state = args.entries.at[slot].id;
   const uint id = state & ~kPointGone;
   if (id >= args.pointCount || args.latest.at[id] != i + 1) return;
+  markBucketOf(args.positions.at[id]);
   // No picture shows a point without a place.
   const bool gone = (state & kPointGone) != 0;
-  args.positions.at[id] = vec4(gone ? vec3(uintBitsToFloat(0x7fc00000u)) : args.entries.at[slot].position, 0);
-  args.normals.at[id] = vec4(args.entries.at[slot].normal, 0);
+  const vec3 place = gone ? vec3(uintBitsToFloat(0x7fc00000u)) : args.entries.at[slot].position;
+  const vec4 point = vec4(place, uintBitsToFloat(gone ? kEmptySlot : id));
+  markBucketOf(point);
+  args.positions.at[id] = point;
+  args.normals.at[id].xyz = args.entries.at[slot].normal;
   if (args.colored != 0) args.colors.at[id] = args.entries.at[slot].color;
   args.latest.at[id] = 0;
 }

@@ -41,7 +41,7 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const vec3 albedo = albedoAt(place, normal, position, depth);
   if (imagePass == kPassColor) return albedo;
   const float openness = opennessAt(view, args.depth, place_px, inEye, toEye(view, normal),
-                                    args.frame.at[0].occlusionRadius, args.frame.at[0].splatRadius);
+                                    args.frame.at[0].occlusionRadius, args.frame.at[0].usualRadius);
   return lit(albedo, toEye(view, normal), -normalize(inEye), openness);
 }
 

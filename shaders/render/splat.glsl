@@ -14,6 +14,7 @@ struct Splat {
   uint point;
   vec3 center;    // eye space
   vec3 normal;    // of the disc, eye space, unit, either side
+  float radius;   // model units
   vec3 shading;   // normal to light it by, model space, unit, never away from the eye
   float trust;    // in the shading normal, against other splats' in the same sample
   ivec2 centerPixel;
@@ -30,9 +31,12 @@ vec2 projectedInterval(float low, float high, float shallow, float deep) {
 // full it is the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a
 // scan has a fold or a stray normal, so the flatter a disc lies before the eye, the more it counts.
 void orient(RenderView view, inout Splat splat) {
+  const float everyones = args.frame.at[0].splatRadius;
   const vec3 toViewer = -normalize(splat.center);
-  splat.normal = toEye(view, args.normals.at[splat.point].xyz);
+  const vec4 normalAndRadius = args.normals.at[splat.point];
+  splat.normal = toEye(view, normalAndRadius.xyz);
   if (!(dot(splat.normal, splat.normal) >= 0.25)) splat.normal = toViewer;
+  splat.radius = everyones > 0 ? everyones : normalAndRadius.w;
   const float facing = dot(splat.normal, toViewer);
   vec3 shading = splat.normal;
   if (facing < -kOutlineFacing) shading = -shading;
@@ -56,7 +60,7 @@ bool loadSplat(RenderView view, out Splat splat) {
   orient(view, splat);
 
   // The box around a disc reaches R sqrt(1 - n_k^2) along axis k.
-  const vec3 reach = args.frame.at[0].splatRadius * sqrt(max(1 - splat.normal * splat.normal, 0));
+  const vec3 reach = splat.radius * sqrt(max(1 - splat.normal * splat.normal, 0));
   const float shallow = max(c.z - reach.z, view.nearDepth);
   const float deep = c.z + reach.z;
   const vec2 x = view.center_px.x + view.focal_px * projectedInterval(c.x - reach.x, c.x + reach.x, shallow, deep);

@@ -15,9 +15,8 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   Splat splat;
   if (!loadSplat(view, splat)) return;
-  const float radius = args.frame.at[0].splatRadius;
-  const float inverseRadiusSquared = 1 / (radius * radius);
-  const float band = args.frame.at[0].depthBand;
+  const float inverseRadiusSquared = 1 / (splat.radius * splat.radius);
+  const float band = kDepthBand * splat.radius;
   const float scale = args.frame.at[0].sumScale;
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);

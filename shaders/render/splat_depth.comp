@@ -8,8 +8,7 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   Splat splat;
   if (!loadSplat(view, splat)) return;
-  const float radius = args.frame.at[0].splatRadius;
-  const float inverseRadiusSquared = 1 / (radius * radius);
+  const float inverseRadiusSquared = 1 / (splat.radius * splat.radius);
   for (int y = splat.first.y; y <= splat.last.y; ++y) {
     for (int x = splat.first.x; x <= splat.last.x; ++x) {
       Fragment fragment;

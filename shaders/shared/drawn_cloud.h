@@ -1,6 +1,7 @@
 #ifndef PALPATE_SHARED_DRAWN_CLOUD_H
 #define PALPATE_SHARED_DRAWN_CLOUD_H
 #include "shaders/shared/edit_log.h"
+#include "shaders/shared/spatial_hash.h"
 
 PALPATE_SHARED_BEGIN
 
@@ -16,9 +17,11 @@ struct CatchUpArgs {
   uint entryCount;
   uint pointCount;
   uint colored;
-  uint unused;
+  uint marks;      // not 0: buckets are marked that a point has left or come to, or where it has turned
+  PALPATE_ADDRESS(Uints) changed;  // a bit for each bucket
+  HashGrid grid;
 };
-PALPATE_SIZE(CatchUpArgs, 64);
+PALPATE_SIZE(CatchUpArgs, 96);
 
 PALPATE_SHARED_END
 #endif

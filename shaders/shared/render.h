@@ -17,6 +17,9 @@ const float kCenterPixelWeight = 0.25;
 // Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at
 // least one fixed-point unit for up to 2^31 times this many points.
 const float kRimWeight = 1.0f / 32;
+// In its radii: how far behind the nearest splat another one still blends with it. Larger blends stray points that stand
+// out away, smaller keeps sheets apart that lie close behind one another.
+const float kDepthBand = 2;
 // Largest gap that is closed: the trip count of an invocation is eight times this.
 const uint kMaxHoleReach_px = 24;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
@@ -75,8 +78,8 @@ struct RenderFrame {
   float depthMin;  // of the bounds, for the ramps
   vec3 boundsMax;
   float depthMax;
-  float splatRadius;  // model units
-  float depthBand;    // how far behind the nearest splat others still blend with it, model units
+  float splatRadius;  // of every point, model units; 0: each has its own
+  float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
   float sumScale;     // fixed-point unit of the sums
   uint count;
   uint splatTiles;  // tiles along each side of the largest splat

@@ -1,5 +1,6 @@
 #include "engine/render/drawn_cloud.hpp"
 
+#include <bit>
 #include <cmath>
 #include <random>
 
@@ -57,7 +58,9 @@ class DrawnCloudFixture : public GpuFixture {
     const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
     const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
     for (std::size_t i = 0; i < cloud.size(); ++i)
-      if (positions[i] != Vec4(cloud.positions[i], 0) || normals[i] != Vec4(cloud.normals[i], 0)) return false;
+      if (positions[i] != Vec4(cloud.positions[i], std::bit_cast<float>(static_cast<std::uint32_t>(i))) ||
+          normals[i] != Vec4(cloud.normals[i], 0))
+        return false;
     return true;
   }
 };
@@ -125,7 +128,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order"
 
 TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are painted") {
   const PointCloud cloud = strewnCloud(300);
-  DrawnCloud drawn(device, cloud, 3, true);
+  DrawnCloud drawn(device, cloud, {.spare = 3, .painted = true});
   EditLog log(device, cloud.size());
   EditLog::Reader reader(log);
   const Vec3 place(1, 2, 3), normal(0, 0, 1);

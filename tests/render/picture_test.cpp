@@ -16,7 +16,7 @@ PointCloud sphereCloud(std::size_t count = 20'000) { return sampleShape(*makeSha
 FrameOptions optionsFor(const PointCloud& cloud, ImagePass pass = ImagePass::final) {
   FrameOptions options;
   options.pass = pass;
-  options.splatRadius = automaticSplatRadius(meanSpacing(cloud));
+  options.splatRadius = 1.95 * meanSpacing(cloud);
   return options;
 }
 

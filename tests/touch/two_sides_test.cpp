@@ -15,7 +15,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud,
                   {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 10}});
-  DrawnCloud drawn(device, scene.cloud, touch.live().slots() - touch.live().count());
+  DrawnCloud drawn(device, scene.cloud, {.spare = touch.live().slots() - touch.live().count()});
   EditLog::Reader reader(touch.editLog());
 
   std::atomic<bool> sculpting = true;

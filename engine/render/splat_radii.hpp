@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/spatial/spatial_hash.hpp"
+#include "shaders/shared/splat_radius.h"
+
+namespace palpate {
+
+/// Measures how wide each point's disc must be to close the surface around it (shaders/shared/splat_radius.h), by a
+/// hash of the sight side's own: the drawn cloud is in the order of the file. Works on the sight queue and waits.
+class SplatRadii {
+ public:
+  /// `places`: points at most; `spacing`: mean, model units, positive. No border farther than a tenth of the box
+  /// counts.
+  SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing);
+
+  /// Writes the radius of every point (model units) into the w of its normal. `points`: in the order of their ids, with
+  /// ids in the w of their positions.
+  void measure(const LiveCloud::Side& points) { run(points, false); }
+  /// The same for those alone about which something has changed since: all radii are then what measure() would give.
+  void measureChanged(const LiveCloud::Side& points) { run(points, true); }
+
+  const HashGrid& grid() const { return hash_.grid(); }
+  /// A bit for each bucket of the grid, to be set when a point in it has come, gone, moved or turned.
+  DeviceAddress changed() const { return changed_.address(); }
+  /// Of all radii that were ever measured, model units.
+  double largest() const;
+  std::uint64_t bytes() const;
+
+ private:
+  void run(const LiveCloud::Side& points, bool onlyChanged);
+
+  Device& device_;
+  std::uint32_t places_;
+  double spacing_, widest_;
+  SpatialHash hash_;
+  LiveCloud::Side ordered_;  // the points in hash order
+  ComputePipeline pass_;
+  Buffer reaches_, changed_, largest_, largestRead_;
+};
+
+}  // namespace palpate

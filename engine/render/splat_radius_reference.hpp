@@ -1,0 +1,18 @@
+// The radii of a cloud's discs in double precision on the CPU (shaders/shared/splat_radius.h), for tests.
+#pragma once
+
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+
+namespace palpate {
+
+/// What single precision may make of a radius, model units: whether a border is open is decided at a threshold.
+struct RadiusRange {
+  double least = 0, most = 0;
+};
+
+/// For each point; all must have normals. `spacing`: mean; `widest`: border that is believed; model units.
+std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spacing, double widest);
+
+}  // namespace palpate

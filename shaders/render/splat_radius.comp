@@ -1,0 +1,146 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_vote : require
+// The radius of each point's disc (shaders/shared/splat_radius.h says which). One subgroup for each point: in hash
+// order those of a workgroup look at the same cells. In double precision: engine/render/splat_radius_reference.cpp.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/neighbours.glsl"
+#include "shaders/shared/splat_radius.h"
+
+layout(push_constant, scalar) uniform Push { SplatRadiusArgs args; };
+
+// cos and sin of 0, 30, ... 150 degrees; the other six directions are their opposites.
+const vec3 kCosA = vec3(1, 0.866025404, 0.5), kSinA = vec3(0, 0.5, 0.866025404);
+const vec3 kCosB = vec3(0, -0.5, -0.866025404), kSinB = vec3(1, 0.866025404, 0.5);
+
+vec3 selfNormal, axisU, axisV;
+bool hasPlane;
+float seen;  // how far the last look went
+// One over the distance to the nearest border, in each direction; 0 where there is none.
+vec3 aheadA, aheadB, behindA, behindB;
+uint neighbours;
+
+void visitNeighbour(uint slot, vec4 position, vec3 d) {
+  const float squared = dot(d, d);
+  if (squared == 0 || squared < seen * seen) return;
+  if (!hasPlane) {
+    ++neighbours;
+    return;
+  }
+  const vec3 other = args.cloud.normals.at[slot].xyz;
+  if (dot(other, other) > 0.25 && dot(other, selfNormal) <= kSplatSameSheet) return;
+  const float a = dot(d, axisU) * 2 / squared, b = dot(d, axisV) * 2 / squared;
+  const vec3 first = a * kCosA + b * kSinA, second = a * kCosB + b * kSinB;
+  aheadA = max(aheadA, first);
+  behindA = max(behindA, -first);
+  aheadB = max(aheadB, second);
+  behindB = max(behindB, -second);
+}
+
+// Meets the points nearer than `radius` that the last look has not met. The whole subgroup calls it together.
+void look(vec3 center, float radius) {
+  neighbours = 0;
+  visitNeighbours(args.cloud, center, radius, kSplatWorkBudget);
+  aheadA = subgroupMax(aheadA);
+  aheadB = subgroupMax(aheadB);
+  behindA = subgroupMax(behindA);
+  behindB = subgroupMax(behindB);
+}
+
+bool changedWithin(vec3 center, float radius) {
+  const ivec3 low = cellOf(args.cloud.grid, center - radius);
+  const uvec3 size = uvec3(cellOf(args.cloud.grid, center + radius) - low + 1);
+  bool changed = false;
+  for (uint c = gl_SubgroupInvocationID; c < size.x * size.y * size.z; c += gl_SubgroupSize) {
+    const ivec3 cell = low + ivec3(c % size.x, c / size.x % size.y, c / (size.x * size.y));
+    const uint bucket = bucketOf(args.cloud.grid, cell);
+    changed = changed || (args.changed.at[bucket / 32] >> bucket % 32 & 1) != 0;
+  }
+  return subgroupAny(changed);
+}
+
+float leastOf(vec3 v) { return min(min(v.x, v.y), v.z); }
+float mostOf(vec3 v) { return max(max(v.x, v.y), v.z); }
+
+// Of all directions, the closeness of rank kSplatUsualRank.
+float usualCloseness() {
+  vec3 all[4] = vec3[4](aheadA, aheadB, behindA, behindB);
+  float usual = 0;
+  for (uint rank = 0; rank < kSplatUsualRank; ++rank) {
+    usual = max(max(mostOf(all[0]), mostOf(all[1])), max(mostOf(all[2]), mostOf(all[3])));
+    bool taken = false;  // one at a time where several are equal
+    for (uint k = 0; k < 12; ++k)
+      if (!taken && all[k / 3][k % 3] == usual) {
+        all[k / 3][k % 3] = -1;
+        taken = true;
+      }
+  }
+  return usual;
+}
+
+// The least closeness that is not open; `none` where all are.
+float leastClosed(vec3 closeness, float open, float none) {
+  return leastOf(mix(vec3(none), closeness, greaterThanEqual(closeness, vec3(open))));
+}
+
+float radiusInPlane(float open) {
+  const float kNone = 3.0e38;
+  const float least = min(min(leastClosed(aheadA, open, kNone), leastClosed(aheadB, open, kNone)),
+                          min(leastClosed(behindA, open, kNone), leastClosed(behindB, open, kNone)));
+  return least < kNone ? kSplatCover / least : args.spacing;
+}
+
+// A frame about a unit vector (Duff et al. 2017).
+void frameAround(vec3 n, out vec3 u, out vec3 v) {
+  const float sign = floatBitsToInt(n.z) < 0 ? -1 : 1;
+  const float a = -1 / (sign + n.z);
+  const float b = n.x * n.y * a;
+  u = vec3(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+  v = vec3(b, sign + n.y * n.y * a, -n.y);
+}
+
+void main() {
+  const uint slot = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+  if (slot >= args.cloud.slots) return;
+  const vec4 point = args.cloud.positions.at[slot];
+  const uint id = floatBitsToUint(point.w);
+  if (id == kEmptySlot) return;
+  if (args.onlyChanged != 0 && !changedWithin(point.xyz, uintBitsToFloat(args.reaches.at[id]))) return;
+
+  selfNormal = args.cloud.normals.at[slot].xyz;
+  hasPlane = dot(selfNormal, selfNormal) > 0.25;
+  frameAround(hasPlane ? selfNormal : vec3(0, 0, 1), axisU, axisV);
+  aheadA = aheadB = behindA = behindB = vec3(0);
+  seen = 0;
+  const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
+  const float crowd = float(own.y - own.x) / float(kSplatUsualInCell);
+  const float farthest = 2 * args.widest;
+  float reach = min(kSplatFirstLook * args.spacing / sqrt(max(crowd, 1)), farthest);
+  float radius = args.spacing;
+  uint met = 0;
+  while (true) {
+    look(point.xyz, reach);
+    bool enough;
+    if (hasPlane) {
+      const float open = max(usualCloseness() / kSplatOpen, 1 / args.widest);
+      radius = radiusInPlane(open);
+      // What was not seen yet is closer than this in no direction.
+      const float unseen = 2 / reach;
+      const float least = min(min(leastOf(aheadA), leastOf(aheadB)), min(leastOf(behindA), leastOf(behindB)));
+      enough = least >= unseen || open >= unseen;
+    } else {
+      met += subgroupAdd(neighbours);
+      radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), args.spacing * 2);
+      enough = met >= kSplatFewest;
+    }
+    if (enough || reach >= farthest) break;
+    seen = reach;
+    reach = min(2 * reach, farthest);
+  }
+  if (!subgroupElect()) return;
+  args.normals.at[id].w = radius;
+  args.reaches.at[id] = floatBitsToUint(reach);
+  // The plain read may be stale, but the largest only grows.
+  const uint bits = floatBitsToUint(radius);
+  if (bits > args.largest.at[0]) atomicMax(args.largest.at[0], bits);
+}

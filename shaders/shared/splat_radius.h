@@ -1,0 +1,52 @@
+// How wide a point's disc must be to close the surface around it.
+//
+// Discs close a surface where each covers its own Voronoi cell. The cell's border lies in the direction u of the
+// tangent plane at min |d|^2 / (2 d . u) over the offsets d to all neighbours before it; the farthest border in a few
+// directions is the radius. A gap shows as a border that is much farther than the others: that direction is open, and
+// the disc does not reach for it. Nothing beyond twice the answer can change it, so that a search may begin close by.
+#ifndef PALPATE_SHARED_SPLAT_RADIUS_H
+#define PALPATE_SHARED_SPLAT_RADIUS_H
+#include "shaders/shared/spatial_hash.h"
+
+PALPATE_SHARED_BEGIN
+
+// Directions are looked at in this many pairs, evenly turned.
+const uint kSplatDirectionPairs = 6;
+// Over the farthest border: a corner of a Voronoi cell lies up to a quarter farther than the border in the nearest
+// direction (a square lattice, 15 degrees off). Less leaves holes there, more only blurs.
+const float kSplatCover = 1.25f;
+// The direction with this rank, nearest border first, says what is usual about a point; at a corner of a sheet hardly
+// more are closed.
+const uint kSplatUsualRank = 5;
+// In usual borders: farther ones are open. Less leaves the gaps of random samplings open, more lets borders grow.
+const float kSplatOpen = 4.5f;
+// In mean spacings. The first look goes so far; where that is not enough the next goes twice as far.
+const float kSplatFirstLook = 3.2f;
+// In mean spacings: no border farther than this is believed.
+const float kSplatWidest = 4.0f;
+// Points of one cell with an even surface in it; where there are more, the first look is shorter.
+const uint kSplatUsualInCell = 12;
+// In spacings, where a point has no normal and so no plane to look in: wide enough for most random samplings.
+const float kSplatWithoutPlane = 1.3f;
+// Points that such a point asks for.
+const uint kSplatFewest = 6;
+// The least cosine between the normals of two points of one sheet.
+const float kSplatSameSheet = 0.0f;
+// Rounds of one look of a subgroup. Past it the radius comes from what was seen: only in a heap of points.
+const uint kSplatWorkBudget = 400;
+
+struct SplatRadiusArgs {
+  CloudView cloud;                    // the points in hash order
+  PALPATE_ADDRESS(Vec4s) normals;     // by id; the radius goes into w
+  PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last look went, model units
+  PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
+  PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
+  float spacing;                      // mean, model units
+  float widest;                       // border that is believed, model units
+  uint onlyChanged;                   // not 0: leaves points alone about which nothing has changed
+  uint unused;
+};
+PALPATE_SIZE(SplatRadiusArgs, 104);
+
+PALPATE_SHARED_END
+#endif

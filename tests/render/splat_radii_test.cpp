@@ -1,0 +1,210 @@
+// Discs as wide as closes the surface around each point: against the reference, against the surface, and under edits.
+#include "engine/render/splat_radii.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/point_tree.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/thinning.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/render/splat_radius_reference.hpp"
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kWidestShare = 0.1;  // of the box (SplatRadii)
+
+class SplatRadiiFixture : public GpuFixture {
+ protected:
+  std::vector<float> radiiOf(const DrawnCloud& drawn) {
+    std::vector<float> radii;
+    for (const Vec4& normal : download<Vec4>(device, drawn.normals(), drawn.count())) radii.push_back(normal.w);
+    return radii;
+  }
+  std::vector<float> radiiOf(const PointCloud& cloud, double spacing) {
+    return radiiOf(DrawnCloud(device, cloud, {.spacing = spacing}));
+  }
+  /// How many are not what double precision says.
+  std::size_t wrong(const PointCloud& cloud, double spacing) {
+    const double widest =
+        std::min(static_cast<double>(shared::kSplatWidest) * spacing, kWidestShare * boundsOf(cloud).longestSide());
+    const auto reference = referenceSplatRadii(cloud, spacing, widest);
+    const auto radii = radiiOf(cloud, spacing);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const double radius = static_cast<double>(radii[i]);
+      wrong += !(radius >= reference[i].least && radius <= reference[i].most);
+    }
+    return wrong;
+  }
+};
+
+PointCloud shapeCloud(std::string_view name, std::size_t count, const DVec3& center = DVec3(0), double noise = 0) {
+  return sampleShape(*makeShape(name, 100.0, center), {.count = count, .noise = noise});
+}
+
+/// Places on the surface, spread at random, that no disc of their sheet covers.
+std::size_t bare(std::string_view shape, const PointCloud& cloud, const std::vector<float>& radii, double within) {
+  constexpr std::size_t kPlaces = 20'000;
+  const auto surface = makeShape(shape, 100.0);
+  const AreaMap place = surface->areaMap(1);
+  const PointTree tree(cloud.positions);
+  std::vector<std::uint32_t> found;
+  std::size_t bare = 0;
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const SurfacePoint at = place({randomUnit(5, 2 * k), randomUnit(5, 2 * k + 1)});
+    found.clear();
+    tree.within(at.position, within, found);
+    bare += std::ranges::none_of(found, [&](std::uint32_t i) {
+      return glm::distance(DVec3(cloud.positions[i]), at.position) <= static_cast<double>(radii[i]) &&
+             glm::dot(DVec3(cloud.normals[i]), at.normal) > 0.5;
+    });
+  }
+  return bare;
+}
+
+double meanOf(const std::vector<float>& values) {
+  double sum = 0;
+  for (const float value : values) sum += static_cast<double>(value);
+  return sum / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(SplatRadiiFixture,
+                  "radii are those of double precision, at any size and density, also far from zero") {
+  for (const std::size_t count : {2u, 3u, 31u, 255u, 257u, 4099u}) {
+    CAPTURE(count);
+    const PointCloud sphere = shapeCloud("sphere", count);
+    CHECK(wrong(sphere, std::max(meanSpacing(sphere), 1.0)) == 0);
+  }
+  const PointCloud uneven = thinnedAlong(shapeCloud("torus", 20'000), 10);
+  CHECK(wrong(uneven, meanSpacing(uneven)) == 0);
+  const PointCloud noisy = shapeCloud("cube", 6000, DVec3(0), 0.3);
+  CHECK(wrong(noisy, meanSpacing(noisy)) == 0);
+  const PointCloud away = shapeCloud("bumpy-sphere", 5000, DVec3(1000, -2000, 512));
+  CHECK(wrong(away, meanSpacing(away)) == 0);
+}
+
+TEST_CASE_FIXTURE(SplatRadiiFixture, "discs close even and uneven surfaces without swelling") {
+  for (const char* shape : {"sphere", "torus", "cube", "bumpy-sphere"}) {
+    CAPTURE(shape);
+    const PointCloud even = shapeCloud(shape, 10'000);
+    const double spacing = meanSpacing(even);
+    const auto radii = radiiOf(even, spacing);
+    CHECK(bare(shape, even, radii, 10 * spacing) == 0);
+    CHECK(meanOf(radii) < 1.1 * spacing);
+    const PointCloud uneven = thinnedAlong(shapeCloud(shape, 40'000), 10);
+    const double wide = meanSpacing(uneven);
+    const auto unevenRadii = radiiOf(uneven, wide);
+    // Thinned at random, a place here and there is as empty as a hole.
+    CHECK(bare(shape, uneven, unevenRadii, 10 * wide) <= 2);
+    CHECK(meanOf(unevenRadii) < 1.6 * wide);
+  }
+}
+
+TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
+  PointCloud grid;
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 40; ++x) grid.positions.emplace_back(x, y, 0);
+  grid.normals.assign(grid.size(), Vec3(0, 0, 1));
+  const auto radii = radiiOf(grid, 1);
+  CHECK(*std::ranges::max_element(radii) < 1.3f);  // beside a border discs are a little wider
+  CHECK(*std::ranges::min_element(radii) > 0.7071f);
+}
+
+TEST_CASE_FIXTURE(SplatRadiiFixture, "no points, one, a heap, a line, and points without normals") {
+  PointCloud cloud;
+  CHECK(DrawnCloud(device, cloud, {.spacing = 1}).largestRadius() == 0);
+  cloud.positions = {Vec3(3, 4, 5)};
+  cloud.normals = {Vec3(0, 0, 1)};
+  CHECK(radiiOf(cloud, 1).front() == 1);
+  cloud.positions.assign(3000, Vec3(3, 4, 5));
+  cloud.normals.assign(3000, Vec3(0, 0, 1));
+  CHECK(std::ranges::all_of(radiiOf(cloud, 1), [](float r) { return r == 1; }));
+
+  PointCloud line;
+  for (int x = 0; x < 300; ++x) line.positions.emplace_back(0.1f * static_cast<float>(x), 0, 0);
+  line.normals.assign(line.size(), Vec3(0, 1, 0));
+  for (const float r : radiiOf(line, 0.1)) CHECK((r > 0.05f && r < 0.13f));
+
+  PointCloud plain = shapeCloud("sphere", 8000);
+  const double spacing = meanSpacing(plain);
+  plain.normals.clear();
+  const auto radii = radiiOf(plain, spacing);
+  CHECK(*std::ranges::min_element(radii) > 0.8 * spacing);
+  CHECK(*std::ranges::max_element(radii) < 2.1 * spacing);
+}
+
+TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a cloud drawn afresh, bit by bit") {
+  PointCloud cloud = thinnedAlong(shapeCloud("torus", 9000), 10);
+  const auto loaded = static_cast<std::uint32_t>(cloud.size());
+  const double spacing = meanSpacing(cloud);
+  DrawnCloud drawn(device, cloud, {.spare = 200, .spacing = spacing, .edited = true});
+  EditLog log(device, cloud.size());
+  EditLog::Reader reader(log);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> share(-1, 1);
+  // As many places as the edited cloud has, in the box of the loaded one.
+  cloud.positions.resize(loaded + 200, Vec3(0));
+  cloud.normals.resize(loaded + 200, Vec3(0));
+  std::vector<bool> there(cloud.size());
+  std::fill_n(there.begin(), loaded, true);
+  std::uint32_t head = 0;
+  for (int tick = 0; tick < 4; ++tick) {
+    // A dent: the points around one move, some go, some come.
+    std::vector<shared::EditEntry> ring(log.capacity());
+    const auto write = [&](std::uint32_t id, bool gone) {
+      ring[head++ % log.capacity()] = {.position = cloud.positions[id],
+                                       .id = gone ? id | shared::kPointGone : id,
+                                       .normal = cloud.normals[id],
+                                       .color = 0,
+                                       .parent = 0};
+      there[id] = !gone;
+    };
+    const Vec3 center = cloud.positions[random() % loaded];
+    for (std::uint32_t id = 0; id < loaded; ++id) {
+      if (!there[id] || glm::distance(cloud.positions[id], center) > 12) continue;
+      cloud.positions[id] += Vec3(share(random), share(random), share(random));
+      cloud.normals[id] = glm::normalize(cloud.normals[id] + 0.2f * Vec3(share(random), share(random), share(random)));
+      write(id, random() % 10 == 0);
+    }
+    for (std::uint32_t i = 0; i < 50; ++i) {
+      const std::uint32_t id = loaded + 50 * static_cast<std::uint32_t>(tick) + i;
+      cloud.positions[id] = center + 8.0f * Vec3(share(random), share(random), share(random));
+      cloud.normals[id] = glm::normalize(Vec3(share(random), share(random), 2));
+      write(id, false);
+    }
+    upload(device, log.entriesBuffer(), ring);
+    log.publish(head);
+    drawn.catchUp(reader);
+    drawn.closeSurface();
+
+    const auto radii = radiiOf(drawn);
+    SplatRadii afresh(device, drawn.bounds(), drawn.count(), spacing);
+    LiveCloud::Side side{Buffer::of<Vec4>(device, drawn.count(), Memory::device, "positions"),
+                         Buffer::of<Vec4>(device, drawn.count(), Memory::device, "normals"), 1};
+    auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
+    for (Vec4& normal : normals) normal.w = 0;
+    upload(device, side.positions, download<Vec4>(device, drawn.positions(), drawn.count()));
+    upload(device, side.normals, normals);
+    afresh.measure(side);
+    normals = download<Vec4>(device, side.normals, drawn.count());
+    std::size_t different = 0, present = 0;
+    for (std::size_t id = 0; id < radii.size(); ++id) {
+      if (!there[id]) continue;
+      ++present;
+      different += radii[id] != normals[id].w;
+    }
+    CHECK(present > 2000);
+    CHECK(different == 0);
+    CHECK(drawn.largestRadius() >= afresh.largest());
+  }
+}
+
+}  // namespace palpate
