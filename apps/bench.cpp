@@ -72,10 +72,13 @@ bool asksFor(const BenchOptions& options, std::string_view name) {
   return std::ranges::find(options.names, name) != options.names.end();
 }
 
-// The pages of bench touch and bench edit have nothing in common with the plot of times, so one asks for one at a time.
+constexpr std::array<std::string_view, 3> kAlone{"touch", "edit", "splat"};
+
+// The pages of these have nothing in common with the plot of times, so one asks for one at a time.
 void benchAlone(Context& context, const BenchOptions& options) {
-  const bool touches = asksFor(options, "touch");
-  const std::string name = touches ? "touch" : "edit";
+  const std::string name(
+      *std::ranges::find_if(kAlone, [&](std::string_view alone) { return asksFor(options, alone); }));
+  if (name == "splat" && !options.plotFile.empty()) throw UsageError("bench splat: there is no plot of it");
   if (options.names.size() > 1)
     throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", name);
   checkMethods(options);
@@ -84,9 +87,11 @@ void benchAlone(Context& context, const BenchOptions& options) {
   for (const std::string& backend : options.backends) result["machines"][backend] = machineOf(context, backend);
   for (const auto& [backend, machine] : result["machines"].items())
     fmt::print(context.tables(), "{}: {}\n", backend, machine.get<std::string>());
-  result[name] = touches ? benchTouch(context, options) : benchEdit(context, subjectsOf(options), options);
+  if (name == "touch") result[name] = benchTouch(context, options);
+  if (name == "edit") result[name] = benchEdit(context, subjectsOf(options), options);
+  if (name == "splat") result[name] = benchSplat(context, subjectsOf(options), options);
   context.writeJson(result);
-  if (!options.plotFile.empty()) plot(touches ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
+  if (!options.plotFile.empty()) plot(name == "touch" ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
 }
 
 void bench(Context& context, const BenchOptions& options) {
@@ -169,12 +174,14 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick), edit (a tick that sculpts); touch judges what is felt against surfaces that are known");
+      "haptic tick), edit (a tick that sculpts), splat (a picture, and how true it is); touch judges what is felt "
+      "against surfaces "
+      "that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or splat")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "splat"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -200,6 +207,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--moved", options->movedShare, "share of the points that build moves to another cell first")
       ->check(between(0, 1))
       ->capture_default_str();
+  sub->add_option("--size", options->size, "splat: of the pictures, width x height, pixels")->capture_default_str();
   sub->add_option("--plot", options->plotFile, "draw times against points, a line for each way (needs matplotlib)")
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);
@@ -219,6 +227,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
       "share "
       "of the points on a full build is cheaper.\n"
+      "splat: ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under clean and "
+      "uneven --conditions against rays cast in double precision: pixels without surface, overlap of the silhouettes, "
+      "error of depth and of normals. --quick leaves that out.\n"
       "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
       "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
@@ -227,7 +238,8 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->callback([&, options, backends, sub] {
     if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, options, chosen = backends->count() > 0] {
-      if (!asksFor(*options, "touch") && !asksFor(*options, "edit")) return bench(context, *options);
+      if (std::ranges::none_of(kAlone, [&](std::string_view name) { return asksFor(*options, name); }))
+        return bench(context, *options);
       if (asksFor(*options, "touch") && !chosen) options->backends = {ownTouchBackend(context)};
       benchAlone(context, *options);
     };

@@ -35,6 +35,7 @@ struct BenchOptions {
   double rate_Hz = 1e6;
   double movedShare = 0.01;
   std::string plotFile;
+  std::string size = "1280x720";  ///< of the pictures of splat
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;
@@ -93,6 +94,9 @@ Json benchTouch(Context& context, const BenchOptions& options);
 /// What an edited step costs, against the points of the model and against those that the edit touches
 /// (apps/edit_cost.hpp). Prints tables, and gives the numbers back.
 Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
+/// What a picture costs, pass by pass, and how true it is to shapes that are known (apps/picture_judge.hpp). Prints
+/// tables, and gives the numbers back.
+Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
 /// What answers in bench touch unless the user says: vulkan on a real GPU; cpu where there is none, or only a software
 /// driver, which is slower than the CPU back end by far and feels the same.
 std::string ownTouchBackend(Context& context);

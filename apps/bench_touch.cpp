@@ -134,13 +134,14 @@ void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
   };
   list("--surface", options.surfaces,
        "touch: surfaces that are judged; query, step: that are measured (default: average)");
-  list("--shapes", options.shapes, "touch: shapes that are felt");
+  list("--shapes", options.shapes, "touch, splat: shapes that are felt, or seen");
   list("--conditions", options.conditions,
-       "touch: clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
+       "touch, and of them clean and uneven splat: clouds that are exact, have positions noisy by so many spacings, or "
+       "normals estimated from the points, "
        "are ten times sparser at one end, lie 1e6 mm from the origin");
   sub.add_option("--truth", options.truthFile, "touch: the mesh that --models is a scan of, in the same coordinates")
       ->type_name("MESH.ply");
-  sub.add_flag("--quick", options.quick, "touch: no slides at 5 mm/s, no plates, no edits");
+  sub.add_flag("--quick", options.quick, "touch: no slides at 5 mm/s, no plates, no edits; splat: times alone");
 }
 
 std::string ownTouchBackend(Context& context) {

@@ -46,6 +46,7 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       points_{Buffer::of<Vec4>(device, count_, Memory::device, "drawn positions"),
               Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals"), 1},
       colors_(Buffer::of<std::uint32_t>(device, hasColors_ ? count_ : 0, Memory::device, "drawn colors")),
+      clips_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn clips")),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
@@ -59,11 +60,12 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
   }
   list_.begin();
   list_.fill(latest_, 0, latest_.bytes());
+  list_.fill(clips_, 0, clips_.bytes());
   list_.end();
   device.sight().run(list_);
   if (!(spacing_ > 0)) return;
   radii_.emplace(device, bounds_, count_, spacing_);
-  radii_->measure(points_);
+  radii_->measure(points_, clips_);
   largestRadius_ = radii_->largest();
   if (!options.edited) radii_.reset();
 }
@@ -99,13 +101,13 @@ std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
 
 void DrawnCloud::closeSurface() {
   if (!radii_ || !stale_) return;
-  radii_->measureChanged(points_);
+  radii_->measureChanged(points_, clips_);
   largestRadius_ = radii_->largest();
   stale_ = false;
 }
 
 std::uint64_t DrawnCloud::bytes() const {
-  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + latest_.bytes() +
+  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + latest_.bytes() +
          (radii_ ? radii_->bytes() : 0);
 }
 

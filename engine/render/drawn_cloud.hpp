@@ -42,6 +42,7 @@ class DrawnCloud {
   /// count vec4: xyz unit, or zero when unknown; w the radius of the disc, model units.
   const Buffer& normals() const { return points_.normals; }
   const Buffer& colors() const { return colors_; }  ///< count RGBA8; empty without colours
+  const Buffer& clips() const { return clips_; }    ///< count words: where discs are cut off (SplatRadii)
   /// Mean spacing as the options gave it, and the largest radius of a disc, model units; 0 where discs have none.
   double spacing() const { return spacing_; }
   double largestRadius() const { return largestRadius_; }
@@ -54,7 +55,7 @@ class DrawnCloud {
   Bounds bounds_;
   double spacing_, largestRadius_ = 0;
   LiveCloud::Side points_;
-  Buffer colors_;
+  Buffer colors_, clips_;
   Buffer latest_;  // count uint32, zero between calls
   ComputePipeline claim_, apply_;
   CommandList list_;

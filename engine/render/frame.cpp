@@ -63,6 +63,7 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
                                     .positions = cloud.positions().address(),
                                     .normals = cloud.normals().address(),
                                     .colors = cloud.colors().address(),
+                                    .clips = cloud.clips().address(),
                                     .depth = depth_.address(),
                                     .normalSums = normalSums_.address(),
                                     .colorSums = colorSums_.address()};

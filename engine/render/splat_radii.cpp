@@ -46,9 +46,10 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
   device.sight().run(clear);
 }
 
-void SplatRadii::run(const LiveCloud::Side& points, bool onlyChanged) {
+void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool onlyChanged) {
   const shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
                                      .normals = points.normals.address(),
+                                     .clips = clips.address(),
                                      .reaches = reaches_.address(),
                                      .changed = changed_.address(),
                                      .largest = largest_.address(),

@@ -13,11 +13,11 @@ class SplatRadii {
   /// counts.
   SplatRadii(Device& device, const Bounds& bounds, std::uint32_t places, double spacing);
 
-  /// Writes the radius of every point (model units) into the w of its normal. `points`: in the order of their ids, with
-  /// ids in the w of their positions.
-  void measure(const LiveCloud::Side& points) { run(points, false); }
+  /// Writes the radius of every point (model units) into the w of its normal, and where its disc is cut off into
+  /// `clips`, a word for each place. `points`: in the order of their ids, with ids in the w of their positions.
+  void measure(const LiveCloud::Side& points, const Buffer& clips) { run(points, clips, false); }
   /// The same for those alone about which something has changed since: all radii are then what measure() would give.
-  void measureChanged(const LiveCloud::Side& points) { run(points, true); }
+  void measureChanged(const LiveCloud::Side& points, const Buffer& clips) { run(points, clips, true); }
 
   const HashGrid& grid() const { return hash_.grid(); }
   /// A bit for each bucket of the grid, to be set when a point in it has come, gone, moved or turned.
@@ -27,7 +27,7 @@ class SplatRadii {
   std::uint64_t bytes() const;
 
  private:
-  void run(const LiveCloud::Side& points, bool onlyChanged);
+  void run(const LiveCloud::Side& points, const Buffer& clips, bool onlyChanged);
 
   Device& device_;
   std::uint32_t places_;

@@ -15,7 +15,7 @@ GpuMemory predictGpuMemory(std::uint64_t points, bool colors) {
   return {.liveCloud = 2 * 2 * kVec4 * points,
           .index = index,
           .contact = ContactStep::predictedBytes(points),
-          .drawnCloud = (2 * kVec4 + kWord + (colors ? kWord : 0)) * points,
+          .drawnCloud = (2 * kVec4 + 2 * kWord + (colors ? kWord : 0)) * points,
           .editing = 2 * 2 * kVec4 * spare + SpatialHash::predictedBytes(points, points + spare) - index +
                      EditPass::predictedBytes(points, colors),
           .editLog = EditLog::capacityFor(points) * sizeof(shared::EditEntry)};

@@ -2,6 +2,7 @@
 // the same fragments through this file.
 #ifndef PALPATE_RENDER_SPLAT_GLSL
 #define PALPATE_RENDER_SPLAT_GLSL
+#include "shaders/lib/frame.glsl"
 #include "shaders/lib/index.glsl"
 #include "shaders/render/view.glsl"
 
@@ -15,6 +16,7 @@ struct Splat {
   vec3 center;    // eye space
   vec3 normal;    // of the disc, eye space, unit, either side
   float radius;   // model units
+  vec3 clip;      // eye space: the disc ends where the dot product of this and the offset from its centre exceeds 1
   vec3 shading;   // normal to light it by, model space, unit, never away from the eye
   float trust;    // in the shading normal, against other splats' in the same sample
   ivec2 centerPixel;
@@ -24,6 +26,16 @@ struct Splat {
 // What [low, high] at depths from `shallow` to `deep` can cover in the picture, in units of the focal length.
 vec2 projectedInterval(float low, float high, float shallow, float deep) {
   return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
+}
+
+// The line along which a disc is cut off (shaders/shared/splat_radius.h), from radii in its own plane.
+vec3 clipOf(RenderView view, uint point, vec4 normalAndRadius) {
+  const uint bits = args.clips.at[point];
+  if (bits == 0) return vec3(0);
+  vec3 u, v;
+  frameAround(normalAndRadius.xyz, u, v);
+  const vec2 clip = unpackHalf2x16(bits) / normalAndRadius.w;
+  return toEye(view, clip.x * u + clip.y * v);
 }
 
 // Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a
@@ -37,6 +49,7 @@ void orient(RenderView view, inout Splat splat) {
   splat.normal = toEye(view, normalAndRadius.xyz);
   if (!(dot(splat.normal, splat.normal) >= 0.25)) splat.normal = toViewer;
   splat.radius = everyones > 0 ? everyones : normalAndRadius.w;
+  splat.clip = everyones > 0 ? vec3(0) : clipOf(view, splat.point, normalAndRadius);
   const float facing = dot(splat.normal, toViewer);
   vec3 shading = splat.normal;
   if (facing < -kOutlineFacing) shading = -shading;
@@ -93,7 +106,7 @@ bool coverPixel(RenderView view, Splat splat, float inverseRadiusSquared, ivec2 
   fragment.depth = dot(splat.normal, splat.center) / dot(splat.normal, ray);
   const vec3 offset = fragment.depth * ray - splat.center;
   const float q = dot(offset, offset) * inverseRadiusSquared;
-  if (q < 1 && fragment.depth >= view.nearDepth) {
+  if (q < 1 && fragment.depth >= view.nearDepth && dot(offset, splat.clip) <= 1) {
     fragment.weight = max(splat.trust * (1 - q) * (1 - q), kRimWeight);
     return true;
   }

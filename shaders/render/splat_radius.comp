@@ -4,6 +4,7 @@
 // The radius of each point's disc (shaders/shared/splat_radius.h says which). One subgroup for each point: in hash
 // order those of a workgroup look at the same cells. In double precision: engine/render/splat_radius_reference.cpp.
 #include "shaders/lib/index.glsl"
+#include "shaders/lib/frame.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/shared/splat_radius.h"
 
@@ -19,15 +20,42 @@ float seen;  // how far the last look went
 // One over the distance to the nearest border, in each direction; 0 where there is none.
 vec3 aheadA, aheadB, behindA, behindB;
 uint neighbours;
+bool besideEdge;  // somebody of another side was met
+bool clips;       // what the visits are for
+float clipCloseness;
+vec2 clipDirection;
+
+bool ofOtherSide(vec3 other) {
+  const float cosine = dot(other, selfNormal);
+  return cosine > kSplatSharpest && cosine < kSplatSharp;
+}
+
+// Where the plane of a point on the other side cuts that of this disc, unless the edge is concave.
+void meetOtherSide(vec3 d, vec3 other) {
+  const float above = dot(other, d);
+  if (!ofOtherSide(other) || above <= 0) return;
+  const vec2 across = vec2(dot(other, axisU), dot(other, axisV));
+  const vec2 direction = normalize(across);
+  const float ownCell = 0.5 * dot(vec2(dot(d, axisU), dot(d, axisV)), direction);
+  const float closeness = 1 / max(above / length(across), ownCell);
+  if (closeness <= clipCloseness) return;
+  clipCloseness = closeness;
+  clipDirection = direction;
+}
 
 void visitNeighbour(uint slot, vec4 position, vec3 d) {
   const float squared = dot(d, d);
+  if (clips) {
+    if (squared > 0) meetOtherSide(d, args.cloud.normals.at[slot].xyz);
+    return;
+  }
   if (squared == 0 || squared < seen * seen) return;
   if (!hasPlane) {
     ++neighbours;
     return;
   }
   const vec3 other = args.cloud.normals.at[slot].xyz;
+  besideEdge = besideEdge || ofOtherSide(other) && dot(other, other) > 0.25;
   if (dot(other, other) > 0.25 && dot(other, selfNormal) <= kSplatSameSheet) return;
   const float a = dot(d, axisU) * 2 / squared, b = dot(d, axisV) * 2 / squared;
   const vec3 first = a * kCosA + b * kSinA, second = a * kCosB + b * kSinB;
@@ -45,6 +73,19 @@ void look(vec3 center, float radius) {
   aheadB = subgroupMax(aheadB);
   behindA = subgroupMax(behindA);
   behindB = subgroupMax(behindB);
+}
+
+// The nearest line along which the disc is cut off, in the tangent plane and in radii: of a place beyond it the dot
+// product with this exceeds 1. Zero where there is none.
+vec2 clipLine(vec3 center, float radius) {
+  clips = true;
+  clipCloseness = 0;
+  clipDirection = vec2(0);
+  visitNeighbours(args.cloud, center, kSplatEdgeReach * radius, kSplatWorkBudget);
+  const float nearest = subgroupMax(clipCloseness);
+  if (nearest * radius <= 1) return vec2(0);
+  const uint owner = subgroupMin(clipCloseness == nearest ? gl_SubgroupInvocationID : gl_SubgroupSize);
+  return nearest * radius * vec2(subgroupShuffle(clipDirection.x, owner), subgroupShuffle(clipDirection.y, owner));
 }
 
 bool changedWithin(vec3 center, float radius) {
@@ -90,15 +131,6 @@ float radiusInPlane(float open) {
   return least < kNone ? kSplatCover / least : args.spacing;
 }
 
-// A frame about a unit vector (Duff et al. 2017).
-void frameAround(vec3 n, out vec3 u, out vec3 v) {
-  const float sign = floatBitsToInt(n.z) < 0 ? -1 : 1;
-  const float a = -1 / (sign + n.z);
-  const float b = n.x * n.y * a;
-  u = vec3(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-  v = vec3(b, sign + n.y * n.y * a, -n.y);
-}
-
 void main() {
   const uint slot = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
   if (slot >= args.cloud.slots) return;
@@ -112,6 +144,8 @@ void main() {
   frameAround(hasPlane ? selfNormal : vec3(0, 0, 1), axisU, axisV);
   aheadA = aheadB = behindA = behindB = vec3(0);
   seen = 0;
+  besideEdge = false;
+  clips = false;
   const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
   const float crowd = float(own.y - own.x) / float(kSplatUsualInCell);
   const float farthest = 2 * args.widest;
@@ -137,9 +171,11 @@ void main() {
     seen = reach;
     reach = min(2 * reach, farthest);
   }
+  const vec2 clip = subgroupAny(besideEdge) ? clipLine(point.xyz, radius) : vec2(0);
   if (!subgroupElect()) return;
   args.normals.at[id].w = radius;
-  args.reaches.at[id] = floatBitsToUint(reach);
+  args.clips.at[id] = packHalf2x16(min(abs(clip), vec2(6e4)) * sign(clip));
+  args.reaches.at[id] = floatBitsToUint(max(reach, kSplatEdgeReach * radius));
   // The plain read may be stale, but the largest only grows.
   const uint bits = floatBitsToUint(radius);
   if (bits > args.largest.at[0]) atomicMax(args.largest.at[0], bits);

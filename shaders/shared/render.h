@@ -105,11 +105,12 @@ struct SplatArgs {
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;      // RGBA8
+  PALPATE_ADDRESS(Uints) clips;       // where discs are cut off, in pairs of half floats
   PALPATE_ADDRESS(Uints) depth;       // one per sample: bits of the nearest depth
   PALPATE_ADDRESS(Uints) normalSums;  // four per sample: weighted normal, weight; fixed point, two's complement
   PALPATE_ADDRESS(Uints) colorSums;   // three per sample
 };
-PALPATE_SIZE(SplatArgs, 56);
+PALPATE_SIZE(SplatArgs, 64);
 
 struct CloseHolesArgs {
   PALPATE_ADDRESS(RenderFrames) frame;

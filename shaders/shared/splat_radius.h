@@ -4,6 +4,10 @@
 // tangent plane at min |d|^2 / (2 d . u) over the offsets d to all neighbours before it; the farthest border in a few
 // directions is the radius. A gap shows as a border that is much farther than the others: that direction is open, and
 // the disc does not reach for it. Nothing beyond twice the answer can change it, so that a search may begin close by.
+//
+// At a sharp convex edge a disc would stand out over the other side. There it is clipped along the line in which the
+// planes of the two sides meet (after Zwicker et al. 2004, "Perspective accurate splatting", section 5), but keeps its
+// own Voronoi cell.
 #ifndef PALPATE_SHARED_SPLAT_RADIUS_H
 #define PALPATE_SHARED_SPLAT_RADIUS_H
 #include "shaders/shared/spatial_hash.h"
@@ -32,12 +36,18 @@ const float kSplatWithoutPlane = 1.3f;
 const uint kSplatFewest = 6;
 // The least cosine between the normals of two points of one sheet.
 const float kSplatSameSheet = 0.0f;
+// Cosines between normals of the two sides of a sharp edge: from 37 to 120 degrees.
+const float kSplatSharp = 0.8f;
+const float kSplatSharpest = -0.5f;
+// In radii: the other side of an edge that a disc reaches has points so near.
+const float kSplatEdgeReach = 2.0f;
 // Rounds of one look of a subgroup. Past it the radius comes from what was seen: only in a heap of points.
 const uint kSplatWorkBudget = 400;
 
 struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order
   PALPATE_ADDRESS(Vec4s) normals;     // by id; the radius goes into w
+  PALPATE_ADDRESS(Uints) clips;       // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
   PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last look went, model units
   PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
   PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
@@ -46,7 +56,7 @@ struct SplatRadiusArgs {
   uint onlyChanged;                   // not 0: leaves points alone about which nothing has changed
   uint unused;
 };
-PALPATE_SIZE(SplatRadiusArgs, 104);
+PALPATE_SIZE(SplatRadiusArgs, 112);
 
 PALPATE_SHARED_END
 #endif

@@ -217,4 +217,37 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
   CHECK(tooMany.text.find("--touched") != std::string::npos);
 }
 
+TEST_CASE("bench splat times every pass, and its pictures are true to the shapes") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "s.json").string();
+  const Outcome outcome = palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto splat = jsonOf(json)["splat"];
+  REQUIRE(splat["costs"].size() == 1);
+  const auto cost = splat["costs"][0];
+  CHECK(cost["points"] == 30000);
+  CHECK(cost["gpu_ms"]["n"] == 5);
+  CHECK(cost["gpu_ms"]["p50"] > 0);
+  CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
+  CHECK(cost["fps"] > 0);
+  CHECK(cost["bytes"] > 36 * 30000);
+  for (const char* pass : {"render_splat_depth", "render_splat_attributes", "render_shade"})
+    CHECK(cost["passes_ms"].contains(pass));
+  REQUIRE(splat["qualities"].size() == 4 * 2);  // shapes and conditions
+  for (const auto& quality : splat["qualities"]) {
+    CAPTURE(quality.dump());
+    const bool even = quality["condition"] == "clean", smooth = quality["shape"] != "cube";
+    CHECK(quality["pixels"] > 500);
+    CHECK(quality["hole_pixels"] == 0);
+    CHECK(quality["overlap_percent"] > (even ? 97.5 : 96));
+    CHECK(quality["depth_rms_spacings"] < 0.3);
+    if (smooth) CHECK(quality["normal_deg"]["mean"] < 3);
+    if (smooth) CHECK(quality["normal_deg"]["p95"] < 8);
+  }
+  for (const char* title : {"against truth", "all passes, ms", "holes", "overlap"})
+    CHECK(outcome.text.find(title) != std::string::npos);
+  CHECK(palpate("bench splat --size 320").code == 2);
+  CHECK(palpate("bench splat build").code == 2);
+}
+
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/packing.hpp>
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
@@ -108,6 +109,28 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "discs close even and uneven surfaces witho
   }
 }
 
+TEST_CASE_FIXTURE(SplatRadiiFixture, "a disc beside an edge ends at the edge, others are whole") {
+  const PointCloud cube = shapeCloud("cube", 6000);
+  const DrawnCloud drawn(device, cube, {.spacing = meanSpacing(cube)});
+  const auto radii = radiiOf(drawn);
+  const auto clips = download<std::uint32_t>(device, drawn.clips(), drawn.count());
+  std::size_t clipped = 0, wrong = 0;
+  for (std::size_t i = 0; i < cube.size(); ++i) {
+    // How far the nearest edge is.
+    Vec3 away = 50.0f - glm::abs(cube.positions[i]);
+    std::sort(&away[0], &away[0] + 3);
+    const Vec2 clip = glm::unpackHalf2x16(clips[i]);
+    const float line = clips[i] == 0 ? radii[i] : radii[i] / glm::length(clip);
+    clipped += clips[i] != 0;
+    wrong += std::abs(line - std::min(away.y, radii[i])) > 0.01f * radii[i];
+  }
+  CHECK(clipped > 200);
+  CHECK(wrong <= clipped / 50);  // of few the other side is farther than they look
+  const PointCloud sphere = shapeCloud("sphere", 6000);
+  const DrawnCloud round(device, sphere, {.spacing = meanSpacing(sphere)});
+  CHECK(std::ranges::count(download<std::uint32_t>(device, round.clips(), round.count()), 0u) == 6000);
+}
+
 TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
   PointCloud grid;
   for (int y = 0; y < 40; ++y)
@@ -193,13 +216,16 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a clou
     for (Vec4& normal : normals) normal.w = 0;
     upload(device, side.positions, download<Vec4>(device, drawn.positions(), drawn.count()));
     upload(device, side.normals, normals);
-    afresh.measure(side);
+    const Buffer clips = Buffer::of<std::uint32_t>(device, drawn.count(), Memory::device, "clips");
+    afresh.measure(side, clips);
+    const auto clipsAfresh = download<std::uint32_t>(device, clips, drawn.count());
+    const auto clipsDrawn = download<std::uint32_t>(device, drawn.clips(), drawn.count());
     normals = download<Vec4>(device, side.normals, drawn.count());
     std::size_t different = 0, present = 0;
     for (std::size_t id = 0; id < radii.size(); ++id) {
       if (!there[id]) continue;
       ++present;
-      different += radii[id] != normals[id].w;
+      different += radii[id] != normals[id].w || clipsDrawn[id] != clipsAfresh[id];
     }
     CHECK(present > 2000);
     CHECK(different == 0);

@@ -1,0 +1,206 @@
+#include <algorithm>
+#include <map>
+
+#include "apps/bench.hpp"
+#include "apps/parse_list.hpp"
+#include "apps/picture_judge.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/thinning.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Of a frame, ms: on the GPU, by pass and in all, and from its submission until the picture is there.
+struct FrameTimes {
+  std::vector<std::pair<std::string, Summary>> passes;
+  Summary gpu_ms, wall_ms;
+};
+
+struct SplatCost {
+  std::string subject;
+  std::size_t points = 0;
+  FrameTimes times;
+  std::uint64_t bytes = 0;  ///< of the drawn cloud and the frame's images
+
+  double fps() const { return times.wall_ms.p50 > 0 ? 1000 / times.wall_ms.p50 : 0; }
+};
+
+struct SplatQuality {
+  std::string shape, condition;
+  std::size_t points = 0;
+  double spacing = 0;
+  PictureJudgement picture;
+};
+
+struct Condition {
+  std::string_view name;
+  double thinning;  ///< density at one end over that at the other
+};
+constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
+
+FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera,
+                         const BenchOptions& options) {
+  FrameTimes times;
+  CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
+  list.begin();
+  frame.record(list, drawn, camera, {});
+  list.end();
+  device.sight().run(list);  // pipelines are made ready at their first use
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> passes;
+  std::vector<double> gpu, wall;
+  repeatMeasurement(options, [&](std::int64_t) {
+    const Stopwatch watch;
+    device.sight().run(list);
+    wall.push_back(1e-3 * watch.elapsed_us());
+    double sum = 0;
+    for (const PassRecord& pass : list.passes()) {
+      if (std::ranges::find(names, pass.name) == names.end()) names.push_back(pass.name);
+      passes[pass.name].push_back(1e-3 * pass.gpu_us);
+      sum += 1e-3 * pass.gpu_us;
+    }
+    gpu.push_back(sum);
+  });
+  for (const std::string& name : names) times.passes.emplace_back(name, summarize(passes[name]));
+  times.gpu_ms = summarize(gpu);
+  times.wall_ms = summarize(wall);
+  return times;
+}
+
+SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options) {
+  Device& device = context.device();
+  const std::uint64_t before = device.allocatedBytes();
+  const DrawnCloud drawn(device, subject.model.cloud, {.spacing = subject.model.spacing});
+  Frame frame(device, size.x, size.y);
+  SplatCost cost{.subject = subject.name, .points = subject.model.cloud.size()};
+  cost.bytes = device.allocatedBytes() - before;
+  const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
+  cost.times = measureFrames(device, frame, drawn, camera, options);
+  return cost;
+}
+
+PictureJudgement judge(Device& device, const PictureTruth& truth, const PointCloud& cloud, double spacing) {
+  const DrawnCloud drawn(device, cloud, {.spacing = spacing});
+  Frame frame(device, truth.width, truth.height, 1);
+  CommandList list(device, device.sight(), "judged frame");
+  list.begin();
+  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal});
+  list.end();
+  device.sight().run(list);
+  return judgePicture(truth, frame.readDepth(), frame.readColor(), spacing);
+}
+
+std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const BenchOptions& options) {
+  std::vector<SplatQuality> results;
+  const auto points = static_cast<std::size_t>(options.sizes.empty() ? 200'000 : options.sizes.front());
+  for (const std::string_view name : {"sphere", "torus", "bumpy-sphere", "cube"}) {
+    if (std::ranges::find(options.touch.shapes, name) == options.touch.shapes.end()) continue;
+    const auto shape = makeShape(name);
+    std::optional<PictureTruth> truth;
+    for (const Condition& condition : kConditions) {
+      if (std::ranges::find(options.touch.conditions, condition.name) == options.touch.conditions.end()) continue;
+      context.log().say("splat: {}, {}, {} points, against truth", name, condition.name, points);
+      const auto drawn = static_cast<double>(points) / shareThatStays(condition.thinning);
+      PointCloud cloud =
+          sampleShape(*shape, {.count = static_cast<std::size_t>(std::round(drawn)), .threads = context.threads()});
+      if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
+      // Without a closed formula a ray takes a hundred times as long.
+      const std::uint32_t stride = name == "bumpy-sphere" ? 4 : 1;
+      if (!truth) truth = pictureTruth(*shape, cloud, size.x, size.y, stride, context.threads());
+      const double spacing = meanSpacing(cloud, context.threads());
+      results.push_back({.shape = std::string(name),
+                         .condition = std::string(condition.name),
+                         .points = cloud.size(),
+                         .spacing = spacing,
+                         .picture = judge(context.device(), *truth, cloud, spacing)});
+    }
+  }
+  return results;
+}
+
+// Models down, as in the thesis's Table 3.2, and passes across.
+void printCosts(std::FILE* out, const std::vector<SplatCost>& costs, const UVec2& size) {
+  fmt::print(out, "\nsplat, {} x {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}", size.x, size.y, "model",
+             "points");
+  const auto shortName = [](std::string name) {
+    for (const std::string_view prefix : {"render_", "fill frame "})
+      if (name.starts_with(prefix)) name.erase(0, prefix.size());
+    return name;
+  };
+  for (const auto& [name, unused] : costs.front().times.passes) fmt::print(out, "{:>20}", shortName(name));
+  fmt::print(out, "\n");
+  const auto cell = [](const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); };
+  for (const SplatCost& cost : costs) {
+    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
+    for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>20}", cell(time));
+    fmt::print(out, "\n");
+  }
+  fmt::print(out, "\n{:<20}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "points", "all passes, ms", "picture, ms", "fps",
+             "MiB");
+  for (const SplatCost& cost : costs)
+    fmt::print(out, "{:<20}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.points, cell(cost.times.gpu_ms),
+               cell(cost.times.wall_ms), cost.fps(), static_cast<double>(cost.bytes) / (1 << 20));
+}
+
+void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
+  if (qualities.empty()) return;
+  fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
+  fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "points", "pixels", "holes",
+             "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  for (const SplatQuality& q : qualities)
+    fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition, q.points,
+               q.picture.pixels, q.picture.holes, q.picture.overlap, q.picture.depthRms,
+               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
+}
+
+Json toJson(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
+
+Json toJson(const SplatCost& cost) {
+  Json passes = Json::object();
+  for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
+  return {{"subject", cost.subject},
+          {"points", cost.points},
+          {"passes_ms", passes},
+          {"gpu_ms", toJson(cost.times.gpu_ms)},
+          {"picture_ms", toJson(cost.times.wall_ms)},
+          {"fps", cost.fps()},
+          {"bytes", cost.bytes}};
+}
+
+Json toJson(const SplatQuality& q) {
+  return {{"shape", q.shape},
+          {"condition", q.condition},
+          {"points", q.points},
+          {"spacing", q.spacing},
+          {"pixels", q.picture.pixels},
+          {"hole_pixels", q.picture.holes},
+          {"overlap_percent", q.picture.overlap},
+          {"depth_rms_spacings", q.picture.depthRms},
+          {"normal_deg", {{"mean", q.picture.normalMean_deg}, {"p95", q.picture.normalP95_deg}}}};
+}
+
+}  // namespace
+
+Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
+  const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  Frame::checkSize(width, height);
+  const UVec2 size(width, height);
+  std::vector<SplatCost> costs;
+  for (const SubjectMaker& makeOne : subjects) {
+    const Subject subject = makeOne(context);
+    context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
+    costs.push_back(costOf(context, subject, size, options));
+  }
+  std::ranges::sort(costs, {}, &SplatCost::points);
+  const std::vector<SplatQuality> qualities =
+      options.touch.quick ? std::vector<SplatQuality>{} : judgeShapes(context, size, options);
+  printCosts(context.tables(), costs, size);
+  printQualities(context.tables(), qualities, size);
+  Json result{{"size", {width, height}}, {"costs", Json::array()}, {"qualities", Json::array()}};
+  for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));
+  for (const SplatQuality& quality : qualities) result["qualities"].push_back(toJson(quality));
+  return result;
+}
+
+}  // namespace palpate

@@ -1,0 +1,41 @@
+#include "engine/cloud/ray_cast.hpp"
+
+#include <cmath>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kClose = 1e-6;  // of the size: a hit
+constexpr int kMostSteps = 2000;
+
+}  // namespace
+
+std::optional<RayHit> castRay(const AnalyticShape& shape, const Ray& ray) {
+  const double scale = glm::length(ray.along);
+  const DVec3 direction = ray.along / scale;
+  // A ball around the shape's box, within which alone there is something to look at.
+  const double radius = 0.87 * shape.size();
+  const DVec3 toCenter = shape.center() - ray.from;
+  const double along = glm::dot(toCenter, direction);
+  const double rest = radius * radius - (glm::dot(toCenter, toCenter) - along * along);
+  if (rest <= 0) return std::nullopt;
+  double depth = std::max(0.0, along - std::sqrt(rest));
+  const double end = along + std::sqrt(rest);
+  for (int step = 0; step < kMostSteps && depth < end; ++step) {
+    const DVec3 place = ray.from + depth * direction;
+    const SurfacePoint closest = shape.closest(place);
+    const double distance = glm::distance(place, closest.position);
+    if (distance < kClose * shape.size()) {
+      // Along the tangent plane the rest of the way. The normal of an edge points at the ray.
+      const double slope = glm::dot(closest.normal, direction);
+      if (slope < -1e-3) depth += glm::dot(closest.position - place, closest.normal) / slope;
+      const SurfacePoint hit = shape.closest(ray.from + (depth + 4 * kClose * shape.size()) * direction);
+      return RayHit{depth / scale, hit.normal};
+    }
+    depth += distance;
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate
