@@ -17,7 +17,8 @@ constexpr std::size_t kDirections = 2 * shared::kSplatDirectionPairs;
 constexpr double kTolerance = 1e-3;
 using Closeness = std::array<double, kDirections>;  // one over the distance to the nearest border; 0: none
 
-Closeness closenessAbout(const PointCloud& cloud, std::size_t self, std::span<const std::uint32_t> others) {
+Closeness closenessAbout(const PointCloud& cloud, std::size_t self, std::span<const std::uint32_t> others,
+                         double ahead) {
   Closeness closeness{};
   const DVec3 normal(cloud.normals[self]);
   const Frame3 frame = frameAround(normal);
@@ -29,7 +30,8 @@ Closeness closenessAbout(const PointCloud& cloud, std::size_t self, std::span<co
     for (std::size_t k = 0; k < kDirections; ++k) {
       const double angle = 2 * std::numbers::pi * static_cast<double>(k) / kDirections;
       const double along = glm::dot(d, std::cos(angle) * frame.u + std::sin(angle) * frame.v);
-      closeness[k] = std::max(closeness[k], 2 * along / squared);
+      const double least = ahead * std::sqrt(squared);
+      if (along >= least) closeness[k] = std::max(closeness[k], 2 * along / squared);
     }
   }
   return closeness;
@@ -52,16 +54,21 @@ std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spa
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     found.clear();
     tree.within(DVec3(cloud.positions[i]), 2 * widest, found);
-    const Closeness closeness = closenessAbout(cloud, i, found);
-    Closeness sorted = closeness;
-    std::ranges::sort(sorted, std::greater());
-    const double usual = sorted[shared::kSplatUsualRank - 1];
-    const double open = std::max(usual / static_cast<double>(shared::kSplatOpen), 1 / widest);
     RadiusRange range{std::numeric_limits<double>::infinity(), 0};
-    for (const double threshold : {1 - kTolerance, 1.0, 1 + kTolerance}) {
-      const double radius = radiusOf(closeness, threshold * open, spacing);
-      range.least = std::min(range.least, (1 - kTolerance) * radius);
-      range.most = std::max(range.most, (1 + kTolerance) * radius);
+    // Both thresholds, as single precision may see them.
+    for (const double slack : {-1e-5, 0.0, 1e-5}) {
+      const Closeness closeness = closenessAbout(cloud, i, found, static_cast<double>(shared::kSplatAhead) + slack);
+      Closeness sorted = closeness;
+      std::ranges::sort(sorted, std::greater());
+      const double usual = sorted[shared::kSplatUsualRank - 1];
+      const double open = std::max(usual / static_cast<double>(shared::kSplatOpen), 1 / widest);
+      for (const double threshold : {1 - kTolerance, 1.0, 1 + kTolerance}) {
+        const bool atBorder = sorted.back() < threshold * open;
+        const double least = atBorder ? std::max(open, usual / static_cast<double>(shared::kSplatOpenAtBorder)) : open;
+        const double radius = radiusOf(closeness, threshold * least, spacing);
+        range.least = std::min(range.least, (1 - kTolerance) * radius);
+        range.most = std::max(range.most, (1 + kTolerance) * radius);
+      }
     }
     radii.push_back(range);
   }

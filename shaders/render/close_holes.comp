@@ -17,7 +17,7 @@ void main() {
   const uvec2 size = args.frame.at[0].view.size_px;
   if (place >= size.x * size.y) return;
   const ivec2 at = ivec2(place % size.x, place / size.x);
-  const float limit = uintBitsToFloat(args.depth.at[place]) - kDepthBand * args.frame.at[0].usualRadius;
+  const float limit = uintBitsToFloat(args.depth.at[place]) - kHoleDepth * args.frame.at[0].usualRadius;
   const int reach = int(args.frame.at[0].holeReach_px);
 
   uint source = place;

@@ -9,7 +9,9 @@
 layout(push_constant, scalar) uniform Push { SplatArgs args; };
 
 const float kOutlineFacing = 0.7;  // cosine; more calls insides outlines, less lights outlines as insides
-const float kBackTrust = 0.1;      // of a disc on edge or seen from its back; more roughens outlines and folds
+const float kEdgeTrust = 0.1;      // of a disc on edge; more roughens outlines and folds
+// Of a disc seen from its back: it counts where no other does. More lets the far side of an edge shine through.
+const float kBackTrust = 1.0 / 256;
 
 struct Splat {
   uint point;
@@ -55,7 +57,7 @@ void orient(RenderView view, inout Splat splat) {
   if (facing < -kOutlineFacing) shading = -shading;
   else if (facing < 0) shading = normalize(shading - facing * toViewer);
   splat.shading = fromEye(view, shading);
-  splat.trust = facing > 0 ? max(facing, kBackTrust) : kBackTrust;
+  splat.trust = facing > 0 ? max(facing, kEdgeTrust) : kBackTrust;
 }
 
 // This invocation's share of a splat; false when it has none. `view` is frame.view, held in registers by the caller.
@@ -95,7 +97,7 @@ bool loadSplat(RenderView view, out Splat splat) {
 
 struct Fragment {
   float depth;   // eye space, on the disc's plane
-  float weight;  // up to 1 in the middle of the disc, kRimWeight at its rim
+  float weight;  // the disc's trust in its middle, kRimWeight of that at its rim
 };
 
 // False where the ray through the pixel misses the disc. Edge-on discs are safe: a hit lies within the disc, so its
@@ -107,11 +109,11 @@ bool coverPixel(RenderView view, Splat splat, float inverseRadiusSquared, ivec2 
   const vec3 offset = fragment.depth * ray - splat.center;
   const float q = dot(offset, offset) * inverseRadiusSquared;
   if (q < 1 && fragment.depth >= view.nearDepth && dot(offset, splat.clip) <= 1) {
-    fragment.weight = max(splat.trust * (1 - q) * (1 - q), kRimWeight);
+    fragment.weight = splat.trust * max((1 - q) * (1 - q), kRimWeight);
     return true;
   }
   fragment.depth = splat.center.z;
-  fragment.weight = max(splat.trust * kCenterPixelWeight, kRimWeight);
+  fragment.weight = splat.trust * kCenterPixelWeight;
   return pixel == splat.centerPixel;
 }
 

@@ -43,6 +43,10 @@ void meetOtherSide(vec3 d, vec3 other) {
   clipDirection = direction;
 }
 
+vec3 countedFrom(float least, vec3 closeness) {
+  return mix(vec3(0), closeness, greaterThanEqual(closeness, vec3(least)));
+}
+
 void visitNeighbour(uint slot, vec4 position, vec3 d) {
   const float squared = dot(d, d);
   if (clips) {
@@ -58,11 +62,12 @@ void visitNeighbour(uint slot, vec4 position, vec3 d) {
   besideEdge = besideEdge || ofOtherSide(other) && dot(other, other) > 0.25;
   if (dot(other, other) > 0.25 && dot(other, selfNormal) <= kSplatSameSheet) return;
   const float a = dot(d, axisU) * 2 / squared, b = dot(d, axisV) * 2 / squared;
+  const float least = 2 * kSplatAhead / sqrt(squared);
   const vec3 first = a * kCosA + b * kSinA, second = a * kCosB + b * kSinB;
-  aheadA = max(aheadA, first);
-  behindA = max(behindA, -first);
-  aheadB = max(aheadB, second);
-  behindB = max(behindB, -second);
+  aheadA = max(aheadA, countedFrom(least, first));
+  behindA = max(behindA, countedFrom(least, -first));
+  aheadB = max(aheadB, countedFrom(least, second));
+  behindB = max(behindB, countedFrom(least, -second));
 }
 
 // Meets the points nearer than `radius` that the last look has not met. The whole subgroup calls it together.
@@ -124,8 +129,13 @@ float leastClosed(vec3 closeness, float open, float none) {
   return leastOf(mix(vec3(none), closeness, greaterThanEqual(closeness, vec3(open))));
 }
 
-float radiusInPlane(float open) {
+float leastCloseness() {
+  return min(min(leastOf(aheadA), leastOf(aheadB)), min(leastOf(behindA), leastOf(behindB)));
+}
+
+float radiusInPlane(float usual, float open) {
   const float kNone = 3.0e38;
+  if (leastCloseness() < open) open = max(open, usual / kSplatOpenAtBorder);
   const float least = min(min(leastClosed(aheadA, open, kNone), leastClosed(aheadB, open, kNone)),
                           min(leastClosed(behindA, open, kNone), leastClosed(behindB, open, kNone)));
   return least < kNone ? kSplatCover / least : args.spacing;
@@ -156,12 +166,12 @@ void main() {
     look(point.xyz, reach);
     bool enough;
     if (hasPlane) {
-      const float open = max(usualCloseness() / kSplatOpen, 1 / args.widest);
-      radius = radiusInPlane(open);
+      const float usual = usualCloseness();
+      const float open = max(usual / kSplatOpen, 1 / args.widest);
+      radius = radiusInPlane(usual, open);
       // What was not seen yet is closer than this in no direction.
       const float unseen = 2 / reach;
-      const float least = min(min(leastOf(aheadA), leastOf(aheadB)), min(leastOf(behindA), leastOf(behindB)));
-      enough = least >= unseen || open >= unseen;
+      enough = leastCloseness() >= unseen || open >= unseen;
     } else {
       met += subgroupAdd(neighbours);
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), args.spacing * 2);

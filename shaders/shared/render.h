@@ -14,12 +14,14 @@ const uint kMaxSplatTiles = 32;
 // Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight
 // 1. Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
 const float kCenterPixelWeight = 0.25;
-// Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour; at
-// least one fixed-point unit for up to 2^31 times this many points.
+// Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour.
 const float kRimWeight = 1.0f / 32;
 // In its radii: how far behind the nearest splat another one still blends with it. Larger blends stray points that stand
 // out away, smaller keeps sheets apart that lie close behind one another.
 const float kDepthBand = 2;
+// In usual radii: what a gap shows lies so far behind its rim at least. Less fills pits, more leaves gaps beside edges,
+// where the inside of the other face is close.
+const float kHoleDepth = 1;
 // Largest gap that is closed: the trip count of an invocation is eight times this.
 const uint kMaxHoleReach_px = 24;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.

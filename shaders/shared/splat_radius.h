@@ -1,9 +1,10 @@
 // How wide a point's disc must be to close the surface around it.
 //
 // Discs close a surface where each covers its own Voronoi cell. The cell's border lies in the direction u of the
-// tangent plane at min |d|^2 / (2 d . u) over the offsets d to all neighbours before it; the farthest border in a few
-// directions is the radius. A gap shows as a border that is much farther than the others: that direction is open, and
-// the disc does not reach for it. Nothing beyond twice the answer can change it, so that a search may begin close by.
+// tangent plane at min |d|^2 / (2 d . u) over the offsets d to its neighbours; the farthest border in a few directions is
+// the radius. Only neighbours within 63 degrees of a direction count there: beyond a border of the surface there are
+// none. That direction is open, as is one whose border is much farther than the others, and the disc does not reach for
+// it. Nothing beyond twice the answer can change it, so that a search may begin close by.
 //
 // At a sharp convex edge a disc would stand out over the other side. There it is clipped along the line in which the
 // planes of the two sides meet (after Zwicker et al. 2004, "Perspective accurate splatting", section 5), but keeps its
@@ -16,6 +17,8 @@ PALPATE_SHARED_BEGIN
 
 // Directions are looked at in this many pairs, evenly turned.
 const uint kSplatDirectionPairs = 6;
+// The least cosine between a direction and a neighbour that counts in it.
+const float kSplatAhead = 0.45f;
 // Over the farthest border: a corner of a Voronoi cell lies up to a quarter farther than the border in the nearest
 // direction (a square lattice, 15 degrees off). Less leaves holes there, more only blurs.
 const float kSplatCover = 1.25f;
@@ -24,6 +27,8 @@ const float kSplatCover = 1.25f;
 const uint kSplatUsualRank = 5;
 // In usual borders: farther ones are open. Less leaves the gaps of random samplings open, more lets borders grow.
 const float kSplatOpen = 4.5f;
+// The same for a point that has an open direction: at corners of a sheet the others are no measure of its gaps.
+const float kSplatOpenAtBorder = 3.5f;
 // In mean spacings. The first look goes so far; where that is not enough the next goes twice as far.
 const float kSplatFirstLook = 3.2f;
 // In mean spacings: no border farther than this is believed.

@@ -236,13 +236,14 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   REQUIRE(splat["qualities"].size() == 4 * 2);  // shapes and conditions
   for (const auto& quality : splat["qualities"]) {
     CAPTURE(quality.dump());
-    const bool even = quality["condition"] == "clean", smooth = quality["shape"] != "cube";
+    const bool smooth = quality["shape"] != "cube";
     CHECK(quality["pixels"] > 500);
     CHECK(quality["hole_pixels"] == 0);
-    CHECK(quality["overlap_percent"] > (even ? 97.5 : 96));
-    CHECK(quality["depth_rms_spacings"] < 0.3);
-    if (smooth) CHECK(quality["normal_deg"]["mean"] < 3);
-    if (smooth) CHECK(quality["normal_deg"]["p95"] < 8);
+    CHECK(quality["overlap_percent"] > 97.5);
+    // A few pixels a spacing: an edge that is off by half a pixel weighs.
+    CHECK(quality["depth_rms_spacings"] < (smooth ? 0.3 : 0.45));
+    CHECK(quality["normal_deg"]["mean"] < 1);
+    CHECK(quality["normal_deg"]["p95"] < 4);
   }
   for (const char* title : {"against truth", "all passes, ms", "holes", "overlap"})
     CHECK(outcome.text.find(title) != std::string::npos);
