@@ -8,6 +8,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "shaders/shared/render.h"
 
 namespace palpate {
 
@@ -208,6 +209,11 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->check(between(0, 1))
       ->capture_default_str();
   sub->add_option("--size", options->size, "splat: of the pictures, width x height, pixels")->capture_default_str();
+  sub->add_option("--smooth", options->smooths_px,
+                  "splat: pixels to each side over which depth is smoothed; several are judged")
+      ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
+      ->delimiter(',')
+      ->capture_default_str();
   sub->add_option("--plot", options->plotFile, "draw times against points, a line for each way (needs matplotlib)")
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);

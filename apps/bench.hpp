@@ -35,7 +35,8 @@ struct BenchOptions {
   double rate_Hz = 1e6;
   double movedShare = 0.01;
   std::string plotFile;
-  std::string size = "1280x720";  ///< of the pictures of splat
+  std::string size = "1280x720";             ///< of the pictures of splat
+  std::vector<std::uint32_t> smooths_px{0};  ///< of splat (FrameOptions::smooth_px)
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;

@@ -28,6 +28,7 @@ struct SplatCost {
 
 struct SplatQuality {
   std::string shape, condition;
+  std::uint32_t smooth_px = 0;
   std::size_t points = 0;
   double spacing = 0;
   PictureJudgement picture;
@@ -80,15 +81,14 @@ SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, co
   return cost;
 }
 
-PictureJudgement judge(Device& device, const PictureTruth& truth, const PointCloud& cloud, double spacing) {
-  const DrawnCloud drawn(device, cloud, {.spacing = spacing});
+PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px) {
   Frame frame(device, truth.width, truth.height, 1);
   CommandList list(device, device.sight(), "judged frame");
   list.begin();
-  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal});
+  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px});
   list.end();
   device.sight().run(list);
-  return judgePicture(truth, frame.readDepth(), frame.readColor(), spacing);
+  return judgePicture(truth, frame.readDepth(), frame.readColor(), drawn.spacing());
 }
 
 std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const BenchOptions& options) {
@@ -109,11 +109,14 @@ std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const
       const std::uint32_t stride = name == "bumpy-sphere" ? 4 : 1;
       if (!truth) truth = pictureTruth(*shape, cloud, size.x, size.y, stride, context.threads());
       const double spacing = meanSpacing(cloud, context.threads());
-      results.push_back({.shape = std::string(name),
-                         .condition = std::string(condition.name),
-                         .points = cloud.size(),
-                         .spacing = spacing,
-                         .picture = judge(context.device(), *truth, cloud, spacing)});
+      const DrawnCloud seen(context.device(), cloud, {.spacing = spacing});
+      for (const std::uint32_t smooth_px : options.smooths_px)
+        results.push_back({.shape = std::string(name),
+                           .condition = std::string(condition.name),
+                           .smooth_px = smooth_px,
+                           .points = cloud.size(),
+                           .spacing = spacing,
+                           .picture = judge(context.device(), *truth, seen, smooth_px)});
     }
   }
   return results;
@@ -146,11 +149,11 @@ void printCosts(std::FILE* out, const std::vector<SplatCost>& costs, const UVec2
 void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
   if (qualities.empty()) return;
   fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
-  fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "points", "pixels", "holes",
-             "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "smooth", "points",
+             "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
   for (const SplatQuality& q : qualities)
-    fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition, q.points,
-               q.picture.pixels, q.picture.holes, q.picture.overlap, q.picture.depthRms,
+    fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition, q.smooth_px,
+               q.points, q.picture.pixels, q.picture.holes, q.picture.overlap, q.picture.depthRms,
                fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
 }
 
@@ -171,6 +174,7 @@ Json toJson(const SplatCost& cost) {
 Json toJson(const SplatQuality& q) {
   return {{"shape", q.shape},
           {"condition", q.condition},
+          {"smooth_px", q.smooth_px},
           {"points", q.points},
           {"spacing", q.spacing},
           {"pixels", q.picture.pixels},

@@ -21,6 +21,8 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
+  constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
+  frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
   if (!options.background.empty())
     frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
   // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
@@ -54,7 +56,14 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
       ->capture_default_str();
   command.add_option("--color", options.color, "rgb (the file's, or one material), normal, depth, height")
       ->capture_default_str();
-  command.add_option("--pass", options.pass, "final, depth, normal, color, position")->capture_default_str();
+  command.add_option("--pass", options.pass, "final, depth, smooth-depth, normal, color, position")
+      ->capture_default_str();
+  command
+      .add_option("--smooth", options.smooth_px,
+                  "smooth depth within the surface, pixels to each side, and take normals from it; 0: blend those of "
+                  "the points")
+      ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
+      ->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
       ->type_name("FILE.pfm");

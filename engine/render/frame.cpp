@@ -43,10 +43,12 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       splatAttributes_(device, shader_code::render_splat_attributes,
                        {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
+      smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
       resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs)}),
       constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
       depth_(words(device, samples(), "frame depth")),
+      smoothed_(words(device, 0, "frame smoothed depth")),
       normalSums_(words(device, 4 * samples(), "frame normal sums")),
       colorSums_(words(device, 3 * samples(), "frame color sums")),
       source_(words(device, samples(), "frame source")),
@@ -82,19 +84,28 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
     list.dispatch(closeHoles_, samples(),
                   shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
   }
+  const bool smooths = options.smooth_px > 0;
+  if (smooths) {
+    if (smoothed_.bytes() == 0) smoothed_ = words(device_, samples(), "frame smoothed depth");
+    const auto section = list.section("smooth");
+    list.dispatch(
+        smoothDepth_, samples(),
+        shared::SmoothDepthArgs{.frame = constants, .depth = depth_.address(), .smoothed = smoothed_.address()});
+  }
+  const DeviceAddress depth = smooths ? smoothed_.address() : depth_.address();
   {
     const auto section = list.section("shade");
     list.dispatch(shade_, samples(),
                   shared::ShadeArgs{.frame = constants,
                                     .source = source_.address(),
-                                    .depth = depth_.address(),
+                                    .depth = depth,
                                     .normalSums = normalSums_.address(),
                                     .colorSums = colorSums_.address(),
                                     .shaded = shaded_.address()});
     list.dispatch(resolve_, std::uint64_t{width_} * height_,
                   shared::ResolveArgs{.frame = constants,
                                       .source = source_.address(),
-                                      .depth = depth_.address(),
+                                      .depth = depth,
                                       .shaded = shaded_.address(),
                                       .image = image_.address(),
                                       .depthImage = depthImage_.address()});

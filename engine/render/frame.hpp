@@ -38,10 +38,10 @@ class Frame {
 
   Device& device_;
   std::uint32_t width_, height_, supersample_;
-  ComputePipeline splatDepth_, splatAttributes_, closeHoles_, shade_, resolve_;
+  ComputePipeline splatDepth_, splatAttributes_, closeHoles_, smoothDepth_, shade_, resolve_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
-  Buffer depth_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;
+  Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;
 };
 
 }  // namespace palpate

@@ -97,7 +97,8 @@ shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * cloud.bounds().longestSide()),
                             .backgroundBottom = kBackgroundBottom,
-                            .holeReach_px = 0};
+                            .holeReach_px = 0,
+                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
   if (options.closeHoles) {
     const double radius_px = usualRadius(cloud, options) * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -24,11 +24,9 @@ T named(std::string_view option, std::string_view name, std::span<const std::pai
 }  // namespace
 
 ImagePass imagePassNamed(std::string_view name) {
-  static constexpr std::pair<std::string_view, ImagePass> kChoices[] = {{"final", ImagePass::final},
-                                                                        {"depth", ImagePass::depth},
-                                                                        {"normal", ImagePass::normal},
-                                                                        {"color", ImagePass::color},
-                                                                        {"position", ImagePass::position}};
+  static constexpr std::pair<std::string_view, ImagePass> kChoices[] = {
+      {"final", ImagePass::final},   {"depth", ImagePass::depth}, {"smooth-depth", ImagePass::smoothDepth},
+      {"normal", ImagePass::normal}, {"color", ImagePass::color}, {"position", ImagePass::position}};
   return named<ImagePass>("--pass", name, kChoices);
 }
 

@@ -14,10 +14,11 @@ namespace palpate {
 /// The picture, or one of the images on the way to it.
 enum class ImagePass : std::uint32_t {
   final = shared::kPassFinal,
-  depth = shared::kPassDepth,        ///< near is bright
-  normal = shared::kPassNormal,      ///< 0.5 + 0.5 n, model axes, towards the eye
-  color = shared::kPassColor,        ///< the surface's own colour, unlit
-  position = shared::kPassPosition,  ///< 0 to 1 along each side of the model's box
+  depth = shared::kPassDepth,              ///< near is bright
+  smoothDepth = shared::kPassSmoothDepth,  ///< the same of the smoothed depth
+  normal = shared::kPassNormal,            ///< 0.5 + 0.5 n, model axes, towards the eye
+  color = shared::kPassColor,              ///< the surface's own colour, unlit
+  position = shared::kPassPosition,        ///< 0 to 1 along each side of the model's box
 };
 
 /// Where the surface's own colour comes from.
@@ -60,6 +61,9 @@ struct FrameOptions {
   ColorBy color = ColorBy::rgb;
   double splatRadius = 0;  ///< of every point, model units; 0: each has its own (DrawnOptions::spacing)
   bool closeHoles = true;  ///< gaps a few spacings wide take the surface around them, also in depth
+  /// Depth is smoothed within the surface, so many pixels to each side, and normals follow from it; 0: normals are
+  /// those of the points, blended.
+  std::uint32_t smooth_px = 0;
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
 };

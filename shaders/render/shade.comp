@@ -3,6 +3,7 @@
 // Turns what the splats left in every sample into light, or into the intermediate image that was asked for.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/color.glsl"
+#include "shaders/render/depth_slope.glsl"
 #include "shaders/render/lighting.glsl"
 #include "shaders/render/occlusion.glsl"
 
@@ -30,12 +31,15 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const uint imagePass = args.frame.at[0].imagePass;
   const vec3 inEye = depth * rayThrough(view, place_px);
   const vec3 position = view.eye + fromEye(view, inEye);
-  vec3 normal = sumAt(args.normalSums, 4 * place);
+  vec3 normal = args.frame.at[0].smooth_px == 0
+                    ? sumAt(args.normalSums, 4 * place)
+                    : fromEye(view, normalFromDepth(view, args.depth, ivec2(place % view.size_px.x, place / view.size_px.x)));
   normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(position - view.eye);
 
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
   const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
-  if (imagePass == kPassDepth) return toLinear(vec3(mix(0.15, 1, clamp((far - depth) / max(far - near, 1e-30), 0, 1))));
+  if (imagePass == kPassDepth || imagePass == kPassSmoothDepth)
+    return toLinear(vec3(mix(0.15, 1, clamp((far - depth) / max(far - near, 1e-30), 0, 1))));
   if (imagePass == kPassNormal) return toLinear(0.5 + 0.5 * normal);
   if (imagePass == kPassPosition) return toLinear(clamp((position - low) / max(high - low, vec3(1e-30)), 0, 1));
   const vec3 albedo = albedoAt(place, normal, position, depth);

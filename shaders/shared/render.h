@@ -24,6 +24,11 @@ const float kDepthBand = 2;
 const float kHoleDepth = 1;
 // Largest gap that is closed: the trip count of an invocation is eight times this.
 const uint kMaxHoleReach_px = 24;
+// Largest window of the smoothing to each side, samples: its trip count is the square of twice this.
+const uint kMostSmooth_px = 16;
+// Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller leaves
+// the discs' rims.
+const float kSmoothBand = 0.25f;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
 const uint kNoDepth = 0x7F800000u;
 
@@ -33,6 +38,7 @@ const uint kPassDepth = 1;
 const uint kPassNormal = 2;
 const uint kPassColor = 3;
 const uint kPassPosition = 4;
+const uint kPassSmoothDepth = 5;
 
 // Where the colour of the surface comes from.
 const uint kColorByFile = 0;
@@ -94,11 +100,12 @@ struct RenderFrame {
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
+  uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
 };
-PALPATE_SIZE(RenderFrame, 80 + 80 + 32 + 32 + 48);
+PALPATE_SIZE(RenderFrame, 80 + 80 + 32 + 32 + 52);
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RenderFrames { RenderFrame at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 #endif
 
@@ -120,6 +127,13 @@ struct CloseHolesArgs {
   PALPATE_ADDRESS(Uints) source;  // one per sample: the sample whose surface it shows, mostly itself
 };
 PALPATE_SIZE(CloseHolesArgs, 24);
+
+struct SmoothDepthArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(Uints) depth;
+  PALPATE_ADDRESS(Uints) smoothed;  // one per sample, as the depth
+};
+PALPATE_SIZE(SmoothDepthArgs, 24);
 
 struct ShadeArgs {
   PALPATE_ADDRESS(RenderFrames) frame;

@@ -76,6 +76,50 @@ TEST_CASE_FIXTURE(PictureFixture, "a sphere has no holes, true depths and true n
   CHECK(wrongNormals == 0);
 }
 
+TEST_CASE_FIXTURE(PictureFixture, "smoothed depth gives normals, keeps steps and leaves the background alone") {
+  PointCloud cloud = sphereCloud();
+  const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
+  Frame& frame = frameOf(kWidth, kHeight, 1);
+  FrameOptions options = optionsFor(cloud, ImagePass::normal);
+  options.splatRadius = 0.03;
+  draw(frame, DrawnCloud(device, cloud), camera, options);
+  const DepthImage raw = frame.readDepth();
+  options.smooth_px = 2;
+  draw(frame, DrawnCloud(device, cloud), camera, options);
+  const DepthImage smooth = frame.readDepth();
+  const Image image = frame.readColor();
+  std::size_t inside = 0, moved = 0, wrongNormals = 0, torn = 0;
+  for (std::uint32_t y = 0; y < kHeight; ++y)
+    for (std::uint32_t x = 0; x < kWidth; ++x) {
+      torn += (raw.at(x, y) == 0) != (smooth.at(x, y) == 0);
+      const DVec3 ray = rayThrough(camera, x, y);
+      const double along = -glm::dot(ray, camera.eye), offset = glm::length(camera.eye + along * ray);
+      if (offset > 0.9) continue;
+      ++inside;
+      const DVec3 hit = camera.eye + (along - std::sqrt(1 - offset * offset)) * ray;
+      const double depth = glm::dot(hit - camera.eye, camera.axes().forward);
+      moved += std::abs(smooth.at(x, y) - depth) > 0.01;
+      wrongNormals += angleBetween_deg(decodedNormal(image.at(x, y)), hit) > 12;
+    }
+  CHECK(inside > 3000);
+  CHECK(torn == 0);
+  CHECK(moved == 0);
+  CHECK(wrongNormals < inside / 50);
+
+  // Two sheets, one far behind the other: no depth between them appears.
+  cloud.positions.clear();
+  for (int y = -60; y <= 60; ++y)
+    for (int x = -60; x <= 60; ++x)
+      cloud.positions.emplace_back(0.02f * static_cast<float>(x), 0.02f * static_cast<float>(y), x < 0 ? 0.0f : -1.0f);
+  cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
+  Camera front;
+  front.eye = {0, 0, 3};
+  draw(frame, DrawnCloud(device, cloud), front, options);
+  const DepthImage step = frame.readDepth();
+  CHECK(std::ranges::none_of(step.depth, [](float d) { return d > 3.01f && d < 3.99f; }));
+  CHECK(imagePassNamed("smooth-depth") == ImagePass::smoothDepth);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "a surface is lit on the side that is seen") {
   PointCloud cloud = sampleShape(*makeShape("plane", 2.0), {.count = 3000});
   Camera camera;
@@ -200,7 +244,8 @@ TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine
 TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
   CHECK_THROWS_AS(Frame(device, 0, 10), UsageError);
   CHECK_THROWS_AS(Frame(device, 10, 100'000), UsageError);
-  CHECK_THROWS_WITH_AS(imagePassNamed("nose"), doctest::Contains("final, depth, normal, color, position"), UsageError);
+  CHECK_THROWS_WITH_AS(imagePassNamed("nose"), doctest::Contains("final, depth, smooth-depth, normal, color, position"),
+                       UsageError);
   CHECK_THROWS_WITH_AS(colorByNamed("taste"), doctest::Contains("rgb, normal, depth, height"), UsageError);
   CHECK(imagePassNamed("position") == ImagePass::position);
   CHECK(colorByNamed("height") == ColorBy::height);

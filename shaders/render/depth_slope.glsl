@@ -1,0 +1,38 @@
+// How a depth image falls and rises around a sample, without looking over a step.
+#ifndef PALPATE_RENDER_DEPTH_SLOPE_GLSL
+#define PALPATE_RENDER_DEPTH_SLOPE_GLSL
+#include "shaders/render/view.glsl"
+
+// Infinite outside the picture, and where nothing is.
+float depthAt(Uints depths, uvec2 size, ivec2 at) {
+  if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(size)))) return uintBitsToFloat(kNoDepth);
+  return uintBitsToFloat(depths.at[uint(at.y) * size.x + uint(at.x)]);
+}
+
+// Of the steps to both sides the gentler one, since the other may lead off the surface; 0 where there is neither.
+float gentlerStep(float before, float depth, float after) {
+  const float back = depth - before, forth = after - depth;
+  const float step = abs(back) < abs(forth) ? back : forth;
+  return isinf(step) ? 0 : step;
+}
+
+// Change of depth per sample to the right and downwards.
+vec2 depthSlope(Uints depths, uvec2 size, ivec2 at, float depth) {
+  return vec2(gentlerStep(depthAt(depths, size, at - ivec2(1, 0)), depth, depthAt(depths, size, at + ivec2(1, 0))),
+              gentlerStep(depthAt(depths, size, at - ivec2(0, 1)), depth, depthAt(depths, size, at + ivec2(0, 1))));
+}
+
+// The normal of the surface in eye space, towards the eye: the cross product of the steps to two neighbours of the von
+// Neumann neighbourhood (thesis, equation 3.4).
+vec3 normalFromDepth(RenderView view, Uints depths, ivec2 at) {
+  const float depth = depthAt(depths, view.size_px, at);
+  const vec2 slope = depthSlope(depths, view.size_px, at, depth);
+  const vec2 place_px = vec2(at) + 0.5;
+  const vec3 here = depth * rayThrough(view, place_px);
+  const vec3 right = (depth + slope.x) * rayThrough(view, place_px + vec2(1, 0)) - here;
+  const vec3 down = (depth + slope.y) * rayThrough(view, place_px + vec2(0, 1)) - here;
+  const vec3 normal = cross(right, down);
+  return normalize(dot(normal, here) > 0 ? -normal : normal);
+}
+
+#endif
