@@ -1,6 +1,7 @@
 #include "apps/picture.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "apps/parse_list.hpp"
 
@@ -41,6 +42,26 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   return frame;
 }
 
+/// The longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target, at the
+/// lower left.
+double scaleBarLength_mm(const Camera& camera, const Size& size, const ModelScale& scale) {
+  const double depth = glm::distance(camera.eye, camera.target);
+  const double widest_mm = scale.toMm(0.2 * size.width * depth / camera.focal_px(size.height));
+  double length_mm = std::pow(10.0, std::floor(std::log10(widest_mm)));
+  for (const double factor : {5.0, 2.0})
+    if (factor * length_mm <= widest_mm) return factor * length_mm;
+  return length_mm;
+}
+
+Overlays::Bar scaleBar(const Camera& camera, const Size& size, const ModelScale& scale) {
+  const double depth = glm::distance(camera.eye, camera.target);
+  const double length = scale.toUnits(scaleBarLength_mm(camera, size, scale));
+  const DVec2 corner(0.04 * size.width, 0.94 * size.height);
+  return {.from = camera.unproject(corner, depth, {size.width, size.height}),
+          .along = length * camera.axes().right,
+          .radius = 0.003 * size.height * depth / camera.focal_px(size.height)};
+}
+
 }  // namespace
 
 void addPictureOptions(CLI::App& command, PictureOptions& options) {
@@ -67,6 +88,8 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
       ->type_name("FILE.pfm");
+  command.add_flag("--scale-bar", options.scaleBar,
+                   "draw a bar of a round length at the depth of the camera's target, and say its mm");
   command.add_flag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
 }
 
@@ -95,6 +118,10 @@ void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const 
   frameOf.overlays = overlays;
   Frame frame(device, size.width, size.height);
   const Camera camera = Camera::parse(options.camera, model.cloud, aspect);
+  if (options.scaleBar) {
+    frameOf.overlays.scale = scaleBar(camera, size, model.scale);
+    context.log().say("{}: the scale bar is {:g} mm long", file, scaleBarLength_mm(camera, size, model.scale));
+  }
   CommandList list(device, device.sight(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
   drawn.closeSurface();

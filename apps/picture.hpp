@@ -9,7 +9,7 @@ namespace palpate {
 struct PictureOptions {
   std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
   std::uint32_t smooth_px = 0;
-  bool printFrame = false;
+  bool printFrame = false, scaleBar = false;
 };
 void addPictureOptions(CLI::App& command, PictureOptions& options);
 

@@ -26,7 +26,15 @@ Path pathFor(const TouchCommandOptions& options, const Model& model) {
   return readPathCsv(options.path);
 }
 
-Overlays overlaysOf(const TraceRow& row, const Model& model) {
+/// Where the tool of a brush stands (BrushOptions), while it touches.
+Overlays::Ball toolOf(const BrushOptions& brush, const DVec3& hip, const DVec3& proxy) {
+  const DVec3 spring = proxy - hip;
+  const bool standsBefore = brush.kind == BrushKind::push || brush.kind == BrushKind::carve;
+  const DVec3 outward = glm::length(spring) > 0 ? glm::normalize(spring) : DVec3(0);
+  return {standsBefore ? hip + (brush.tau + brush.toolRadius) * outward : proxy, brush.toolRadius};
+}
+
+Overlays overlaysOf(const TraceRow& row, const Model& model, const std::optional<BrushOptions>& brush) {
   const double unitsPer_mm = boundsOf(model.cloud).longestSide() / kDefaultLongestSide_mm;
   const auto units = [&](double mm) { return mm * unitsPer_mm; };
   Overlays overlays;
@@ -35,6 +43,7 @@ Overlays overlaysOf(const TraceRow& row, const Model& model) {
   const DVec3 proxy = row.proxy - model.cloud.origin;
   overlays.proxy = {proxy, row.normal, units(kDiscRadius_mm)};
   overlays.force = {proxy, row.force_N * units(kArrow_mm_per_N), units(kShaftRadius_mm)};
+  if (brush) overlays.tool = toolOf(*brush, row.hip - model.cloud.origin, proxy);
   return overlays;
 }
 
@@ -179,7 +188,7 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
     if (!followers.drawn())
       ended.emplace(context.device(), brush ? end.cloud : model.cloud, DrawnOptions{.spacing = model.spacing});
     takePicture(context, model, ended ? *ended : *followers.drawn(), options.picture,
-                result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model),
+                result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model, brush),
                 options.pictureFile);
   }
   if (options.backend.timePasses && touchSide) printPasses(context.tables(), touchSide->passes());

@@ -172,6 +172,12 @@ Camera::Axes Camera::axes() const {
 
 double Camera::focal_px(double height_px) const { return 0.5 * height_px / std::tan(glm::radians(fov_deg) / 2); }
 
+DVec3 Camera::unproject(const DVec2& place_px, double depth, const DVec2& size_px) const {
+  const Axes a = axes();
+  const DVec2 offset = depth / focal_px(size_px.y) * (place_px - size_px / 2.0);
+  return eye + depth * a.forward + offset.x * a.right - offset.y * a.up;
+}
+
 std::optional<DVec3> Camera::project(const DVec3& position, const DVec2& size_px) const {
   const Axes a = axes();
   const DVec3 p = position - eye;

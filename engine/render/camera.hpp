@@ -38,6 +38,8 @@ struct Camera {
 
   /// Pixels that one unit covers at depth 1.
   double focal_px(double height_px) const;
+  /// The point at `depth` that appears at `place_px`, pixels from the top left corner.
+  DVec3 unproject(const DVec2& place_px, double depth, const DVec2& size_px) const;
   /// Where a point appears: x and y in pixels from the top left corner, z its depth. Nothing when it is closer than
   /// near.
   std::optional<DVec3> project(const DVec3& position, const DVec2& size_px) const;

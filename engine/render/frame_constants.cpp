@@ -57,6 +57,17 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
     overlays.arrowDirection = Vec3(wanted.force->along / length);
     overlays.arrowLength = static_cast<float>(length);
   }
+  if (wanted.tool) {
+    overlays.toolCenter = Vec3(wanted.tool->center);
+    overlays.toolRadius = static_cast<float>(wanted.tool->radius);
+  }
+  const double bar = wanted.scale ? glm::length(wanted.scale->along) : 0.0;
+  if (bar > 0) {
+    overlays.barFrom = Vec3(wanted.scale->from);
+    overlays.barRadius = static_cast<float>(wanted.scale->radius);
+    overlays.barDirection = Vec3(wanted.scale->along / bar);
+    overlays.barLength = static_cast<float>(bar);
+  }
   return overlays;
 }
 

@@ -49,11 +49,18 @@ struct Overlays {
     DVec3 along{0};  ///< the force times a length per newton; its tip is at from + along
     double shaftRadius = 0;
   };
+  struct Bar {
+    DVec3 from{0};
+    DVec3 along{0};  ///< its other end is at from + along
+    double radius = 0;
+  };
   std::optional<Ball> hip;
   std::optional<Disc> proxy;
   std::optional<Arrow> force;
+  std::optional<Ball> tool;  ///< shows as its outline
+  std::optional<Bar> scale;
 
-  bool any() const { return hip || proxy || force; }
+  bool any() const { return hip || proxy || force || tool || scale; }
 };
 
 struct FrameOptions {

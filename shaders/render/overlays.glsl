@@ -1,4 +1,4 @@
-// The ball at the HIP, the disc at the proxy and the force arrow, each a closed form along a ray. Rays start at the eye
+// The ball at the HIP, the disc at the proxy, the force arrow, the outline of the tool and the scale bar, each a closed form along a ray. Rays start at the eye
 // with depth 1 per unit, so a ray's parameter is the depth.
 #ifndef PALPATE_RENDER_OVERLAYS_GLSL
 #define PALPATE_RENDER_OVERLAYS_GLSL
@@ -8,6 +8,11 @@
 const vec3 kBallColor = vec3(1.00, 0.44, 0.02);   // sRGB
 const vec3 kDiscColor = vec3(0.10, 0.78, 0.92);
 const vec3 kArrowColor = vec3(0.92, 0.10, 0.36);
+const vec3 kToolColor = vec3(0.98, 0.90, 0.30);
+const vec3 kBarColor = vec3(0.94, 0.94, 0.94);
+const float kOutlineWidth = 0.03;  // of the tool's radius, and
+const float kThinnest_px = 3;      // samples at least
+const float kBarEnd = 3.0;          // radius of the discs at the bar's ends, in radii of the bar
 const float kHiddenAlpha = 0.4;  // of what lies behind the surface
 const float kHeadWidth = 2.4;    // of the arrow, in radii of the shaft
 const float kHeadLength = 6.0;   // in radii of the shaft; at most half the arrow
@@ -79,19 +84,46 @@ Hit hitArrow(vec3 eye, vec3 ray, RenderOverlays o) {
   return nearer(hit, hitDisc(eye, ray, o.arrowFrom, o.arrowDirection, o.arrowRadius));
 }
 
+// A ball's outline: the rays that pass its rim, at the depth where they are closest to its middle.
+Hit hitOutline(RenderView view, vec3 ray, vec3 center, float radius) {
+  const vec3 toCenter = center - view.eye;
+  const float along = dot(ray, toCenter) / dot(ray, ray);
+  const float off = length(along * ray - toCenter);
+  const float width = max(kOutlineWidth * radius, kThinnest_px * along / view.focal_px);
+  const bool onRim = along > 0 && off <= radius && off >= radius - width;
+  return Hit(onRim ? along : kMiss, -normalize(ray));
+}
+
+Hit hitBar(vec3 eye, vec3 ray, RenderOverlays o) {
+  const vec3 to = o.barFrom + o.barLength * o.barDirection;
+  const float thickness = o.barRadius;  // of the discs
+  const vec3 last = to - thickness * o.barDirection;
+  const float end = kBarEnd * o.barRadius;
+  Hit hit = hitFrustum(eye, ray, o.barFrom, o.barDirection, o.barLength, o.barRadius, o.barRadius);
+  hit = nearer(hit, hitFrustum(eye, ray, o.barFrom, o.barDirection, thickness, end, end));
+  hit = nearer(hit, hitFrustum(eye, ray, last, o.barDirection, thickness, end, end));
+  hit = nearer(hit, hitDisc(eye, ray, o.barFrom, o.barDirection, end));
+  return nearer(hit, hitDisc(eye, ray, to, o.barDirection, end));
+}
+
+const uint kParts = 5;
+
 // Lays the overlays over `behind`, farthest first; what lies behind the surface at `surfaceDepth` shines through it.
 vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth, vec3 behind) {
   const vec3 ray = fromEye(view, inEye);
-  Hit hits[3] = Hit[3](Hit(kMiss, vec3(0)), Hit(kMiss, vec3(0)), Hit(kMiss, vec3(0)));
+  Hit hits[kParts];
+  for (uint k = 0; k < kParts; ++k) hits[k] = Hit(kMiss, vec3(0));
   if (o.ballRadius > 0) hits[0] = hitBall(view.eye, ray, o.ballCenter, o.ballRadius);
   if (o.discRadius > 0) hits[1] = hitThickDisc(view.eye, ray, o);
   if (o.arrowLength > 0) hits[2] = hitArrow(view.eye, ray, o);
-  const vec3 colors[3] = vec3[3](kBallColor, kDiscColor, kArrowColor);
-  for (uint layer = 0; layer < 3; ++layer) {
-    uint farthest = 3;
-    for (uint k = 0; k < 3; ++k)
-      if (hits[k].depth < kMiss && (farthest == 3 || hits[k].depth > hits[farthest].depth)) farthest = k;
-    if (farthest == 3) break;
+  if (o.toolRadius > 0) hits[3] = hitOutline(view, ray, o.toolCenter, o.toolRadius);
+  if (o.barLength > 0) hits[4] = hitBar(view.eye, ray, o);
+  const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kToolColor, kBarColor);
+  for (uint layer = 0; layer < kParts; ++layer) {
+    uint farthest = kParts;
+    for (uint k = 0; k < kParts; ++k)
+      if (hits[k].depth < kMiss && (farthest == kParts || hits[k].depth > hits[farthest].depth)) farthest = k;
+    if (farthest == kParts) break;
     const vec3 color = lit(toLinear(colors[farthest]), toEye(view, hits[farthest].normal), -normalize(inEye), 1.0);
     behind = mix(behind, color, hits[farthest].depth <= surfaceDepth ? 1.0 : kHiddenAlpha);
     hits[farthest].depth = kMiss;

@@ -74,8 +74,14 @@ struct RenderOverlays {
   float arrowRadius;  // of the shaft
   vec3 arrowDirection;  // unit
   float arrowLength;  // with its head
+  vec3 toolCenter;
+  float toolRadius;  // of a ball that shows as its outline
+  vec3 barFrom;
+  float barRadius;
+  vec3 barDirection;  // unit
+  float barLength;
 };
-PALPATE_SIZE(RenderOverlays, 80);
+PALPATE_SIZE(RenderOverlays, 128);
 
 // One frame's constants. The parts that shaders load whole come first: the validation layer of Debian 12 takes such a
 // load for larger than it is and reports one at the end of a buffer.
@@ -102,7 +108,7 @@ struct RenderFrame {
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
   uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
 };
-PALPATE_SIZE(RenderFrame, 80 + 80 + 32 + 32 + 52);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 32 + 52);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };

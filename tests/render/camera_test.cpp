@@ -115,6 +115,7 @@ TEST_CASE("the matrices put points where project() does") {
     const Vec4 clip = matrix * Vec4(p, 1);
     const auto place = camera.project(p, size);
     REQUIRE(place);
+    CHECK(glm::distance(camera.unproject(DVec2(*place), place->z, size), DVec3(p)) < 1e-9);
     CHECK((0.5 + 0.5 * clip.x / clip.w) * size.x == doctest::Approx(place->x).epsilon(1e-4));
     CHECK((0.5 + 0.5 * clip.y / clip.w) * size.y == doctest::Approx(place->y).epsilon(1e-4));
     CHECK(clip.w == doctest::Approx(place->z).epsilon(1e-5));

@@ -241,6 +241,45 @@ TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine
   }
 }
 
+TEST_CASE_FIXTURE(PictureFixture,
+                  "the tool shows as a ring, and the scale bar from end to end, before and behind the surface") {
+  const PointCloud cloud = sphereCloud(5000);
+  Camera camera;
+  camera.eye = {0, 0, 4};
+  camera.nearDepth = 0.1;
+  const auto shown = [&](const Overlays& overlays, const DVec3& at) {
+    FrameOptions options = optionsFor(cloud);
+    options.overlays = overlays;
+    return colorAt(picture(cloud, camera, options, kWidth, kHeight), camera, at);
+  };
+  const auto yellow = [](const DVec3& color) { return std::min(color.r, color.g) - color.b; };
+  const Overlays tool{.tool = Overlays::Ball{{0, 0, 1.2}, 0.6}};
+  const Overlays behind{.tool = Overlays::Ball{{0, 0, -0.5}, 0.6}};
+  const DVec3 rim(0.585, 0, 1.2), hiddenRim(0, 0.585, -0.5), middle(0.3, 0, 1.2);
+  CHECK(yellow(shown(tool, rim)) > yellow(shown({}, rim)) + 0.15);
+  CHECK(glm::distance(shown(tool, middle), shown({}, middle)) < 0.01);
+  const double full = yellow(shown(tool, rim)) - yellow(shown({}, rim));
+  const double through = yellow(shown(behind, hiddenRim)) - yellow(shown({}, hiddenRim));
+  CHECK(through > 0.02);
+  CHECK(through < full);
+
+  const Overlays bar{.scale = Overlays::Bar{{-0.4, -0.2, 1.2}, {0.8, 0, 0}, 0.03}};
+  const Overlays hiddenBar{.scale = Overlays::Bar{{-0.4, -0.2, 0}, {0.8, 0, 0}, 0.03}};
+  for (const double x : {-0.39, -0.2, 0.1, 0.39}) {
+    const DVec3 at(x, -0.2, 1.2);
+    CHECK(shown(bar, at).b > shown({}, at).b + 0.1);
+  }
+  for (const double x : {-0.5, 0.5}) {
+    const DVec3 at(x, -0.2, 1.2);
+    CHECK(glm::distance(shown(bar, at), shown({}, at)) < 0.01);
+  }
+  const DVec3 tick(0.385, -0.13, 1.2);  // the discs at its ends are wider
+  CHECK(glm::distance(shown(bar, tick), shown({}, tick)) > 0.05);
+  const DVec3 inside(0.1, -0.2, 0);
+  CHECK(shown(hiddenBar, inside).b > shown({}, inside).b + 0.02);
+  CHECK(shown(hiddenBar, inside).b < shown(bar, {0.1, -0.2, 1.2}).b);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
   CHECK_THROWS_AS(Frame(device, 0, 10), UsageError);
   CHECK_THROWS_AS(Frame(device, 10, 100'000), UsageError);
