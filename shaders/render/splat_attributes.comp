@@ -18,6 +18,9 @@ void main() {
   const float inverseRadiusSquared = 1 / (splat.radius * splat.radius);
   const float band = kDepthBand * splat.radius;
   const float scale = args.frame.at[0].sumScale;
+  // A few units, so that a sample which only such fragments cover keeps its colour; where many points make units coarse,
+  // no more than a rim weighs.
+  const float leastWeight = min(8 / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);
   for (int y = splat.first.y; y <= splat.last.y; ++y) {
@@ -26,12 +29,13 @@ void main() {
       if (!coverPixel(view, splat, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
       const uint place = uint(y) * view.size_px.x + uint(x);
       if (fragment.depth > uintBitsToFloat(args.depth.at[place]) + band) continue;
+      const float weight = max(fragment.weight, leastWeight);
       for (uint k = 0; k < 3; ++k)
-        atomicAdd(args.normalSums.at[4 * place + k], fixedPoint(fragment.weight * splat.shading[k], scale));
-      atomicAdd(args.normalSums.at[4 * place + 3], fixedPoint(fragment.weight, scale));
+        atomicAdd(args.normalSums.at[4 * place + k], fixedPoint(weight * splat.shading[k], scale));
+      atomicAdd(args.normalSums.at[4 * place + 3], fixedPoint(weight, scale));
       if (!hasColors) continue;
       for (uint k = 0; k < 3; ++k)
-        atomicAdd(args.colorSums.at[3 * place + k], fixedPoint(fragment.weight * color[k], scale));
+        atomicAdd(args.colorSums.at[3 * place + k], fixedPoint(weight * color[k], scale));
     }
   }
 }

@@ -176,6 +176,24 @@ TEST_CASE_FIXTURE(PictureFixture, "a crowd in one place keeps its colour and its
   CHECK(glm::distance(shown, 0.5 + 0.5 * DVec3(normal)) < 0.01);
 }
 
+TEST_CASE_FIXTURE(
+    PictureFixture,
+    "a sheet seen from its back keeps its colour to the rims of its discs, however many points there are") {
+  PointCloud cloud;
+  cloud.positions.assign(400'000, Vec3(100, 0, 0));  // beside the picture; they make the sums' unit coarse
+  cloud.positions.back() = Vec3(0);
+  cloud.normals.assign(cloud.size(), Vec3(0, 0, -1));
+  cloud.colors.assign(cloud.size(), {200, 100, 60, 255});
+  Camera camera;
+  camera.eye = {0, 0, 3};
+  FrameOptions options;
+  options.splatRadius = 0.5;
+  options.pass = ImagePass::color;
+  const Image image = picture(cloud, camera, options, kWidth, kHeight, 1);
+  for (const double x : {0.0, 0.2, 0.4, 0.46})
+    CHECK(glm::distance(colorAt(image, camera, {x, 0, 0}), DVec3(200, 100, 60) / 255.0) < 0.06);
+}
+
 TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
   const PointCloud cloud = sphereCloud(2000);
   const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight);
