@@ -20,15 +20,16 @@ const uint kSplatDirectionPairs = 6;
 // The least cosine between a direction and a neighbour that counts in it.
 const float kSplatAhead = 0.45f;
 // Over the farthest border: a corner of a Voronoi cell lies up to a quarter farther than the border in the nearest
-// direction (a square lattice, 15 degrees off). Less leaves holes there, more only blurs.
-const float kSplatCover = 1.25f;
+// direction (a square lattice, 15 degrees off); the rest blends normals and closes what noise opens. Less shows facets
+// and cracks from close by, more lets corners stand out.
+const float kSplatCover = 1.4f;
 // The direction with this rank, nearest border first, says what is usual about a point; at a corner of a sheet hardly
 // more are closed.
 const uint kSplatUsualRank = 5;
 // In usual borders: farther ones are open. Less leaves the gaps of random samplings open, more lets borders grow.
 const float kSplatOpen = 4.5f;
 // The same for a point that has an open direction: at corners of a sheet the others are no measure of its gaps.
-const float kSplatOpenAtBorder = 3.5f;
+const float kSplatOpenAtBorder = 3.0f;
 // In mean spacings. The first look goes so far; where that is not enough the next goes twice as far.
 const float kSplatFirstLook = 3.2f;
 // In mean spacings: no border farther than this is believed.

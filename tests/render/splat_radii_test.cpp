@@ -137,7 +137,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "borders stay where they are") {
     for (int x = 0; x < 40; ++x) grid.positions.emplace_back(x, y, 0);
   grid.normals.assign(grid.size(), Vec3(0, 0, 1));
   const auto radii = radiiOf(grid, 1);
-  CHECK(*std::ranges::max_element(radii) < 1.3f);  // beside a border discs are a little wider
+  CHECK(*std::ranges::max_element(radii) < 1.45f);  // beside a border discs are a little wider
   CHECK(*std::ranges::min_element(radii) > 0.7071f);
 }
 
@@ -154,7 +154,7 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "no points, one, a heap, a line, and points
   PointCloud line;
   for (int x = 0; x < 300; ++x) line.positions.emplace_back(0.1f * static_cast<float>(x), 0, 0);
   line.normals.assign(line.size(), Vec3(0, 1, 0));
-  for (const float r : radiiOf(line, 0.1)) CHECK((r > 0.05f && r < 0.13f));
+  for (const float r : radiiOf(line, 0.1)) CHECK((r > 0.05f && r < 0.145f));
 
   PointCloud plain = shapeCloud("sphere", 8000);
   const double spacing = meanSpacing(plain);
