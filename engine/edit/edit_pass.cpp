@@ -49,6 +49,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       smooth_(device, shader_code::edit_smooth, pipeline(sizeof(shared::SmoothArgs), update_)),
       restore_(device, shader_code::edit_restore, pipeline(sizeof(shared::RestoreArgs), update_)),
       refit_(device, shader_code::edit_refit_normals, pipeline(sizeof(shared::RefitNormalsArgs), update_)),
+      logGone_(device, shader_code::edit_log_gone, pipeline(sizeof(shared::RefitNormalsArgs), update_)),
       settle_(device, shader_code::edit_settle, pipeline(sizeof(shared::SettleArgs), update_)),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
       tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
@@ -126,37 +127,42 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side,
   const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto section = list.section("brush");
-    if (options_.kind == BrushKind::smooth) {  // by the neighbours as they all still stand
-      recordCollect(list, cloud, side.parity, state, box(), shared::kRecallsNothing);
-      recordSmooth(list, cloud, side.parity, state);
-      if (resample_) recordCollect(list, cloud, side.parity, state, {}, recalls);
-    } else {
-      recordCollect(list, cloud, side.parity, state, box(), recalls);
-    }
+    recordMoves(list, cloud, side.parity, state, box(), recalls);
   }
   update_.recordApply(list, cloud, side.parity);
   recordSequel(list, cloud, side.parity, update_.scratch(), true);
 }
 
+void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                           DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const {
+  if (options_.kind != BrushKind::smooth) return recordCollect(list, cloud, parity, contactState, selection, recalls);
+  // By the neighbours as they all still stand.
+  recordCollect(list, cloud, parity, contactState, selection, shared::kRecallsNothing);
+  recordSmooth(list, cloud, parity, contactState);
+  if (recalls != shared::kRecallsNothing) recordCollect(list, cloud, parity, contactState, {}, recalls);
+}
+
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                              const Buffer& contactState, SortMethod sort, Reach reach) const {
   const DeviceAddress state = contactState.address();
+  const shared::CloudView cloud = view(from);
+  const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto section = list.section("brush");
-    const bool all = reach == Reach::all || boxCells_ == 0;
-    const std::uint32_t atATime = all ? update_.mostMoves() : live_.slots();
-    for (std::uint32_t first = 0; first < live_.slots(); first += atATime) {
-      const Selection slots{.firstSlot = first, .slots = std::min(atATime, live_.slots() - first)};
-      update_.recordBegin(list);
-      recordCollect(list, view(from), from.parity, state, all ? slots : box(), shared::kRecallsNothing);
-      if (options_.kind == BrushKind::smooth) recordSmooth(list, view(from), from.parity, state);
-      update_.recordCommit(list, view(from));
+    if (reach == Reach::box && boxCells_ > 0) {
+      recordMoves(list, cloud, from.parity, state, box(), recalls);
+    } else {
+      for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
+        const Selection slots{.firstSlot = first, .slots = std::min(update_.mostMoves(), live_.slots() - first)};
+        recordMoves(list, cloud, from.parity, state, slots, shared::kRecallsNothing);
+        update_.recordCommit(list, cloud);
+        recordLogging(list, logGone_, CountedDispatch::Step::invocation, offsetof(shared::HashUpdate, moveGroups),
+                      cloud, from.parity, 0);
+        update_.recordBegin(list);
+      }
+      if (resample_) recordCollect(list, cloud, from.parity, state, {}, recalls);
     }
-  }
-  if (resample_) {
-    update_.recordBegin(list);
-    recordCollect(list, view(from), from.parity, state, {}, shared::kRecallsWishes);
-    update_.recordCommit(list, view(from));
+    update_.recordCommit(list, cloud);
   }
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
@@ -222,6 +228,24 @@ void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, 
   update_.recordEnd(list);
 }
 
+void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step,
+                             std::uint64_t groups, const shared::CloudView& cloud, std::uint32_t parity,
+                             DeviceAddress fitted) const {
+  const shared::HashUpdateArgs update = update_.args(cloud, parity);
+  update_.dispatch()(list, pass, step, update_.counters(), groups,
+                     shared::RefitNormalsArgs{.cloud = cloud,
+                                              .update = update.update,
+                                              .moves = update.moves,
+                                              .changed = update.changed,
+                                              .fitted = fitted,
+                                              .entries = log_.entries(),
+                                              .head = log_.head(),
+                                              .tables = tables_.address(),
+                                              .lists = resample_ ? resample_->lists() : 0,
+                                              .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
+                                              .radius = static_cast<float>(radius_)});
+}
+
 void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                             DeviceAddress fitted, bool resamples) const {
   using Step = CountedDispatch::Step;
@@ -234,18 +258,7 @@ void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, s
                             .empty = update_.emptyCounters()};
   {
     const auto section = list.section("refit normals");
-    update_.dispatch()(list, refit_, Step::subgroup, update_.counters(), kGroups,
-                       shared::RefitNormalsArgs{.cloud = cloud,
-                                                .update = update.update,
-                                                .moves = update.moves,
-                                                .changed = update.changed,
-                                                .fitted = fitted,
-                                                .entries = log_.entries(),
-                                                .head = log_.head(),
-                                                .tables = tables_.address(),
-                                                .lists = lists,
-                                                .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
-                                                .radius = static_cast<float>(radius_)});
+    recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, fitted);
     update_.dispatch()(list, settle_, Step::invocation, update_.counters(), kGroups,
                        shared::SettleArgs{.cloud = cloud,
                                           .update = update.update,
@@ -265,6 +278,10 @@ void EditPass::complete(std::vector<PointState>& points) const {
     if (point.id >= live_.count()) point.parent = parents[point.id - live_.count()];
     if (!byId.empty()) point.color = byId[point.id];
   }
+}
+
+std::uint64_t EditPass::mostLogged(Reach reach) const {
+  return reach == Reach::box && boxCells_ > 0 ? update_.mostMoves() : live_.slots();
 }
 
 std::uint64_t EditPass::bytes() const {

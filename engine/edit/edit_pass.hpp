@@ -49,6 +49,8 @@ class EditPass {
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
   std::uint32_t mostMoves() const { return update_.mostMoves(); }
+  /// Entries that an edit with a full build may add to the log.
+  std::uint64_t mostLogged(Reach reach) const;
   const BrushOptions& brush() const { return options_; }
 
   /// Completes a point, of which LiveCloud::points() knows place and normal, with its colour and parent.
@@ -64,6 +66,12 @@ class EditPass {
   };
   Selection box() const;
   // `recalls`: kRecalls... of shaders/shared/edit.h.
+  // Lists the brush's moves, and those that come of wishes.
+  void recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState,
+                   const Selection& selection, std::uint32_t recalls) const;
+  // A pass that writes to the log.
+  void recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step, std::uint64_t groups,
+                     const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted) const;
   void recordCollect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                      DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const;
   void recordSmooth(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
@@ -86,7 +94,7 @@ class EditPass {
   HashUpdate update_;
   std::uint32_t mostChanges_, given_ = 0;
   std::uint64_t boxCells_;  // of the tool's box, along one side; 0: looking at every slot is less
-  ComputePipeline collect_, smooth_, restore_, refit_, settle_;
+  ComputePipeline collect_, smooth_, restore_, refit_, logGone_, settle_;
   Buffer brush_, tables_, colors_, parents_, changes_;
   std::optional<Resample> resample_;
 };

@@ -5,6 +5,7 @@
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
+#include "shaders/lib/log_points.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/plane_fit.glsl"
 
@@ -39,28 +40,6 @@ vec3 fittedNormal(vec3 center, vec3 old) {
   return dot(normal, side) < 0.0 ? -normal : normal;
 }
 
-// Entries stand in the order of the lists; the head follows when all are written.
-void logPoint(uint entry, vec3 position, uint id, vec3 normal, uint color, uint parent) {
-  const uint slot = (args.head.at[0] + entry) & args.capacityMask;
-  args.entries.at[slot].position = position;
-  args.entries.at[slot].id = id;
-  args.entries.at[slot].normal = normal;
-  args.entries.at[slot].color = color;
-  args.entries.at[slot].parent = parent;
-}
-
-// Points that are taken away have no slot any more: the moves name them.
-void logGone(uint entry) {
-  const uint moves = args.update.at[0].moves;
-  if (args.update.at[0].gone == 0) return;
-  for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
-    if (args.moves.at[i].toBucket != kNoBucket) continue;
-    const uint id = args.moves.at[i].id;
-    logPoint(entry + args.moves.at[i].slot, args.moves.at[i].position, id | kPointGone, args.moves.at[i].normal,
-             colorOf(args.tables, id), parentOf(args.tables, id));
-  }
-}
-
 void main() {
   if (args.update.at[0].failed != 0) return;
   const uint changed = args.update.at[0].changed;
@@ -82,10 +61,10 @@ void main() {
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
       if (looks) args.tables.at[0].looks.at[id] = args.lists.now.tick;
-      logPoint(which, position.xyz, id, normal, color, parent);
+      logPoint(args, which, position.xyz, id, normal, color, parent);
     }
   }
-  logGone(changed);
+  logGone(args, changed);
   if (resamples(args.lists))
     dropClaims(args.lists, args.tables.at[0].mostMoves, args.radius, threadIndex(),
                gl_NumWorkGroups.x * gl_WorkGroupSize.x);
