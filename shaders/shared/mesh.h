@@ -1,6 +1,7 @@
 #ifndef PALPATE_SHARED_MESH_H
 #define PALPATE_SHARED_MESH_H
 #include "shaders/shared/contact.h"
+#include "shaders/shared/mesh_vertex.h"
 
 #ifdef __cplusplus
 #define precise
@@ -81,15 +82,7 @@ PALPATE_FUNCTION uint lowCornerOf(uint edge) {
 }
 PALPATE_FUNCTION uvec3 cornerOffset(uint corner) { return uvec3(corner & 1u, corner >> 1 & 1u, corner >> 2 & 1u); }
 
-struct MeshVertex {
-  vec3 position;  // model units
-  vec3 normal;    // unit
-  uint color;     // RGBA8; 0 where the cloud has none
-};
-PALPATE_SIZE(MeshVertex, 28);
-
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MeshVertices { MeshVertex at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MeshFloats { float at[]; };
 #endif
 
