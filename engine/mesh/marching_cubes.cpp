@@ -94,12 +94,15 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
       list_(device, shader_code::mesh_list, {.pushBytes = sizeof(shared::MeshArgs)}),
       touch_(device, shader_code::mesh_touch_blocks, {.pushBytes = sizeof(shared::MeshArgs)}),
       field_(device, shader_code::mesh_field,
-             {.pushBytes = sizeof(shared::MeshArgs), .constants = {static_cast<std::uint32_t>(plan.surface), 0}}),
+             {.workgroupSize = shared::kMeshWorkgroup,
+              .pushBytes = sizeof(shared::MeshArgs),
+              .constants = {static_cast<std::uint32_t>(plan.surface)}}),
       classify_(device, shader_code::mesh_classify,
                 {.workgroupSize = shared::kMeshWorkgroup, .pushBytes = sizeof(shared::MeshArgs)}),
       count_(device, shader_code::mesh_count, {.pushBytes = sizeof(shared::MeshArgs)}),
       vertices_(device, shader_code::mesh_vertices,
-                {.pushBytes = sizeof(shared::MeshArgs),
+                {.workgroupSize = shared::kMeshWorkgroup,
+                 .pushBytes = sizeof(shared::MeshArgs),
                  .constants = {static_cast<std::uint32_t>(plan.surface), colored_ ? 1u : 0u}}),
       writeTriangles_(device, shader_code::mesh_triangles,
                       {.workgroupSize = shared::kMeshWorkgroup, .pushBytes = sizeof(shared::MeshArgs)}),
@@ -260,7 +263,7 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   }
   {
     const auto section = list.section("field");
-    list.dispatch(field_, slots * shared::kMeshBlockNodes, args(slots, update));
+    list.dispatch(field_, slots * shared::kMeshWorkgroup, args(slots, update));
   }
   {
     const auto section = list.section("classify");
@@ -299,7 +302,8 @@ void MarchingCubes::writeTriangles(MeshStep& step, bool update) {
   list.begin();
   {
     const auto section = list.section("vertices");
-    list.dispatch(vertices_, vertexCount_, args(vertexCount_, update));
+    if (vertexCount_ > 0)
+      list.dispatch(vertices_, std::uint64_t{slots_} * shared::kMeshWorkgroup, args(slots_, update));
   }
   {
     const auto section = list.section("triangles");

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kMostBlocks = 1u << 26;
 // More spacings within a support radius give no better surface, only more to look at.
-constexpr double kMostSpacings = 6;
+constexpr double kMostSpacings = 5;
 constexpr std::uint64_t kChoice = 0x6d657368;  // which points a share takes
 
 // Of each block: vertices and triangles where the surface crosses it askew, less what most blocks do not reach.

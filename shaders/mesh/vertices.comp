@@ -1,57 +1,96 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Places every vertex on its edge. One invocation for each vertex.
-#include "shaders/mesh/field.glsl"
+// Places every vertex on its edge. A workgroup treats those of a block.
+#include "shaders/mesh/block_surface.glsl"
 
 float valueAt(uvec3 node) {
   const NodeSlot at = nodeSlot(args.buffers.at[0].now.table, node);
   return args.buffers.at[0].now.values.at[at.slot * kMeshBlockNodes + at.place];
 }
 
-vec3 between(vec3 low, uint axis, float t) {
-  low[axis] += t * args.lattice.cell;
-  return low;
-}
-
-// Where between a value of one sign and one of the other a straight line is zero.
+// Where between a value of one sign and one of the other a straight line is zero, in edges.
 float crossing(float from, float fromValue, float to, float toValue) {
   return from + (to - from) * (fromValue / (fromValue - toValue));
 }
 
-void main() {
-  const uint vertex = threadIndex();
-  if (vertex >= args.count) return;
-  const uint slot = lastNotAbove(args.buffers.at[0].now.vertexStarts, 0, args.slots, vertex);
-  const uint local = vertex - args.buffers.at[0].now.vertexStarts.at[slot];
+// An edge that holds a vertex, with the values at its ends.
+struct CutEdge {
+  vec3 corner;  // its lower end
+  uint axis;
+  float low, high;
+};
+CutEdge edges[kPlaces];
+
+// The edge of the vertex that is the `local`th of a block.
+CutEdge edgeOf(uint slot, uvec3 block, uint local) {
   const uint word = lastNotAbove(args.buffers.at[0].ranks, slot * kMeshMaskWords, kMeshMaskWords, local);
   uint mask = args.buffers.at[0].masks.at[slot * kMeshMaskWords + word];
   for (uint k = args.buffers.at[0].ranks.at[slot * kMeshMaskWords + word]; k < local; ++k) mask &= mask - 1;
-  const uint bit = findLSB(mask), axis = bit % 4;
-  const uvec3 block = blockOfNumber(args.lattice, args.buffers.at[0].blocks.at[slot]);
-  MeshVertices vertices = args.buffers.at[0].now.vertices;
-
-  if (args.update != 0 && args.buffers.at[0].touched.at[slot] == 0) {
-    const uint before = slotOf(args.buffers.at[0].old.table, block);
-    const uint from = args.buffers.at[0].old.vertexStarts.at[before] + local;
-    vertices.at[vertex].position = args.buffers.at[0].old.vertices.at[from].position;
-    vertices.at[vertex].normal = args.buffers.at[0].old.vertices.at[from].normal;
-    vertices.at[vertex].color = args.buffers.at[0].old.vertices.at[from].color;
-    return;
-  }
-
+  const uint bit = findLSB(mask);
   const uvec3 node = block * kMeshBlockSide + localOf(word * kMeshNodesPerWord + bit / 4);
   uvec3 next = node;
-  next[axis] += 1;
-  const float low = valueAt(node), high = valueAt(next);
-  const vec3 corner = nodePlace(args.lattice, node);
-  // The surface is no straight line between two nodes: look where the line is zero, and draw it again from there to
-  // the node on the other side (one step of the false position).
-  float t = crossing(0.0, low, 1.0, high);
-  const FieldSample there = fieldAt(between(corner, axis, t), kMeshColored);
-  if (there.defined) t = (there.value < 0.0) == (low < 0.0) ? crossing(t, there.value, 1.0, high) : crossing(0.0, low, t, there.value);
+  next[bit % 4] += 1;
+  return CutEdge(nodePlace(args.lattice, node), bit % 4, valueAt(node), valueAt(next));
+}
+
+vec3 alongEdge(CutEdge edge, float t) {
+  vec3 place = edge.corner;
+  place[edge.axis] += t * args.lattice.cell;
+  return place;
+}
+
+void copyOld(uvec3 block, uint first, uint count) {
+  const uint before = slotOf(args.buffers.at[0].old.table, block);
+  const uint from = args.buffers.at[0].old.vertexStarts.at[before];
+  MeshVertices vertices = args.buffers.at[0].now.vertices;
+  MeshVertices old = args.buffers.at[0].old.vertices;
+  for (uint i = scanIndex(); i < count; i += kMeshWorkgroup) {
+    vertices.at[first + i].position = old.at[from + i].position;
+    vertices.at[first + i].normal = old.at[from + i].normal;
+    vertices.at[first + i].color = old.at[from + i].color;
+  }
+}
+
+// The surface is no straight line between two nodes: it was looked at where the line is zero, and the line is drawn
+// again from there to the node on the other side (one step of the false position).
+void writeVertex(uint vertex, uint k) {
+  const CutEdge edge = edges[k];
+  float t = crossing(0.0, edge.low, 1.0, edge.high);
+  const Surface there = surfaces[k];
+  if (there.defined)
+    t = (there.distance < 0.0) == (edge.low < 0.0) ? crossing(t, there.distance, 1.0, edge.high)
+                                                   : crossing(0.0, edge.low, t, there.distance);
   vec3 normal = there.normal;
-  if (dot(normal, normal) < 0.5) normal[axis] = low < 0.0 ? 1.0 : -1.0;
-  vertices.at[vertex].position = between(corner, axis, clamp(t, kMeshClearance, 1.0 - kMeshClearance));
+  if (dot(normal, normal) < 0.5) normal[edge.axis] = edge.low < 0.0 ? 1.0 : -1.0;
+  MeshVertices vertices = args.buffers.at[0].now.vertices;
+  vertices.at[vertex].position = alongEdge(edge, clamp(t, kMeshClearance, 1.0 - kMeshClearance));
   vertices.at[vertex].normal = normal;
-  vertices.at[vertex].color = kMeshColored && there.color.a > 0.0 ? packUnorm4x8(vec4(there.color.rgb / there.color.a, 1.0)) : 0;
+  const vec4 colors = colorSums[k];
+  vertices.at[vertex].color = kMeshColored && colors.a > 0.0 ? packUnorm4x8(vec4(colors.rgb / colors.a, 1.0)) : 0;
+}
+
+void main() {
+  const uint slot = workgroupIndex();
+  if (slot >= args.slots) return;
+  const uint first = args.buffers.at[0].now.vertexStarts.at[slot];
+  const uint count = args.buffers.at[0].now.vertexStarts.at[slot + 1] - first;
+  if (count == 0) return;
+  const uvec3 block = blockOfNumber(args.lattice, args.buffers.at[0].blocks.at[slot]);
+  if (args.update != 0 && args.buffers.at[0].touched.at[slot] == 0) {
+    copyOld(block, first, count);
+    return;
+  }
+  for (uint base = 0; base < count; base += kPlaces * kMeshWorkgroup) {
+    for (uint k = 0; k < kPlaces; ++k) {
+      const uint local = base + k * kMeshWorkgroup + scanIndex();
+      wanted[k] = local < count;
+      if (!wanted[k]) continue;
+      edges[k] = edgeOf(slot, block, local);
+      places[k] = alongEdge(edges[k], crossing(0.0, edges[k].low, 1.0, edges[k].high));
+    }
+    findSurfaces(nodePlace(args.lattice, block * kMeshBlockSide),
+                 nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide));
+    for (uint k = 0; k < kPlaces; ++k)
+      if (wanted[k]) writeVertex(first + base + k * kMeshWorkgroup + scanIndex(), k);
+  }
 }

@@ -35,9 +35,10 @@ const uint kSurfaceDensity = 3;
 // The density of the surface, of that on an even plane.
 const float kMeshIsoDensity = 0.5f;
 
-// Candidates that one place looks at; where its cells hold more it takes every so-manyth. Far below the 65,535 loop
-// rounds after which one software driver stops a shader, and far above what an even cloud needs.
-const uint kMeshMostCandidates = 8192;
+// Candidates that a block looks at; where its cells hold more it takes every so-manyth. Few enough that one invocation,
+// which sums over them for four places up to three times, stays below the 65,535 loop rounds after which one software
+// driver stops a shader; several times what an even cloud needs.
+const uint kMeshMostCandidates = 4096;
 
 // Blocks are numbered x fastest; node (0, 0, 0) of block (0, 0, 0) is at `origin`.
 struct MeshLattice {
