@@ -72,21 +72,31 @@ bool asksFor(const BenchOptions& options, std::string_view name) {
   return std::ranges::find(options.names, name) != options.names.end();
 }
 
-// The pages of bench touch and bench edit have nothing in common with the plot of times, so one asks for one at a time.
-void benchAlone(Context& context, const BenchOptions& options) {
-  const bool touches = asksFor(options, "touch");
-  const std::string name = touches ? "touch" : "edit";
+// The one of the benches that are asked for alone; empty where there is none. Their pages have nothing in common with
+// the plot of times.
+std::string aloneOf(const BenchOptions& options) {
+  for (const char* name : {"touch", "edit", "mesh"})
+    if (asksFor(options, name)) return name;
+  return "";
+}
+
+void benchAlone(Context& context, const BenchOptions& options, const std::string& name) {
   if (options.names.size() > 1)
     throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", name);
+  if (name == "mesh" && !options.plotFile.empty()) throw UsageError("bench mesh: there is no --plot of it");
+  if (name == "mesh" && options.backends != std::vector<std::string>{"vulkan"})
+    throw UsageError("bench mesh: only --backend vulkan meshes");
   checkMethods(options);
   Context::checkWritable(options.plotFile);
   Json result{{"machines", Json::object()}};
   for (const std::string& backend : options.backends) result["machines"][backend] = machineOf(context, backend);
   for (const auto& [backend, machine] : result["machines"].items())
     fmt::print(context.tables(), "{}: {}\n", backend, machine.get<std::string>());
-  result[name] = touches ? benchTouch(context, options) : benchEdit(context, subjectsOf(options), options);
+  result[name] = name == "touch"  ? benchTouch(context, options)
+                 : name == "edit" ? benchEdit(context, subjectsOf(options), options)
+                                  : benchMesh(context, subjectsOf(options), options);
   context.writeJson(result);
-  if (!options.plotFile.empty()) plot(touches ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
+  if (!options.plotFile.empty()) plot(name == "touch" ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
 }
 
 void bench(Context& context, const BenchOptions& options) {
@@ -169,12 +179,13 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick), edit (a tick that sculpts); touch judges what is felt against surfaces that are known");
+      "haptic tick), edit (a tick that sculpts), mesh (marching cubes); touch judges what is felt against surfaces "
+      "that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -205,6 +216,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   addIndexOptions(*sub, options->backend);
   addTouchBenchOptions(*sub, options->touch);
   addEditBenchOptions(*sub, options->edit);
+  addMeshBenchOptions(*sub, options->mesh);
   sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
       ->check(notNegative())
       ->capture_default_str();
@@ -219,6 +231,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
       "share "
       "of the points on a full build is cheaper.\n"
+      "mesh: ms on the GPU for each pass of marching cubes and for a mesh that follows an edit, memory, and the "
+      "distance "
+      "of vertices and the error of normals against shapes that are known.\n"
       "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
       "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
@@ -227,9 +242,10 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->callback([&, options, backends, sub] {
     if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, options, chosen = backends->count() > 0] {
-      if (!asksFor(*options, "touch") && !asksFor(*options, "edit")) return bench(context, *options);
-      if (asksFor(*options, "touch") && !chosen) options->backends = {ownTouchBackend(context)};
-      benchAlone(context, *options);
+      const std::string alone = aloneOf(*options);
+      if (alone.empty()) return bench(context, *options);
+      if (alone == "touch" && !chosen) options->backends = {ownTouchBackend(context)};
+      benchAlone(context, *options, alone);
     };
   });
 }
