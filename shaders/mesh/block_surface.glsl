@@ -1,6 +1,6 @@
-// The surface at many places of one block: a workgroup fetches the points that any of them may see, piece by piece, into
-// shared memory, and each invocation sums over them for its own places. A place sees its points in the order of the hash
-// cells, and then of the points, whatever else is near; so what comes out depends on those points alone.
+// The surface at many places of one block: a workgroup fetches the points that any of them may see, piece by piece,
+// into shared memory, and each invocation sums over them for its own places. A place sees its points in the order of
+// the hash cells, and then of the points, whatever else is near; so what comes out depends on those points alone.
 #ifndef PALPATE_MESH_BLOCK_SURFACE_GLSL
 #define PALPATE_MESH_BLOCK_SURFACE_GLSL
 
@@ -103,7 +103,8 @@ void sumBox(Box box, uint stride) {
         point = args.cloud.positions.at[slot];
         const vec3 away = point.xyz - clamp(point.xyz, box.low, box.high);
         // Another cell of the box may share the bucket: its points are taken as that one's.
-        near = dot(away, away) < radius * radius && cellOf(args.cloud.grid, point.xyz) == cellAt(box, firstCell + owner);
+        near = dot(away, away) < radius * radius &&
+               cellOf(args.cloud.grid, point.xyz) == cellAt(box, firstCell + owner);
       }
       uint found;
       const uint place = pieceCount + workgroupExclusiveScan(near ? 1 : 0, found);

@@ -18,7 +18,8 @@ void loadApron(uvec3 block) {
   barrier();
   MeshFloats values = args.buffers.at[0].now.values;
   for (uint i = lane; i < kMeshApronNodes; i += kMeshWorkgroup) {
-    const uvec3 at = uvec3(i % kMeshApronSide, i / kMeshApronSide % kMeshApronSide, i / (kMeshApronSide * kMeshApronSide));
+    const uvec3 at = uvec3(i % kMeshApronSide, i / kMeshApronSide % kMeshApronSide,
+                           i / (kMeshApronSide * kMeshApronSide));
     const uvec3 beyond = at / kMeshBlockSide;
     const uint slot = neighbourSlots[beyond.x | beyond.y << 1 | beyond.z << 2];
     nodes[i] = slot == kNoSlot ? kMeshUndefined : values.at[slot * kMeshBlockNodes + inBlock(at % kMeshBlockSide)];

@@ -1,5 +1,5 @@
-// From the points around a place to the surface there: that of contact (shaders/lib/surface_fit.glsl), or the skin where
-// the density of the points (thesis, equation 3.1) falls to a given one.
+// From the points around a place to the surface there: that of contact (shaders/lib/surface_fit.glsl), or the skin
+// where the density of the points (thesis, equation 3.1) falls to a given one.
 #ifndef PALPATE_MESH_FIELD_GLSL
 #define PALPATE_MESH_FIELD_GLSL
 

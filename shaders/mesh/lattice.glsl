@@ -35,6 +35,13 @@ NodeSlot nodeSlot(Uints table, uvec3 node) {
   return NodeSlot(slotOf(table, node / kMeshBlockSide), inBlock(node % kMeshBlockSide));
 }
 
+// The lowest block that a box of `reach` around a place (model units from the lattice's origin) may meet. Places beyond
+// the lattice give one that is beyond it, too.
+ivec3 lowestBlock(vec3 place, float reach) {
+  const float side = float(kMeshBlockSide) * args.lattice.cell;
+  return ivec3(floor(clamp((place - reach) / side, vec3(-2.0), vec3(args.lattice.blocks))));
+}
+
 // Of a list that begins with 0 and never falls, the last entry that is not above `value`.
 uint lastNotAbove(Uints list, uint first, uint count, uint value) {
   uint low = 0, high = count;  // the answer is in [low, high)

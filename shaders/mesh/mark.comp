@@ -15,7 +15,7 @@ void main() {
   const float side = float(kMeshBlockSide) * args.lattice.cell;
   const float reach = args.lattice.reach * 1.0001;  // rounding must not leave out a node
   const vec3 place = point.xyz - args.lattice.origin;
-  const ivec3 low = ivec3(floor(clamp((place - reach) / side, -1.0, float(args.lattice.blocks.x + args.lattice.blocks.y + args.lattice.blocks.z))));
+  const ivec3 low = lowestBlock(place, reach);
   const int y = low.y + int(row % args.rows), z = low.z + int(row / args.rows);
   if (y < 0 || z < 0 || y >= int(args.lattice.blocks.y) || z >= int(args.lattice.blocks.z)) return;
   Uints table = args.buffers.at[0].now.table;

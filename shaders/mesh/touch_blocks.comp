@@ -16,7 +16,7 @@ void main() {
   const float side = float(kMeshBlockSide) * args.lattice.cell;
   const float reach = args.lattice.radius * 1.0001 + args.lattice.cell;
   const vec3 place = position - args.lattice.origin;
-  const ivec3 low = ivec3(floor(clamp((place - reach) / side, -2.0, float(args.lattice.blocks.x + args.lattice.blocks.y + args.lattice.blocks.z)))) - 1;
+  const ivec3 low = lowestBlock(place, reach) - 1;
   const int y = low.y + int(row % args.rows), z = low.z + int(row / args.rows);
   if (y < 0 || z < 0 || y >= int(args.lattice.blocks.y) || z >= int(args.lattice.blocks.z)) return;
   for (int x = max(low.x, 0); x < min(low.x + int(args.rows), int(args.lattice.blocks.x)); ++x) {

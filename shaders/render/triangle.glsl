@@ -11,7 +11,7 @@ struct Triangle {
   uvec3 vertices;
   vec3 corners[3];    // eye space
   vec2 corners_px[3];
-  vec3 normal;        // of its plane, not unit; away from the eye where its outside is seen, since eye space is left-handed
+  vec3 normal;        // of its plane, not unit; away from the eye where its outside is seen: eye space is left-handed
   ivec2 first, last;  // samples that its box holds, both included
   uvec2 tiles;        // of its box
 };
