@@ -107,7 +107,6 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
       writeTriangles_(device, shader_code::mesh_triangles,
                       {.workgroupSize = shared::kMeshWorkgroup, .pushBytes = sizeof(shared::MeshArgs)}),
       addresses_(Buffer::of<shared::MeshBuffers>(device, 1, Memory::upload, "mesh addresses")),
-      counts_(words(device, 2, "mesh counts")),
       scratch_(device, PrefixScan::scratchBytes(shared::blockCount(plan.lattice) + 1), Memory::device, "mesh scratch"),
       cellCases_(Buffer::of<UVec2>(device, kCellCases.size(), Memory::device, "cell cases")),
       colors_(words(device, colored_ ? live_.slots() : 0, "mesh colours of points")),
@@ -136,6 +135,7 @@ MarchingCubes::State MarchingCubes::makeState() const {
 void MarchingCubes::grow(Buffer& buffer, std::uint64_t bytes) const {
   if (buffer.bytes() >= bytes) return;
   const std::string name = buffer.name();
+  if (buffer.bytes() > 0) bytes += bytes / 4;         // a mesh that follows edits grows again and again
   buffer = Buffer(device_, 0, Memory::device, name);  // gives back first
   buffer = Buffer(device_, bytes, Memory::device, name);
 }
@@ -363,8 +363,8 @@ std::uint64_t MarchingCubes::bytes() const {
   const auto sideBytes = [](const LiveCloud::Side& side) { return side.positions.bytes() + side.normals.bytes(); };
   std::uint64_t bytes =
       sideBytes(live_.side()) + sideBytes(live_.otherSide()) + hash_.bytes() + states_[0].bytes() + states_[1].bytes();
-  for (const Buffer* buffer : {&addresses_, &counts_, &scratch_, &cellCases_, &colors_, &blocks_, &cases_, &masks_,
-                               &ranks_, &triangleStarts_, &touched_, &triangles_, &moves_})
+  for (const Buffer* buffer : {&addresses_, &scratch_, &cellCases_, &colors_, &blocks_, &cases_, &masks_, &ranks_,
+                               &triangleStarts_, &touched_, &triangles_, &moves_})
     bytes += buffer->bytes();
   return bytes;
 }

@@ -90,7 +90,7 @@ class MarchingCubes {
   SpatialHash hash_;
   PrefixScan scan_;
   ComputePipeline movePoints_, mark_, list_, touch_, field_, classify_, count_, vertices_, writeTriangles_;
-  Buffer addresses_, counts_, scratch_, cellCases_, colors_;
+  Buffer addresses_, scratch_, cellCases_, colors_;
   std::array<State, 2> states_;
   std::uint32_t current_ = 0;
   Buffer blocks_, cases_, masks_, ranks_, triangleStarts_, touched_, triangles_, moves_;
