@@ -1,5 +1,5 @@
-// The surface at many places of one block: a workgroup fetches the points that any of them may see, piece by piece,
-// into shared memory, and each invocation sums over them for its own places. A place sees its points in the order of
+// The surface at many places of a box: a workgroup fetches the points that any of them may see, piece by piece, into
+// shared memory, and each invocation sums over them for its own place. A place sees its points in the order of
 // the hash cells, and then of the points, whatever else is near; so what comes out depends on those points alone.
 #ifndef PALPATE_MESH_BLOCK_SURFACE_GLSL
 #define PALPATE_MESH_BLOCK_SURFACE_GLSL
@@ -9,16 +9,16 @@
 
 layout(constant_id = 2) const bool kMeshColored = false;
 
-const uint kPlaces = kMeshBlockNodes / kMeshWorkgroup;  // of an invocation
-const uint kPiece = 2 * kMeshWorkgroup;                 // points in shared memory; a round adds kMeshWorkgroup at most
+const uint kPiece = 2 * kMeshWorkgroup;  // points in shared memory; a round adds kMeshWorkgroup at most
 
-// What is asked, and what is answered.
-vec3 places[kPlaces];
-bool wanted[kPlaces];
-Surface surfaces[kPlaces];
-vec4 colorSums[kPlaces];  // sum of w c, sum of w
+struct Answer {
+  Surface surface;
+  vec4 colors;  // sum of w c, sum of w
+};
 
-FieldSums placeSums[kPlaces];
+// Of the place of this invocation.
+FieldSums placeSums;
+vec4 colorSums;
 shared uint cellStart[kMeshWorkgroup];  // candidates before this cell's, in this round
 shared uint cellFirst[kMeshWorkgroup];  // its first point
 shared vec3 piecePositions[kPiece];
@@ -60,30 +60,21 @@ uint cellOfCandidate(uint candidate) {
   return cell;
 }
 
-void sumPiece() {
+void sumPiece(vec3 place, bool wanted, Surface before) {
   barrier();
   const float scale = 1.0 / args.lattice.radius;
-  for (uint k = 0; k < kPlaces; ++k) {
-    if (!wanted[k]) continue;
-    const vec3 x = places[k];
-    const Surface before = surfaces[k];
-    FieldSums own = placeSums[k];
-    vec4 colors = colorSums[k];
-    for (uint i = 0; i < pieceCount; ++i) {
-      const vec3 d = (piecePositions[i] - x) * scale;
-      if (dot(d, d) >= 1.0) continue;
-      const float w = addPoint(own, d, pieceNormals[i], before);
-      if (kMeshColored) colors += w * vec4(unpackUnorm4x8(pieceColors[i]).rgb, 1.0);
-    }
-    placeSums[k] = own;
-    colorSums[k] = colors;
+  for (uint i = 0; i < pieceCount && wanted; ++i) {
+    const vec3 d = (piecePositions[i] - place) * scale;
+    if (dot(d, d) >= 1.0) continue;
+    const float w = addPoint(placeSums, d, pieceNormals[i], before);
+    if (kMeshColored) colorSums += w * vec4(unpackUnorm4x8(pieceColors[i]).rgb, 1.0);
   }
   pieceCount = 0;
   barrier();
 }
 
 // One look at all points that the box sees, of which every `stride`th is taken.
-void sumBox(Box box, uint stride) {
+void sumBox(Box box, uint stride, vec3 place, bool wanted, Surface before) {
   const uint lane = scanIndex();
   const float radius = 1.0001 * args.lattice.radius;
   for (uint firstCell = 0; firstCell < box.cells; firstCell += kMeshWorkgroup) {
@@ -107,22 +98,23 @@ void sumBox(Box box, uint stride) {
                cellOf(args.cloud.grid, point.xyz) == cellAt(box, firstCell + owner);
       }
       uint found;
-      const uint place = pieceCount + workgroupExclusiveScan(near ? 1 : 0, found);
+      const uint at = pieceCount + workgroupExclusiveScan(near ? 1 : 0, found);
       if (near) {
-        piecePositions[place] = point.xyz;
-        pieceNormals[place] = args.cloud.normals.at[slot].xyz;
-        if (kMeshColored) pieceColors[place] = args.buffers.at[0].colors.at[floatBitsToUint(point.w)];
+        piecePositions[at] = point.xyz;
+        pieceNormals[at] = args.cloud.normals.at[slot].xyz;
+        if (kMeshColored) pieceColors[at] = args.buffers.at[0].colors.at[floatBitsToUint(point.w)];
       }
       pieceCount += found;
-      if (pieceCount > kPiece - kMeshWorkgroup) sumPiece();
+      if (pieceCount > kPiece - kMeshWorkgroup) sumPiece(place, wanted, before);
     }
     barrier();
   }
-  sumPiece();
+  sumPiece(place, wanted, before);
 }
 
-// Answers for all wanted `places`, which lie in the box from `low` to `high`. The whole workgroup calls it together.
-void findSurfaces(vec3 low, vec3 high) {
+// The surface at `place`, if it is wanted; all places lie in the box from `low` to `high`. The whole workgroup calls it
+// together.
+Answer findSurface(vec3 low, vec3 high, vec3 place, bool wanted) {
   const Box box = boxAround(low, high);
   uint own = 0, candidates;
   for (uint c = scanIndex(); c < box.cells; c += kMeshWorkgroup) {
@@ -130,18 +122,15 @@ void findSurfaces(vec3 low, vec3 high) {
     own += min(range.y - range.x, 1u << 24);
   }
   workgroupExclusiveScan(own, candidates);
-  for (uint k = 0; k < kPlaces; ++k) surfaces[k] = kNoSurface;
+  Surface surface = kNoSurface;
   for (uint pass = 0; pass < kFieldPasses; ++pass) {
-    for (uint k = 0; k < kPlaces; ++k) {
-      placeSums[k] = noSums();
-      colorSums[k] = vec4(0.0);
-    }
-    sumBox(box, strideFor(candidates));
-    for (uint k = 0; k < kPlaces; ++k) {
-      const Surface next = surfaceOf(placeSums[k]);
-      if (next.defined) surfaces[k] = next;
-    }
+    placeSums = noSums();
+    colorSums = vec4(0.0);
+    sumBox(box, strideFor(candidates), place, wanted, surface);
+    const Surface next = surfaceOf(placeSums);
+    if (next.defined) surface = next;
   }
+  return Answer(surface, colorSums);
 }
 
 #endif

@@ -19,7 +19,6 @@ struct CutEdge {
   uint axis;
   float low, high;
 };
-CutEdge edges[kPlaces];
 
 // The edge of the vertex that is the `local`th of a block.
 CutEdge edgeOf(uint slot, uvec3 block, uint local) {
@@ -53,20 +52,18 @@ void copyOld(uvec3 block, uint first, uint count) {
 
 // The surface is no straight line between two nodes: it was looked at where the line is zero, and the line is drawn
 // again from there to the node on the other side (one step of the false position).
-void writeVertex(uint vertex, uint k) {
-  const CutEdge edge = edges[k];
+void writeVertex(uint vertex, CutEdge edge, Answer there) {
   float t = crossing(0.0, edge.low, 1.0, edge.high);
-  const Surface there = surfaces[k];
-  if (there.defined)
-    t = (there.distance < 0.0) == (edge.low < 0.0) ? crossing(t, there.distance, 1.0, edge.high)
-                                                   : crossing(0.0, edge.low, t, there.distance);
-  vec3 normal = there.normal;
+  const float value = there.surface.distance;
+  if (there.surface.defined)
+    t = (value < 0.0) == (edge.low < 0.0) ? crossing(t, value, 1.0, edge.high) : crossing(0.0, edge.low, t, value);
+  vec3 normal = there.surface.normal;
   if (dot(normal, normal) < 0.5) normal[edge.axis] = edge.low < 0.0 ? 1.0 : -1.0;
   MeshVertices vertices = args.buffers.at[0].now.vertices;
   vertices.at[vertex].position = alongEdge(edge, clamp(t, kMeshClearance, 1.0 - kMeshClearance));
   vertices.at[vertex].normal = normal;
-  const vec4 colors = colorSums[k];
-  vertices.at[vertex].color = kMeshColored && colors.a > 0.0 ? packUnorm4x8(vec4(colors.rgb / colors.a, 1.0)) : 0;
+  vertices.at[vertex].color =
+      kMeshColored && there.colors.a > 0.0 ? packUnorm4x8(vec4(there.colors.rgb / there.colors.a, 1.0)) : 0;
 }
 
 void main() {
@@ -80,17 +77,13 @@ void main() {
     copyOld(block, first, count);
     return;
   }
-  for (uint base = 0; base < count; base += kPlaces * kMeshWorkgroup) {
-    for (uint k = 0; k < kPlaces; ++k) {
-      const uint local = base + k * kMeshWorkgroup + scanIndex();
-      wanted[k] = local < count;
-      if (!wanted[k]) continue;
-      edges[k] = edgeOf(slot, block, local);
-      places[k] = alongEdge(edges[k], crossing(0.0, edges[k].low, 1.0, edges[k].high));
-    }
-    findSurfaces(nodePlace(args.lattice, block * kMeshBlockSide),
-                 nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide));
-    for (uint k = 0; k < kPlaces; ++k)
-      if (wanted[k]) writeVertex(first + base + k * kMeshWorkgroup + scanIndex(), k);
+  for (uint base = 0; base < count; base += kMeshWorkgroup) {
+    const uint local = base + scanIndex();
+    const bool wanted = local < count;
+    const CutEdge edge = edgeOf(slot, block, min(local, count - 1));
+    const Answer there = findSurface(nodePlace(args.lattice, block * kMeshBlockSide),
+                                     nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide),
+                                     alongEdge(edge, crossing(0.0, edge.low, 1.0, edge.high)), wanted);
+    if (wanted) writeVertex(first + local, edge, there);
   }
 }

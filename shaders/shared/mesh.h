@@ -27,17 +27,17 @@ const uint kMeshWorkgroup = kMeshCaseWords;
 
 // The value of a node that no surface is known about. A number, since shaders may take not-a-number for one.
 const float kMeshUndefined = 3.0e38f;
-// A vertex stays this far from both ends of its edge, in edges, so that no triangle shrinks to nothing where the surface
-// goes through a node. More dents the surface there, less makes thinner slivers.
+// A vertex stays this far from both ends of its edge, in edges, so that no triangle shrinks to nothing where the
+// surface goes through a node. More dents the surface there, less makes thinner slivers.
 const float kMeshClearance = 1.0f / 128;
 // Besides the kSurface... of contact: the thesis's density (its equation 3.1).
 const uint kSurfaceDensity = 3;
 // The density of the surface, of that on an even plane.
 const float kMeshIsoDensity = 0.5f;
 
-// Candidates that a block looks at; where its cells hold more it takes every so-manyth. Few enough that one invocation,
-// which sums over them for four places up to three times, stays below the 65,535 loop rounds after which one software
-// driver stops a shader; several times what an even cloud needs.
+// Candidates that one box of places looks at; where its cells hold more it takes every so-manyth. Few enough that an
+// invocation, which sums over them for four places up to three times, stays below the 65,535 loop rounds after which
+// one software driver stops a shader; several times what an even cloud needs.
 const uint kMeshMostCandidates = 4096;
 
 // Blocks are numbered x fastest; node (0, 0, 0) of block (0, 0, 0) is at `origin`.
