@@ -87,7 +87,7 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
       origin_(cloud.origin),
       live_(device, partOf(cloud, plan), plan.share < 1 ? spareIn(plan, cloud.size(), spare) : spare),
       hash_(device, makeHashGrid(plan.lattice.origin, static_cast<double>(plan.lattice.radius), live_.slots()),
-            live_.slots(), std::nullopt, BucketOrder::stable, Slots::spare),
+            live_.slots(), kDefaultSort, BucketOrder::stable, Slots::spare),
       scan_(device),
       movePoints_(device, shader_code::mesh_move_points, {.pushBytes = sizeof(shared::MeshMoveArgs)}),
       mark_(device, shader_code::mesh_mark, {.pushBytes = sizeof(shared::MeshArgs)}),
