@@ -38,6 +38,7 @@ Seen self;
 uint selfSlot;
 // What is known of points, by their ids.
 uint tick, firstNew;
+bool spent;  // no ids are left: nobody wishes for a new point, or many would wish in every tick for ever
 Uints looksOf, parentsOf;
 Floats spacings;
 vec3 axisU, axisV;
@@ -188,7 +189,7 @@ bool placeInGaps() {
 uint nextLook() {
   if (look == kLookAround && findFirst()) return kLookYields;
   if (look == kLookYields) leaves = !subgroupAny(firstYields);
-  if (look <= kLookYields) return leaves || !anyWide() ? kLookNoMore : kLookIds;
+  if (look <= kLookYields) return leaves || spent || !anyWide() ? kLookNoMore : kLookIds;
   if (look == kLookIds) return kLookNearest;
   if (look == kLookNearest && placeInGaps()) return kLookBlocks;
   return kLookNoMore;
@@ -240,6 +241,7 @@ void wishFor(uint id, vec3 center, uint sector) {
 
 void wishForAll() {
   tick = args.lists.now.tick;
+  spent = args.lists.now.nextId >= args.tables.at[0].ids;
   firstNew = args.tables.at[0].firstNew;
   looksOf = args.tables.at[0].looks;
   parentsOf = args.tables.at[0].parents;
