@@ -38,7 +38,6 @@ TouchOptions touchOptions(const Model& model, const BackendOptions& options, con
     if (options.method == name) touch.method = method;
   if (options.sort == "radix") touch.sort = SortMethod::radix;
   if (options.sort == "radix-lookback") touch.sort = SortMethod::radixLookBack;
-  if (options.sort == "counting") touch.sort = SortMethod::counting;
   if (options.realtime && !options.deterministic) touch.bucketOrder = BucketOrder::arrival;
   if (options.wait == "spin") touch.wait = Wait::spin;
   if (options.wait == "poll") touch.wait = Wait::poll;
@@ -83,10 +82,9 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
   };
   choice("--bucket-key", options.bucketKey, {"teschner", "morton"},
          "teschner scatters every cell, morton keeps blocks of cells together in memory");
-  choice(
-      "--sort", options.sort, {"auto", "radix", "radix-lookback", "counting"},
-      "how the index sorts: auto (by driver), radix (runs everywhere), radix-lookback (where workgroups may wait for "
-      "one another), counting (gives way to radix where a bucket is crowded)");
+  choice("--sort", options.sort, {"counting", "radix", "radix-lookback"},
+         "how the index sorts: counting (gives way to a radix sort where a bucket is crowded), radix, radix-lookback "
+         "(where workgroups may wait for one another)");
   sub.add_flag("--deterministic", options.deterministic,
                "bit-identical results run after run; virtual time is so in any case");
   sub.add_option("--wait", options.wait, "for the GPU: spin, poll or block (default: by driver and cores)")

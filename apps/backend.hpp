@@ -8,7 +8,7 @@
 namespace palpate {
 
 struct BackendOptions {
-  std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", sort = "auto", ahead = "auto";
+  std::string backend = "vulkan", index = "incremental", bucketKey = "teschner", sort = "counting", ahead = "auto";
   std::string method, surface, wait;  ///< empty: the back end's own choice
   bool deterministic = false, realtime = false;
   std::string radius = "auto";

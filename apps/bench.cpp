@@ -73,15 +73,21 @@ bool asksFor(const BenchOptions& options, std::string_view name) {
   return std::ranges::find(options.names, name) != options.names.end();
 }
 
-constexpr std::array<std::string_view, 3> kAlone{"touch", "edit", "splat"};
+// The one of the benches that are asked for alone; empty where there is none. Their pages have nothing in common with
+// the plot of times.
+std::string aloneOf(const BenchOptions& options) {
+  for (const char* name : {"touch", "edit", "mesh", "splat"})
+    if (asksFor(options, name)) return name;
+  return "";
+}
 
-// The pages of these have nothing in common with the plot of times, so one asks for one at a time.
-void benchAlone(Context& context, const BenchOptions& options) {
-  const std::string name(
-      *std::ranges::find_if(kAlone, [&](std::string_view alone) { return asksFor(options, alone); }));
-  if (name == "splat" && !options.plotFile.empty()) throw UsageError("bench splat: there is no plot of it");
+void benchAlone(Context& context, const BenchOptions& options, const std::string& name) {
   if (options.names.size() > 1)
     throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", name);
+  if ((name == "mesh" || name == "splat") && !options.plotFile.empty())
+    throw UsageError("bench {}: there is no --plot of it", name);
+  if (name == "mesh" && options.backends != std::vector<std::string>{"vulkan"})
+    throw UsageError("bench mesh: only --backend vulkan meshes");
   checkMethods(options);
   Context::checkWritable(options.plotFile);
   Json result{{"machines", Json::object()}};
@@ -90,6 +96,7 @@ void benchAlone(Context& context, const BenchOptions& options) {
     fmt::print(context.tables(), "{}: {}\n", backend, machine.get<std::string>());
   if (name == "touch") result[name] = benchTouch(context, options);
   if (name == "edit") result[name] = benchEdit(context, subjectsOf(options), options);
+  if (name == "mesh") result[name] = benchMesh(context, subjectsOf(options), options);
   if (name == "splat") result[name] = benchSplat(context, subjectsOf(options), options);
   context.writeJson(result);
   if (!options.plotFile.empty()) plot(name == "touch" ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
@@ -175,14 +182,14 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick), edit (a tick that sculpts), splat (a picture, and how true it is); touch judges what is felt "
-      "against surfaces "
+      "haptic tick), edit (a tick that sculpts), mesh (marching cubes), splat (a picture, and how true it is); touch "
+      "judges what is felt against surfaces "
       "that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or splat")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh; or splat")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "splat"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh", "splat"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -219,6 +226,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   addIndexOptions(*sub, options->backend);
   addTouchBenchOptions(*sub, options->touch);
   addEditBenchOptions(*sub, options->edit);
+  addMeshBenchOptions(*sub, options->mesh);
   sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
       ->check(notNegative())
       ->capture_default_str();
@@ -233,6 +241,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
       "share "
       "of the points on a full build is cheaper.\n"
+      "mesh: ms on the GPU for each pass of marching cubes and for a mesh that follows an edit, memory, and the "
+      "distance "
+      "of vertices and the error of normals against shapes that are known.\n"
       "splat: ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under clean and "
       "uneven --conditions against rays cast in double precision: pixels without surface, overlap of the silhouettes, "
       "error of depth and of normals. --quick leaves that out.\n"
@@ -244,10 +255,10 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->callback([&, options, backends, sub] {
     if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, options, chosen = backends->count() > 0] {
-      if (std::ranges::none_of(kAlone, [&](std::string_view name) { return asksFor(*options, name); }))
-        return bench(context, *options);
-      if (asksFor(*options, "touch") && !chosen) options->backends = {ownTouchBackend(context)};
-      benchAlone(context, *options);
+      const std::string alone = aloneOf(*options);
+      if (alone.empty()) return bench(context, *options);
+      if (alone == "touch" && !chosen) options->backends = {ownTouchBackend(context)};
+      benchAlone(context, *options, alone);
     };
   });
 }

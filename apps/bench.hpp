@@ -26,6 +26,14 @@ struct EditBenchOptions {
 };
 void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options);
 
+/// Of `bench mesh` alone; its shapes are those of touch.
+struct MeshBenchOptions {
+  std::vector<std::int64_t> lattices{64, 128, 256};
+  std::vector<std::string> surfaces{"sphere"};
+  std::int64_t truthPoints = 200'000;
+};
+void addMeshBenchOptions(CLI::App& sub, MeshBenchOptions& options);
+
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::string> surfaces{"average"};  ///< of query and step; every back end has the average
@@ -40,6 +48,7 @@ struct BenchOptions {
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;
+  MeshBenchOptions mesh;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
@@ -95,6 +104,9 @@ Json benchTouch(Context& context, const BenchOptions& options);
 /// What an edited step costs, against the points of the model and against those that the edit touches
 /// (apps/edit_cost.hpp). Prints tables, and gives the numbers back.
 Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
+/// What a mesh costs, pass by pass, whole and after an edit, and how far it is from shapes that are known. Prints
+/// tables, and gives the numbers back.
+Json benchMesh(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
 /// What a picture costs, pass by pass, and how true it is to shapes that are known (apps/picture_judge.hpp). Prints
 /// tables, and gives the numbers back.
 Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);

@@ -57,6 +57,7 @@ void addMake(CLI::App& app, Context& context, Command& command);
 void addTouch(CLI::App& app, Context& context, Command& command);
 void addReplay(CLI::App& app, Context& context, Command& command);
 void addRender(CLI::App& app, Context& context, Command& command);
+void addMesh(CLI::App& app, Context& context, Command& command);
 void addBench(CLI::App& app, Context& context, Command& command);
 void addDoctor(CLI::App& app, Context& context, Command& command);
 

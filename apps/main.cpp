@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   addTouch(app, context, command);
   addReplay(app, context, command);
   addRender(app, context, command);
+  addMesh(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);
   for (CLI::App* sub : app.get_subcommands({}))

@@ -109,8 +109,11 @@ void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
                pass.waits ? "yes" : "no", pass.gpu_us);
 }
 
-void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
-                 const Overlays& overlays, const std::string& file) {
+namespace {
+
+template <class Drawn>
+void draw(Context& context, const Model& model, const Drawn& drawn, const PictureOptions& options,
+          const Overlays& overlays, const std::string& file) {
   Device& device = context.device();
   const Size size = parseSize(options.size);
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
@@ -124,7 +127,6 @@ void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const 
   }
   CommandList list(device, device.sight(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
-  drawn.closeSurface();
   list.begin();
   frame.record(list, drawn, camera, frameOf);
   list.end();
@@ -132,6 +134,19 @@ void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const 
   writePng(file, frame.readColor());
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
   if (options.printFrame) printPasses(context.tables(), list.passes());
+}
+
+}  // namespace
+
+void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file) {
+  drawn.closeSurface();
+  draw(context, model, drawn, options, overlays, file);
+}
+
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file) {
+  draw(context, model, drawn, options, overlays, file);
 }
 
 }  // namespace palpate

@@ -21,6 +21,10 @@ void checkPictureOptions(const PictureOptions& options);
 void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
                  const Overlays& overlays, const std::string& file);
 
+/// The same for a mesh of it.
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file);
+
 /// The passes of a recording with their threads, bytes and last GPU times.
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes);
 

@@ -1,3 +1,4 @@
+#include "apps/mesh_options.hpp"
 #include "apps/picture.hpp"
 
 namespace palpate {
@@ -7,15 +8,33 @@ namespace {
 struct RenderOptions {
   ModelOptions model;
   PictureOptions picture;
-  std::string output;
+  MeshChoices mesh;
+  std::string output, mode = "splat";
 };
+
+void drawMesh(Context& context, const Model& model, const RenderOptions& options) {
+  const MeshPlan plan = planFor(model, options.mesh);
+  MarchingCubes cubes = makeCubes(context, model, plan);
+  cubes.build();
+  const DrawnMesh drawn{.vertices = cubes.vertices().address(),
+                        .triangles = cubes.triangles().address(),
+                        .triangleCount = cubes.triangleCount(),
+                        .hasColors = cubes.hasColors(),
+                        .bounds = boundsOf(model.cloud),
+                        .cell = static_cast<double>(plan.lattice.cell)};
+  takePicture(context, model, drawn, options.picture, {}, options.output);
+}
 
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
   context.checkWritable(options.output);
   const Model model = loadModel(context, options.model, EstimateOn::gpu);
-  DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
-  takePicture(context, model, drawn, options.picture, {}, options.output);
+  if (options.mode == "mesh") {
+    drawMesh(context, model, options);
+  } else {
+    DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
+    takePicture(context, model, drawn, options.picture, {}, options.output);
+  }
   context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
 }
@@ -27,7 +46,11 @@ void addRender(CLI::App& app, Context& context, Command& command) {
   auto options = std::make_shared<RenderOptions>();
   addModelOptions(*sub, options->model);
   sub->add_option("-o,--output", options->output, "PNG file to write")->required()->type_name("IMG.png");
+  sub->add_option("--mode", options->mode, "splat: every point a disc; mesh: the triangles of `palpate mesh`")
+      ->check(CLI::IsMember({"splat", "mesh"}))
+      ->capture_default_str();
   addPictureOptions(*sub, options->picture);
+  addMeshOptions(*sub, options->mesh);
   sub->callback([&, options] { command = [&context, options] { render(context, *options); }; });
 }
 

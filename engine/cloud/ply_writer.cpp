@@ -74,9 +74,10 @@ struct Layout {
   std::vector<const Attribute*> extra;
 };
 
-Layout layoutOf(const PointCloud& cloud) {
+Layout layoutOf(const PointCloud& cloud, bool doubles) {
   const StoredAs& stored = cloud.storedAs;
-  const bool wide = stored.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
+  const bool wide =
+      doubles || stored.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
   Layout layout{wide ? ScalarType::f64 : ScalarType::f32, stored.normal, stored.color, stored.alpha ? 4u : 3u, {}};
   // A lone nx of the input became an attribute; it gives way once the cloud has real normals.
   const auto taken = [&](const std::string& name) {
@@ -90,12 +91,12 @@ Layout layoutOf(const PointCloud& cloud) {
   return layout;
 }
 
-void writeHeader(Output& out, const PointCloud& cloud, const Layout& layout, bool ascii) {
+void writeHeader(Output& out, const PointCloud& cloud, const Layout& layout, const PlyWriteOptions& options) {
   const auto property = [&](ScalarType type, std::string_view name) {
     out.headerLine(fmt::format("property {} {}", plyName(type), name));
   };
   out.headerLine("ply");
-  out.headerLine(ascii ? "format ascii 1.0" : "format binary_little_endian 1.0");
+  out.headerLine(options.ascii ? "format ascii 1.0" : "format binary_little_endian 1.0");
   for (const std::string& comment : cloud.storedAs.comments) out.headerLine(comment);
   out.headerLine(fmt::format("element vertex {}", cloud.size()));
   for (const char* name : {"x", "y", "z"}) property(layout.position, name);
@@ -104,6 +105,10 @@ void writeHeader(Output& out, const PointCloud& cloud, const Layout& layout, boo
   if (cloud.hasColors())
     for (std::size_t k = 0; k < layout.colorChannels; ++k) property(layout.color, kColorNames[k]);
   for (const Attribute* attribute : layout.extra) property(attribute->type, attribute->name);
+  if (options.triangles) {
+    out.headerLine(fmt::format("element face {}", options.triangles->size()));
+    out.headerLine("property list uchar int vertex_indices");
+  }
   out.headerLine("end_header");
 }
 
@@ -114,6 +119,14 @@ void writeColor(Output& out, ScalarType type, std::uint8_t channel) {
     out.value(static_cast<std::uint16_t>(channel * 257));
   else
     out.real(type, channel / 255.0);
+}
+
+void writeTriangles(Output& out, const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+  for (const auto& triangle : triangles) {
+    out.value(std::uint8_t{3});
+    for (const std::uint32_t corner : triangle) out.value(static_cast<std::int32_t>(corner));
+    out.endRow();
+  }
 }
 
 void checkSizes(const PointCloud& cloud) {
@@ -128,9 +141,9 @@ void checkSizes(const PointCloud& cloud) {
 
 void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWriteOptions options) {
   checkSizes(cloud);
-  const Layout layout = layoutOf(cloud);
+  const Layout layout = layoutOf(cloud, options.doubles);
   Output out(path, options.ascii);
-  writeHeader(out, cloud, layout, options.ascii);
+  writeHeader(out, cloud, layout, options);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const DVec3 position = cloud.fileCoordinates(i);
     for (int k = 0; k < 3; ++k) out.real(layout.position, position[k]);
@@ -145,6 +158,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWri
     }
     out.endRow();
   }
+  if (options.triangles) writeTriangles(out, *options.triangles);
   out.finish();
 }
 

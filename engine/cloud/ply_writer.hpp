@@ -9,11 +9,14 @@ namespace palpate {
 
 struct PlyWriteOptions {
   bool ascii = false;  ///< shortest decimals that read back as the same number
+  /// Faces, by the numbers of their points; null: none.
+  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
+  bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
 };
 
 /// Writes x y z [nx ny nz] [red green blue [alpha]] and the extra attributes, in the types that the cloud was stored
-/// as. Binary little-endian unless ASCII is asked for. The file appears under its name only when it is whole. Throws
-/// FileError.
+/// as, and an element of faces where there are triangles. Binary little-endian unless ASCII is asked for. The file
+/// appears under its name only when it is whole. Throws FileError.
 void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWriteOptions options = {});
 
 }  // namespace palpate

@@ -6,8 +6,8 @@
 
 namespace palpate::cu {
 
-/// The push and the normals of the points that it moved, as shaders/edit/select.comp and refit_normals.comp, but with a
-/// look at every point. The number of moved points never leaves the device.
+/// The push and the normals of the points that it moved, as shaders/edit/collect.comp and refit_normals.comp, but with
+/// a look at every point. The number of moved points never leaves the device.
 class PushEdit {
  public:
   /// `radius`: support radius; `longestMove`: of one point in one tick; model units.

@@ -9,9 +9,6 @@ namespace {
 // Without a letter for so long the kernel ends, and the host launches it again when it has one: a call that waits for
 // the whole GPU (freeing memory, loading a kernel) is held up by that much and not for ever.
 constexpr std::uint64_t kLongestIdle_ns = 50'000'000;
-// Looks that are on the bus at a time, so that a letter is seen soon after it came and not half a trip later.
-constexpr int kLooksUnderWay = 4;
-constexpr int kRoundsPerClock = 64;
 
 struct Sides {
   CloudView at[2];
@@ -23,27 +20,18 @@ __device__ std::uint64_t now_ns() {
   return time_ns;
 }
 
-// The words of a letter on its way.
-struct Look {
+// The letter as it is on its way, in one trip over the bus.
+__device__ Letter look(const Letter* box) {
   uint words[kLetterWords];
-};
-
-// One trip over the bus, and no wait for its end.
-__device__ Look look(const Letter* box) {
-  Look seen;
-  uint(&words)[kLetterWords] = seen.words;
   const auto* from = reinterpret_cast<const uint*>(box);
   asm volatile("ld.volatile.v4.u32 {%0, %1, %2, %3}, [%4];"
                : "=r"(words[0]), "=r"(words[1]), "=r"(words[2]), "=r"(words[3])
-               : "l"(from));
+               : "l"(from)
+               : "memory");
   asm volatile("ld.volatile.v4.u32 {%0, %1, %2, %3}, [%4];"
                : "=r"(words[4]), "=r"(words[5]), "=r"(words[6]), "=r"(words[7])
-               : "l"(from + 4));
-  return seen;
-}
-
-__device__ Letter letterFrom(const Look& seen) {
-  const uint(&words)[kLetterWords] = seen.words;
+               : "l"(from + 4)
+               : "memory");
   uint seal = 0;
   for (uint i = 0; i + 1 < kLetterWords; ++i) seal += questionShare(words[i], i);
   Letter letter;
@@ -59,24 +47,16 @@ __device__ Letter letterFrom(const Look& seen) {
 // Waits for a letter newer than `answered`; one that says stop when none comes.
 __device__ Letter nextLetter(const Letter* box, uint answered) {
   const std::uint64_t began_ns = now_ns();
-  Look seen[kLooksUnderWay];
-#pragma unroll
-  for (Look& each : seen) each = look(box);
-  for (;;) {
-    for (int round = 0; round < kRoundsPerClock; ++round) {
-#pragma unroll
-      for (Look& each : seen) {
-        const Letter letter = letterFrom(each);
-        if (letter.seal == 0 && letter.sequence != answered) {
-          __threadfence_system();  // what other kernels wrote before the host did is seen as well
-          return letter;
-        }
-        each = look(box);
-      }
+  Letter letter = look(box);
+  while (letter.seal != 0 || letter.sequence == answered) {
+    if (now_ns() - began_ns > kLongestIdle_ns) {
+      letter.stop = 1;
+      return letter;
     }
-    if (now_ns() - began_ns > kLongestIdle_ns)
-      return {.pose = {}, .parity = 0, .stop = 1, .sequence = answered, .seal = 0};
+    letter = look(box);
   }
+  __threadfence_system();  // what other kernels wrote before the host did is seen as well
+  return letter;
 }
 
 __global__ void __launch_bounds__(kStepThreads)

@@ -15,7 +15,8 @@ struct Surface {
 };
 
 /// The surface at `x`, relative to the patch's centre. All threads of the block call it together and get the same bits.
-inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius) {
+/// Every translation unit has its own: the device linker takes clones of one that they share for the same code.
+static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius) {
   __shared__ float partial[kStepWarps][8];
   vec4 offsets(0.0f);  // sum of w (p - x), sum of w
   vec4 normals(0.0f);  // sum of w n, neighbours

@@ -7,9 +7,17 @@
 
 namespace palpate {
 
+namespace {
+
+// A buffer of at most 4 GiB less a little, which is all that some drivers give at a time. An edit that may write more
+// is left out: it would have to touch more than a sixteenth of a cloud of more points than that.
+constexpr std::uint64_t kMostEntries = std::bit_floor((std::uint64_t{4094} << 20) / sizeof(shared::EditEntry));
+
+}  // namespace
+
 std::uint64_t EditLog::capacityFor(std::uint64_t points, std::uint64_t slack) {
   if (points == 0) return 1;  // nobody edits
-  return std::bit_ceil(points + std::max(points, slack));
+  return std::min(std::bit_ceil(points + std::max(points, slack)), kMostEntries);
 }
 
 EditLog::EditLog(Device& device, std::uint64_t points, std::uint64_t slack)

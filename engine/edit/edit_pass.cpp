@@ -18,8 +18,10 @@ constexpr std::uint32_t kMostChanges = 1 << 16;
 static_assert(sizeof(shared::EditEntry) == sizeof(PointState));
 static_assert(shared::kPointGone == PointState::kGone);
 
-PipelineOptions pipeline(std::uint32_t pushBytes) {
-  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+PipelineOptions pipeline(std::uint32_t pushBytes, const HashUpdate& update) {
+  return {.workgroupSize = shared::kUpdateWorkgroup,
+          .pushBytes = pushBytes,
+          .constants = {update.dispatch().countsGroups()}};
 }
 
 // Cells that a ball of `radius` may touch, along one side; 0 where they are more than the buckets.
@@ -43,11 +45,12 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
       update_(device, hash, live),
       mostChanges_(std::min(kMostChanges, update_.mostMoves())),
       boxCells_(boxCells(hash.grid(), brush.toolRadius)),
-      select_(device, shader_code::edit_select, pipeline(sizeof(shared::SelectArgs))),
-      smooth_(device, shader_code::edit_smooth, pipeline(sizeof(shared::SmoothArgs))),
-      restore_(device, shader_code::edit_restore, pipeline(sizeof(shared::RestoreArgs))),
-      refit_(device, shader_code::edit_refit_normals, pipeline(sizeof(shared::RefitNormalsArgs))),
-      settle_(device, shader_code::edit_settle, pipeline(sizeof(shared::SettleArgs))),
+      collect_(device, shader_code::edit_collect, pipeline(sizeof(shared::CollectArgs), update_)),
+      smooth_(device, shader_code::edit_smooth, pipeline(sizeof(shared::SmoothArgs), update_)),
+      restore_(device, shader_code::edit_restore, pipeline(sizeof(shared::RestoreArgs), update_)),
+      refit_(device, shader_code::edit_refit_normals, pipeline(sizeof(shared::RefitNormalsArgs), update_)),
+      logGone_(device, shader_code::edit_log_gone, pipeline(sizeof(shared::RefitNormalsArgs), update_)),
+      settle_(device, shader_code::edit_settle, pipeline(sizeof(shared::SettleArgs), update_)),
       brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")),
       tables_(Buffer::of<shared::PointTables>(device, 1, Memory::device, "point tables")),
       colors_(Buffer::of<std::uint32_t>(device, colors.empty() ? 0 : live.slots(), Memory::device, "live colors")),
@@ -59,93 +62,111 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
     std::ranges::copy(colors, byId.begin());
     upload(device, colors_, byId);
   }
-  if (brush.keepsDensity && brush.kind != BrushKind::paint)
-    resample_.emplace(device, live, update_.mostMoves(), radius);
+  if (brush.keepsDensity && brush.kind != BrushKind::paint) resample_.emplace(device, live, update_, radius);
   upload(device, tables_,
          std::vector<shared::PointTables>{{.colors = colors.empty() ? 0 : colors_.address(),
                                            .parents = parents_.address(),
                                            .spacings = resample_ ? resample_->spacings() : 0,
                                            .looks = resample_ ? resample_->looks() : 0,
+                                           .lists = resample_ ? resample_->lists() : 0,
                                            .firstNew = live.count(),
-                                           .ids = live.slots()}});
+                                           .ids = live.slots(),
+                                           .mostMoves = update_.mostMoves(),
+                                           .unused = 0}});
   if (resample_) resample_->measure(view(live.side()), tables_.address());
 }
 
-Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t parity,
-                                  DeviceAddress contactState) const {
-  return {.update = update_.args(cloud, parity),
-          .tables = tables_.address(),
-          .brush = brush_.address(),
-          .contactState = contactState,
-          .counters = update_.counters()};
+Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const {
+  return {.update = update_.args(cloud, parity), .tables = tables_.address(), .lists = update_};
 }
 
-void EditPass::recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                            const Buffer& contactState, std::optional<std::uint32_t> firstSlot) const {
+EditPass::Selection EditPass::box() const {
+  return boxCells_ > 0 ? Selection{.cells = static_cast<std::uint32_t>(boxCells_)} : Selection{.slots = live_.slots()};
+}
+
+void EditPass::recordCollect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                             DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const {
   const shared::HashUpdateArgs update = update_.args(cloud, parity);
-  const std::uint64_t cells = firstSlot ? 0 : boxCells_;
-  const std::uint32_t first = firstSlot.value_or(0);
-  const std::uint32_t slots = firstSlot ? std::min(update_.mostMoves(), cloud.slots - first) : cloud.slots;
-  const std::uint64_t groups = (cells * cells * cells + shared::kSelectCells - 1) / shared::kSelectCells;
-  list.dispatch(select_, cells > 0 ? groups * shared::kUpdateWorkgroup : slots,
-                shared::SelectArgs{.cloud = cloud,
-                                   .update = update.update,
-                                   .moves = update.moves,
-                                   .marks = update.marks,
-                                   .touched = update.touched,
-                                   .state = contactState.address(),
-                                   .brush = brush_.address(),
-                                   .tables = tables_.address(),
-                                   .mostMoves = update_.mostMoves(),
-                                   .cells = static_cast<std::uint32_t>(cells),
-                                   .firstSlot = first,
-                                   .slots = slots});
-  if (options_.kind != BrushKind::smooth) return;
-  list.dispatchIndirect(smooth_, update_.counters(),
-                        shared::SmoothArgs{.cloud = cloud,
-                                           .update = update.update,
-                                           .moves = update.moves,
-                                           .marks = update.marks,
-                                           .touched = update.touched,
-                                           .state = contactState.address(),
-                                           .brush = brush_.address(),
-                                           .mostMoves = update_.mostMoves(),
-                                           .unused = 0},
-                        offsetof(shared::HashUpdate, movedGroups));
+  const std::uint32_t recalling =
+      recalls == shared::kRecallsNothing ? 0 : update_.dispatch().sharedGroups(CountedDispatch::Step::subgroup);
+  const std::uint64_t groups = std::uint64_t{shared::selectGroups(selection.cells, selection.slots)} + recalling;
+  list.dispatch(collect_, groups * shared::kUpdateWorkgroup,
+                shared::CollectArgs{.cloud = cloud,
+                                    .update = update.update,
+                                    .moves = update.moves,
+                                    .marks = update.marks,
+                                    .touched = update.touched,
+                                    .state = contactState,
+                                    .brush = brush_.address(),
+                                    .tables = tables_.address(),
+                                    .recalls = recalls,
+                                    .cells = selection.cells,
+                                    .firstSlot = selection.firstSlot,
+                                    .slots = selection.slots});
+}
+
+void EditPass::recordSmooth(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                            DeviceAddress contactState) const {
+  const shared::HashUpdateArgs update = update_.args(cloud, parity);
+  update_.dispatch()(list, smooth_, CountedDispatch::Step::subgroup, update_.counters(),
+                     offsetof(shared::HashUpdate, movedGroups),
+                     shared::SmoothArgs{.cloud = cloud,
+                                        .update = update.update,
+                                        .moves = update.moves,
+                                        .marks = update.marks,
+                                        .touched = update.touched,
+                                        .state = contactState,
+                                        .brush = brush_.address(),
+                                        .mostMoves = update_.mostMoves(),
+                                        .unused = 0});
 }
 
 void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const {
   const shared::CloudView cloud = view(side);
-  update_.recordBegin(list);
+  const DeviceAddress state = contactState.address();
+  const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto section = list.section("brush");
-    recordSelect(list, cloud, side.parity, contactState, std::nullopt);
+    recordMoves(list, cloud, side.parity, state, box(), recalls);
   }
-  if (resample_) resample_->recordRecall(list, resampleIo(cloud, side.parity, contactState.address()));
   update_.recordApply(list, cloud, side.parity);
-  recordSequel(list, cloud, side.parity, update_.scratch(), &contactState);
+  recordSequel(list, cloud, side.parity, update_.scratch(), true);
+}
+
+void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                           DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const {
+  if (options_.kind != BrushKind::smooth) return recordCollect(list, cloud, parity, contactState, selection, recalls);
+  // By the neighbours as they all still stand.
+  recordCollect(list, cloud, parity, contactState, selection, shared::kRecallsNothing);
+  recordSmooth(list, cloud, parity, contactState);
+  if (recalls != shared::kRecallsNothing) recordCollect(list, cloud, parity, contactState, {}, recalls);
 }
 
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                              const Buffer& contactState, SortMethod sort, Reach reach) const {
+  const DeviceAddress state = contactState.address();
+  const shared::CloudView cloud = view(from);
+  const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto section = list.section("brush");
-    const bool all = reach == Reach::all || boxCells_ == 0;
-    const std::uint32_t atATime = all ? update_.mostMoves() : live_.slots();
-    for (std::uint32_t first = 0; first < live_.slots(); first += atATime) {
-      update_.recordBegin(list);
-      recordSelect(list, view(from), from.parity, contactState, all ? std::optional(first) : std::nullopt);
-      update_.recordCommit(list, view(from));
+    if (reach == Reach::box && boxCells_ > 0) {
+      recordMoves(list, cloud, from.parity, state, box(), recalls);
+    } else {
+      for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
+        const Selection slots{.firstSlot = first, .slots = std::min(update_.mostMoves(), live_.slots() - first)};
+        recordMoves(list, cloud, from.parity, state, slots, shared::kRecallsNothing);
+        update_.recordCommit(list, cloud);
+        recordLogging(list, logGone_, CountedDispatch::Step::invocation, offsetof(shared::HashUpdate, moveGroups),
+                      cloud, from.parity, 0);
+        update_.recordBegin(list);
+      }
+      if (resample_) recordCollect(list, cloud, from.parity, state, {}, recalls);
     }
-  }
-  if (resample_) {
-    update_.recordBegin(list);
-    resample_->recordRecall(list, resampleIo(view(from), from.parity, contactState.address()));
-    update_.recordCommit(list, view(from));
+    update_.recordCommit(list, cloud);
   }
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
-  recordSequel(list, view(to), to.parity, from.normals.address(), &contactState);
+  recordSequel(list, view(to), to.parity, from.normals.address(), true);
 }
 
 void EditPass::give(std::span<const PointChange> changes) {
@@ -180,23 +201,23 @@ void EditPass::recordRestore(CommandList& list, const shared::CloudView& cloud, 
 void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Side& side) const {
   const shared::CloudView cloud = view(side);
   update_.recordBegin(list);
-  if (resample_) resample_->recordForget(list, resampleIo(cloud, side.parity, 0));
+  if (resample_) recordCollect(list, cloud, side.parity, 0, {}, shared::kForgetsWishes);
   recordRestore(list, cloud, side.parity, false);
   update_.recordApply(list, cloud, side.parity);
   recordRestore(list, cloud, side.parity, true);
-  recordSequel(list, cloud, side.parity, update_.scratch(), nullptr);
+  recordSequel(list, cloud, side.parity, update_.scratch(), false);
 }
 
 void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                                   SortMethod sort) const {
   update_.recordBegin(list);
-  if (resample_) resample_->recordForget(list, resampleIo(view(from), from.parity, 0));
+  if (resample_) recordCollect(list, view(from), from.parity, 0, {}, shared::kForgetsWishes);
   recordRestore(list, view(from), from.parity, false);
   update_.recordCommit(list, view(from));
   recordRestore(list, view(from), from.parity, true);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
-  recordSequel(list, view(to), to.parity, from.normals.address(), nullptr);
+  recordSequel(list, view(to), to.parity, from.normals.address(), false);
 }
 
 void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
@@ -204,37 +225,50 @@ void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, 
   update_.recordBegin(list);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity);
-  update_.recordReport(list);
+  update_.recordEnd(list);
+}
+
+void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step,
+                             std::uint64_t groups, const shared::CloudView& cloud, std::uint32_t parity,
+                             DeviceAddress fitted) const {
+  const shared::HashUpdateArgs update = update_.args(cloud, parity);
+  update_.dispatch()(list, pass, step, update_.counters(), groups,
+                     shared::RefitNormalsArgs{.cloud = cloud,
+                                              .update = update.update,
+                                              .moves = update.moves,
+                                              .changed = update.changed,
+                                              .fitted = fitted,
+                                              .entries = log_.entries(),
+                                              .head = log_.head(),
+                                              .tables = tables_.address(),
+                                              .lists = resample_ ? resample_->lists() : 0,
+                                              .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
+                                              .radius = static_cast<float>(radius_)});
 }
 
 void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                            DeviceAddress fitted, const Buffer* contactState) const {
+                            DeviceAddress fitted, bool resamples) const {
+  using Step = CountedDispatch::Step;
+  constexpr std::uint64_t kGroups = offsetof(shared::HashUpdate, changedGroups);
+  const shared::HashUpdateArgs update = update_.args(cloud, parity);
+  const bool wishes = resample_ && resamples;
+  const DeviceAddress lists = resample_ ? resample_->lists() : 0;
+  const shared::EditEnd end{.report = update_.reportAddress(),
+                            .resampling = resample_ ? resample_->reportAddress() : 0,
+                            .empty = update_.emptyCounters()};
   {
     const auto section = list.section("refit normals");
-    const shared::HashUpdateArgs update = update_.args(cloud, parity);
-    list.dispatchIndirect(refit_, update_.counters(),
-                          shared::RefitNormalsArgs{.cloud = cloud,
-                                                   .update = update.update,
-                                                   .moves = update.moves,
-                                                   .changed = update.changed,
-                                                   .fitted = fitted,
-                                                   .entries = log_.entries(),
-                                                   .head = log_.head(),
-                                                   .tables = tables_.address(),
-                                                   .lists = resample_ ? resample_->lists() : 0,
-                                                   .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
-                                                   .radius = static_cast<float>(radius_)},
-                          offsetof(shared::HashUpdate, changedGroups));
-    list.dispatchIndirect(
-        settle_, update_.counters(),
-        shared::SettleArgs{.cloud = cloud, .update = update.update, .changed = update.changed, .fitted = fitted},
-        offsetof(shared::HashUpdate, changedGroups));
+    recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, fitted);
+    update_.dispatch()(list, settle_, Step::invocation, update_.counters(), kGroups,
+                       shared::SettleArgs{.cloud = cloud,
+                                          .update = update.update,
+                                          .changed = update.changed,
+                                          .fitted = fitted,
+                                          .head = log_.head(),
+                                          .lists = lists,
+                                          .end = wishes ? shared::EditEnd{} : end});
   }
-  if (resample_ && contactState)
-    resample_->recordWishes(list, resampleIo(cloud, parity, contactState->address()), update_.changed());
-  const auto overlap = list.independent();
-  update_.recordReport(list);
-  if (resample_) resample_->recordReport(list);
+  if (wishes) resample_->recordWishes(list, resampleIo(cloud, parity), fitted, end);
 }
 
 void EditPass::complete(std::vector<PointState>& points) const {
@@ -244,6 +278,10 @@ void EditPass::complete(std::vector<PointState>& points) const {
     if (point.id >= live_.count()) point.parent = parents[point.id - live_.count()];
     if (!byId.empty()) point.color = byId[point.id];
   }
+}
+
+std::uint64_t EditPass::mostLogged(Reach reach) const {
+  return reach == Reach::box && boxCells_ > 0 ? update_.mostMoves() : live_.slots();
 }
 
 std::uint64_t EditPass::bytes() const {

@@ -49,6 +49,8 @@ class EditPass {
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
   std::uint32_t mostMoves() const { return update_.mostMoves(); }
+  /// Entries that an edit with a full build may add to the log.
+  std::uint64_t mostLogged(Reach reach) const;
   const BrushOptions& brush() const { return options_; }
 
   /// Completes a point, of which LiveCloud::points() knows place and normal, with its colour and parent.
@@ -58,15 +60,29 @@ class EditPass {
   static std::uint64_t predictedBytes(std::uint64_t points, bool colors);
 
  private:
-  void recordSelect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Buffer& contactState,
-                    std::optional<std::uint32_t> firstSlot) const;
+  // Where a brush looks for points: in the cells of its box, in slots, or nowhere.
+  struct Selection {
+    std::uint32_t cells = 0, firstSlot = 0, slots = 0;
+  };
+  Selection box() const;
+  // `recalls`: kRecalls... of shaders/shared/edit.h.
+  // Lists the brush's moves, and those that come of wishes.
+  void recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState,
+                   const Selection& selection, std::uint32_t recalls) const;
+  // A pass that writes to the log.
+  void recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step, std::uint64_t groups,
+                     const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted) const;
+  void recordCollect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                     DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const;
+  void recordSmooth(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                    DeviceAddress contactState) const;
   // `finishes`: after the update, what it leaves to do.
   void recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, bool finishes) const;
-  // What follows once the index has: normals and log, and wishes after a brush.
-  // `fitted`: room for a vec4 for every changed slot.
+  // What follows once the index has: normals and log, and wishes after a brush (`resamples`). Makes an end to the
+  // update. `fitted`: room for a vec4 for every changed slot.
   void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted,
-                    const Buffer* contactState) const;
-  Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState) const;
+                    bool resamples) const;
+  Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const;
   shared::CloudView view(const LiveCloud::Side& side) const { return hash_.view(side, live_.slots()); }
 
   Device& device_;
@@ -78,7 +94,7 @@ class EditPass {
   HashUpdate update_;
   std::uint32_t mostChanges_, given_ = 0;
   std::uint64_t boxCells_;  // of the tool's box, along one side; 0: looking at every slot is less
-  ComputePipeline select_, smooth_, restore_, refit_, settle_;
+  ComputePipeline collect_, smooth_, restore_, refit_, logGone_, settle_;
   Buffer brush_, tables_, colors_, parents_, changes_;
   std::optional<Resample> resample_;
 };

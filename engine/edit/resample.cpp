@@ -8,8 +8,10 @@ namespace palpate {
 
 namespace {
 
-PipelineOptions pipeline(std::uint32_t pushBytes) {
-  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+PipelineOptions pipeline(std::uint32_t pushBytes, const HashUpdate& update) {
+  return {.workgroupSize = shared::kUpdateWorkgroup,
+          .pushBytes = pushBytes,
+          .constants = {update.dispatch().countsGroups()}};
 }
 
 constexpr std::uint64_t kWord = sizeof(std::uint32_t);
@@ -21,17 +23,13 @@ std::uint64_t listBytes(std::uint64_t mostWishes) {
 
 }  // namespace
 
-Resample::Resample(Device& device, const LiveCloud& live, std::uint32_t mostWishes, double radius)
+Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& update, double radius)
     : device_(device),
       radius_(radius),
-      mostWishes_(mostWishes),
-      measure_(device, shader_code::edit_measure_spacing, pipeline(sizeof(shared::SpacingArgs))),
-      recall_(device, shader_code::edit_recall, pipeline(sizeof(shared::RecallArgs))),
-      birth_(device, shader_code::edit_birth, pipeline(sizeof(shared::BirthArgs))),
-      heard_(device, shader_code::edit_heard, pipeline(sizeof(shared::RecallArgs))),
-      wish_(device, shader_code::edit_wish, pipeline(sizeof(shared::WishArgs))),
-      confirm_(device, shader_code::edit_confirm, pipeline(sizeof(shared::RecallArgs))),
-      lists_(device, listBytes(mostWishes), Memory::device, "resample lists"),
+      mostWishes_(update.mostMoves()),
+      measure_(device, shader_code::edit_measure_spacing, pipeline(sizeof(shared::SpacingArgs), update)),
+      wish_(device, shader_code::edit_wish, pipeline(sizeof(shared::WishArgs), update)),
+      lists_(device, listBytes(mostWishes_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       looks_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "looks")),
       report_(Buffer::of<shared::Resampling>(device, 1, Memory::readback, "resample report")) {
@@ -39,7 +37,6 @@ Resample::Resample(Device& device, const LiveCloud& live, std::uint32_t mostWish
   CommandList list(device, device.touch(), "clear resampling");
   list.begin();
   list.fill(lists_, 0, kClaimsAt);
-  list.fill(lists_, 1, 2 * kWord, offsetof(shared::Resampling, wishGroups) + kWord);
   list.fill(lists_, live.count(), kWord, offsetof(shared::Resampling, nextId));
   list.fill(lists_, 0xffffffffu, kWord * shared::kClaimSlots, kClaimsAt);
   list.end();
@@ -59,60 +56,20 @@ void Resample::measure(const shared::CloudView& cloud, DeviceAddress tables) {
   device_.touch().run(list);
 }
 
-shared::RecallArgs Resample::recallArgs(const Io& io, bool forgets) const {
-  return {.cloud = io.update.cloud,
-          .update = io.update.update,
-          .moves = io.update.moves,
-          .marks = io.update.marks,
-          .touched = io.update.touched,
-          .state = io.contactState,
-          .brush = io.brush,
-          .tables = io.tables,
-          .lists = lists_.address(),
-          .mostMoves = io.update.mostMoves,
-          .forgets = forgets ? 1u : 0u};
-}
-
-void Resample::recordRecall(CommandList& list, const Io& io) const {
-  const auto section = list.section("recall");
-  list.dispatchIndirect(recall_, lists_, recallArgs(io, false), offsetof(shared::Resampling, wishGroups));
-  list.dispatch(birth_, shared::kUpdateWorkgroup,
-                shared::BirthArgs{.grid = io.update.cloud.grid,
-                                  .update = io.update.update,
-                                  .moves = io.update.moves,
-                                  .marks = io.update.marks,
-                                  .touched = io.update.touched,
-                                  .tables = io.tables,
-                                  .lists = lists_.address(),
-                                  .mostMoves = io.update.mostMoves,
-                                  .unused = 0});
-}
-
-void Resample::recordHeard(CommandList& list, const Io& io) const {
-  list.dispatch(heard_, shared::kUpdateWorkgroup, recallArgs(io, false));
-}
-
-void Resample::recordForget(CommandList& list, const Io& io) const {
-  list.dispatchIndirect(recall_, lists_, recallArgs(io, true), offsetof(shared::Resampling, wishGroups));
-  recordHeard(list, io);
-}
-
-void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress changed) const {
+void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const {
   const auto section = list.section("wishes");
-  recordHeard(list, io);
-  list.dispatchIndirect(wish_, io.counters,
-                        shared::WishArgs{.cloud = io.update.cloud,
-                                         .update = io.update.update,
-                                         .changed = changed,
-                                         .tables = io.tables,
-                                         .lists = lists_.address(),
-                                         .radius = static_cast<float>(radius_),
-                                         .most = mostWishes_},
-                        offsetof(shared::HashUpdate, changedGroups));
-  list.dispatchIndirect(confirm_, lists_, recallArgs(io, false), offsetof(shared::Resampling, wishGroups));
+  io.lists.dispatch()(list, wish_, CountedDispatch::Step::subgroup, io.lists.counters(),
+                      offsetof(shared::HashUpdate, changedGroups),
+                      shared::WishArgs{.cloud = io.update.cloud,
+                                       .update = io.update.update,
+                                       .changed = io.update.changed,
+                                       .fitted = fitted,
+                                       .tables = io.tables,
+                                       .lists = lists_.address(),
+                                       .end = end,
+                                       .radius = static_cast<float>(radius_),
+                                       .most = mostWishes_});
 }
-
-void Resample::recordReport(CommandList& list) const { list.copy(lists_, report_, sizeof(shared::Resampling)); }
 
 std::uint64_t Resample::predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes) {
   return listBytes(mostWishes) + kWord * (points + slots);

@@ -11,7 +11,7 @@ namespace palpate {
 class Resample {
  public:
   /// `radius`: support radius, model units.
-  Resample(Device& device, const LiveCloud& live, std::uint32_t mostWishes, double radius);
+  Resample(Device& device, const LiveCloud& live, const HashUpdate& update, double radius);
 
   /// Measures the target spacings of a cloud as it was loaded, once.
   void measure(const shared::CloudView& cloud, DeviceAddress tables);
@@ -19,17 +19,13 @@ class Resample {
   /// What the passes of an edit have in common.
   struct Io {
     shared::HashUpdateArgs update;
-    DeviceAddress tables, brush, contactState;
-    const Buffer& counters;
+    DeviceAddress tables;
+    const HashUpdate& lists;
   };
-  /// The last tick's wishes join the moves of this one.
-  void recordRecall(CommandList& list, const Io& io) const;
-  /// They are dropped.
-  void recordForget(CommandList& list, const Io& io) const;
-  /// Once the index has followed: new wishes.
-  void recordWishes(CommandList& list, const Io& io, DeviceAddress changed) const;
-  /// Copies to the host what unsettled() tells of the last edit that has completed.
-  void recordReport(CommandList& list) const;
+  /// Once the index has followed and normals are fitted: new wishes. The last pass of an edit.
+  void recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const;
+  /// Where the last pass of an edit tells the host of its Resampling.
+  DeviceAddress reportAddress() const { return report_.address(); }
   bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].wishes > 0; }
 
   DeviceAddress lists() const { return lists_.address(); }
@@ -39,13 +35,10 @@ class Resample {
   static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes);
 
  private:
-  void recordHeard(CommandList& list, const Io& io) const;
-  shared::RecallArgs recallArgs(const Io& io, bool forgets) const;
-
   Device& device_;
   double radius_;
   std::uint32_t mostWishes_;
-  ComputePipeline measure_, recall_, birth_, heard_, wish_, confirm_;
+  ComputePipeline measure_, wish_;
   Buffer lists_, spacings_, looks_, report_;
 };
 

@@ -5,7 +5,6 @@
 
 #include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
-#include "engine/render/frame_constants.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -42,6 +41,10 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
                   {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       splatAttributes_(device, shader_code::render_splat_attributes,
                        {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+      triangleDepth_(device, shader_code::render_triangle_depth,
+                     {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
+      triangleAttributes_(device, shader_code::render_triangle_attributes,
+                          {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
       closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
       smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
@@ -57,9 +60,9 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       depthImage_(words(device, std::uint64_t{width_} * height_, "frame depth image")) {}
 
 void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
-  const UVec2 size_px(width_ * supersample_, height_ * supersample_);
-  const std::uint32_t tiles = splatTiles(cloud, camera, options.splatRadius, size_px.y);
-  const DeviceAddress constants = writeConstants(cloud, camera, options, tiles);
+  const Drawn about = drawn(cloud, options);
+  const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
+  const DeviceAddress constants = writeConstants(about, camera, options, tiles);
   const std::uint64_t splats = std::uint64_t{cloud.count()} * tiles * tiles;
   const shared::SplatArgs splatArgs{.frame = constants,
                                     .positions = cloud.positions().address(),
@@ -70,20 +73,52 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
                                     .normalSums = normalSums_.address(),
                                     .colorSums = colorSums_.address()};
   const auto frame = list.section("frame");
-  {
-    const auto section = list.section("clear");
-    const auto overlap = list.independent();
-    list.fill(depth_, shared::kNoDepth, depth_.bytes());
-    list.fill(normalSums_, 0, normalSums_.bytes());
-    if (cloud.hasColors()) list.fill(colorSums_, 0, colorSums_.bytes());
-  }
+  recordClear(list, cloud.hasColors());
   {
     const auto section = list.section("splat");
     list.dispatch(splatDepth_, splats, splatArgs);
     list.dispatch(splatAttributes_, splats, splatArgs);
-    list.dispatch(closeHoles_, samples(),
-                  shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
+    recordSources(list, constants);
   }
+  recordShading(list, constants, options);
+}
+
+void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options) {
+  const Drawn about = drawn(mesh);
+  const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
+  const DeviceAddress constants = writeConstants(about, camera, options, tiles);
+  const std::uint64_t shares = std::uint64_t{mesh.triangleCount} * tiles * tiles;
+  const shared::TriangleArgs args{.frame = constants,
+                                  .vertices = mesh.vertices,
+                                  .triangles = mesh.triangles,
+                                  .depth = depth_.address(),
+                                  .normalSums = normalSums_.address(),
+                                  .colorSums = colorSums_.address()};
+  const auto frame = list.section("frame");
+  recordClear(list, mesh.hasColors);
+  {
+    const auto section = list.section("triangles");
+    list.dispatch(triangleDepth_, shares, args);
+    list.dispatch(triangleAttributes_, shares, args);
+    recordSources(list, constants);
+  }
+  recordShading(list, constants, options);
+}
+
+void Frame::recordClear(CommandList& list, bool colors) const {
+  const auto section = list.section("clear");
+  const auto overlap = list.independent();
+  list.fill(depth_, shared::kNoDepth, depth_.bytes());
+  list.fill(normalSums_, 0, normalSums_.bytes());
+  if (colors) list.fill(colorSums_, 0, colorSums_.bytes());
+}
+
+void Frame::recordSources(CommandList& list, DeviceAddress constants) const {
+  list.dispatch(closeHoles_, samples(),
+                shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
+}
+
+void Frame::recordShading(CommandList& list, DeviceAddress constants, const FrameOptions& options) {
   const bool smooths = options.smooth_px > 0;
   if (smooths) {
     if (smoothed_.bytes() == 0) smoothed_ = words(device_, samples(), "frame smoothed depth");
@@ -93,30 +128,28 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
         shared::SmoothDepthArgs{.frame = constants, .depth = depth_.address(), .smoothed = smoothed_.address()});
   }
   const DeviceAddress depth = smooths ? smoothed_.address() : depth_.address();
-  {
-    const auto section = list.section("shade");
-    list.dispatch(shade_, samples(),
-                  shared::ShadeArgs{.frame = constants,
+  const auto section = list.section("shade");
+  list.dispatch(shade_, samples(),
+                shared::ShadeArgs{.frame = constants,
+                                  .source = source_.address(),
+                                  .depth = depth,
+                                  .normalSums = normalSums_.address(),
+                                  .colorSums = colorSums_.address(),
+                                  .shaded = shaded_.address()});
+  list.dispatch(resolve_, std::uint64_t{width_} * height_,
+                shared::ResolveArgs{.frame = constants,
                                     .source = source_.address(),
                                     .depth = depth,
-                                    .normalSums = normalSums_.address(),
-                                    .colorSums = colorSums_.address(),
-                                    .shaded = shaded_.address()});
-    list.dispatch(resolve_, std::uint64_t{width_} * height_,
-                  shared::ResolveArgs{.frame = constants,
-                                      .source = source_.address(),
-                                      .depth = depth,
-                                      .shaded = shaded_.address(),
-                                      .image = image_.address(),
-                                      .depthImage = depthImage_.address()});
-  }
+                                    .shaded = shaded_.address(),
+                                    .image = image_.address(),
+                                    .depthImage = depthImage_.address()});
 }
 
-DeviceAddress Frame::writeConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
+DeviceAddress Frame::writeConstants(const Drawn& about, const Camera& camera, const FrameOptions& options,
                                     std::uint32_t tiles) {
   const std::uint32_t slot = recordings_++ % kInFlight;
   constants_.mapped<shared::RenderFrame>()[slot] =
-      frameConstants(cloud, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, tiles);
+      frameConstants(about, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, tiles);
   return constants_.address() + slot * sizeof(shared::RenderFrame);
 }
 

@@ -3,13 +3,16 @@
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/camera.hpp"
 #include "engine/render/drawn_cloud.hpp"
+#include "engine/render/drawn_mesh.hpp"
+#include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
 #include "engine/render/image.hpp"
 
 namespace palpate {
 
-/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001): the passes and the images
-/// between them. The same input gives the same bytes on the same device. Belongs to the sight side.
+/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001), or of a mesh by its triangles:
+/// the passes and the images between them. The same input gives the same bytes on the same device. Belongs to the sight
+/// side.
 class Frame {
  public:
   /// Recordings that may be under way at a time: each keeps its own constants.
@@ -20,6 +23,8 @@ class Frame {
   Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2);
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
+  /// The same for a mesh, which is lit from its vertices' normals; the options about splats are not used.
+  void record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options);
 
   /// The last completed frame; waits for the sight queue.
   Image readColor() const;
@@ -32,13 +37,20 @@ class Frame {
 
  private:
   std::uint64_t samples() const { return std::uint64_t{width_} * height_ * supersample_ * supersample_; }
-  DeviceAddress writeConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
+  UVec2 size_px() const { return {width_ * supersample_, height_ * supersample_}; }
+  DeviceAddress writeConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
                                std::uint32_t tiles);
+  void recordClear(CommandList& list, bool colors) const;
+  // Whose surface each sample shows.
+  void recordSources(CommandList& list, DeviceAddress constants) const;
+  // Smooths the depth first where that is asked for.
+  void recordShading(CommandList& list, DeviceAddress constants, const FrameOptions& options);
   void readBack(const Buffer& from, std::span<std::byte> to) const;
 
   Device& device_;
   std::uint32_t width_, height_, supersample_;
-  ComputePipeline splatDepth_, splatAttributes_, closeHoles_, smoothDepth_, shade_, resolve_;
+  ComputePipeline splatDepth_, splatAttributes_, triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_,
+      resolve_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;

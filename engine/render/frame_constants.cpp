@@ -17,6 +17,10 @@ constexpr double kOcclusionRadius =
 constexpr double kUsualRadius_spacings = 1.95;  // where discs have their own radii
 constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any place in it
 constexpr std::uint32_t kFinestSum = 1u << 16;
+constexpr double kTriangleOff = 0.25;  // of a cell: flat triangles leave the round surface by less
+// Triangles of the same depth in one sample. A few meet there; this many do where a whole mesh is a speck, and their
+// sums may then be wrong.
+constexpr std::uint32_t kTrianglesInSample = 1u << 17;
 
 float linearFromSrgb(std::uint8_t encoded) {
   const double x = encoded / 255.0;
@@ -77,45 +81,66 @@ double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
 
 }  // namespace
 
-std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px) {
-  const double nearest = std::max(depthRangeOf(camera, cloud.bounds()).x, camera.nearDepth);
-  const double largest = splatRadius > 0 ? splatRadius : cloud.largestRadius();
-  const double side_px = 2 * largest * camera.focal_px(height_px) / nearest + 2;
-  const double affordable = std::sqrt(double{shared::kMaxSplatInvocations} / std::max(cloud.count(), 1u));
+Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
+  return {.bounds = cloud.bounds(),
+          .count = cloud.count(),
+          .hasColors = cloud.hasColors(),
+          .widest = 2 * (options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius()),
+          .splatRadius = options.splatRadius,
+          .usualRadius = usualRadius(cloud, options),
+          .closeHoles = options.closeHoles,
+          .inSample = cloud.count()};
+}
+
+Drawn drawn(const DrawnMesh& mesh) {
+  return {.bounds = mesh.bounds,
+          .count = mesh.triangleCount,
+          .hasColors = mesh.hasColors,
+          .widest = std::sqrt(3.0) * mesh.cell,
+          .splatRadius = 0,
+          .usualRadius = kTriangleOff * mesh.cell,
+          .closeHoles = false,
+          .inSample = kTrianglesInSample};
+}
+
+std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
+  const double nearest = std::max(depthRangeOf(camera, drawn.bounds).x, camera.nearDepth);
+  const double side_px = drawn.widest * camera.focal_px(height_px) / nearest + 2;
+  const double affordable = std::sqrt(double{shared::kMaxSplatInvocations} / std::max(drawn.count, 1u));
   const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxSplatTiles});
   return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kSplatTile), 1.0, most));
 }
 
-shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
-                                   const FrameSize& size, std::uint32_t splatTiles) {
-  const DVec2 depths = depthRangeOf(camera, cloud.bounds());
+shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
+                                   const FrameSize& size, std::uint32_t tiles) {
+  const DVec2 depths = depthRangeOf(camera, drawn.bounds);
   shared::RenderFrame frame{.view = viewOf(camera, size),
                             .overlays = overlaysOf(options.overlays),
-                            .boundsMin = Vec3(cloud.bounds().min),
+                            .boundsMin = Vec3(drawn.bounds.min),
                             .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
-                            .boundsMax = Vec3(cloud.bounds().max),
+                            .boundsMax = Vec3(drawn.bounds.max),
                             .depthMax = static_cast<float>(depths.y),
-                            .splatRadius = static_cast<float>(options.splatRadius),
-                            .usualRadius = static_cast<float>(usualRadius(cloud, options)),
+                            .splatRadius = static_cast<float>(drawn.splatRadius),
+                            .usualRadius = static_cast<float>(drawn.usualRadius),
                             .sumScale = 0,
-                            .count = cloud.count(),
-                            .splatTiles = splatTiles,
+                            .count = drawn.count,
+                            .splatTiles = tiles,
                             .imagePass = static_cast<std::uint32_t>(options.pass),
                             .colorBy = static_cast<std::uint32_t>(options.color),
-                            .hasColors = cloud.hasColors(),
+                            .hasColors = drawn.hasColors,
                             .material = kClay,
                             .hasOverlays = options.overlays.any(),
                             .backgroundTop = kBackgroundTop,
-                            .occlusionRadius = static_cast<float>(kOcclusionRadius * cloud.bounds().longestSide()),
+                            .occlusionRadius = static_cast<float>(kOcclusionRadius * drawn.bounds.longestSide()),
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0,
                             .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
-  if (options.closeHoles) {
-    const double radius_px = usualRadius(cloud, options) * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
+  if (drawn.closeHoles) {
+    const double radius_px = drawn.usualRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
   // No sum may reach 2^31, even with every point in one sample (splat_attributes.comp).
-  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(cloud.count(), 1u);
+  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(drawn.inSample, 1u);
   frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));
   if (options.background)
     for (int k = 0; k < 3; ++k)

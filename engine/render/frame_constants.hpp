@@ -3,6 +3,7 @@
 
 #include "engine/render/camera.hpp"
 #include "engine/render/drawn_cloud.hpp"
+#include "engine/render/drawn_mesh.hpp"
 #include "engine/render/frame_options.hpp"
 
 namespace palpate {
@@ -12,11 +13,25 @@ struct FrameSize {
   std::uint32_t supersample;    ///< samples along each side of a pixel
 };
 
-/// Tiles along each side of the largest splat on screen, as far as kMaxSplatInvocations allows; what is beyond is cut
-/// off. `splatRadius` as in FrameOptions.
-std::uint32_t splatTiles(const DrawnCloud& cloud, const Camera& camera, double splatRadius, std::uint32_t height_px);
+/// What a frame draws, for its constants.
+struct Drawn {
+  Bounds bounds;
+  std::uint32_t count;  ///< points or triangles
+  bool hasColors;
+  double widest;           ///< on any side of one of them, model units
+  double splatRadius;      ///< of every disc, model units; 0: each has its own
+  double usualRadius;      ///< of discs, or how far triangles may stand off the true surface, model units
+  bool closeHoles;         ///< there may be gaps between them
+  std::uint32_t inSample;  ///< how many may add up in one sample
+};
+Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options);
+Drawn drawn(const DrawnMesh& mesh);
 
-shared::RenderFrame frameConstants(const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options,
-                                   const FrameSize& size, std::uint32_t splatTiles);
+/// Tiles along each side of the largest splat or triangle on screen, as far as kMaxSplatInvocations allows. What is
+/// beyond is cut off a splat; triangles are walked in more rounds.
+std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px);
+
+shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
+                                   const FrameSize& size, std::uint32_t tiles);
 
 }  // namespace palpate

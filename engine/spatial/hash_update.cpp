@@ -21,8 +21,8 @@ constexpr std::uint64_t kDirtyPerMove = 4;
 constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +
                                         2 * sizeof(Vec4);  // a move touches two buckets at most
 
-PipelineOptions pipeline(std::uint32_t pushBytes) {
-  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+PipelineOptions pipeline(std::uint32_t pushBytes, const CountedDispatch& dispatch) {
+  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes, .constants = {dispatch.countsGroups()}};
 }
 
 // Of the list of dirty buckets, each of which stands there once.
@@ -52,11 +52,12 @@ std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
 HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)
     : mostMoves_(defaultMoves(live.count())),
       mostDirty_(dirtyListFor(mostMoves_, std::uint64_t{hash.grid().bucketMask} + 1)),
-      plan_(device, shader_code::spatial_update_plan, pipeline(sizeof(shared::HashUpdateArgs))),
-      place_(device, shader_code::spatial_update_place, pipeline(sizeof(shared::HashUpdateArgs))),
-      apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs))),
-      commit_(device, shader_code::spatial_update_commit, pipeline(sizeof(shared::HashUpdateArgs))),
-      recount_(device, shader_code::spatial_update_recount, pipeline(sizeof(shared::HashRecountArgs))),
+      dispatch_(device),
+      plan_(device, shader_code::spatial_update_plan, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
+      place_(device, shader_code::spatial_update_place, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
+      apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
+      commit_(device, shader_code::spatial_update_commit, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
+      recount_(device, shader_code::spatial_update_recount, pipeline(sizeof(shared::HashRecountArgs), dispatch_)),
       template_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "empty update")),
       counters_(Buffer::of<shared::HashUpdate>(device, 1, Memory::device, "update counters")),
       report_(Buffer::of<shared::HashUpdate>(device, 1, Memory::readback, "update report")),
@@ -74,7 +75,7 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
                                  .movedGroups = none,
                                  .bucketGroups = none,
                                  .applyGroups = none,
-                                 .changedGroups = none,
+                                 .changedGroups = UVec3(1),
                                  .head = live.count(),
                                  .points = live.count()};
   upload(device, template_, std::vector{begin});
@@ -108,13 +109,15 @@ void HashUpdate::recordBegin(CommandList& list) const { list.copy(template_, cou
 void HashUpdate::recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
   const auto section = list.section("index update");
   const shared::HashUpdateArgs io = args(cloud, parity);
-  list.dispatchIndirect(plan_, counters_, io, offsetof(shared::HashUpdate, bucketGroups));
-  list.dispatchIndirect(place_, counters_, io, offsetof(shared::HashUpdate, moveGroups));
-  list.dispatchIndirect(apply_, counters_, io, offsetof(shared::HashUpdate, applyGroups));
+  using Step = CountedDispatch::Step;
+  dispatch_(list, plan_, Step::invocation, counters_, offsetof(shared::HashUpdate, bucketGroups), io);
+  dispatch_(list, place_, Step::invocation, counters_, offsetof(shared::HashUpdate, moveGroups), io);
+  dispatch_(list, apply_, Step::subgroup, counters_, offsetof(shared::HashUpdate, applyGroups), io);
 }
 
 void HashUpdate::recordCommit(CommandList& list, const shared::CloudView& cloud) const {
-  list.dispatchIndirect(commit_, counters_, args(cloud, 0), offsetof(shared::HashUpdate, moveGroups));
+  dispatch_(list, commit_, CountedDispatch::Step::invocation, counters_, offsetof(shared::HashUpdate, moveGroups),
+            args(cloud, 0));
 }
 
 void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
@@ -132,7 +135,15 @@ void HashUpdate::recordNoting(CommandList& list, std::uint32_t most) const {
   list.fill(dirty_, 0, dirty_.bytes() - kWord * (1 + std::uint64_t{mostDirty_}), kWord);
 }
 
-void HashUpdate::recordReport(CommandList& list) const { list.copy(counters_, report_, sizeof(shared::HashUpdate)); }
+void HashUpdate::recordEnd(CommandList& list) const {
+  list.copy(counters_, report_, sizeof(shared::HashUpdate));
+  recordBegin(list);
+}
+
+void HashUpdate::recordReport(CommandList& list) const {
+  list.copy(counters_, report_, sizeof(shared::HashUpdate) - shared::kUpdateBegins, shared::kUpdateBegins,
+            shared::kUpdateBegins);
+}
 
 std::uint64_t HashUpdate::bytes() const {
   return template_.bytes() + counters_.bytes() + report_.bytes() + moves_.bytes() + marks_.bytes() + touched_.bytes() +

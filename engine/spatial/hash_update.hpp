@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "engine/spatial/counted_dispatch.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/shared/hash_update.h"
 
@@ -23,7 +24,7 @@ class HashUpdate {
   static std::uint32_t spareSlots(std::uint64_t points);
   static std::uint32_t defaultMoves(std::uint64_t points);
 
-  /// Empties the lists.
+  /// Empties the lists, where one update follows another without an end between them.
   void recordBegin(CommandList& list) const;
   /// Carries the listed moves out in the index of one side of the cloud.
   void recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
@@ -46,7 +47,14 @@ class HashUpdate {
   /// Room for a vec4 for every changed slot, free once recordApply() has done its work.
   DeviceAddress scratch() const { return arrivals_.address(); }
 
-  /// Copies the counters to the host; the list's end is a good place.
+  /// How passes over its lists are dispatched.
+  const CountedDispatch& dispatch() const { return dispatch_; }
+  /// Tells the host of the update and empties the lists, which the next one counts on. The last pass of an edit does
+  /// the same by itself: it copies counters() to reportAddress(), and emptyCounters() over their first part.
+  void recordEnd(CommandList& list) const;
+  DeviceAddress reportAddress() const { return report_.address(); }
+  DeviceAddress emptyCounters() const { return template_.address(); }
+  /// Tells the host again what counts beyond one update: points and slots.
   void recordReport(CommandList& list) const;
   /// Of the last update that has completed.
   const shared::HashUpdate& report() const { return report_.mapped<const shared::HashUpdate>()[0]; }
@@ -57,6 +65,7 @@ class HashUpdate {
 
  private:
   std::uint32_t mostMoves_, mostDirty_;
+  CountedDispatch dispatch_;
   ComputePipeline plan_, place_, apply_, commit_, recount_;
   Buffer template_, counters_, report_, moves_, marks_, touched_, arrivals_, changed_, dirty_;
   std::array<Buffer, 2> capacities_;

@@ -1,6 +1,7 @@
 #include "engine/spatial/look_back_sort.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 #include "engine/gpu/device.hpp"
@@ -11,49 +12,69 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kHistogramWorkgroup = 256;
 constexpr std::uint64_t kWord = sizeof(std::uint32_t);
 // The scratch begins with the next tile of each pass, then the histograms, then the tiles' words of each pass.
 constexpr std::uint64_t kHistogramsAt = shared::kSortMaxPasses * kWord;
 constexpr std::uint64_t kTilesAt = kHistogramsAt + shared::kSortMaxPasses * shared::kSortRadix * kWord;
 
+// A tile is what one workgroup sorts. How fast that goes is decided by how many keys a processor of the GPU has under
+// way, in several workgroups that hide each other's waits, and that by shared memory: NVIDIA's Vulkan driver gives all
+// workgroups of a processor 48 KiB of it together (found on an H200, whose processors have 228). Three workgroups with
+// digits of up to seven bits fill that, and two with digits of eight.
+constexpr std::uint32_t kSweepWorkgroup = 384;
+std::uint32_t itemsFor(const RadixDigit& digit) { return digit.bits <= 7 ? 10 : 12; }
+
+std::uint64_t tilesFor(const RadixDigit& digit, std::uint64_t count) {
+  const std::uint64_t tile = std::uint64_t{kSweepWorkgroup} * itemsFor(digit);
+  return (count + tile - 1) / tile;
+}
+
+std::uint64_t tileBytes(const RadixDigit& digit, std::uint64_t count) {
+  return tilesFor(digit, count) * kWord << digit.bits;
+}
+
+PipelineOptions histogramOptions(std::uint32_t keyBits) {
+  const std::vector<RadixDigit> digits = radixDigits(keyBits);
+  const auto passes = static_cast<std::uint32_t>(std::max<std::size_t>(1, digits.size()));
+  const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones come first
+  // Two workgroups fill a processor with invocations, so that each may have half of its shared memory.
+  constexpr std::uint32_t kWorkgroup = 1024, kMostCounters = 24 * 1024 / kWord;
+  const std::uint32_t copies = std::min(32u, std::bit_floor((kMostCounters / passes) >> mostBits));
+  return {.workgroupSize = kWorkgroup,
+          .pushBytes = sizeof(shared::RadixHistogramArgs),
+          .constants = {keyBits, passes, mostBits, copies}};
+}
+
 }  // namespace
 
 bool canLookBack(const Device& device) { return device.driverId() == VK_DRIVER_ID_NVIDIA_PROPRIETARY; }
 
-LookBackSort::LookBackSort(Device& device, std::uint32_t keyBits, const Shape& shape)
-    : keyBits_(keyBits),
-      digits_(radixDigits(keyBits)),
-      shape_(shape),
-      histogram_(device, shader_code::spatial_look_back_histogram,
-                 {.workgroupSize = kHistogramWorkgroup, .pushBytes = sizeof(shared::RadixHistogramArgs)}) {
-  PALPATE_CHECK(fits(device, keyBits, shape));
-  PALPATE_CHECK_LE(shared::kSortRadix, shape.workgroup);  // one invocation for each digit
-  for (const RadixDigit& digit : digits_)
-    sweeps_.emplace_back(
-        device, shader_code::spatial_look_back_sweep,
-        PipelineOptions{.workgroupSize = shape.workgroup,
-                        .pushBytes = sizeof(shared::RadixSweepArgs),
-                        .constants = {shape.workgroup / device.subgroupSize(), shape.items, digit.bits}});
+LookBackSort::LookBackSort(Device& device, std::uint32_t keyBits)
+    : histogram_(device, shader_code::spatial_look_back_histogram, histogramOptions(keyBits)) {
+  PALPATE_CHECK(fits(device, keyBits));
+  static_assert(shared::kSortRadix <= kSweepWorkgroup);  // one invocation for each digit
+  for (const RadixDigit& digit : radixDigits(keyBits))
+    sweeps_.push_back({digit, ComputePipeline(device, shader_code::spatial_look_back_sweep,
+                                              {.workgroupSize = kSweepWorkgroup,
+                                               .pushBytes = sizeof(shared::RadixSweepArgs),
+                                               .constants = {kSweepWorkgroup / device.subgroupSize(), itemsFor(digit),
+                                                             digit.bits}})});
 }
 
-bool LookBackSort::fits(const Device& device, std::uint32_t keyBits, const Shape& shape) {
-  std::uint32_t radix = 0;
-  for (const RadixDigit& digit : radixDigits(keyBits)) radix = std::max(radix, 1u << digit.bits);
-  const std::uint32_t subgroups = shape.workgroup / device.subgroupSize();
-  const std::uint32_t pool = std::max(subgroups * radix, shape.workgroup * shape.items);
+bool LookBackSort::fits(const Device& device, std::uint32_t keyBits) {
+  if (device.subgroupSize() > 32) return false;  // one word holds a subgroup's ballot
+  const std::uint32_t subgroups = kSweepWorkgroup / device.subgroupSize();
   constexpr std::uint32_t kRest = 512;  // the workgroup's scan, and a few words
-  return (pool + 2 * radix) * kWord + kRest <= device.properties().limits.maxComputeSharedMemorySize;
-}
-
-std::uint64_t LookBackSort::tilesFor(std::uint64_t count) const {
-  const std::uint64_t tile = std::uint64_t{shape_.workgroup} * shape_.items;
-  return (count + tile - 1) / tile;
+  return std::ranges::all_of(radixDigits(keyBits), [&](const RadixDigit& digit) {
+    const std::uint32_t radix = 1u << digit.bits;
+    const std::uint32_t pool = std::max(subgroups * radix, kSweepWorkgroup * itemsFor(digit));
+    return (pool + radix) * kWord + kRest <= device.properties().limits.maxComputeSharedMemorySize;
+  });
 }
 
 std::uint64_t LookBackSort::scratchBytes(std::uint64_t count) const {
   std::uint64_t bytes = kTilesAt;
-  for (const RadixDigit& digit : digits_) bytes += tilesFor(count) * kWord << digit.bits;
+  for (const Sweep& sweep : sweeps_) bytes += tileBytes(sweep.digit, count);
   return bytes;
 }
 
@@ -61,19 +82,16 @@ PairSort::Sorted LookBackSort::record(CommandList& list, const Io& io, std::uint
   PALPATE_CHECK_LE(count, shared::kSweepCountMask);
   PALPATE_CHECK_LE(scratchBytes(count), io.scratch.bytes());
   Sorted from{io.keys, io.values}, to{io.keysAlt, io.valuesAlt};
-  if (digits_.empty() || count == 0) return from;
+  if (sweeps_.empty() || count == 0) return from;
   list.fill(io.scratch, 0, scratchBytes(count));
   const DeviceAddress scratch = io.scratch.address();
-  list.dispatch(histogram_, (std::uint64_t{count} + shared::kSweepHistogramItems - 1) / shared::kSweepHistogramItems,
-                shared::RadixHistogramArgs{.keys = io.keys,
-                                           .histograms = scratch + kHistogramsAt,
-                                           .count = count,
-                                           .passes = static_cast<std::uint32_t>(digits_.size()),
-                                           .keyBits = keyBits_,
-                                           .unused = 0});
+  list.dispatch(
+      histogram_, (std::uint64_t{count} + shared::kSweepHistogramItems - 1) / shared::kSweepHistogramItems,
+      shared::RadixHistogramArgs{.keys = io.keys, .histograms = scratch + kHistogramsAt, .count = count, .unused = 0});
   DeviceAddress tiles = scratch + kTilesAt;
-  for (std::size_t pass = 0; pass < digits_.size(); ++pass) {
-    list.dispatch(sweeps_[pass], tilesFor(count) * shape_.workgroup,
+  for (std::size_t pass = 0; pass < sweeps_.size(); ++pass) {
+    const RadixDigit& digit = sweeps_[pass].digit;
+    list.dispatch(sweeps_[pass].pipeline, tilesFor(digit, count) * kSweepWorkgroup,
                   shared::RadixSweepArgs{.keysIn = from.keys,
                                          .valuesIn = from.values,
                                          .keysOut = to.keys,
@@ -82,8 +100,8 @@ PairSort::Sorted LookBackSort::record(CommandList& list, const Io& io, std::uint
                                          .nextTile = scratch + pass * kWord,
                                          .tiles = tiles,
                                          .count = count,
-                                         .shift = digits_[pass].shift});
-    tiles += tilesFor(count) * kWord << digits_[pass].bits;
+                                         .shift = digit.shift});
+    tiles += tileBytes(digit, count);
     std::swap(from, to);
   }
   return from;

@@ -41,13 +41,11 @@ Buffer makeRanges(Device& device, std::uint32_t buckets) {
 
 }  // namespace
 
-SortMethod defaultSort(const Device& device) { return device.isCpu() ? SortMethod::counting : SortMethod::radix; }
-
-SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, std::optional<SortMethod> sort,
+SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort,
                          BucketOrder order, Slots slots)
     : device_(device),
       grid_(grid),
-      sort_(sort.value_or(defaultSort(device))),
+      sort_(sort),
       fallback_(fallbackFor(device, sort_)),
       bucketOrder_(order),
       pairSort_(makePairSort(device, fallback_, keyBits(grid, slots))),

@@ -14,24 +14,23 @@ namespace palpate {
 /// How a build brings the points into the order of their buckets. All give the same order, bit by bit, if it is stable.
 enum class SortMethod {
   radix,          ///< sorts (bucket, number) pairs; runs everywhere
-  radixLookBack,  ///< the same with half the traffic, where canLookBack()
-  counting        ///< counts the points of each bucket; fastest on points that stand almost in order
+  radixLookBack,  ///< the same with half the traffic, where canLookBack(); fastest on points in random order
+  counting        ///< counts the points of each bucket; fastest on points that stand almost in order, runs everywhere
 };
 /// The order of points within a bucket: the one in which they stood, so that the same cloud gives the same index run
 /// after run; or whichever came first, which saves `counting` a pass and the others nothing.
 enum class BucketOrder { stable, arrival };
 /// Whether some slots of the cloud may hold no point: that takes a bucket more, which a sort may pay for.
 enum class Slots { full, spare };
-/// What was measured to be the fastest for a driver; radix where nothing is known.
-SortMethod defaultSort(const Device& device);
+/// Points mostly stand in the order of the last build; no driver is known on which another is faster then.
+inline constexpr SortMethod kDefaultSort = SortMethod::counting;
 
 /// The index of a live cloud: a hashed regular grid, built by key, sort, ranges and reorder (thesis section 4.2; grid
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
 class SpatialHash {
  public:
-  SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity,
-              std::optional<SortMethod> sort = std::nullopt, BucketOrder order = BucketOrder::stable,
-              Slots slots = Slots::full);
+  SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort = kDefaultSort,
+              BucketOrder order = BucketOrder::stable, Slots slots = Slots::full);
 
   /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
   double build(LiveCloud& cloud);

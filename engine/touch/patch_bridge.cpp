@@ -69,7 +69,7 @@ std::optional<ProxyTracker::Story> PatchBridge::newerStory() const {
   return contact_.isAhead() ? std::optional(contact_.story()) : std::nullopt;
 }
 
-Contact PatchBridge::answer(const Pose& pose) noexcept {
+Contact PatchBridge::answer(const Pose& pose) {
   const Stopwatch watch;
   takeIn();
   const Contact contact = contact_.answer(pose);

@@ -32,8 +32,8 @@ class PatchBridge {
   /// The GPU's answer to `pose`, taken in at `now_s`, and the story that it left.
   void answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s);
 
-  /// For a tick whose own answer is late.
-  Contact answer(const Pose& pose) noexcept;
+  /// For a tick whose own answer is late. Throws DeviceLost.
+  Contact answer(const Pose& pose);
 
   /// What the GPU has to go on from at its next question, when that is not its own last answer.
   std::optional<ProxyTracker::Story> newerStory() const;

@@ -59,7 +59,7 @@ void TouchSide::editIfYielding(bool realtime) {
     ++shortfalls_.editsHeldUp;
     return;
   }
-  if (log_.room() < (updates ? edit_->mostMoves() : live_.slots())) {
+  if (log_.room() < (updates ? edit_->mostMoves() : edit_->mostLogged(reach_))) {
     ++shortfalls_.editsLogFull;
     return;
   }

@@ -29,7 +29,7 @@ struct TouchOptions {
   double radius = 0;  ///< support radius, model units
   double cell = 0;    ///< edge of a hash cell, model units; 0: the support radius
   BucketKey bucketKey = BucketKey::teschner;
-  std::optional<SortMethod> sort;                 ///< of the index; the device's default when not given
+  SortMethod sort = kDefaultSort;                 ///< of the index
   BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
   QueryMethod method = QueryMethod::fused;
   SurfaceKind surface = SurfaceKind::average;

@@ -38,7 +38,7 @@ Moments momentsAbout(vec3 center, float radius, Share share, inout uint work) {
           const vec3 d = position - center;
           const float squared = dot(d, d);
           if (squared >= radius * radius || cellOf(args.cloud.grid, position) != cell) continue;
-          addNeighbour(m, d, radius);
+          addNeighbour(m, d, wendland(length(d) / radius));
         }
       }
   return m;

@@ -15,11 +15,10 @@ vec3 selfNormal;
 bool firstOfPlace;
 float weights;
 
-void visitNeighbour(uint slot, vec4 position, vec3 d) {
-  const uint id = floatBitsToUint(position.w);
+void visitNeighbour(uint id, vec3 normal, vec3 d) {
   if (args.counts != 0) {
     if (id < selfId) firstOfPlace = false;
-  } else if (args.tables.at[0].looks.at[id] != 0 && dot(selfNormal, args.cloud.normals.at[slot].xyz) > kSameSheet) {
+  } else if (args.tables.at[0].looks.at[id] != 0 && dot(selfNormal, normal) > kSameSheet) {
     weights += wendland(length(d) / args.radius);
   }
 }

@@ -4,7 +4,8 @@
 // of its neighbours (Hoppe et al. 1992, section 3.2), on the side of theirs, and the point goes to the log as
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/claims.glsl"
+#include "shaders/lib/log_points.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/plane_fit.glsl"
 
@@ -14,9 +15,10 @@ layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 Moments moments;
 vec3 sides;  // sum of w n, with the normals as they were
 
-void visitNeighbour(uint slot, vec4 position, vec3 d) {
-  addNeighbour(moments, d, args.radius);
-  sides += wendland(length(d) / args.radius) * args.cloud.normals.at[slot].xyz;
+void visitNeighbour(uint id, vec3 normal, vec3 d) {
+  const float w = wendland(length(d) / args.radius);
+  addNeighbour(moments, d, w);
+  sides += w * normal;
 }
 
 Moments momentsAbout(vec3 center, out vec3 side) {
@@ -38,26 +40,6 @@ vec3 fittedNormal(vec3 center, vec3 old) {
   return dot(normal, side) < 0.0 ? -normal : normal;
 }
 
-uint nextEntry() { return atomicAdd(args.head.at[0], 1) & args.capacityMask; }
-
-void logPoint(vec3 position, uint id, uint gone, vec3 normal) {
-  const uint slot = nextEntry();
-  args.entries.at[slot].position = position;
-  args.entries.at[slot].id = id | gone;
-  args.entries.at[slot].normal = normal;
-  args.entries.at[slot].color = colorOf(args.tables, id);
-  args.entries.at[slot].parent = parentOf(args.tables, id);
-}
-
-// Points that are taken away have no slot any more: the moves name them.
-void logGone() {
-  const uint moves = args.update.at[0].moves;
-  if (args.update.at[0].gone == 0) return;
-  for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
-    if (args.moves.at[i].toBucket == kNoBucket)
-      logPoint(args.moves.at[i].position, args.moves.at[i].id, kPointGone, args.moves.at[i].normal);
-}
-
 void main() {
   if (args.update.at[0].failed != 0) return;
   const uint changed = args.update.at[0].changed;
@@ -66,15 +48,24 @@ void main() {
     const uint i = args.changed.at[which];
     const vec4 position = args.cloud.positions.at[i];
     const vec4 before = args.cloud.normals.at[i];
-    vec3 normal = before.xyz;
+    const uint id = floatBitsToUint(position.w);
     const bool refits = before.w == kMarkRefit;
+    const bool looks = refits && resamples(args.lists);
+    // What the end needs is asked for before the neighbours are looked at.
+    const uint color = colorOf(args.tables, id);
+    const uint parent = parentOf(args.tables, id);
+    float spacing = kNotLooked;
+    if (looks) spacing = args.tables.at[0].spacings.at[parent];
+    vec3 normal = before.xyz;
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
-      const uint id = floatBitsToUint(position.w);
-      args.fitted.at[which] = vec4(normal, 0.0);
-      if (refits && resamples(args.lists)) args.tables.at[0].looks.at[id] = args.lists.now.tick;
-      logPoint(position.xyz, id, 0, normal);
+      args.fitted.at[which] = vec4(normal, spacing);
+      if (looks) args.tables.at[0].looks.at[id] = args.lists.now.tick;
+      logPoint(args, which, position.xyz, id, normal, color, parent);
     }
   }
-  logGone();
+  logGone(args, changed);
+  if (resamples(args.lists))
+    dropClaims(args.lists, args.tables.at[0].mostMoves, args.radius, threadIndex(),
+               gl_NumWorkGroups.x * gl_WorkGroupSize.x);
 }

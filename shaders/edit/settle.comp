@@ -1,14 +1,23 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The fitted normals of the changed points go into the cloud.
+// The fitted normals of the changed points go into the cloud, the log holds their entries from now on, and the wishes
+// of the last tick have been heard, unless the edit was not carried out.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/edit_end.glsl"
 
 layout(push_constant, scalar) uniform Push { SettleArgs args; };
 
-void main() {
-  if (args.update.at[0].failed != 0) return;
+void settle() {
   const uint changed = args.update.at[0].changed;
   for (uint which = threadIndex(); which < changed; which += gl_NumWorkGroups.x * gl_WorkGroupSize.x)
-    args.cloud.normals.at[args.changed.at[which]] = args.fitted.at[which];
+    args.cloud.normals.at[args.changed.at[which]] = vec4(args.fitted.at[which].xyz, 0.0);
+  if (threadIndex() != 0) return;
+  args.head.at[0] += changed + args.update.at[0].gone;
+  if (resamples(args.lists)) args.lists.now.wishes = 0;
+}
+
+void main() {
+  if (args.update.at[0].failed == 0) settle();
+  if (threadIndex() == 0 && resamples(args.lists)) args.lists.now.births = 0;
+  if (!isNull(args.end.report) && finishesLast(args.update)) endEdit(args.end, args.update, args.lists);
 }

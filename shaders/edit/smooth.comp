@@ -13,10 +13,9 @@ layout(push_constant, scalar) uniform Push { SmoothArgs args; };
 vec3 facing;       // the side of the sheet that is smoothed
 SurfaceSums sums;  // of what this invocation has seen
 
-void visitNeighbour(uint slot, vec4 position, vec3 d) {
+void visitNeighbour(uint id, vec3 n, vec3 d) {
   const vec3 offset = d / brush.support;
   const float squared = dot(offset, offset);
-  const vec3 n = args.cloud.normals.at[slot].xyz;
   const float w = wendland(sqrt(squared)) * clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
   if (w <= 0.0) return;
   sums.offsets += w * vec4(offset, 1.0);

@@ -2,10 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // The surface stays a surface: every point that was looked at in this tick finds out whether it crowds another one and
 // goes, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In double
-// precision, with the reasons: engine/edit/resample_reference.cpp. A wish is heard in the next tick.
+// precision, with the reasons: engine/edit/resample_reference.cpp. A wish is heard in the next tick. The last pass of
+// an edit.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/edit_buffers.glsl"
-#include "shaders/lib/neighbours.glsl"
+#include "shaders/lib/claims.glsl"
+#include "shaders/lib/edit_end.glsl"
+#include "shaders/lib/kept_neighbours.glsl"
 
 layout(push_constant, scalar) uniform Push { WishArgs args; };
 
@@ -19,77 +21,104 @@ struct Seen {
 
 const uint kNobody = 0xffffffffu;
 const float kFar = 3.0e38;
-const uint kLookAround = 0, kLookYields = 1, kLookBlocks = 2;
+const uint kOtherSheet = 0x80000000u;  // in the slot of a kept neighbour
+const uint kMostSubgroups = 64;        // 256 invocations in subgroups of 4
 
-uint look;  // what the visits are for
+// What the neighbours are looked at for, one after another: each needs what the one before has found.
+const uint kLookAround = 0;   // how near the nearest of each sector is, and who crowds the point
+const uint kLookYields = 1;   // whether the first of those has to yield itself
+const uint kLookIds = 2;      // the least id of the nearest of each sector
+const uint kLookNearest = 3;  // who has it
+const uint kLookBlocks = 4;   // who stands in the way of a new point
+const uint kLookNoMore = 5;
+
+uint look;
+vec3 center;
 Seen self;
 uint selfSlot;
-uint tick;
-// Of this invocation's visits.
+// What is known of points, by their ids.
+uint tick, firstNew;
+bool spent;  // no ids are left: nobody wishes for a new point, or many would wish in every tick for ever
+Uints looksOf, parentsOf;
+Floats spacings;
+vec3 axisU, axisV;
+// Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
 Seen first;
 bool firstYields;
-vec3 axisU, axisV;
-float sectorDistance[kSectors];
-uint sectorId[kSectors], sectorSlot[kSectors];
-vec3 gapPlace[kSectors];
-bool gapOpen[kSectors], gapBlocked[kSectors];
+uint blocked;  // a bit for each sector
+bool crowded, leaves;
 
-Seen seen(uint slot, uint id, vec3 d) {
-  // Those looked at in this tick come after all others.
-  const uint unsettled = args.tables.at[0].looks.at[id] == tick ? 0x80000000u : 0u;
-  return Seen(d, args.cloud.normals.at[slot].xyz, spacingOf(args.tables, id), unsettled | id);
-}
+// What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
+struct Sector {
+  uint distance;
+  uint id;
+  uint slot;
+  vec3 offset;  // of the neighbour; then of the new point, kFar where none should come
+};
+shared Sector sectors[kMostSubgroups * kSectors];
+uint sectorAt(uint s) { return gl_SubgroupID * kSectors + s; }
+
+// Those looked at in this tick come after all others.
+uint rankOf(uint id) { return (looksOf.at[id] == tick ? 0x80000000u : 0u) | id; }
+float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
 bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
 bool hasToYield(Seen point, Seen other) {
   const vec3 d = point.offset - other.offset;
   const float closest = kCrowded * min(point.spacing, other.spacing);
   return other.rank < point.rank && dot(d, d) < closest * closest && sameSheet(point.normal, other.normal);
 }
+bool nearer(vec3 d, float than) { return dot(d, d) < than * than; }
+Seen seenAt(uint at, uint slot) {
+  const uint id = keptIds[at];
+  return Seen(keptOffset(at), args.cloud.normals.at[slot].xyz, targetOf(id), rankOf(id));
+}
 
-// Only who is nearer than the point's own spacing allows may crowd it.
-void noteCrowding(uint slot, uint id, vec3 d) {
-  const float closest = kCrowded * self.spacing;
-  if (dot(d, d) >= closest * closest) return;
-  const Seen other = seen(slot, id, d);
+void noteCrowding(uint at, uint slot) {
+  const Seen other = seenAt(at, slot);
   if (!hasToYield(self, other) || other.rank >= firstRank) return;
   firstRank = other.rank;
   firstSlot = slot;
 }
 
-void noteSector(uint slot, uint id, vec3 d) {
-  const uint sector = sectorOf(dot(d, axisU), dot(d, axisV));
-  const float size = length(d);
-  if (size > sectorDistance[sector] || (size == sectorDistance[sector] && id > sectorId[sector])) return;
-  sectorDistance[sector] = size;
-  sectorId[sector] = id;
-  sectorSlot[sector] = slot;
+void noteYielding(uint at, uint slot) {
+  firstYields = firstYields || hasToYield(first, seenAt(at, slot));
 }
 
-void visitNeighbour(uint slot, vec4 position, vec3 d) {
+void visitNeighbour(uint at) {
+  uint slot = keptSlot(at);
   if (slot == selfSlot) return;
-  const uint id = floatBitsToUint(position.w);
+  const vec3 d = keptOffset(at);
   if (look == kLookYields) {
-    firstYields = firstYields || hasToYield(first, seen(slot, id, d));
+    // Only who is nearer than the point's own spacing allows may crowd it.
+    if (nearer(d - first.offset, kCrowded * first.spacing)) noteYielding(at, slot & ~kOtherSheet);
     return;
   }
-  const vec3 normal = args.cloud.normals.at[slot].xyz;
-  if (!sameSheet(self.normal, normal)) return;
-  if (look == kLookAround) {
-    noteSector(slot, id, d);
-    noteCrowding(slot, id, d);
+  if (!visitedBefore) {
+    if (!sameSheet(self.normal, args.cloud.normals.at[slot].xyz)) slot |= kOtherSheet;
+    keptNeighbours[at].w = uintBitsToFloat(slot);
+  }
+  if ((slot & kOtherSheet) != 0) return;
+  if (look == kLookBlocks) {
+    for (uint s = 0; s < kSectors; ++s)
+      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * self.spacing)) blocked |= 1u << s;
     return;
   }
-  const float clearance = kLeastClearance * self.spacing;
-  for (uint s = 0; s < kSectors; ++s) {
-    const vec3 to = d - gapPlace[s];
-    gapBlocked[s] = gapBlocked[s] || dot(to, to) < clearance * clearance;
+  if (look == kLookAround && nearer(d, kCrowded * self.spacing)) noteCrowding(at, slot);
+  precise const float size = length(d);
+  precise const float alongU = dot(d, axisU), alongV = dot(d, axisV);
+  const uint s = sectorAt(sectorOf(alongU, alongV));
+  const uint distance = floatBitsToUint(size);
+  if (look == kLookAround)
+    atomicMin(sectors[s].distance, distance);
+  else if (sectors[s].distance == distance) {
+    if (look == kLookIds)
+      atomicMin(sectors[s].id, keptIds[at]);
+    else if (sectors[s].id == keptIds[at]) {
+      sectors[s].slot = slot;
+      sectors[s].offset = d;
+    }
   }
-}
-
-void visitAll(uint what, vec3 center) {
-  look = what;
-  visitNeighbours(args.cloud, center, args.radius, kWishWorkBudget);
 }
 
 // A frame about a unit vector (Duff et al. 2017).
@@ -101,57 +130,81 @@ void frameAround(vec3 n) {
   axisV = vec3(b, sign + n.y * n.y * a, -n.y);
 }
 
-void lookAround(vec3 center) {
+void begin() {
   frameAround(self.normal);
   firstRank = kNobody;
   firstSlot = kNobody;
-  for (uint s = 0; s < kSectors; ++s) {
-    sectorDistance[s] = kFar;
-    sectorId[s] = kNobody;
-    sectorSlot[s] = kNobody;
+  firstYields = false;
+  blocked = 0;
+  crowded = false;
+  leaves = false;
+  for (uint s = gl_SubgroupInvocationID; s < kSectors; s += gl_SubgroupSize) {
+    sectors[sectorAt(s)].distance = floatBitsToUint(kFar);
+    sectors[sectorAt(s)].id = kNobody;
   }
-  visitAll(kLookAround, center);
+  subgroupShares();
 }
 
-// The point is crowded by one before it that stays itself; `crowded`: by one at least.
-bool goes(vec3 center, out bool crowded) {
+// The first of those that crowd the point: it goes unless that one has to yield itself.
+bool findFirst() {
   const uint least = subgroupMin(firstRank);
   crowded = least != kNobody;
   if (!crowded) return false;
   const uint slot = subgroupMin(firstRank == least ? firstSlot : kNobody);
   const vec4 position = args.cloud.positions.at[slot];
-  first = seen(slot, floatBitsToUint(position.w), position.xyz - center);
-  firstYields = false;
-  visitAll(kLookYields, center);
-  return !subgroupAny(firstYields);
+  first = Seen(position.xyz - center, args.cloud.normals.at[slot].xyz,
+               targetOf(floatBitsToUint(position.w)), least);
+  return true;
+}
+
+bool isWide(uint s) {
+  const float distance = uintBitsToFloat(sectors[sectorAt(s)].distance);
+  return distance < kFar && distance > kWidestGap * self.spacing;
+}
+bool anyWide() {
+  bool wide = false;
+  for (uint s = gl_SubgroupInvocationID; s < kSectors; s += gl_SubgroupSize) wide = wide || isWide(s);
+  return subgroupAny(wide);
+}
+
+// Where new points would stand in the middle of wide gaps; false where that is nowhere.
+bool placeInGaps() {
+  bool any = false;
+  for (uint s = gl_SubgroupInvocationID; s < kSectors; s += gl_SubgroupSize) {
+    vec3 place = vec3(kFar);
+    if (isWide(s)) {
+      const uint at = sectorAt(s);
+      const vec3 middle =
+          halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
+      if (!nearer(middle, kLeastClearance * self.spacing)) place = middle;
+    }
+    sectors[sectorAt(s)].offset = place;
+    any = any || place.x < kFar;
+  }
+  subgroupShares();
+  return subgroupAny(any);
+}
+
+// What comes next.
+uint nextLook() {
+  if (look == kLookAround && findFirst()) return kLookYields;
+  if (look == kLookYields) leaves = !subgroupAny(firstYields);
+  if (look <= kLookYields) return leaves || spent || !anyWide() ? kLookNoMore : kLookIds;
+  if (look == kLookIds) return kLookNearest;
+  if (look == kLookNearest && placeInGaps()) return kLookBlocks;
+  return kLookNoMore;
 }
 
 // The sector with the narrowest gap that no point fills yet; kSectors where there is none.
-uint openGap(vec3 center) {
-  bool any = false;
-  for (uint s = 0; s < kSectors; ++s) {
-    const float nearest = subgroupMin(sectorDistance[s]);
-    const uint id = subgroupMin(sectorDistance[s] == nearest ? sectorId[s] : kNobody);
-    const uint slot = subgroupMin(sectorDistance[s] == nearest && sectorId[s] == id ? sectorSlot[s] : kNobody);
-    sectorDistance[s] = nearest;
-    sectorSlot[s] = slot;
-    gapOpen[s] = nearest < kFar && nearest > kWidestGap * self.spacing;
-    gapPlace[s] = vec3(kFar);
-    if (gapOpen[s]) {
-      const vec3 offset = args.cloud.positions.at[slot].xyz - center;
-      gapPlace[s] = halfWay(offset, self.normal, args.cloud.normals.at[slot].xyz);
-      const float clearance = kLeastClearance * self.spacing;
-      gapOpen[s] = dot(gapPlace[s], gapPlace[s]) >= clearance * clearance;
-    }
-    gapBlocked[s] = false;
-    any = any || gapOpen[s];
-  }
-  if (!any) return kSectors;
-  visitAll(kLookBlocks, center);
+uint openGap() {
+  const uint taken = subgroupOr(blocked);
   uint best = kSectors;
+  float narrowest = kFar;
   for (uint s = 0; s < kSectors; ++s) {
-    const bool blocked = subgroupAny(gapBlocked[s]);
-    if (gapOpen[s] && !blocked && (best == kSectors || sectorDistance[s] < sectorDistance[best])) best = s;
+    const float distance = uintBitsToFloat(sectors[sectorAt(s)].distance);
+    if (sectors[sectorAt(s)].offset.x == kFar || (taken & 1u << s) != 0 || distance >= narrowest) continue;
+    best = s;
+    narrowest = distance;
   }
   return best;
 }
@@ -170,43 +223,60 @@ uint middleColor(uint a, uint b) {
 void wishFor(uint id, vec3 center, uint sector) {
   const uint at = atomicAdd(args.lists.now.wishes, 1);
   if (at >= args.most) return;
-  atomicMax(args.lists.now.wishGroups.x, updateGroups(at + 1, gl_NumSubgroups));
   args.lists.wishes[at].position = center;
   args.lists.wishes[at].id = id;
   const bool inserts = sector < kSectors;
   args.lists.wishes[at].inserts = inserts ? 1 : 0;
   if (!inserts) return;
-  const vec3 place = center + gapPlace[sector];
-  const vec4 other = args.cloud.positions.at[sectorSlot[sector]];
-  const vec3 sum = self.normal + args.cloud.normals.at[sectorSlot[sector]].xyz;
+  const Sector gap = sectors[sectorAt(sector)];
+  const vec3 place = center + gap.offset;
+  const vec3 sum = self.normal + args.cloud.normals.at[gap.slot].xyz;
   const float size = length(sum);
   args.lists.wishes[at].place = place;
   args.lists.wishes[at].normal = size > 1e-3 ? sum / size : self.normal;
-  args.lists.wishes[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, floatBitsToUint(other.w)));
+  args.lists.wishes[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
   args.lists.wishes[at].parent = parentOf(args.tables, id);
-  const HashGrid grid = claimGrid(args.radius / kSupportSpacings);
-  atomicMin(args.lists.claims[bucketOf(grid, cellOf(grid, place))], id);
+  atomicMin(args.lists.claims[claimAt(claimsFor(args.radius), place)], id);
 }
 
-void main() {
-  if (args.update.at[0].failed != 0) return;
+void wishForAll() {
   tick = args.lists.now.tick;
+  spent = args.lists.now.nextId >= args.tables.at[0].ids;
+  firstNew = args.tables.at[0].firstNew;
+  looksOf = args.tables.at[0].looks;
+  parentsOf = args.tables.at[0].parents;
+  spacings = args.tables.at[0].spacings;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
     selfSlot = args.changed.at[which];
+    const vec4 fitted = args.fitted.at[which];
+    if (fitted.w == kNotLooked) continue;
     const vec4 position = args.cloud.positions.at[selfSlot];
     const uint id = floatBitsToUint(position.w);
-    if (args.tables.at[0].looks.at[id] == tick) {
-      self = seen(selfSlot, id, vec3(0.0));
-      lookAround(position.xyz);
-      bool crowded;
-      const bool leaves = goes(position.xyz, crowded);
-      const uint gap = leaves ? kSectors : openGap(position.xyz);
-      if (subgroupElect() && (leaves || crowded || gap < kSectors)) {
-        if (leaves) args.cloud.normals.at[selfSlot].w = kMarkGoes;
-        wishFor(id, position.xyz, gap);
-      }
+    self = Seen(vec3(0.0), fitted.xyz, fitted.w, 0x80000000u | id);
+    center = position.xyz;
+    begin();
+    uint reached = kLookAround;
+    for (look = kLookAround; look != kLookNoMore; look = nextLook()) {
+      reached = look;
+      visitNeighbours(args.cloud, center, args.radius, kWishWorkBudget, look != kLookAround);
+      subgroupShares();
     }
+    const uint gap = reached == kLookBlocks ? openGap() : kSectors;
+    if (subgroupElect() && (leaves || crowded || gap < kSectors)) {
+      if (leaves) args.cloud.normals.at[selfSlot].w = kMarkGoes;
+      wishFor(id, center, gap);
+    }
+    subgroupShares();
   }
+}
+
+void main() {
+  if (args.update.at[0].failed == 0) wishForAll();
+  if (!finishesLast(args.update)) return;
+  if (args.update.at[0].failed == 0)
+    confirmClaims(args.lists, args.most, args.radius, gl_LocalInvocationIndex, gl_WorkGroupSize.x);
+  barrier();
+  endEdit(args.end, args.update, args.lists);
 }

@@ -10,13 +10,14 @@
 layout(buffer_reference) buffer Brushes;
 layout(buffer_reference) buffer GivenChanges;
 layout(buffer_reference) buffer Tables;
-layout(buffer_reference) buffer ResampleLists;
+layout(buffer_reference) coherent buffer ResampleLists;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 #include "shaders/shared/edit.h"
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Brushes { Brush at[1]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GivenChanges { GivenChange at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { PointTables at[1]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ResampleLists {
+// The last workgroup of a pass reads what the others have written.
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer ResampleLists {
   Resampling now;
   uint births[kMostBirths];   // numbers of wishes, in any order
   uint claims[kClaimSlots];   // the least id that wants a place; all bits where none does
@@ -37,7 +38,6 @@ uint parentOf(Tables tables, uint id) {
   if (id < firstNew) return id;
   return tables.at[0].parents.at[id - firstNew];
 }
-float spacingOf(Tables tables, uint id) { return tables.at[0].spacings.at[parentOf(tables, id)]; }
 
 uint bucketAt(CloudView cloud, vec3 position) { return bucketOf(cloud.grid, cellOf(cloud.grid, position)); }
 

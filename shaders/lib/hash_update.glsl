@@ -7,18 +7,22 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_buffer_reference : require
 
-layout(buffer_reference) buffer HashUpdates;
+layout(buffer_reference) coherent buffer HashUpdates;
 layout(buffer_reference) buffer PointMoves;
 layout(buffer_reference) buffer TouchedBuckets;
 layout(buffer_reference) buffer DirtyBuckets;
 #include "shaders/shared/hash_update.h"
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer HashUpdates { HashUpdate at[1]; };
+// The last workgroup of a pass reads what the others have counted.
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer HashUpdates { HashUpdate at[1]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PointMoves { PointMove at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TouchedBuckets { TouchedBucket at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets {
   uint capacity;  // buckets that the list holds
   uint words[];   // the map, then the list
 };
+
+// Not 0 where passes that follow are dispatched with as many groups as are counted here.
+layout(constant_id = 1) const uint kCountsGroups = 1;
 
 const uint kBucketTouched = 0x80000000u;  // in a mark; the rest counts arrivals until the update is planned
 
@@ -33,8 +37,10 @@ uint nextMove(HashUpdates update, bool wants) {
   uint first = 0;
   if (subgroupElect()) {
     first = atomicAdd(update.at[0].moves, count);
-    atomicMax(update.at[0].moveGroups.x, updateGroups(first + count, kUpdateWorkgroup));
-    atomicMax(update.at[0].movedGroups.x, updateGroups(first + count, gl_NumSubgroups));
+    if (kCountsGroups != 0) {
+      atomicMax(update.at[0].moveGroups.x, updateGroups(first + count, kUpdateWorkgroup));
+      atomicMax(update.at[0].movedGroups.x, updateGroups(first + count, gl_NumSubgroups));
+    }
   }
   return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
 }
@@ -47,7 +53,7 @@ uint nextChanged(HashUpdates update, bool wants) {
   uint first = 0;
   if (subgroupElect()) {
     first = atomicAdd(update.at[0].changed, count);
-    atomicMax(update.at[0].changedGroups.x, updateGroups(first + count, gl_NumSubgroups));
+    if (kCountsGroups != 0) atomicMax(update.at[0].changedGroups.x, updateGroups(first + count, gl_NumSubgroups));
   }
   return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
 }
@@ -58,6 +64,7 @@ void touchBucket(HashUpdates update, Uints marks, TouchedBuckets touched, uint b
   if ((atomicOr(marks.at[bucket], kBucketTouched) & kBucketTouched) != 0) return;
   const uint t = atomicAdd(update.at[0].touched, 1);
   touched.at[t].bucket = bucket;
+  if (kCountsGroups == 0) return;
   atomicMax(update.at[0].bucketGroups.x, updateGroups(t + 1, kUpdateWorkgroup));
   atomicMax(update.at[0].applyGroups.x, updateGroups(t + 1, gl_NumSubgroups));
 }

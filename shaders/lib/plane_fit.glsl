@@ -17,8 +17,7 @@ struct Moments {
 
 Moments noMoments() { return Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0)); }
 
-void addNeighbour(inout Moments m, vec3 d, float radius) {
-  const float w = wendland(length(d) / radius);
+void addNeighbour(inout Moments m, vec3 d, float w) {
   m.weight += w;
   m.neighbours += 1;
   m.mean += w * d;

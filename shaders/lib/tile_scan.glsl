@@ -4,20 +4,25 @@
 #ifndef PALPATE_LIB_TILE_SCAN_GLSL
 #define PALPATE_LIB_TILE_SCAN_GLSL
 
+#extension GL_KHR_shader_subgroup_ballot : require
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/shared/prefix_scan.h"
 
-// Where this invocation's kScanItems values begin.
-uint firstOfTile(uint tile) { return (tile * gl_WorkGroupSize.x + scanIndex()) * kScanItems; }
+// A subgroup takes kScanItems rows of consecutive values, so that its invocations read and write side by side. This is
+// where this invocation's values begin; the next stands gl_SubgroupSize further on.
+uint firstOfTile(uint tile) {
+  const uint before = tile * gl_WorkGroupSize.x + gl_SubgroupID * gl_SubgroupSize;
+  return before * kScanItems + gl_SubgroupInvocationID;
+}
 
-// The sum of all values before this invocation's own, which add up to `sum`.
+// The sum of all values before this subgroup's; `sum` is that of this invocation's.
 uint sumBefore(Uints tileSums, uint tile, uint sum) {
   uint partial = 0;
   for (uint t = gl_LocalInvocationIndex; t < tile; t += gl_WorkGroupSize.x) partial += tileSums.at[t];
   uint before;
   workgroupExclusiveScan(partial, before);
   uint total;
-  return before + workgroupExclusiveScan(sum, total);
+  return before + subgroupBroadcastFirst(workgroupExclusiveScan(sum, total));
 }
 
 #endif

@@ -47,10 +47,10 @@ vec3 countedFrom(float least, vec3 closeness) {
   return mix(vec3(0), closeness, greaterThanEqual(closeness, vec3(least)));
 }
 
-void visitNeighbour(uint slot, vec4 position, vec3 d) {
+void visitNeighbour(uint id, vec3 other, vec3 d) {
   const float squared = dot(d, d);
   if (clips) {
-    if (squared > 0) meetOtherSide(d, args.cloud.normals.at[slot].xyz);
+    if (squared > 0) meetOtherSide(d, other);
     return;
   }
   if (squared == 0 || squared < seen * seen) return;
@@ -58,7 +58,6 @@ void visitNeighbour(uint slot, vec4 position, vec3 d) {
     ++neighbours;
     return;
   }
-  const vec3 other = args.cloud.normals.at[slot].xyz;
   besideEdge = besideEdge || ofOtherSide(other) && dot(other, other) > 0.25;
   if (dot(other, other) > 0.25 && dot(other, selfNormal) <= kSplatSameSheet) return;
   const float a = dot(d, axisU) * 2 / squared, b = dot(d, axisV) * 2 / squared;

@@ -8,8 +8,8 @@
 
 PALPATE_SHARED_BEGIN
 
-// Rounds of the loops over the neighbours of one place. Past it what follows comes from the points seen so far; reached
-// only where a hundred thousand points share a place.
+// What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from the
+// points seen so far; reached only where a hundred thousand points share a place.
 const uint kNeighbourWorkBudget = 20000;
 // The same for those that decide whether points come or go, who look around several times. Past it they decide by the
 // points that they have seen: only where hundreds share a place, and those are merged with the ones that are seen.
@@ -24,6 +24,8 @@ const uint kSelectCells = 64;
 
 // In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
 const float kMarkGoes = 3.0f;
+// In the w of a fitted normal: the point is as it was given, and is not to be looked at.
+const float kNotLooked = -1.0f;
 // New points in one tick. They get their ids in the order of those that wish for them, by comparing each with each.
 // Where more are wished for, none come, and in the next tick half of the wishes are heard.
 const uint kMostBirths = 1024;
@@ -34,10 +36,13 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) parents;    // of the points from firstNew on
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
   PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
+  PALPATE_ADDRESS(ResampleLists) lists;
   uint firstNew;
   uint ids;
+  uint mostMoves;  // that there is room for; as many wishes
+  uint unused;
 };
-PALPATE_SIZE(PointTables, 40);
+PALPATE_SIZE(PointTables, 56);
 
 // What a point that was looked at wishes for in the next tick. To be looked at again is the least.
 struct PointWish {
@@ -53,16 +58,21 @@ PALPATE_SIZE(PointWish, 52);
 
 struct Resampling {
   uint wishes;
-  uvec3 wishGroups;  // one subgroup a wish
   uint births;       // of this tick
   uint nextId;
   uint tick;
   uint thinning;     // only wishes of every 2^thinning-th point for a new one are heard
 };
-PALPATE_SIZE(Resampling, 32);
+const uint kResamplingBytes = 20;
+PALPATE_SIZE(Resampling, kResamplingBytes);
+
+// What becomes of the wishes of the last tick.
+const uint kRecallsNothing = 0;
+const uint kRecallsWishes = 1;  // they become moves
+const uint kForgetsWishes = 2;
 
 // The points that a brush reaches, and where it brings them.
-struct SelectArgs {
+struct CollectArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(PointMoves) moves;
@@ -71,12 +81,18 @@ struct SelectArgs {
   PALPATE_ADDRESS(ContactStates) state;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
-  uint mostMoves;
-  uint cells;      // of the tool's box, along one side; 0: all slots from firstSlot on are looked at
+  uint recalls;    // kRecalls...
+  uint cells;      // of the tool's box, along one side; 0: slots from firstSlot on are looked at
   uint firstSlot;
   uint slots;
 };
-PALPATE_SIZE(SelectArgs, 128);
+PALPATE_SIZE(CollectArgs, 128);
+
+// Workgroups that look at these cells or slots; those beyond see to the wishes.
+PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
+  return cells > 0u ? (cells * cells * cells + kSelectCells - 1u) / kSelectCells
+                    : (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
+}
 
 struct SmoothArgs {
   CloudView cloud;
@@ -91,34 +107,13 @@ struct SmoothArgs {
 };
 PALPATE_SIZE(SmoothArgs, 112);
 
-// The wishes of the last tick become moves of this one.
-struct RecallArgs {
-  CloudView cloud;
-  PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;
-  PALPATE_ADDRESS(TouchedBuckets) touched;
-  PALPATE_ADDRESS(ContactStates) state;
-  PALPATE_ADDRESS(Brushes) brush;
-  PALPATE_ADDRESS(Tables) tables;
-  PALPATE_ADDRESS(ResampleLists) lists;
-  uint mostMoves;
-  uint forgets;  // not 0: the wishes are dropped instead
+// What the last pass of an edit does besides: it tells the host what the edit came to, and empties the counters.
+struct EditEnd {
+  PALPATE_ADDRESS(Uints) report;      // of the HashUpdate; null in passes that are not the last
+  PALPATE_ADDRESS(Uints) resampling;  // of the Resampling; null where there is none
+  PALPATE_ADDRESS(Uints) empty;       // counters as they begin
 };
-PALPATE_SIZE(RecallArgs, 128);
-
-struct BirthArgs {
-  HashGrid grid;
-  PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;
-  PALPATE_ADDRESS(TouchedBuckets) touched;
-  PALPATE_ADDRESS(Tables) tables;
-  PALPATE_ADDRESS(ResampleLists) lists;
-  uint mostMoves;
-  uint unused;
-};
-PALPATE_SIZE(BirthArgs, 80);
+PALPATE_SIZE(EditEnd, 24);
 
 // After the index has followed: normals as they were fitted, and the wishes that have been heard are taken away.
 struct SettleArgs {
@@ -126,19 +121,24 @@ struct SettleArgs {
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) changed;
   PALPATE_ADDRESS(Vec4s) fitted;
+  PALPATE_ADDRESS(Uints) head;  // of the log
+  PALPATE_ADDRESS(ResampleLists) lists;
+  EditEnd end;
 };
-PALPATE_SIZE(SettleArgs, 80);
+PALPATE_SIZE(SettleArgs, 120);
 
 struct WishArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(Vec4s) fitted;
   PALPATE_ADDRESS(Tables) tables;
   PALPATE_ADDRESS(ResampleLists) lists;
+  EditEnd end;
   float radius;  // support radius, model units
   uint most;     // wishes that there is room for
 };
-PALPATE_SIZE(WishArgs, 96);
+PALPATE_SIZE(WishArgs, 128);
 
 // Target spacings, measured once on the cloud as it was loaded.
 struct SpacingArgs {
@@ -177,7 +177,7 @@ struct RefitNormalsArgs {
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) changed;
-  PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point
+  PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point; w: its target spacing, or kNotLooked
   PALPATE_ADDRESS(EditEntries) entries;
   PALPATE_ADDRESS(Uints) head;
   PALPATE_ADDRESS(Tables) tables;

@@ -19,7 +19,7 @@ struct PointMove {
   uint id;
   vec3 normal;
   float mark;       // kMark...
-  uint slot;        // where it stands; kEmptySlot when it is new
+  uint slot;        // where it stands; kEmptySlot when it is new; its number among those that are gone once it is gone
   uint fromBucket;  // kNoBucket when it is new
   uint toBucket;    // kNoBucket when it is taken away
 };
@@ -54,7 +54,7 @@ PALPATE_FUNCTION uint roomToGrow(uint points) { return points + points / 2u + kS
 // Buckets that change while compacting are noted once each: a bit of a map says so, and the list stands behind the map.
 PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32u + 1u; }
 
-// Counters of one update. The first kUpdateBegins bytes begin every update empty.
+// Counters of one update. The first kUpdateBegins bytes are empty between updates.
 struct HashUpdate {
   uint moves;
   uint touched;
@@ -68,15 +68,17 @@ struct HashUpdate {
   uvec3 movedGroups;    // one subgroup a move
   uvec3 bucketGroups;   // one invocation a touched bucket
   uvec3 applyGroups;    // one subgroup a touched bucket
-  uvec3 changedGroups;  // one subgroup a changed or gone point
+  uvec3 changedGroups;  // one subgroup a changed point; never none
+  uint finished;        // workgroups of a pass that are done with it
 
   uint head;        // first slot that no bucket has
   uint points;      // that are there
   uint compacting;  // not 0: buckets that change are noted
   uint dirty;       // buckets noted
 };
-PALPATE_SIZE(HashUpdate, 108);
-const uint kUpdateBegins = 92;  // bytes of the first part
+const uint kUpdateBytes = 112;
+PALPATE_SIZE(HashUpdate, kUpdateBytes);
+const uint kUpdateBegins = 96;  // bytes of the first part
 
 struct HashUpdateArgs {
   CloudView cloud;

@@ -9,7 +9,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) coherent volatile b
 
 PALPATE_SHARED_BEGIN
 
-const uint kSweepHistogramItems = 16;  // keys per invocation of the histogram
+const uint kSweepHistogramItems = 16;  // keys per invocation of the histogram; a multiple of 8
 // A tile's word for one digit: what it knows stands in the top bits, a count in the rest.
 const uint kSweepCountBits = 30;
 const uint kSweepOwn = 1u << kSweepCountBits;   // the count of the tile alone
@@ -20,11 +20,9 @@ struct RadixHistogramArgs {
   PALPATE_ADDRESS(Uints) keys;
   PALPATE_ADDRESS(Uints) histograms;  // [pass][digit], zero before
   uint count;
-  uint passes;
-  uint keyBits;
   uint unused;
 };
-PALPATE_SIZE(RadixHistogramArgs, 32);
+PALPATE_SIZE(RadixHistogramArgs, 24);
 
 struct RadixSweepArgs {
   PALPATE_ADDRESS(Uints) keysIn;

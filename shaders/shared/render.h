@@ -1,5 +1,6 @@
 #ifndef PALPATE_SHARED_RENDER_H
 #define PALPATE_SHARED_RENDER_H
+#include "shaders/shared/mesh_vertex.h"
 #include "shaders/shared/types.h"
 
 PALPATE_SHARED_BEGIN
@@ -95,8 +96,8 @@ struct RenderFrame {
   float splatRadius;  // of every point, model units; 0: each has its own
   float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
   float sumScale;     // fixed-point unit of the sums
-  uint count;
-  uint splatTiles;  // tiles along each side of the largest splat
+  uint count;         // points, or triangles
+  uint splatTiles;    // tiles along each side of the largest splat or triangle
   uint imagePass;
   uint colorBy;
   uint hasColors;
@@ -126,6 +127,17 @@ struct SplatArgs {
   PALPATE_ADDRESS(Uints) colorSums;   // three per sample
 };
 PALPATE_SIZE(SplatArgs, 64);
+
+// Triangles are drawn by tiles as splats are; one that is larger than its tiles is walked in more rounds.
+struct TriangleArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(MeshVertices) vertices;
+  PALPATE_ADDRESS(Uints) triangles;
+  PALPATE_ADDRESS(Uints) depth;       // as in SplatArgs, and so the sums
+  PALPATE_ADDRESS(Uints) normalSums;
+  PALPATE_ADDRESS(Uints) colorSums;
+};
+PALPATE_SIZE(TriangleArgs, 48);
 
 struct CloseHolesArgs {
   PALPATE_ADDRESS(RenderFrames) frame;

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // How many points each bucket holds becomes where they stand: reduce-then-scan, second half. The counts are left at
 // zero for the next build.
+#extension GL_EXT_control_flow_attributes : require
 #include "shaders/shared/prefix_scan.h"
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/tile_scan.glsl"
@@ -14,16 +15,19 @@ void main() {
   const uint first = firstOfTile(tile);
   uint counts[kScanItems];
   uint sum = 0;
-  for (uint item = 0; item < kScanItems; ++item) {
-    counts[item] = first + item < args.count ? args.counts.at[first + item] : 0;
+  [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
+    const uint i = first + item * gl_SubgroupSize;
+    counts[item] = i < args.count ? args.counts.at[i] : 0;
     sum += counts[item];
   }
   uint running = sumBefore(args.tileSums, tile, sum);
-  for (uint item = 0; item < kScanItems; ++item) {
-    if (first + item < args.count) {
-      args.ranges.at[first + item] = uvec2(running, running + counts[item]);
-      args.counts.at[first + item] = 0;
+  [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
+    const uint i = first + item * gl_SubgroupSize;
+    const uint start = running + subgroupExclusiveAdd(counts[item]);
+    if (i < args.count) {
+      args.ranges.at[i] = uvec2(start, start + counts[item]);
+      args.counts.at[i] = 0;
     }
-    running += counts[item];
+    running += subgroupAdd(counts[item]);
   }
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One pass of a look-back radix sort ("onesweep", Adinets and Merrill 2022): each workgroup ranks a tile of keys by
+// One pass of a look-back radix sort ("onesweep", Adinets and Merrill 2022): each workgroup counts a tile of keys by
 // digit, learns from the tiles before it where its own go, and writes them there. Every key is read and written once a
 // pass. A tile waits for earlier ones, so this needs a driver on which workgroups that have started go on; tiles are
 // numbered as they start, and the earliest one that is not done never waits.
@@ -12,45 +12,53 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
-layout(constant_id = 1) const uint kSubgroups = 8;  // per workgroup
-layout(constant_id = 2) const uint kItems = 16;     // keys per invocation
-layout(constant_id = 3) const uint kDigitBits = 8;
+layout(constant_id = 1) const uint kSubgroups = 12;  // per workgroup
+layout(constant_id = 2) const uint kItems = 10;      // keys per invocation
+layout(constant_id = 3) const uint kDigitBits = 7;
 
 layout(push_constant, scalar) uniform Push { RadixSweepArgs args; };
 
+const uint kSubgroupSize = gl_WorkGroupSize.x / kSubgroups;
 const uint kRadix = 1u << kDigitBits;
 const uint kTile = gl_WorkGroupSize.x * kItems;
 const uint kCounters = kSubgroups * kRadix;
+const uint kWindow = 4;  // tiles that one look goes back over: their words are on their way together
 
 // First the counts [subgroup][digit], then keys, then values in the order of this digit.
 shared uint pool[kCounters > kTile ? kCounters : kTile];
-shared uint digitStart[kRadix];   // of a digit in the sorted tile
 shared uint destination[kRadix];  // of a digit's first key here, less its place in the sorted tile
 shared uint sharedTile;
 
 uint digitOf(uint key) { return bitfieldExtract(key, int(args.shift), int(kDigitBits)); }
 
-// The invocations of this subgroup whose key has the same digit.
-uvec4 peersOf(uint digit) {
-  uvec4 peers = subgroupBallot(true);
+// The next place for a key of this digit, in the order of the subgroup's keys.
+uint takePlace(uint digit, uint counters) {
+  uint peers = subgroupBallot(true).x;  // the invocations whose key has the same digit
   [[unroll]] for (uint bit = 0; bit < kDigitBits; ++bit) {
     const bool set = ((digit >> bit) & 1) != 0;
-    const uvec4 ballot = subgroupBallot(set);
+    const uint ballot = subgroupBallot(set).x;
     peers &= set ? ballot : ~ballot;
   }
-  return peers;
+  const uint before = bitCount(peers & gl_SubgroupLtMask.x);
+  uint first = 0;
+  if (before == 0) first = atomicAdd(pool[counters + digit], bitCount(peers));
+  return subgroupShuffle(first, findLSB(peers)) + before;
 }
 
 // Keys of digit `d` in all tiles before this one, from the digit's first place in the output.
 uint lookBack(uint tile, uint d) {
   uint sum = 0;
-  uint t = tile - 1;
+  uint end = tile;  // of the tiles that are not in the sum
   while (true) {
-    const uint word = args.tiles.at[t * kRadix + d];
-    if (word < kSweepOwn) continue;
-    sum += word & kSweepCountMask;
-    if (word >= kSweepAll) return sum;
-    --t;
+    uint words[kWindow];
+    [[unroll]] for (uint k = 0; k < kWindow; ++k)
+      words[k] = k < end ? args.tiles.at[(end - 1 - k) * kRadix + d] : 0;
+    [[unroll]] for (uint k = 0; k < kWindow; ++k) {
+      if (words[k] < kSweepOwn) break;  // not known yet: look again
+      sum += words[k] & kSweepCountMask;
+      if (words[k] >= kSweepAll) return sum;
+      --end;
+    }
   }
 }
 
@@ -64,72 +72,66 @@ void main() {
   const uint inTile = min(kTile, args.count - start);
 
   // A subgroup takes consecutive keys, one row of its size after another, so that rank follows the order of the input.
-  const uint mine = gl_SubgroupID * gl_SubgroupSize * kItems + gl_SubgroupInvocationID;
+  const uint mine = gl_SubgroupID * kSubgroupSize * kItems + gl_SubgroupInvocationID;
   uint keys[kItems];
-  uint ranks[kItems];
   // Past the end the largest key stands in: it ranks behind every true key and is never written.
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
-    const uint i = mine + item * gl_SubgroupSize;
+    const uint i = mine + item * kSubgroupSize;
     keys[item] = i < inTile ? args.keysIn.at[start + i] : 0xFFFFFFFFu;
   }
+  // Counted before they are ranked, which takes longer: the later tiles wait for the counts alone.
   const uint counters = gl_SubgroupID * kRadix;
-  [[unroll]] for (uint item = 0; item < kItems; ++item) {
-    const uint digit = digitOf(keys[item]);
-    const uvec4 peers = peersOf(digit);
-    const uint before = subgroupBallotExclusiveBitCount(peers);
-    uint first = 0;
-    if (before == 0) first = atomicAdd(pool[counters + digit], subgroupBallotBitCount(peers));
-    ranks[item] = subgroupShuffle(first, subgroupBallotFindLSB(peers)) + before;
-  }
+  [[unroll]] for (uint item = 0; item < kItems; ++item) atomicAdd(pool[counters + digitOf(keys[item])], 1);
   barrier();
 
-  // One invocation for each digit: its keys in this tile, published before anything else is done with them.
+  // One invocation for each digit: its keys in this tile.
   const uint d = scanIndex();
   uint own = 0;
   if (d < kRadix) {
-    for (uint s = 0; s < kSubgroups; ++s) {
-      const uint count = pool[s * kRadix + d];
-      pool[s * kRadix + d] = own;
-      own += count;
-    }
+    for (uint s = 0; s < kSubgroups; ++s) own += pool[s * kRadix + d];
     if (tile != 0) args.tiles.at[tile * kRadix + d] = kSweepOwn | own;
   }
   uint total;
   const uint startHere = workgroupExclusiveScan(own, total);
   uint startOfAll = 0;
   if (tile == 0) startOfAll = workgroupExclusiveScan(d < kRadix ? args.histogram.at[d] : 0, total);
-  if (d < kRadix) digitStart[d] = startHere;
-  barrier();
-  [[unroll]] for (uint item = 0; item < kItems; ++item) {
-    const uint digit = digitOf(keys[item]);
-    ranks[item] += digitStart[digit] + pool[counters + digit];
+  if (d < kRadix) {
+    uint next = startHere;
+    for (uint s = 0; s < kSubgroups; ++s) {
+      const uint count = pool[s * kRadix + d];
+      pool[s * kRadix + d] = next;
+      next += count;
+    }
   }
   barrier();
-  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[ranks[item]] = keys[item];
+  uint places[kItems];  // in the sorted tile
+  [[unroll]] for (uint item = 0; item < kItems; ++item) places[item] = takePlace(digitOf(keys[item]), counters);
+  barrier();
+  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item]] = keys[item];
+  // The values are on their way while this looks back and writes the keys.
+  uint values[kItems];
+  [[unroll]] for (uint item = 0; item < kItems; ++item) {
+    const uint i = mine + item * kSubgroupSize;
+    if (i < inTile) values[item] = args.valuesIn.at[start + i];
+  }
   if (d < kRadix) {
     const uint before = tile == 0 ? startOfAll : lookBack(tile, d);
     args.tiles.at[tile * kRadix + d] = kSweepAll | (before + own);
     destination[d] = before - startHere;
   }
-  // The values are on their way while the keys are written.
-  uint values[kItems];
-  [[unroll]] for (uint item = 0; item < kItems; ++item) {
-    const uint i = mine + item * gl_SubgroupSize;
-    values[item] = i < inTile ? args.valuesIn.at[start + i] : 0;
-  }
   barrier();
-  uint to[kItems];
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint place = item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
     const uint key = pool[place];
-    to[item] = destination[digitOf(key)] + place;
-    if (place < inTile) args.keysOut.at[to[item]] = key;
+    const uint digit = digitOf(key);
+    if (place < inTile) args.keysOut.at[destination[digit] + place] = key;
+    places[item] |= digit << 16;  // for the value that goes there, too
   }
   barrier();
-  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[ranks[item]] = values[item];
+  [[unroll]] for (uint item = 0; item < kItems; ++item) pool[places[item] & 0xFFFFu] = values[item];
   barrier();
   [[unroll]] for (uint item = 0; item < kItems; ++item) {
     const uint place = item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
-    if (place < inTile) args.valuesOut.at[to[item]] = pool[place];
+    if (place < inTile) args.valuesOut.at[destination[places[item] >> 16] + place] = pool[place];
   }
 }

@@ -27,8 +27,7 @@ void main() {
     }
     if (to == kNoBucket) {
       args.cloud.positions.at[slot].w = uintBitsToFloat(kEmptySlot);
-      atomicAdd(args.update.at[0].gone, 1);
-      atomicMax(args.update.at[0].changedGroups.x, 1);  // whoever looks at what changed looks at these too
+      args.moves.at[i].slot = atomicAdd(args.update.at[0].gone, 1);
     } else {
       args.cloud.positions.at[slot] = vec4(args.moves.at[i].position, uintBitsToFloat(args.moves.at[i].id));
       args.cloud.normals.at[slot] = vec4(args.moves.at[i].normal, args.moves.at[i].mark);

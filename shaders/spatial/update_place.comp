@@ -47,8 +47,7 @@ void main() {
           args.arrivals.at[2 * at] = position;
           args.arrivals.at[2 * at + 1] = normal;
         } else {
-          atomicAdd(args.update.at[0].gone, 1);
-          atomicMax(args.update.at[0].changedGroups.x, 1);  // whoever looks at what changed looks at these too
+          args.moves.at[i].slot = atomicAdd(args.update.at[0].gone, 1);
         }
       }
       if (compacting) {

@@ -7,9 +7,8 @@
 namespace palpate {
 
 EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid& grid, double radius,
-                         const BrushOptions& brush, std::span<const std::uint32_t> colors,
-                         std::optional<SortMethod> sort, std::optional<std::uint32_t> spare,
-                         const CompactionOptions& compaction)
+                         const BrushOptions& brush, std::span<const std::uint32_t> colors, SortMethod sort,
+                         std::optional<std::uint32_t> spare, const CompactionOptions& compaction)
     : device_(device),
       live_(device, cloud, spare.value_or(HashUpdate::spareSlots(cloud.size()))),
       hash_(device, grid, live_.slots(), sort, BucketOrder::stable, Slots::spare),

@@ -16,7 +16,7 @@ class EditedScene {
   enum class How { incremental, rebuild, rebuildAll };
 
   EditedScene(Device& device, const PointCloud& cloud, const HashGrid& grid, double radius, const BrushOptions& brush,
-              std::span<const std::uint32_t> colors = {}, std::optional<SortMethod> sort = std::nullopt,
+              std::span<const std::uint32_t> colors = {}, SortMethod sort = kDefaultSort,
               std::optional<std::uint32_t> spare = std::nullopt, const CompactionOptions& compaction = {});
 
   /// One tick of the brush for a contact state that we choose; false when the update was not carried out.

@@ -26,7 +26,7 @@ struct Compacted {
   Compacted(Device& device, const PointCloud& cloud, const CompactionOptions& options = kShortSlices,
             std::optional<std::uint32_t> spare = std::nullopt)
       : scene(device, cloud, makeHashGrid(Vec3(-50), 2.0, cloud.size()), 2.0, brushOf(BrushKind::push), {},
-              std::nullopt, spare, options) {}
+              kDefaultSort, spare, options) {}
 
   // Sends the points with these numbers to places of their own, and says what it did.
   std::vector<PointChange> scatter(std::uint32_t first, std::uint32_t count, float shift) {
@@ -66,7 +66,7 @@ TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compact
   for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
     CAPTURE(static_cast<int>(kind));
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
-                       brushOf(kind), {}, std::nullopt, std::nullopt, kShortSlices);
+                       brushOf(kind), {}, kDefaultSort, std::nullopt, kShortSlices);
     RandomEdits edits(edited, 31 + static_cast<std::uint32_t>(kind));
     std::mt19937 random(3);
     int compactions = 0;
@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without co
   std::map<std::uint32_t, std::vector<std::uint32_t>> without;
   for (const bool compacts : {false, true}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
-                       brushOf(BrushKind::push), {}, std::nullopt, 1u << 16, kShortSlices);
+                       brushOf(BrushKind::push), {}, kDefaultSort, 1u << 16, kShortSlices);
     RandomEdits edits(edited, 99);
     std::mt19937 random(5);
     int compactions = 0;
@@ -287,7 +287,7 @@ TEST_CASE(
   constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
   for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
-                       brushOf(BrushKind::push), {}, std::nullopt, std::nullopt, {.bucketsPerSlice = bucketsPerSlice});
+                       brushOf(BrushKind::push), {}, kDefaultSort, std::nullopt, {.bucketsPerSlice = bucketsPerSlice});
     HashCompaction& compaction = edited.compaction();
     constexpr std::uint32_t kEdits = 10;  // or one with each slice, where there are fewer
     const std::uint32_t apart = std::max(1u, compaction.slices() / kEdits);

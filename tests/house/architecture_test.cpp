@@ -28,6 +28,7 @@ const Arrows& allowedArrows() {
       {"engine/edit", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/touch",
        {"engine/edit", "engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/mesh", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/cuda", {"engine/cloud", "engine/core", "shaders"}},
       {"engine/render",
        {"engine/edit/edit_log.hpp", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
@@ -35,7 +36,7 @@ const Arrows& allowedArrows() {
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
        {"engine/core", "engine/cloud", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit", "engine/touch",
-        "engine/render", "engine/cuda", "haptics", "shaders"}},
+        "engine/mesh", "engine/render", "engine/cuda", "haptics", "shaders"}},
   };
   return arrows;
 }

@@ -81,7 +81,10 @@ std::vector<std::uint32_t> randomWords(std::size_t count, std::uint32_t seed) {
 }  // namespace
 
 TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted") {
-  for (const std::size_t count : {0, 1, 2, 31, 32, 33, 255, 256, 257, 2047, 2048, 2049, 4095, 4096, 4097, 65'537}) {
+  // Around subgroups, workgroups, the tiles of both forms and those of the look-back histogram.
+  for (const std::size_t count :
+       {0,    1,    2,    7,    8,    9,    31,   32,   33,   255,    256,    257,    2047,
+        2048, 2049, 3839, 3840, 3841, 4607, 4608, 4609, 7680, 16'383, 16'384, 16'385, 65'537}) {
     CAPTURE(count);
     checkSorts(randomWords(count, static_cast<std::uint32_t>(count)), 28);
   }
@@ -89,7 +92,7 @@ TEST_CASE_FIXTURE(RadixSortFixture, "pairs of any count come out stably sorted")
 
 TEST_CASE_FIXTURE(RadixSortFixture, "only the wanted key bits count") {
   const auto keys = randomWords(10'007, 7);
-  for (const std::uint32_t bits : {1u, 7u, 8u, 9u, 16u, 17u, 20u, 21u, 24u, 25u, 31u, 32u}) {
+  for (std::uint32_t bits = 1; bits <= 32; ++bits) {
     CAPTURE(bits);
     checkSorts(keys, bits);
   }
@@ -108,6 +111,16 @@ TEST_CASE_FIXTURE(RadixSortFixture, "equal, sorted and reversed keys") {
   checkSorts(keys, 17);
   std::ranges::reverse(keys);
   checkSorts(keys, 17);
+}
+
+TEST_CASE_FIXTURE(RadixSortFixture, "long runs of equal keys, and one odd key among equal ones") {
+  std::vector<std::uint32_t> keys(65'537);
+  for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = static_cast<std::uint32_t>(i / 5000 * 7919);
+  checkSorts(keys, 21);
+  std::ranges::fill(keys, 0x155555u);
+  keys.front() = 0x1FFFFFu;
+  keys.back() = 0;
+  checkSorts(keys, 21);
 }
 
 TEST_CASE_FIXTURE(RadixSortFixture, "the forms that this file covers") {

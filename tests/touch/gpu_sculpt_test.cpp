@@ -106,4 +106,20 @@ TEST_CASE_FIXTURE(GpuFixture, "a brush larger than the model, and a stroke that 
   }
 }
 
+TEST_CASE_FIXTURE(GpuFixture, "when no numbers are left for new points the surface comes to rest all the same") {
+  const Scene scene = makeScene("sphere", 12'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = brush(BrushKind::push), .spareSlots = 60});
+  auto poses = press(8);
+  for (int k = 1; k <= 40; ++k) poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = {3, 0, 42.0 + k}});
+  const Played played = play(touch, scene.cloud, poses);
+  CHECK(played.cloud.size() > scene.cloud.size() + 10);
+  std::size_t edits = 0;
+  for (int k = 0; k < 60; ++k) {
+    edits = touch.editTimes_us().size();
+    touch.query({.time_s = 1 + kTick_s * k, .hip = {3, 0, 82}}, 0);
+  }
+  CHECK(touch.editTimes_us().size() == edits);
+  CHECK_FALSE(touch.edits()->unsettled());
+}
+
 }  // namespace palpate

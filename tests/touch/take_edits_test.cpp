@@ -97,6 +97,33 @@ TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU knows the cloud bi
   checkFollowed(touch, scene.cloud);
 }
 
+TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with either way of the index") {
+  const Scene scene = makeScene("sphere", 20'000);
+  // The larger tool's box has more cells than there are buckets: it looks through all slots, in several lists of moves.
+  for (const double toolRadius : {8.0, 400.0})
+    for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
+      CAPTURE(toolRadius);
+      CAPTURE(index == IndexFollow::rebuild);
+      const BrushOptions carve{.kind = BrushKind::carve, .tau = 0.3, .toolRadius = toolRadius, .strength = 1};
+      TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
+      touch.keepEdits();
+      Journal journal(scene.cloud, 1 << 26);
+      // Steps so long that points come to lie deep in the tool.
+      const int ticks = toolRadius > 100 ? 40 : 6;
+      for (int i = 0; i < ticks; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 53 - 3.0 * i}}, 0);
+      touch.finish();
+      EditBatch batch;
+      touch.takeEdits(batch);
+      journal.follow(batch);
+      std::size_t gone = 0;
+      for (const PointState& state : journal.points()) gone += (state.id & PointState::kGone) != 0;
+      CHECK(gone > 50);
+      PointCloud ended = scene.cloud;
+      touch.readBack(ended);
+      CHECK(same(editedCloud(scene.cloud, journal.points()), ended));
+    }
+}
+
 TEST_CASE("undone on the CPU, the cloud is felt and read back as it was; redone, as it had become") {
   const Scene scene = makeScene("sphere", 20'000);
   const CpuTouchOptions options{.radius = scene.radius, .brush = softPush()};

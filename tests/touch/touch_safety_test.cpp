@@ -52,6 +52,7 @@ class Meddled final : public ContactQuery {
     before_(pose.time_s);
     return touch_.query(pose, budget_us);
   }
+  void prepare() noexcept override { touch_.prepare(); }
 
  private:
   TouchSide& touch_;

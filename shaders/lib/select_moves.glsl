@@ -1,48 +1,44 @@
-#version 460
-#extension GL_GOOGLE_include_directive : require
-// Which points a brush reaches, and where it brings them: nothing is moved yet. Looks through the cells of the tool's
-// box, or through all slots where those are fewer.
-#include "shaders/lib/index.glsl"
+// Which points a brush reaches, and where it brings them: nothing is moved yet.
+#ifndef PALPATE_LIB_SELECT_MOVES_GLSL
+#define PALPATE_LIB_SELECT_MOVES_GLSL
+
 #include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
-
-layout(push_constant, scalar) uniform Push { SelectArgs args; };
 
 shared uint cellStart[kSelectCells];  // points in the cells before
 shared uint cellFirst[kSelectCells];  // first slot
 
-ivec3 lowestCell() { return cellOf(args.cloud.grid, tool.center - brush.toolRadius); }
-ivec3 cellOfBox(uint c) {
-  return lowestCell() + ivec3(c % args.cells, c / args.cells % args.cells, c / (args.cells * args.cells));
+ivec3 cellOfTool(CollectArgs args, uint c) {
+  return cellOf(args.cloud.grid, tool.center - brush.toolRadius) +
+         ivec3(c % args.cells, c / args.cells % args.cells, c / (args.cells * args.cells));
 }
 
-bool reached(uint slot, vec4 position, out PointMove move) {
+bool reached(CollectArgs args, uint slot, vec4 position, out PointMove move) {
   if (!brushedMove(args.cloud, args.tables, slot, position, move)) return false;
   if (brush.kind == kBrushPaint)
     args.tables.at[0].colors.at[move.id] = painted(brush, tool, position.xyz, colorOf(args.tables, move.id));
   return true;
 }
 
-void take(bool wants, PointMove move) {
+void take(CollectArgs args, bool wants, PointMove move) {
   const uint at = nextMove(args.update, wants);
-  if (wants) writeMove(args.update, args.moves, args.marks, args.touched, args.mostMoves, at, move);
+  if (wants) writeMove(args.update, args.moves, args.marks, args.touched, args.tables.at[0].mostMoves, at, move);
 }
 
-void selectFromSlots() {
-  const uint i = threadIndex();
+void selectFromSlots(CollectArgs args, uint i) {
   const uint slot = args.firstSlot + i;
   PointMove move;
-  const bool wants = i < args.slots && reached(slot, args.cloud.positions.at[slot], move);
-  take(wants, move);
+  const bool wants = i < args.slots && reached(args, slot, args.cloud.positions.at[slot], move);
+  take(args, wants, move);
 }
 
-void selectFromCells() {
+// One workgroup takes kSelectCells cells of the tool's box.
+void selectFromCells(CollectArgs args, uint first) {
   const uint cells = args.cells * args.cells * args.cells;
-  const uint first = workgroupIndex() * kSelectCells;
   const uint lane = scanIndex();
   uvec2 range = uvec2(0);
   if (lane < kSelectCells && first + lane < cells)
-    range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOfBox(first + lane))];
+    range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOfTool(args, first + lane))];
   uint total;
   const uint start = workgroupExclusiveScan(range.y - range.x, total);
   if (lane < kSelectCells) {
@@ -61,17 +57,11 @@ void selectFromCells() {
       const uint slot = cellFirst[cell] + k - cellStart[cell];
       const vec4 position = args.cloud.positions.at[slot];
       // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
-      if (cellOf(args.cloud.grid, position.xyz) == cellOfBox(first + cell)) wants = reached(slot, position, move);
+      if (cellOf(args.cloud.grid, position.xyz) == cellOfTool(args, first + cell))
+        wants = reached(args, slot, position, move);
     }
-    take(wants, move);
+    take(args, wants, move);
   }
 }
 
-void main() {
-  takeUpBrush(args.brush, args.state);
-  if (tool.acts == 0) return;
-  if (args.cells == 0)
-    selectFromSlots();
-  else
-    selectFromCells();
-}
+#endif

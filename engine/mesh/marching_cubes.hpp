@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "engine/core/point_state.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/mesh/mesh.hpp"
+#include "engine/mesh/mesh_plan.hpp"
+#include "engine/spatial/prefix_scan.hpp"
+#include "engine/spatial/spatial_hash.hpp"
+
+namespace palpate {
+
+/// Where the time of a mesh went, us on the GPU; 0 where the device keeps no time.
+struct MeshTimes {
+  double index = 0;      ///< the hash of the points
+  double list = 0;       ///< which blocks there are
+  double field = 0;      ///< the value of every node
+  double classify = 0;   ///< what every cell holds
+  double scan = 0;       ///< where its vertices and triangles go
+  double vertices = 0;   ///< places and normals
+  double triangles = 0;  ///< their numbers
+  double total() const { return index + list + field + classify + scan + vertices + triangles; }
+};
+
+struct MeshStep {
+  MeshTimes gpu_us;
+  std::uint32_t blocks = 0;   ///< that are there
+  std::uint32_t treated = 0;  ///< whose nodes were looked at; the others were carried over
+};
+
+/// Marching cubes (Lorensen and Cline 1987; cases as in engine/mesh/cell_table.hpp) over the implicit surface of a
+/// cloud on the GPU. Only blocks of 8 x 8 x 8 cells near points are stored and treated. Passes: hash, mark blocks,
+/// scan, list; value of every node; classify cells; scan; vertices, each placed on its edge and given its normal by a
+/// look at the points there; triangles. After an edit the nodes and vertices of blocks that it may have changed are
+/// made anew, the others' are copied, and the result is that of a build from nothing, bit by bit: points are looked at
+/// in an order that depends on where they are and on their numbers, and on nothing else. (Places where more than
+/// kMeshMostCandidates points crowd are the exception.) Belongs to the sight side.
+class MarchingCubes {
+ public:
+  /// `cloud` must have normals. `spare`: points that edits may add. Uploads the cloud. Throws OutOfGpuMemory.
+  MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare = 0);
+
+  /// Meshes the whole cloud, and waits. Throws OutOfGpuMemory.
+  MeshStep build();
+  /// Sets points to what `edits` say, in order, and follows with the mesh. What leaves the lattice is not meshed.
+  MeshStep update(std::span<const PointState> edits);
+
+  std::uint32_t vertexCount() const { return vertexCount_; }
+  std::uint32_t triangleCount() const { return triangleCount_; }
+  /// vertexCount() shared::MeshVertex.
+  const Buffer& vertices() const { return now().vertices; }
+  /// Three uint32 for each triangle, anticlockwise as seen from outside.
+  const Buffer& triangles() const { return triangles_; }
+  bool hasColors() const { return colored_; }
+  const MeshPlan& plan() const { return plan_; }
+  Mesh download() const;
+  /// What it holds on the GPU at present.
+  std::uint64_t bytes() const;
+
+ private:
+  // What an update keeps from the state before it.
+  struct State {
+    Buffer table, values, vertexStarts, vertices;
+    std::uint64_t bytes() const { return table.bytes() + values.bytes() + vertexStarts.bytes() + vertices.bytes(); }
+  };
+  static constexpr std::uint32_t kNoPlace = 0xffffffffu;
+
+  State& now() { return states_[current_]; }
+  const State& now() const { return states_[current_]; }
+  const State& old() const { return states_[1 - current_]; }
+  State makeState() const;
+  MeshStep remesh(bool update);
+  void buildIndex(MeshStep& step);
+  void listBlocks(MeshStep& step);
+  void fillLattice(MeshStep& step, bool update);
+  void writeTriangles(MeshStep& step, bool update);
+  void writeAddresses();
+  shared::MeshArgs args(std::uint64_t count, bool update = false) const;
+  void grow(Buffer& buffer, std::uint64_t bytes) const;
+  void run(const CommandList& list) const;
+
+  Device& device_;
+  MeshPlan plan_;
+  bool colored_;
+  std::vector<std::uint32_t> placeOf_;  // of a point in the live cloud; empty where all have their own number
+  DVec3 origin_;
+  LiveCloud live_;  // its first side by number, its other one in the order of the hash
+  SpatialHash hash_;
+  PrefixScan scan_;
+  ComputePipeline movePoints_, mark_, list_, touch_, field_, classify_, count_, vertices_, writeTriangles_;
+  Buffer addresses_, scratch_, cellCases_, colors_;
+  std::array<State, 2> states_;
+  std::uint32_t current_ = 0;
+  Buffer blocks_, cases_, masks_, ranks_, triangleStarts_, touched_, triangles_, moves_;
+  std::uint32_t moveCount_ = 0;
+  std::uint32_t slots_ = 0, vertexCount_ = 0, triangleCount_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+// A mesh on the host, and whether it is one that encloses a volume.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+
+namespace palpate {
+
+struct Mesh {
+  PointCloud vertices;                                  ///< with normals; colours where the cloud had them
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< anticlockwise as seen from outside
+};
+
+/// What the edges of a mesh say about it. It is closed where every edge belongs to two triangles that run along it in
+/// opposite directions.
+struct MeshReport {
+  std::uint64_t vertices = 0, triangles = 0, edges = 0;
+  std::uint64_t borderEdges = 0;   ///< of one triangle
+  std::uint64_t crowdedEdges = 0;  ///< of more than two
+  std::uint64_t turnedEdges = 0;   ///< of two that run along it in the same direction
+  std::uint64_t unused = 0;        ///< vertices of no triangle
+  std::uint64_t flat = 0;          ///< triangles without area, in the precision that the vertices are kept in
+  std::uint64_t parts = 0;         ///< connected by edges
+  double area = 0, volume = 0;     ///< model units squared and cubed; the volume has a meaning for a closed mesh only
+
+  bool closed() const { return borderEdges == 0 && crowdedEdges == 0 && turnedEdges == 0; }
+  /// Vertices - edges + triangles: for a closed mesh twice the parts less twice the handles.
+  std::int64_t euler() const {
+    return static_cast<std::int64_t>(vertices - unused) - static_cast<std::int64_t>(edges) +
+           static_cast<std::int64_t>(triangles);
+  }
+};
+MeshReport examine(const Mesh& mesh);
+
+/// Writes a PLY file of vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are
+/// doubles where single precision would not hold a thousandth of `cell`, the lattice's, model units. The file appears
+/// under its name only when it is whole. Throws FileError.
+void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii);
+
+}  // namespace palpate

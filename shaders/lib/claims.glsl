@@ -1,0 +1,31 @@
+// The table in which wishes for new points claim their places (shaders/shared/resample.h).
+#ifndef PALPATE_LIB_CLAIMS_GLSL
+#define PALPATE_LIB_CLAIMS_GLSL
+
+#include "shaders/lib/edit_buffers.glsl"
+
+// `support`: support radius, model units.
+HashGrid claimsFor(float support) { return claimGrid(support / kSupportSpacings); }
+uint claimAt(HashGrid grid, vec3 place) { return bucketOf(grid, cellOf(grid, place)); }
+
+// The wishes of the last tick have been heard: their claims are taken away. From wish `first` on every `stride`-th.
+void dropClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
+  const uint wishes = min(lists.now.wishes, most);
+  const HashGrid grid = claimsFor(support);
+  for (uint i = first; i < wishes; i += stride)
+    if (lists.wishes[i].inserts != 0) lists.claims[claimAt(grid, lists.wishes[i].place)] = 0xffffffffu;
+}
+
+// After all wishes of a tick: whoever has the least id that wants a place of the table says where it wants its point.
+void confirmClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
+  const uint wishes = min(lists.now.wishes, most);
+  const HashGrid grid = claimsFor(support);
+  for (uint i = first; i < wishes; i += stride) {
+    if (lists.wishes[i].inserts == 0) continue;
+    const vec3 place = lists.wishes[i].place;
+    const uint claim = claimAt(grid, place);
+    if (lists.claims[claim] == lists.wishes[i].id) lists.claimed[claim] = place;
+  }
+}
+
+#endif

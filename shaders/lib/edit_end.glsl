@@ -1,0 +1,37 @@
+// The end of an edit, in its last pass: the workgroup that is done last closes it. Nobody waits for anybody, so that it
+// works on drivers that run workgroups one after another (the counter is that of the "threadfence reduction" in
+// NVIDIA's CUDA samples).
+#ifndef PALPATE_LIB_EDIT_END_GLSL
+#define PALPATE_LIB_EDIT_END_GLSL
+
+#include "shaders/lib/edit_buffers.glsl"
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer SharedWords { uint at[]; };
+
+shared bool finishedLast;
+
+// Says that this workgroup has done its share. True in the one that says it last, which sees what all have written.
+bool finishesLast(HashUpdates update) {
+  memoryBarrierBuffer();
+  barrier();
+  if (gl_LocalInvocationIndex == 0)
+    finishedLast = atomicAdd(update.at[0].finished, 1) == gl_NumWorkGroups.x * gl_NumWorkGroups.y - 1;
+  barrier();
+  memoryBarrierBuffer();
+  return finishedLast;
+}
+
+// One workgroup.
+void endEdit(EditEnd end, HashUpdates update, ResampleLists lists) {
+  const uint kWord = 4;
+  SharedWords counters = SharedWords(uvec2(update)), resampling = SharedWords(uvec2(lists));
+  for (uint i = gl_LocalInvocationIndex; i < kUpdateBytes / kWord; i += gl_WorkGroupSize.x) {
+    end.report.at[i] = counters.at[i];
+    if (i < kUpdateBegins / kWord) counters.at[i] = end.empty.at[i];
+  }
+  if (isNull(end.resampling)) return;
+  for (uint i = gl_LocalInvocationIndex; i < kResamplingBytes / kWord; i += gl_WorkGroupSize.x)
+    end.resampling.at[i] = resampling.at[i];
+}
+
+#endif

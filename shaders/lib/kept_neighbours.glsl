@@ -1,0 +1,73 @@
+// The neighbours of a place, kept by one subgroup so that it can visit them again and again.
+#ifndef PALPATE_LIB_KEPT_NEIGHBOURS_GLSL
+#define PALPATE_LIB_KEPT_NEIGHBOURS_GLSL
+
+#extension GL_KHR_shader_subgroup_ballot : require
+
+#include "shaders/lib/neighbour_walk.glsl"
+
+// Neighbours that a workgroup keeps, each subgroup its part.
+const uint kKeptNeighbours = 4 * kUpdateWorkgroup;
+
+shared vec4 keptNeighbours[kKeptNeighbours];  // offset; w: bits of the slot
+shared uint keptIds[kKeptNeighbours];
+
+uint neighboursKept;  // by this subgroup
+bool allAreKept;      // all that have been visited so far, in this call
+bool visitedBefore;   // those that are visited were kept by the call before
+
+vec3 keptOffset(uint at) { return keptNeighbours[at].xyz; }
+uint keptSlot(uint at) { return floatBitsToUint(keptNeighbours[at].w); }
+
+// Whoever includes this says what to do with a neighbour, the one that is kept at `at`. One invocation of the subgroup
+// calls it.
+void visitNeighbour(uint at);
+
+// What all invocations have written into shared memory is there for all of the subgroup.
+void subgroupShares() {
+  subgroupMemoryBarrierShared();
+  subgroupBarrier();
+}
+
+// Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of
+// work. `again`: the same place as in the last call, whose neighbours may still be there.
+void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget, bool again) {
+  const uint most = kKeptNeighbours / gl_NumSubgroups;
+  const uint first = gl_SubgroupID * most;
+  visitedBefore = again && allAreKept;
+  allAreKept = true;
+  if (!visitedBefore) {
+    neighboursKept = 0;
+    beginWalk(cloud, center, radius);
+  }
+  bool goesOn = !visitedBefore;
+  while (true) {
+    uvec4 near[kPointsInFlight];
+    uint found = 0;
+    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) near[i] = uvec4(0);
+    if (goesOn) goesOn = walkOn(cloud, center, radius, budget);
+    if (goesOn)
+      [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+        near[i] = subgroupBallot(walkedNear[i]);
+        found += subgroupBallotBitCount(near[i]);
+      }
+    if (!goesOn || neighboursKept + found > most) {
+      subgroupShares();
+      for (uint i = gl_SubgroupInvocationID; i < neighboursKept; i += gl_SubgroupSize) visitNeighbour(first + i);
+      subgroupShares();
+      if (!goesOn) return;
+      neighboursKept = 0;
+      allAreKept = false;
+    }
+    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+      if (walkedNear[i]) {
+        const uint at = first + neighboursKept + subgroupBallotExclusiveBitCount(near[i]);
+        keptNeighbours[at] = vec4(walkedPositions[i].xyz - center, uintBitsToFloat(walkedSlots[i]));
+        keptIds[at] = floatBitsToUint(walkedPositions[i].w);
+      }
+      neighboursKept += subgroupBallotBitCount(near[i]);
+    }
+  }
+}
+
+#endif

@@ -1,0 +1,29 @@
+// Points go to the edit log as they are now: entries stand in the order of the lists, and the head follows when all are
+// written.
+#ifndef PALPATE_LIB_LOG_POINTS_GLSL
+#define PALPATE_LIB_LOG_POINTS_GLSL
+
+#include "shaders/lib/edit_buffers.glsl"
+
+void logPoint(RefitNormalsArgs args, uint entry, vec3 position, uint id, vec3 normal, uint color, uint parent) {
+  const uint slot = (args.head.at[0] + entry) & args.capacityMask;
+  args.entries.at[slot].position = position;
+  args.entries.at[slot].id = id;
+  args.entries.at[slot].normal = normal;
+  args.entries.at[slot].color = color;
+  args.entries.at[slot].parent = parent;
+}
+
+// Points that are taken away have no slot any more: the moves name them, and their number among those that are gone.
+void logGone(RefitNormalsArgs args, uint entry) {
+  const uint moves = args.update.at[0].moves;
+  if (args.update.at[0].gone == 0) return;
+  for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    if (args.moves.at[i].toBucket != kNoBucket) continue;
+    const uint id = args.moves.at[i].id;
+    logPoint(args, entry + args.moves.at[i].slot, args.moves.at[i].position, id | kPointGone, args.moves.at[i].normal,
+             colorOf(args.tables, id), parentOf(args.tables, id));
+  }
+}
+
+#endif

@@ -1,0 +1,97 @@
+// The way of one subgroup through the points of the cells around a place: each invocation looks up one cell, and then
+// all share the points of those cells evenly.
+#ifndef PALPATE_LIB_NEIGHBOUR_WALK_GLSL
+#define PALPATE_LIB_NEIGHBOUR_WALK_GLSL
+
+#extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+
+#include "shaders/shared/spatial_hash.h"
+
+// What one round of the walk costs of its budget: a point for each invocation of the subgroup.
+const uint kNeighbourRoundWork = 4;
+// Points that an invocation asks memory for at once: more hide its latency better and take more registers.
+const uint kPointsInFlight = 4;
+
+// Those of the last step: slot; xyz and bits of the id; whether it is a neighbour.
+uint walkedSlots[kPointsInFlight];
+vec4 walkedPositions[kPointsInFlight];
+bool walkedNear[kPointsInFlight];
+
+ivec3 walkLow;
+uvec3 walkSize;
+uint walkCells;     // all of them
+uint walkNextCell;  // those before it are looked up
+uint walkWork;
+// Of the cells that were looked up last: points before this invocation's, its first slot less that, all, those behind
+// us.
+uint walkStart, walkSlotAtZero, walkTotal, walkTaken;
+
+// The last invocation whose `start` is at most k; steps written out, since a loop would count against the work that one
+// software driver allows an invocation.
+uint ownerOf(uint start, uint k) {
+  uint owner = 0;
+  if (gl_SubgroupSize > 64 && subgroupShuffle(start, owner + 64) <= k) owner += 64;
+  if (gl_SubgroupSize > 32 && subgroupShuffle(start, owner + 32) <= k) owner += 32;
+  if (gl_SubgroupSize > 16 && subgroupShuffle(start, owner + 16) <= k) owner += 16;
+  if (gl_SubgroupSize > 8 && subgroupShuffle(start, owner + 8) <= k) owner += 8;
+  if (gl_SubgroupSize > 4 && subgroupShuffle(start, owner + 4) <= k) owner += 4;
+  if (gl_SubgroupSize > 2 && subgroupShuffle(start, owner + 2) <= k) owner += 2;
+  if (subgroupShuffle(start, owner + 1) <= k) owner += 1;
+  return owner;
+}
+
+void beginWalk(CloudView cloud, vec3 center, float radius) {
+  walkLow = cellOf(cloud.grid, center - radius);
+  walkSize = uvec3(cellOf(cloud.grid, center + radius) - walkLow + 1);
+  walkCells = walkSize.x * walkSize.y * walkSize.z;
+  walkNextCell = 0;
+  walkWork = 0;
+  walkTotal = 0;
+  walkTaken = 0;
+}
+
+void lookUpCells(CloudView cloud) {
+  const uint c = walkNextCell + gl_SubgroupInvocationID;
+  const uint row = c / walkSize.x, layer = row / walkSize.y;
+  const ivec3 cell = walkLow + ivec3(c - row * walkSize.x, row - layer * walkSize.y, layer);
+  uvec2 range = uvec2(0);
+  if (c < walkCells) range = cloud.ranges.at[bucketOf(cloud.grid, cell)];
+  const uint count = range.y - range.x;
+  walkStart = subgroupExclusiveAdd(count);
+  walkSlotAtZero = range.x - walkStart;
+  walkTotal = subgroupShuffle(walkStart + count, gl_SubgroupSize - 1);
+  walkTaken = 0;
+  walkNextCell += gl_SubgroupSize;
+  walkWork += kNeighbourRoundWork;
+}
+
+// Goes on to the next points; false at the end of the way, or of the budget. The whole subgroup calls it together.
+bool walkOn(CloudView cloud, vec3 center, float radius, uint budget) {
+  while (walkTaken >= walkTotal && walkNextCell < walkCells && walkWork < budget) lookUpCells(cloud);
+  if (walkTaken >= walkTotal || walkWork >= budget) return false;
+  uint owners[kPointsInFlight];
+  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+    const uint k = walkTaken + i * gl_SubgroupSize + gl_SubgroupInvocationID;
+    owners[i] = ownerOf(walkStart, k);
+    walkedSlots[i] = subgroupShuffle(walkSlotAtZero, owners[i]) + k;
+    walkedNear[i] = k < walkTotal;
+  }
+  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
+    walkedPositions[i] = cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
+  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+    const vec3 d = walkedPositions[i].xyz - center;
+    // Another of these cells may share the bucket: its points are visited as that one's.
+    const uvec3 inBox = uvec3(cellOf(cloud.grid, walkedPositions[i].xyz) - walkLow);
+    const uint c = inBox.x + walkSize.x * (inBox.y + walkSize.y * inBox.z);
+    walkedNear[i] =
+        walkedNear[i] && dot(d, d) < radius * radius && c + gl_SubgroupSize == walkNextCell + owners[i];
+  }
+  walkTaken += kPointsInFlight * gl_SubgroupSize;
+  walkWork += kPointsInFlight * kNeighbourRoundWork;
+  return true;
+}
+
+#endif

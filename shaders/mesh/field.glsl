@@ -1,0 +1,56 @@
+// From the points around a place to the surface there: that of contact (shaders/lib/surface_fit.glsl), or the skin
+// where the density of the points (thesis, equation 3.1) falls to a given one.
+#ifndef PALPATE_MESH_FIELD_GLSL
+#define PALPATE_MESH_FIELD_GLSL
+
+#include "shaders/mesh/lattice.glsl"
+// After what names the buffers of contact.
+#include "shaders/lib/surface_fit.glsl"
+#include "shaders/lib/weight.glsl"
+
+layout(constant_id = 1) const uint kMeshSurface = kSurfaceSphere;
+
+const uint kFieldPasses = kMeshSurface == kSurfaceSharp ? kSharpPasses : 1;
+
+struct FieldSums {
+  SurfaceSums surface;
+  vec3 slope;  // of the density, inwards, any length
+};
+FieldSums noSums() { return FieldSums(SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0)), vec3(0.0)); }
+
+const Surface kNoSurface = Surface(false, 0.0, vec3(0.0), 0);
+
+// Weights that let go of points across an edge (Oztireli, Guennebaud, Gross 2009).
+float robust(Surface before, vec3 d, vec3 n) {
+  const vec3 turn = (n - before.normal) / kSharpNormal;
+  const float height = (-dot(d, n) - before.distance / args.lattice.radius) / kSharpHeight;
+  return exp(-dot(turn, turn) - height * height);
+}
+
+// Adds a point that is `d` support radii away, less than one, and gives its weight. `before`: what the pass before this
+// one has found; of the first pass nothing.
+float addPoint(inout FieldSums sums, vec3 d, vec3 n, Surface before) {
+  const float r = length(d);
+  float w = wendland(r);
+  if (before.defined) w *= robust(before, d, n);
+  if (w <= 0.0) return 0.0;
+  sums.surface.offsets += w * vec4(d, 1.0);
+  sums.surface.normals += vec4(w * n, 1.0);
+  sums.surface.products += w * vec2(r * r, dot(d, n));
+  if (kMeshSurface == kSurfaceDensity) sums.slope += (1.0 - r) * (1.0 - r) * (1.0 - r) * d;
+  return w;
+}
+
+// The surface of one pass: signed distance, model units, and unit normal, zero where there is none.
+Surface surfaceOf(FieldSums sums) {
+  if (kMeshSurface != kSurfaceDensity) return surfaceFrom(sums.surface, args.lattice.radius, kMeshSurface);
+  const float density = sums.surface.offsets.w * args.lattice.densityScale;
+  const float steep = length(sums.slope);
+  return Surface(true, (kMeshIsoDensity - density) * args.lattice.radius,
+                 steep > 0.0 ? -sums.slope / steep : vec3(0.0), 0);
+}
+
+// Where cells hold too many candidates, every so-manyth is taken.
+uint strideFor(uint candidates) { return 1 + (max(candidates, 1) - 1) / kMeshMostCandidates; }
+
+#endif

@@ -1,0 +1,89 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Places every vertex on its edge. A workgroup treats those of a block.
+#include "shaders/mesh/block_surface.glsl"
+
+float valueAt(uvec3 node) {
+  const NodeSlot at = nodeSlot(args.buffers.at[0].now.table, node);
+  return args.buffers.at[0].now.values.at[at.slot * kMeshBlockNodes + at.place];
+}
+
+// Where between a value of one sign and one of the other a straight line is zero, in edges.
+float crossing(float from, float fromValue, float to, float toValue) {
+  return from + (to - from) * (fromValue / (fromValue - toValue));
+}
+
+// An edge that holds a vertex, with the values at its ends.
+struct CutEdge {
+  vec3 corner;  // its lower end
+  uint axis;
+  float low, high;
+};
+
+// The edge of the vertex that is the `local`th of a block.
+CutEdge edgeOf(uint slot, uvec3 block, uint local) {
+  const uint word = lastNotAbove(args.buffers.at[0].ranks, slot * kMeshMaskWords, kMeshMaskWords, local);
+  uint mask = args.buffers.at[0].masks.at[slot * kMeshMaskWords + word];
+  for (uint k = args.buffers.at[0].ranks.at[slot * kMeshMaskWords + word]; k < local; ++k) mask &= mask - 1;
+  const uint bit = findLSB(mask);
+  const uvec3 node = block * kMeshBlockSide + localOf(word * kMeshNodesPerWord + bit / 4);
+  uvec3 next = node;
+  next[bit % 4] += 1;
+  return CutEdge(nodePlace(args.lattice, node), bit % 4, valueAt(node), valueAt(next));
+}
+
+vec3 alongEdge(CutEdge edge, float t) {
+  vec3 place = edge.corner;
+  place[edge.axis] += t * args.lattice.cell;
+  return place;
+}
+
+void copyOld(uvec3 block, uint first, uint count) {
+  const uint before = slotOf(args.buffers.at[0].old.table, block);
+  const uint from = args.buffers.at[0].old.vertexStarts.at[before];
+  MeshVertices vertices = args.buffers.at[0].now.vertices;
+  MeshVertices old = args.buffers.at[0].old.vertices;
+  for (uint i = scanIndex(); i < count; i += kMeshWorkgroup) {
+    vertices.at[first + i].position = old.at[from + i].position;
+    vertices.at[first + i].normal = old.at[from + i].normal;
+    vertices.at[first + i].color = old.at[from + i].color;
+  }
+}
+
+// The surface is no straight line between two nodes: it was looked at where the line is zero, and the line is drawn
+// again from there to the node on the other side (one step of the false position).
+void writeVertex(uint vertex, CutEdge edge, Answer there) {
+  float t = crossing(0.0, edge.low, 1.0, edge.high);
+  const float value = there.surface.distance;
+  if (there.surface.defined)
+    t = (value < 0.0) == (edge.low < 0.0) ? crossing(t, value, 1.0, edge.high) : crossing(0.0, edge.low, t, value);
+  vec3 normal = there.surface.normal;
+  if (dot(normal, normal) < 0.5) normal[edge.axis] = edge.low < 0.0 ? 1.0 : -1.0;
+  MeshVertices vertices = args.buffers.at[0].now.vertices;
+  vertices.at[vertex].position = alongEdge(edge, clamp(t, kMeshClearance, 1.0 - kMeshClearance));
+  vertices.at[vertex].normal = normal;
+  vertices.at[vertex].color =
+      kMeshColored && there.colors.a > 0.0 ? packUnorm4x8(vec4(there.colors.rgb / there.colors.a, 1.0)) : 0;
+}
+
+void main() {
+  const uint slot = workgroupIndex();
+  if (slot >= args.slots) return;
+  const uint first = args.buffers.at[0].now.vertexStarts.at[slot];
+  const uint count = args.buffers.at[0].now.vertexStarts.at[slot + 1] - first;
+  if (count == 0) return;
+  const uvec3 block = blockOfNumber(args.lattice, args.buffers.at[0].blocks.at[slot]);
+  if (args.update != 0 && args.buffers.at[0].touched.at[slot] == 0) {
+    copyOld(block, first, count);
+    return;
+  }
+  for (uint base = 0; base < count; base += kMeshWorkgroup) {
+    const uint local = base + scanIndex();
+    const bool wanted = local < count;
+    const CutEdge edge = edgeOf(slot, block, min(local, count - 1));
+    const Answer there = findSurface(nodePlace(args.lattice, block * kMeshBlockSide),
+                                     nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide),
+                                     alongEdge(edge, crossing(0.0, edge.low, 1.0, edge.high)), wanted);
+    if (wanted) writeVertex(first + local, edge, there);
+  }
+}

@@ -1,0 +1,100 @@
+// palpate mesh, and render --mode mesh: what they write, say and refuse.
+#include <cmath>
+
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+TEST_CASE("mesh writes a closed mesh of a closed shape, and says so") {
+  const ScratchFolder folder;
+  const std::string cloud = (folder / "torus.ply").string(), mesh = (folder / "mesh.ply").string();
+  works("make torus -n 20000 -o " + cloud);
+  works("mesh " + cloud + " -o " + mesh + " --lattice 50 --json " + (folder / "m.json").string());
+  const auto said = jsonOf(folder / "m.json");
+  CHECK(said["closed"] == true);
+  CHECK(said["euler"] == 0);
+  CHECK(said["parts"] == 1);
+  CHECK(said["border_edges"] == 0);
+  CHECK(said["flat_triangles"] == 0);
+  CHECK(said["volume_mm3"].get<double>() == doctest::Approx(155'446).epsilon(0.01));
+  CHECK(said["gpu_bytes"].get<double>() <= 1.1 * said["gpu_bytes_predicted"].get<double>());
+  CHECK(contentOf(mesh).substr(0, 4) == "ply\n");
+  works("info " + mesh + " --json " + (folder / "i.json").string());
+  const auto info = jsonOf(folder / "i.json");
+  CHECK(info["elements"]["vertex"] == said["vertices"]);
+  CHECK(info["elements"]["face"] == said["triangles"]);
+  CHECK(info["normals"] == true);
+}
+
+TEST_CASE("the same mesh comes out each time, in ASCII too") {
+  const ScratchFolder folder;
+  const std::string cloud = (folder / "c.ply").string();
+  works("make bumpy-sphere -n 8000 -o " + cloud);
+  for (const char* name : {"a.ply", "b.ply"}) works("mesh " + cloud + " --lattice 24 -o " + (folder / name).string());
+  CHECK(contentOf(folder / "a.ply") == contentOf(folder / "b.ply"));
+  works("mesh " + cloud + " --lattice 24 --ascii -o " + (folder / "t.ply").string());
+  CHECK(contentOf(folder / "t.ply").find("format ascii") != std::string::npos);
+}
+
+TEST_CASE("mesh refuses what it cannot do, in words, and leaves no file") {
+  const ScratchFolder folder;
+  const std::string cloud = (folder / "c.ply").string(), out = (folder / "m.ply").string();
+  works("make sphere -n 4000 -o " + cloud);
+  for (const char* lattice : {"0", "-4", "2049", "many"}) {
+    const Outcome wrong = palpate("mesh " + cloud + " -o " + out + " --lattice " + lattice);
+    CHECK(wrong.code == 2);
+    CHECK(wrong.text.find("--lattice") != std::string::npos);
+  }
+  CHECK(palpate("mesh " + cloud + " -o " + out + " --surface potato").code == 2);
+  CHECK(palpate("mesh " + cloud + " -o " + out + " --radius wide").code == 2);
+  // A support radius of four spacings is many blocks of such small cells.
+  const Outcome large = palpate("mesh " + cloud + " -o " + out + " --lattice 2048 --radius 30");
+  CHECK(large.code == 1);
+  CHECK(large.text.find("lattice") != std::string::npos);
+  works("make sphere -n 0 -o " + (folder / "none.ply").string());
+  const Outcome none = palpate("mesh " + (folder / "none.ply").string() + " -o " + out);
+  CHECK(none.code == 1);
+  CHECK(none.text.find("no points") != std::string::npos);
+  works("make sphere -n 1 -o " + (folder / "one.ply").string());
+  const Outcome one = palpate("mesh " + (folder / "one.ply").string() + " -o " + out);
+  CHECK(one.code == 1);
+  CHECK(one.text.find("no surface") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out));
+  CHECK(palpate("mesh " + cloud + " -o /nowhere/m.ply").code == 1);
+}
+
+TEST_CASE("render draws the mesh of a model, also of one that has none") {
+  const ScratchFolder folder;
+  const std::string cloud = (folder / "c.ply").string();
+  works("make sphere -n 5000 -o " + cloud);
+  works("render " + cloud + " --mode mesh --lattice 32 --size 160x120 -o " + (folder / "mesh.png").string());
+  CHECK(std::filesystem::file_size(folder / "mesh.png") > 3000);
+  works("make sphere -n 0 -o " + (folder / "none.ply").string());
+  works("render " + (folder / "none.ply").string() + " --mode mesh --size 160x120 -o " + (folder / "n.png").string());
+  CHECK(palpate("render " + cloud + " --mode clay -o " + (folder / "x.png").string()).code == 2);
+}
+
+TEST_CASE("bench mesh measures each pass and an edit, and holds the mesh against shapes") {
+  const ScratchFolder folder;
+  const Outcome outcome =
+      palpate("bench mesh --sizes 5000 --lattice 16 32 --repeat 5 --truth-points 5000 --shapes sphere,cube --json " +
+              (folder / "b.json").string());
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto mesh = jsonOf(folder / "b.json")["mesh"];
+  REQUIRE(mesh["records"].size() == 2);
+  for (const auto& record : mesh["records"]) {
+    for (const char* pass : {"index", "list", "field", "classify", "scan", "vertices", "triangles", "in all"})
+      CHECK(record["gpu_us"][pass]["n"] == 5);
+    CHECK(record["gpu_bytes"] > 0);
+    CHECK(record["edit"]["treated_blocks"] > 0);
+    CHECK(record["edit"]["treated_blocks"] <= record["blocks"]);
+  }
+  REQUIRE(mesh["truth"].size() == 4);
+  for (const auto& judgement : mesh["truth"]) CHECK(judgement["closed"] == true);
+  CHECK(mesh["truth"][1]["distance_spacings"]["rms"] < 0.01);
+  CHECK(mesh["truth"][1]["normal_deg"]["mean"] < 0.1);
+  CHECK(palpate("bench mesh step --sizes 2000").code == 2);
+  CHECK(palpate("bench mesh --sizes 2000 --backend cpu").code == 2);
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+// Meshes from the GPU: closed where the shape is, the same as in double precision, and right about the shape.
+#include "engine/mesh/marching_cubes.hpp"
+
+#include "tests/mesh/mesh_scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Truth {
+  const char* shape;
+  std::size_t points;
+  std::int64_t euler;
+  double volume;  // of a shape of size 100; 0: not known in closed form
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "the mesh of a closed shape is closed, turned outwards, and has the shape's handles") {
+  const Truth truths[]{{"sphere", 6000, 2, 4 * 3.14159265358979 / 3 * 125'000},
+                       {"torus", 8000, 0, 2 * 3.14159265358979 * 3.14159265358979 * 35 * 225},
+                       {"bumpy-sphere", 8000, 2, 0},
+                       {"cube", 8000, 2, 1e6}};
+  for (const Truth& truth : truths)
+    for (const std::uint32_t lattice : {13u, 32u, 50u}) {
+      CAPTURE(truth.shape);
+      CAPTURE(lattice);
+      const MeshScene scene = meshScene(truth.shape, truth.points, {.lattice = lattice});
+      const Mesh mesh = meshOnGpu(device, scene);
+      checkClosed(mesh);
+      const MeshReport report = examine(mesh);
+      CHECK(report.euler() == truth.euler);
+      CHECK(report.parts == 1);
+      // The tube of the torus is narrower than the support radius of the coarsest lattice.
+      if (truth.volume > 0) CHECK(report.volume == doctest::Approx(truth.volume).epsilon(lattice < 20 ? 0.05 : 0.01));
+      CHECK(report.volume > 0);
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the mesh is that of double precision: the same triangles, vertices in the same places") {
+  for (const auto& [name, surface] : kMeshSurfaces)
+    for (const char* shape : {"torus", "cube"}) {
+      CAPTURE(name);
+      CAPTURE(shape);
+      // Three looks at the points are many rounds for a shader that is watched: less support makes fewer.
+      const bool sharp = surface == MeshSurface::sharp;
+      const MeshScene scene =
+          meshScene(shape, 3000, {.lattice = sharp ? 32u : 21u, .surface = surface, .radius = sharp ? 8.0 : 0.0});
+      const Mesh mesh = meshOnGpu(device, scene), expected = meshReference(scene.cloud, scene.plan);
+      CHECK(mesh.triangles.size() > 500);
+      CHECK(mesh.triangles == expected.triangles);
+      REQUIRE(mesh.vertices.size() == expected.vertices.size());
+      float farthest = 0, worstCosine = 1;
+      for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        farthest = std::max(farthest, glm::distance(mesh.vertices.positions[i], expected.vertices.positions[i]));
+        worstCosine = std::min(worstCosine, glm::dot(mesh.vertices.normals[i], expected.vertices.normals[i]));
+      }
+      CHECK(farthest < 1e-3f * scene.plan.lattice.cell);
+      CHECK(worstCosine > 0.9999f);
+    }
+}
+
+}  // namespace palpate

@@ -1,0 +1,125 @@
+// A mesh that follows edits is the one that a build from nothing makes, bit by bit.
+#include <random>
+
+#include "tests/mesh/mesh_scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+PointState stateOf(const PointCloud& cloud, std::uint32_t i) {
+  return {.position = cloud.positions[i], .id = i, .normal = cloud.normals[i], .color = 0, .parent = i};
+}
+
+// Pushes the points near `center` inwards by up to `depth`, a smooth dent; writes them to the cloud, too.
+std::vector<PointState> dent(PointCloud& cloud, const Vec3& center, float radius, float depth) {
+  std::vector<PointState> edits;
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    const float share = glm::distance(cloud.positions[i], center) / radius;
+    if (share >= 1) continue;
+    cloud.positions[i] -= depth * (1 - share * share) * cloud.normals[i];
+    edits.push_back(stateOf(cloud, i));
+  }
+  return edits;
+}
+
+void checkSameAsFresh(Device& device, const MarchingCubes& followed, const PointCloud& cloud) {
+  MarchingCubes fresh(device, cloud, followed.plan());
+  fresh.build();
+  CHECK(followed.vertexCount() == fresh.vertexCount());
+  CHECK(followed.triangleCount() == fresh.triangleCount());
+  CHECK(sameBits(followed.download(), fresh.download()));
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "after dents the mesh is that of a fresh build, and only blocks near them were treated") {
+  // Two meshes at a time are many buffers for a shader that is watched: less support makes fewer rounds.
+  MeshScene scene = meshScene("sphere", 5000, {.lattice = 48, .radius = 6.5});
+  MarchingCubes cubes(device, scene.cloud, scene.plan);
+  const MeshStep whole = cubes.build();
+  CHECK(whole.treated == whole.blocks);
+  for (const Vec3& center : {Vec3(50, 0, 0), Vec3(0, -35, 35), Vec3(48, 10, 0)}) {
+    const MeshStep step = cubes.update(dent(scene.cloud, center, 10, 4));
+    CHECK(step.treated > 0);
+    CHECK(step.treated < step.blocks / 3);
+    checkSameAsFresh(device, cubes, scene.cloud);
+    checkClosed(cubes.download());
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "points that jump, go, come and come back are followed, wherever they are") {
+  MeshScene scene = meshScene("torus", 3000, {.lattice = 24, .room = 0.3});
+  constexpr std::uint32_t kSpare = 40;
+  MarchingCubes cubes(device, scene.cloud, scene.plan, kSpare);
+  cubes.build();
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> anywhere(-70, 70);
+  // Points that are gone keep their number: here they stand where no lattice is.
+  PointCloud after = scene.cloud;
+  after.positions.resize(3000 + kSpare, Vec3(1e6f));
+  after.normals.resize(3000 + kSpare, Vec3(0, 0, 1));
+  for (int turn = 0; turn < 3; ++turn) {
+    std::vector<PointState> edits;
+    for (int k = 0; k < 30; ++k) {
+      const auto number = static_cast<std::uint32_t>(random() % (3000 + kSpare));
+      PointState state{.position = Vec3(anywhere(random), anywhere(random), anywhere(random)),
+                       .id = number,
+                       .normal = Vec3(0, 1, 0)};
+      after.positions[number] = state.position;
+      after.normals[number] = state.normal;
+      if (k % 3 == 0) {
+        state.id |= PointState::kGone;
+        after.positions[number] = Vec3(1e6f);
+      }
+      edits.push_back(state);
+    }
+    cubes.update(edits);
+    checkSameAsFresh(device, cubes, after);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "of two edits of one point the later counts, and no edit changes nothing") {
+  MeshScene scene = meshScene("sphere", 2000, {.lattice = 16});
+  MarchingCubes cubes(device, scene.cloud, scene.plan);
+  cubes.build();
+  const Mesh before = cubes.download();
+  CHECK(cubes.update({}).treated == 0);
+  CHECK(sameBits(cubes.download(), before));
+  PointState there = stateOf(scene.cloud, 17), back = there;
+  there.position += Vec3(3, 0, 0);
+  cubes.update(std::vector{there, back});
+  CHECK(sameBits(cubes.download(), before));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a cloud that a coarse lattice looks at in part is followed all the same") {
+  MeshScene scene = meshScene("sphere", 12'000, {.lattice = 16});
+  REQUIRE(scene.plan.share < 0.8);
+  const Mesh followed = [&] {  // one at a time, since a shader that is watched has few rounds
+    MarchingCubes cubes(device, scene.cloud, scene.plan);
+    cubes.build();
+    checkClosed(cubes.download());
+    cubes.update(dent(scene.cloud, Vec3(0, 0, 50), 20, 10));
+    return cubes.download();
+  }();
+  CHECK(sameBits(followed, meshOnGpu(device, scene)));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "everything may go, and come back") {
+  MeshScene scene = meshScene("sphere", 500, {.lattice = 8});
+  MarchingCubes cubes(device, scene.cloud, scene.plan);
+  cubes.build();
+  const Mesh before = cubes.download();
+  std::vector<PointState> gone, back;
+  for (std::uint32_t i = 0; i < scene.cloud.size(); ++i) {
+    back.push_back(stateOf(scene.cloud, i));
+    gone.push_back(back.back());
+    gone.back().id |= PointState::kGone;
+  }
+  cubes.update(gone);
+  CHECK(cubes.triangleCount() == 0);
+  cubes.update(back);
+  CHECK(sameBits(cubes.download(), before));
+}
+
+}  // namespace palpate
