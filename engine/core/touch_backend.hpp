@@ -17,7 +17,8 @@ struct PointCloud;
 
 /// What did not go as it should; each is zero in a good session.
 struct TouchShortfalls {
-  std::uint64_t editsLogFull = 0;    ///< edits left out because the reader of the log had fallen behind
+  std::uint64_t editsLogFull =
+      0;  ///< edits left out: a reader of the log had fallen behind, or it is too small for them
   std::uint64_t editsTooSlow = 0;    ///< left out in real time because an edit takes longer than a force can be held
   std::uint64_t editsHeldUp = 0;     ///< left out in real time because the index was being compacted
   std::uint64_t editsBuiltAnew = 0;  ///< the index could not follow, and was built anew for them

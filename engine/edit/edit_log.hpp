@@ -25,7 +25,7 @@ class EditLog {
   static constexpr std::uint64_t kLeastSlack = 1 << 18;
 
   /// Holds at least twice `points` states, so that a tick that edits the whole cloud fits beside what a reader that is
-  /// a little behind has not seen yet.
+  /// a little behind has not seen yet; at most as many as one buffer can (capacityFor()).
   EditLog(Device& device, std::uint64_t points, std::uint64_t slack = kLeastSlack);
   /// Entries that a log for so many points holds.
   static std::uint64_t capacityFor(std::uint64_t points, std::uint64_t slack = kLeastSlack);

@@ -73,6 +73,21 @@ TEST_CASE("a question that waited in vain is asked again") {
   CHECK(ahead.answeredAhead() == 0);
 }
 
+TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwards") {
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 5'000);
+  TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
+  int touching = 0;
+  for (int tick = 40; tick < 90; ++tick) {
+    ahead.prepare();
+    ahead.finish();
+    const Contact expected = plain.query(poseAt(tick), 0);
+    checkEqual(ahead.query(poseAt(tick), 0), expected);
+    touching += expected.touching;
+  }
+  CHECK(touching > 10);
+}
+
 TEST_CASE_FIXTURE(GpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
