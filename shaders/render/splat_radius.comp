@@ -17,6 +17,7 @@ const vec3 kCosB = vec3(0, -0.5, -0.866025404), kSinB = vec3(1, 0.866025404, 0.5
 vec3 selfNormal, axisU, axisV;
 bool hasPlane;
 float seen;  // how far the last look went
+uint workSpent;
 // One over the distance to the nearest border, in each direction; 0 where there is none.
 vec3 aheadA, aheadB, behindA, behindB;
 uint neighbours;
@@ -72,7 +73,8 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
 // Meets the points nearer than `radius` that the last look has not met. The whole subgroup calls it together.
 void look(vec3 center, float radius) {
   neighbours = 0;
-  visitNeighbours(args.cloud, center, radius, kSplatWorkBudget);
+  visitNeighbours(args.cloud, center, radius, kSplatWorkBudget - workSpent);
+  workSpent = min(workSpent + walkWork, kSplatWorkBudget);
   aheadA = subgroupMax(aheadA);
   aheadB = subgroupMax(aheadB);
   behindA = subgroupMax(behindA);
@@ -85,7 +87,7 @@ vec2 clipLine(vec3 center, float radius) {
   clips = true;
   clipCloseness = 0;
   clipDirection = vec2(0);
-  visitNeighbours(args.cloud, center, kSplatEdgeReach * radius, kSplatWorkBudget);
+  visitNeighbours(args.cloud, center, kSplatEdgeReach * radius, kSplatEdgeWorkBudget);
   const float nearest = subgroupMax(clipCloseness);
   if (nearest * radius <= 1) return vec2(0);
   const uint owner = subgroupMin(clipCloseness == nearest ? gl_SubgroupInvocationID : gl_SubgroupSize);
@@ -153,6 +155,7 @@ void main() {
   frameAround(hasPlane ? selfNormal : vec3(0, 0, 1), axisU, axisV);
   aheadA = aheadB = behindA = behindB = vec3(0);
   seen = 0;
+  workSpent = 0;
   besideEdge = false;
   clips = false;
   const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
@@ -176,7 +179,7 @@ void main() {
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), args.spacing * 2);
       enough = met >= kSplatFewest;
     }
-    if (enough || reach >= farthest) break;
+    if (enough || reach >= farthest || workSpent >= kSplatWorkBudget) break;
     seen = reach;
     reach = min(2 * reach, farthest);
   }

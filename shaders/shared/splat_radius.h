@@ -47,8 +47,10 @@ const float kSplatSharp = 0.8f;
 const float kSplatSharpest = -0.5f;
 // In radii: the other side of an edge that a disc reaches has points so near.
 const float kSplatEdgeReach = 2.0f;
-// Rounds of one look of a subgroup. Past it the radius comes from what was seen: only in a heap of points.
-const uint kSplatWorkBudget = 400;
+// Work of all looks of a subgroup (shaders/lib/neighbour_walk.glsl), and of the one for the other side of an edge. Past
+// it the answer comes from what was seen: only in a heap of points.
+const uint kSplatWorkBudget = 1000;
+const uint kSplatEdgeWorkBudget = 400;
 
 struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order
