@@ -15,23 +15,23 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   Splat splat;
   if (!loadSplat(view, splat)) return;
-  const float inverseRadiusSquared = 1 / (splat.radius * splat.radius);
-  const float band = kDepthBand * splat.radius;
+  const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
+  const float band = kDepthBand * splat.disc.radius;
   const float scale = args.frame.at[0].sumScale;
   // A few units, so that a sample which only such fragments cover keeps its colour; where many points make units coarse,
   // no more than a rim weighs.
   const float leastWeight = min(8 / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);
-  for (int y = splat.first.y; y <= splat.last.y; ++y) {
-    for (int x = splat.first.x; x <= splat.last.x; ++x) {
+  for (int y = splat.box.first.y; y <= splat.box.last.y; ++y) {
+    for (int x = splat.box.first.x; x <= splat.box.last.x; ++x) {
       Fragment fragment;
-      if (!coverPixel(view, splat, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
+      if (!coverPixel(view, splat.disc, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
       const uint place = uint(y) * view.size_px.x + uint(x);
       if (fragment.depth > uintBitsToFloat(args.depth.at[place]) + band) continue;
       const float weight = max(fragment.weight, leastWeight);
       for (uint k = 0; k < 3; ++k)
-        atomicAdd(args.normalSums.at[4 * place + k], fixedPoint(weight * splat.shading[k], scale));
+        atomicAdd(args.normalSums.at[4 * place + k], fixedPoint(weight * splat.disc.shading[k], scale));
       atomicAdd(args.normalSums.at[4 * place + 3], fixedPoint(weight, scale));
       if (!hasColors) continue;
       for (uint k = 0; k < 3; ++k)

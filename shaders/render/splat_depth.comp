@@ -8,11 +8,11 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   Splat splat;
   if (!loadSplat(view, splat)) return;
-  const float inverseRadiusSquared = 1 / (splat.radius * splat.radius);
-  for (int y = splat.first.y; y <= splat.last.y; ++y) {
-    for (int x = splat.first.x; x <= splat.last.x; ++x) {
+  const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
+  for (int y = splat.box.first.y; y <= splat.box.last.y; ++y) {
+    for (int x = splat.box.first.x; x <= splat.box.last.x; ++x) {
       Fragment fragment;
-      if (!coverPixel(view, splat, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
+      if (!coverPixel(view, splat.disc, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
       const uint place = uint(y) * view.size_px.x + uint(x);
       const uint bits = floatBitsToUint(fragment.depth);
       // The plain read may be stale, but depths only fall, so it never skips the nearest.

@@ -1,0 +1,105 @@
+// A point as an oriented disc, and what of it each pixel shows: the same for whoever draws it.
+#ifndef PALPATE_RENDER_DISC_GLSL
+#define PALPATE_RENDER_DISC_GLSL
+#include "shaders/lib/frame.glsl"
+#include "shaders/render/view.glsl"
+
+const float kOutlineFacing = 0.7;  // cosine; more calls insides outlines, less lights outlines as insides
+const float kEdgeTrust = 0.1;      // of a disc on edge; more roughens outlines and folds
+// Of a disc seen from its back: it counts where no other does. More lets the far side of an edge shine through.
+const float kBackTrust = 1.0 / 256;
+
+struct Disc {
+  vec3 center;   // eye space
+  vec3 normal;   // eye space, unit, either side
+  float radius;  // model units
+  vec3 clip;     // eye space: the disc ends where the dot product of this and the offset from its centre exceeds 1
+  vec3 shading;  // normal to light it by, model space, unit, never away from the eye
+  float trust;   // in the shading normal, against other discs' in the same sample
+  ivec2 centerPixel;
+};
+
+// What [low, high] at depths from `shallow` to `deep` can cover in the picture, in units of the focal length.
+vec2 projectedInterval(float low, float high, float shallow, float deep) {
+  return vec2(low / (low < 0 ? shallow : deep), high / (high < 0 ? deep : shallow));
+}
+
+// The line along which a disc is cut off (shaders/shared/splat_radius.h), from radii in its own plane.
+vec3 clipOf(RenderView view, vec4 normalAndRadius, uint bits) {
+  if (bits == 0) return vec3(0);
+  vec3 u, v;
+  frameAround(normalAndRadius.xyz, u, v);
+  const vec2 clip = unpackHalf2x16(bits) / normalAndRadius.w;
+  return toEye(view, clip.x * u + clip.y * v);
+}
+
+// Where the middle of a disc is seen; false where it is not.
+bool placeDisc(RenderView view, vec3 position, out Disc disc) {
+  disc.center = toEye(view, position - view.eye);
+  if (!(disc.center.z >= view.nearDepth)) return false;
+  const vec2 center_px = sampleOf(view, disc.center);
+  if (!all(lessThan(abs(center_px - view.center_px), vec2(1e6)))) return false;  // must fit an int with its disc
+  disc.centerPixel = ivec2(floor(center_px));
+  return true;
+}
+
+// Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a
+// little stands just behind an outline and peeps over it: it is lit as if it were the outline. Seen from the back in
+// full it is the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a
+// scan has a fold or a stray normal, so the flatter a disc lies before the eye, the more it counts.
+// `everyones`: the radius of all discs, which are whole then; 0: each has its own.
+void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float everyones, inout Disc disc) {
+  const vec3 toViewer = -normalize(disc.center);
+  disc.normal = toEye(view, normalAndRadius.xyz);
+  if (!(dot(disc.normal, disc.normal) >= 0.25)) disc.normal = toViewer;
+  disc.radius = everyones > 0 ? everyones : normalAndRadius.w;
+  disc.clip = everyones > 0 ? vec3(0) : clipOf(view, normalAndRadius, clipBits);
+  const float facing = dot(disc.normal, toViewer);
+  vec3 shading = disc.normal;
+  if (facing < -kOutlineFacing) shading = -shading;
+  else if (facing < 0) shading = normalize(shading - facing * toViewer);
+  disc.shading = fromEye(view, shading);
+  disc.trust = facing > 0 ? max(facing, kEdgeTrust) : kBackTrust;
+}
+
+struct PixelBox {
+  ivec2 first, last;  // both included; none when first exceeds last
+};
+
+// The pixels of the picture that a disc may cover. The box around a disc reaches R sqrt(1 - n_k^2) along axis k.
+PixelBox boxOf(RenderView view, Disc disc) {
+  const vec3 c = disc.center;
+  const vec3 reach = disc.radius * sqrt(max(1 - disc.normal * disc.normal, 0));
+  const float shallow = max(c.z - reach.z, view.nearDepth);
+  const float deep = c.z + reach.z;
+  const vec2 x = view.center_px.x + view.focal_px * projectedInterval(c.x - reach.x, c.x + reach.x, shallow, deep);
+  const vec2 y = view.center_px.y + view.focal_px * projectedInterval(-c.y - reach.y, -c.y + reach.y, shallow, deep);
+  const ivec2 first = ivec2(floor(clamp(vec2(x.x, y.x), -2e6, 2e6)));
+  const ivec2 last = ivec2(floor(clamp(vec2(x.y, y.y), -2e6, 2e6)));
+  return PixelBox(max(min(first, disc.centerPixel), ivec2(0)),
+                  min(max(last, disc.centerPixel), ivec2(view.size_px) - 1));
+}
+
+struct Fragment {
+  float depth;   // eye space, on the disc's plane
+  float weight;  // the disc's trust in its middle, kRimWeight of that at its rim
+};
+
+// False where the ray through the pixel misses the disc. Edge-on discs are safe: a hit lies within the disc, so its
+// depth is within a radius of the centre's, and a ray along the plane gives no number and no hit. The pixel that holds
+// the centre is always covered, so that discs smaller than a pixel leave no holes.
+bool coverPixel(RenderView view, Disc disc, float inverseRadiusSquared, ivec2 pixel, out Fragment fragment) {
+  const vec3 ray = rayThrough(view, vec2(pixel) + 0.5);
+  fragment.depth = dot(disc.normal, disc.center) / dot(disc.normal, ray);
+  const vec3 offset = fragment.depth * ray - disc.center;
+  const float q = dot(offset, offset) * inverseRadiusSquared;
+  if (q < 1 && fragment.depth >= view.nearDepth && dot(offset, disc.clip) <= 1) {
+    fragment.weight = disc.trust * max((1 - q) * (1 - q), kRimWeight);
+    return true;
+  }
+  fragment.depth = disc.center.z;
+  fragment.weight = disc.trust * kCenterPixelWeight;
+  return pixel == disc.centerPixel;
+}
+
+#endif
