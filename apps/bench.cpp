@@ -1,4 +1,5 @@
 #include "apps/bench.hpp"
+#include "apps/picture.hpp"
 #include "apps/plot.hpp"
 
 #include <fmt/ranges.h>
@@ -216,6 +217,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->check(between(0, 1))
       ->capture_default_str();
   sub->add_option("--size", options->size, "splat: of the pictures, width x height, pixels")->capture_default_str();
+  addSamplesOption(*sub, options->samples);
   sub->add_option("--smooth", options->smooths_px,
                   "splat: pixels to each side over which depth is smoothed; several are judged")
       ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))

@@ -44,6 +44,7 @@ struct BenchOptions {
   double movedShare = 0.01;
   std::string plotFile;
   std::string size = "1280x720";             ///< of the pictures of splat
+  std::uint32_t samples = 4;                 ///< of a pixel, for splat
   std::vector<std::uint32_t> smooths_px{0};  ///< of splat (FrameOptions::smooth_px)
   BackendOptions backend;
   TouchBenchOptions touch;

@@ -22,6 +22,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
+  frame.everyPoint = options.everyPoint;
   constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
   frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
   if (!options.background.empty())
@@ -85,12 +86,21 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
                   "the points")
       ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
       ->capture_default_str();
+  addSamplesOption(command, options.samples);
+  command.add_flag("--every-point", options.everyPoint,
+                   "draw all points, also where they are finer than samples and a share of them would do");
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
       ->type_name("FILE.pfm");
   command.add_flag("--scale-bar", options.scaleBar,
                    "draw a bar of a round length at the depth of the camera's target, and say its mm");
   command.add_flag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
+}
+
+void addSamplesOption(CLI::App& command, std::uint32_t& samples) {
+  command.add_option("--samples", samples, "of a pixel: 4 for smooth outlines, or 1 for speed")
+      ->check(CLI::IsMember({1u, 4u}))
+      ->capture_default_str();
 }
 
 void checkPictureOptions(const PictureOptions& options) {
@@ -119,7 +129,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
   frameOf.overlays = overlays;
-  Frame frame(device, size.width, size.height);
+  Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
   const Camera camera = Camera::parse(options.camera, model.cloud, aspect);
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size, model.scale);

@@ -8,10 +8,13 @@ namespace palpate {
 
 struct PictureOptions {
   std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
-  std::uint32_t smooth_px = 0;
-  bool printFrame = false, scaleBar = false;
+  std::uint32_t smooth_px = 0, samples = 4;
+  bool printFrame = false, scaleBar = false, everyPoint = false;
 };
 void addPictureOptions(CLI::App& command, PictureOptions& options);
+
+/// --samples: 1 or 4.
+void addSamplesOption(CLI::App& command, std::uint32_t& samples);
 
 /// Checks what can be checked before anything is loaded. Throws UsageError.
 void checkPictureOptions(const PictureOptions& options);

@@ -102,9 +102,14 @@ void Device::createLogicalDevice() {
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
   v12.bufferDeviceAddress = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
-  VkPhysicalDeviceFeatures available;
-  vkGetPhysicalDeviceFeatures(physical_, &available);
+  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  VkPhysicalDeviceFeatures2 available2{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
+  vkGetPhysicalDeviceFeatures2(physical_, &available2);
+  const VkPhysicalDeviceFeatures& available = available2.features;
+  hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
+  v12.shaderBufferInt64Atomics = hasWideAtomics_;
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+  features.features.shaderInt64 = hasWideAtomics_;
   if (instance_->validates()) {
     // GPU-assisted validation instruments the shaders and needs these itself.
     features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;

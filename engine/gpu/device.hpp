@@ -42,6 +42,8 @@ class Device {
   bool isCpu() const { return properties_.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU; }
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   std::uint32_t subgroupSize() const { return subgroupSize_; }
+  /// Whether shaders may add to 64 bits of a buffer at once.
+  bool hasWideAtomics() const { return hasWideAtomics_; }
   VkDriverId driverId() const { return driverId_; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
@@ -75,6 +77,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t subgroupSize_ = 0;
+  bool hasWideAtomics_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   QueueRoles roles_;

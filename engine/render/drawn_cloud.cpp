@@ -47,6 +47,7 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
               Buffer::of<Vec4>(device, count_, Memory::device, "drawn normals"), 1},
       colors_(Buffer::of<std::uint32_t>(device, hasColors_ ? count_ : 0, Memory::device, "drawn colors")),
       clips_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn clips")),
+      picked_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "picked splats")),
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
@@ -107,8 +108,8 @@ void DrawnCloud::closeSurface() {
 }
 
 std::uint64_t DrawnCloud::bytes() const {
-  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + latest_.bytes() +
-         (radii_ ? radii_->bytes() : 0);
+  return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + picked_.bytes() +
+         latest_.bytes() + (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

@@ -43,6 +43,7 @@ class DrawnCloud {
   const Buffer& normals() const { return points_.normals; }
   const Buffer& colors() const { return colors_; }  ///< count RGBA8; empty without colours
   const Buffer& clips() const { return clips_; }    ///< count words: where discs are cut off (SplatRadii)
+  const Buffer& picked() const { return picked_; }  ///< count words, for whoever draws it
   /// Mean spacing as the options gave it, and the largest radius of a disc, model units; 0 where discs have none.
   double spacing() const { return spacing_; }
   double largestRadius() const { return largestRadius_; }
@@ -55,7 +56,7 @@ class DrawnCloud {
   Bounds bounds_;
   double spacing_, largestRadius_ = 0;
   LiveCloud::Side points_;
-  Buffer colors_, clips_;
+  Buffer colors_, clips_, picked_;
   Buffer latest_;  // count uint32, zero between calls
   ComputePipeline claim_, apply_;
   CommandList list_;

@@ -12,8 +12,8 @@ namespace palpate {
 namespace {
 
 constexpr std::uint32_t kLargestSide_px = 16'384;
-// Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
-constexpr std::uint32_t kSplatWorkgroup = 64;
+// Small workgroups: a workgroup lives as long as its largest triangle, and the touch side may be waiting for its place.
+constexpr std::uint32_t kTriangleWorkgroup = 64;
 
 std::uint32_t checkedSide(std::uint32_t side) {
   if (side < 1 || side > kLargestSide_px)
@@ -32,19 +32,16 @@ void Frame::checkSize(std::uint32_t width, std::uint32_t height) {
   checkedSide(height);
 }
 
-Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample)
+Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample, bool wideAtomics)
     : device_(device),
       width_(checkedSide(width)),
       height_(checkedSide(height)),
       supersample_(std::clamp(supersample, 1u, 2u)),
-      splatDepth_(device, shader_code::render_splat_depth,
-                  {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
-      splatAttributes_(device, shader_code::render_splat_attributes,
-                       {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+      raster_(device, wideAtomics),
       triangleDepth_(device, shader_code::render_triangle_depth,
-                     {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
+                     {.workgroupSize = kTriangleWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
       triangleAttributes_(device, shader_code::render_triangle_attributes,
-                          {.workgroupSize = kSplatWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
+                          {.workgroupSize = kTriangleWorkgroup, .pushBytes = sizeof(shared::TriangleArgs)}),
       closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
       smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
@@ -61,25 +58,15 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
 
 void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
   const Drawn about = drawn(cloud, options);
-  const std::uint32_t tiles = tilesOf(about, camera, size_px().y);
-  const DeviceAddress constants = writeConstants(about, camera, options, tiles);
-  const std::uint64_t splats = std::uint64_t{cloud.count()} * tiles * tiles;
-  const shared::SplatArgs splatArgs{.frame = constants,
-                                    .positions = cloud.positions().address(),
-                                    .normals = cloud.normals().address(),
-                                    .colors = cloud.colors().address(),
-                                    .clips = cloud.clips().address(),
-                                    .depth = depth_.address(),
-                                    .normalSums = normalSums_.address(),
-                                    .colorSums = colorSums_.address()};
+  const DeviceAddress constants = writeConstants(about, camera, options, 0);
   const auto frame = list.section("frame");
   recordClear(list, cloud.hasColors());
-  {
-    const auto section = list.section("splat");
-    list.dispatch(splatDepth_, splats, splatArgs);
-    list.dispatch(splatAttributes_, splats, splatArgs);
-    recordSources(list, constants);
-  }
+  raster_.record(list, cloud,
+                 {.frame = constants,
+                  .depth = depth_.address(),
+                  .normalSums = normalSums_.address(),
+                  .colorSums = colorSums_.address()});
+  recordSources(list, constants);
   recordShading(list, constants, options);
 }
 
@@ -100,8 +87,8 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
     const auto section = list.section("triangles");
     list.dispatch(triangleDepth_, shares, args);
     list.dispatch(triangleAttributes_, shares, args);
-    recordSources(list, constants);
   }
+  recordSources(list, constants);
   recordShading(list, constants, options);
 }
 
@@ -114,6 +101,7 @@ void Frame::recordClear(CommandList& list, bool colors) const {
 }
 
 void Frame::recordSources(CommandList& list, DeviceAddress constants) const {
+  const auto section = list.section("holes");
   list.dispatch(closeHoles_, samples(),
                 shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
 }

@@ -2,6 +2,7 @@
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/camera.hpp"
+#include "engine/render/compute_raster.hpp"
 #include "engine/render/drawn_cloud.hpp"
 #include "engine/render/drawn_mesh.hpp"
 #include "engine/render/frame_constants.hpp"
@@ -20,7 +21,9 @@ class Frame {
 
   /// `supersample` (1 or 2): samples along each side of a pixel. Throws UsageError for a size that cannot be drawn.
   static void checkSize(std::uint32_t width, std::uint32_t height);
-  Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2);
+  /// `wideAtomics`: of ComputeRaster.
+  Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uint32_t supersample = 2,
+        bool wideAtomics = true);
 
   void record(CommandList& list, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options);
   /// The same for a mesh, which is lit from its vertices' normals; the options about splats are not used.
@@ -49,8 +52,8 @@ class Frame {
 
   Device& device_;
   std::uint32_t width_, height_, supersample_;
-  ComputePipeline splatDepth_, splatAttributes_, triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_,
-      resolve_;
+  ComputeRaster raster_;
+  ComputePipeline triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_, resolve_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;

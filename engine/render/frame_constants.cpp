@@ -75,6 +75,17 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
   return overlays;
 }
 
+// How many points or triangles are drawn at most, and may so meet in one sample: where points are left out, as many as
+// chance draws of them, and some more than that has ever spread.
+std::uint32_t mostDrawn(const Drawn& drawn, const shared::RenderFrame& frame) {
+  if (drawn.everyPoint) return drawn.inSample;
+  const double largest_px = drawn.widestSplat * frame.view.focal_px / static_cast<double>(frame.depthMin);
+  const double finer = largest_px / shared::kFinestSplat;
+  const double all = drawn.inSample;
+  const double some = std::min(shared::kDetailCover * finer * finer, 1.0) * all;
+  return static_cast<std::uint32_t>(std::min(some + 10 * std::sqrt(some) + 10, all));
+}
+
 double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
   return options.splatRadius > 0 ? options.splatRadius : kUsualRadius_spacings * cloud.spacing();
 }
@@ -85,11 +96,13 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
   return {.bounds = cloud.bounds(),
           .count = cloud.count(),
           .hasColors = cloud.hasColors(),
-          .widest = 2 * (options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius()),
+          .widest = 0,
           .splatRadius = options.splatRadius,
+          .widestSplat = options.splatRadius > 0 ? options.splatRadius : cloud.largestRadius(),
           .usualRadius = usualRadius(cloud, options),
           .closeHoles = options.closeHoles,
-          .inSample = cloud.count()};
+          .inSample = cloud.count(),
+          .everyPoint = options.everyPoint};
 }
 
 Drawn drawn(const DrawnMesh& mesh) {
@@ -98,17 +111,19 @@ Drawn drawn(const DrawnMesh& mesh) {
           .hasColors = mesh.hasColors,
           .widest = std::sqrt(3.0) * mesh.cell,
           .splatRadius = 0,
+          .widestSplat = 0,
           .usualRadius = kTriangleOff * mesh.cell,
           .closeHoles = false,
-          .inSample = kTrianglesInSample};
+          .inSample = kTrianglesInSample,
+          .everyPoint = true};
 }
 
 std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
   const double nearest = std::max(depthRangeOf(camera, drawn.bounds).x, camera.nearDepth);
   const double side_px = drawn.widest * camera.focal_px(height_px) / nearest + 2;
-  const double affordable = std::sqrt(double{shared::kMaxSplatInvocations} / std::max(drawn.count, 1u));
-  const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxSplatTiles});
-  return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kSplatTile), 1.0, most));
+  const double affordable = std::sqrt(double{shared::kMaxTriangleInvocations} / std::max(drawn.count, 1u));
+  const double most = std::clamp(std::floor(affordable), 1.0, double{shared::kMaxTriangleTiles});
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / shared::kTriangleTile), 1.0, most));
 }
 
 shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
@@ -121,10 +136,12 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .boundsMax = Vec3(drawn.bounds.max),
                             .depthMax = static_cast<float>(depths.y),
                             .splatRadius = static_cast<float>(drawn.splatRadius),
+                            .widestSplat = static_cast<float>(drawn.widestSplat),
+                            .everyPoint = drawn.everyPoint,
                             .usualRadius = static_cast<float>(drawn.usualRadius),
                             .sumScale = 0,
                             .count = drawn.count,
-                            .splatTiles = tiles,
+                            .triangleTiles = tiles,
                             .imagePass = static_cast<std::uint32_t>(options.pass),
                             .colorBy = static_cast<std::uint32_t>(options.color),
                             .hasColors = drawn.hasColors,
@@ -139,8 +156,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
     const double radius_px = drawn.usualRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
-  // No sum may reach 2^31, even with every point in one sample (splat_attributes.comp).
-  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(drawn.inSample, 1u);
+  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(mostDrawn(drawn, frame), 1u);
   frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));
   if (options.background)
     for (int k = 0; k < 3; ++k)

@@ -20,15 +20,17 @@ struct Drawn {
   bool hasColors;
   double widest;           ///< on any side of one of them, model units
   double splatRadius;      ///< of every disc, model units; 0: each has its own
+  double widestSplat;      ///< radius of a disc at most, model units
   double usualRadius;      ///< of discs, or how far triangles may stand off the true surface, model units
   bool closeHoles;         ///< there may be gaps between them
   std::uint32_t inSample;  ///< how many may add up in one sample
+  bool everyPoint;         ///< however fine they are
 };
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options);
 Drawn drawn(const DrawnMesh& mesh);
 
-/// Tiles along each side of the largest splat or triangle on screen, as far as kMaxSplatInvocations allows. What is
-/// beyond is cut off a splat; triangles are walked in more rounds.
+/// Tiles along each side of the largest triangle on screen, as far as kMaxTriangleInvocations allows. Larger ones are
+/// walked in more rounds.
 std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t height_px);
 
 shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,

@@ -66,8 +66,9 @@ struct Overlays {
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorBy::rgb;
-  double splatRadius = 0;  ///< of every point, model units; 0: each has its own (DrawnOptions::spacing)
-  bool closeHoles = true;  ///< gaps a few spacings wide take the surface around them, also in depth
+  double splatRadius = 0;   ///< of every point, model units; 0: each has its own (DrawnOptions::spacing)
+  bool everyPoint = false;  ///< draws all, also where many share a sample and a share of them would do
+  bool closeHoles = true;   ///< gaps a few spacings wide take the surface around them, also in depth
   /// Depth is smoothed within the surface, so many pixels to each side, and normals follow from it; 0: normals are
   /// those of the points, blended.
   std::uint32_t smooth_px = 0;

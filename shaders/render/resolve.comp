@@ -21,8 +21,8 @@ void main() {
   const uint place = threadIndex();
   if (place >= size.x * size.y) return;
   const uvec2 pixel = uvec2(place % size.x, place / size.x);
-  const uint split = max(view.supersample, 2);  // samples along each side of a pixel
   const bool overlays = args.frame.at[0].hasOverlays != 0;
+  const uint split = overlays ? max(view.supersample, 2) : view.supersample;  // samples along each side of a pixel
 
   vec3 sum = vec3(0);
   uint nearest = kNoDepth;

@@ -6,12 +6,9 @@
 #include "shaders/render/depth_slope.glsl"
 #include "shaders/render/lighting.glsl"
 #include "shaders/render/occlusion.glsl"
+#include "shaders/render/sums.glsl"
 
 layout(push_constant, scalar) uniform Push { ShadeArgs args; };
-
-vec3 sumAt(Uints sums, uint first) {
-  return vec3(int(sums.at[first]), int(sums.at[first + 1]), int(sums.at[first + 2]));
-}
 
 // The surface's own colour, linear light. `place` is the sample whose sums count.
 vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
@@ -22,8 +19,8 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   if (colorBy == kColorByDepth) return ramp((far - depth) / max(far - near, 1e-30));
   if (colorBy == kColorByHeight) return ramp((position.y - low.y) / max(high.y - low.y, 1e-30));
   if (args.frame.at[0].hasColors == 0) return args.frame.at[0].material;
-  const float weight = float(args.normalSums.at[4 * place + 3]);
-  return toLinear(sumAt(args.colorSums, 3 * place) / max(weight, 1));
+  const uvec2 size = args.frame.at[0].view.size_px;
+  return toLinear(colorAt(args.colorSums, place, size.x * size.y) / max(weightAt(args.normalSums, place), 1));
 }
 
 // What a sample at `place_px` shows whose surface is that of the sample `place`.
@@ -32,7 +29,7 @@ vec3 surfaceAt(RenderView view, uint place, vec2 place_px, float depth) {
   const vec3 inEye = depth * rayThrough(view, place_px);
   const vec3 position = view.eye + fromEye(view, inEye);
   vec3 normal = args.frame.at[0].smooth_px == 0
-                    ? sumAt(args.normalSums, 4 * place)
+                    ? normalAt(args.normalSums, place)
                     : fromEye(view, normalFromDepth(view, args.depth, ivec2(place % view.size_px.x, place / view.size_px.x)));
   normal = dot(normal, normal) > 0 ? normalize(normal) : -normalize(position - view.eye);
 

@@ -1,38 +1,102 @@
-// The square of pixels that one invocation walks for one disc. Both splat passes see exactly the same fragments through
-// this file.
+// Splats that were picked, and the samples that an invocation walks for one. All splat passes see exactly the same
+// fragments through this file.
 #ifndef PALPATE_RENDER_SPLAT_GLSL
 #define PALPATE_RENDER_SPLAT_GLSL
+#extension GL_KHR_shader_subgroup_basic : require
 #include "shaders/lib/index.glsl"
 #include "shaders/render/disc.glsl"
 
 layout(push_constant, scalar) uniform Push { SplatArgs args; };
 
+// In [0, 1), and the same in every picture (after Jarzynski and Olano 2020, "Hash functions for GPU rendering", pcg).
+float lotOf(uint point) {
+  const uint state = point * 747796405u + 2891336453u;
+  const uint word = (state >> (state >> 28) + 4 ^ state) * 277803737u;
+  return float((word >> 22 ^ word) >> 8) / 16777216.0;
+}
+
+// The share of the points that are drawn where discs have this radius; above 1 all are.
+float detailOf(float radius_px) {
+  const float finer = radius_px / kFinestSplat;
+  return args.frame.at[0].everyPoint != 0 ? 2 : kDetailCover * finer * finer;
+}
+
+float everyonesRadius() { return args.frame.at[0].splatRadius; }
+
+// The disc of a point as it is drawn; false where it is not. Where points are finer than samples, those with low lots
+// stand for the others, at random but the same in every picture. Before one is left out it fades, so that nothing pops
+// while the camera moves.
+bool loadDisc(RenderView view, uint point, out Disc disc) {
+  if (!placeDisc(view, args.positions.at[point].xyz, disc)) return false;
+  const float lot = lotOf(point);
+  const float unitPx = view.focal_px / disc.center.z;
+  if (lot >= detailOf(args.frame.at[0].widestSplat * unitPx)) return false;
+  orientDisc(view, args.normals.at[point], args.clips.at[point], everyonesRadius(), disc);
+  const float detail = detailOf(disc.radius * unitPx);
+  if (lot >= detail) return false;
+  disc.trust *= min(4 * (1 - lot / detail), 1);
+  if (args.frame.at[0].everyPoint == 0) disc.radius = max(disc.radius, kFinestSplat / unitPx);
+  return true;
+}
+
+// The square of `side` samples around the middle of a disc.
+PixelBox cutTo(PixelBox box, ivec2 middle, int side) {
+  const ivec2 corner = middle - side / 2;
+  return PixelBox(max(box.first, corner), min(box.last, corner + side - 1));
+}
+
+// All that is drawn of a disc.
+PixelBox splatBox(RenderView view, Disc disc) {
+  return cutTo(boxOf(view, disc), disc.centerPixel, int(kMaxSplatTiles * kSplatTile));
+}
+
 struct Splat {
   uint point;
   Disc disc;
-  PixelBox box;  // to walk
+  PixelBox box;        // to walk, row by row, by one invocation or a whole subgroup
+  ivec2 pixel, stride;  // where this invocation begins, and how far it goes at a time
 };
 
-// This invocation's share of a splat; false when it has none. `view` is frame.view, held in registers by the caller.
-bool loadSplat(RenderView view, out Splat splat) {
-  const uint tiles = args.frame.at[0].splatTiles;
-  const uint thread = threadIndex();
-  splat.point = thread / (tiles * tiles);
-  if (splat.point >= args.frame.at[0].count) return false;
-  if (!placeDisc(view, args.positions.at[splat.point].xyz, splat.disc)) return false;
-  orientDisc(view, args.normals.at[splat.point], args.clips.at[splat.point], args.frame.at[0].splatRadius, splat.disc);
+// To the next pixel of this invocation; it is past the box's last row at the end.
+void goOn(inout Splat splat) {
+  splat.pixel += splat.stride;
+  if (splat.pixel.x <= splat.box.last.x) return;
+  splat.pixel.x -= splat.box.last.x - splat.box.first.x + 1;
+  ++splat.pixel.y;
+}
 
-  splat.box = boxOf(view, splat.disc);
-  const int side = int(tiles * kSplatTile);
-  const ivec2 corner = splat.disc.centerPixel - side / 2;  // of the square that all shares together can walk
-  splat.box.first = max(splat.box.first, corner);
-  splat.box.last = min(splat.box.last, corner + side - 1);
-
-  // Shares start at the first visible pixel, so that a splat of one tile has one share wherever it lies.
-  const uint share = thread % (tiles * tiles);
-  splat.box.first += ivec2(share % tiles, share / tiles) * int(kSplatTile);
-  splat.box.last = min(splat.box.last, splat.box.first + int(kSplatTile) - 1);
-  return all(lessThanEqual(splat.box.first, splat.box.last));
+// The share of this invocation, in the pass over small or large splats; false when it has none. `view` is frame.view,
+// held in registers by the caller.
+bool loadSplat(RenderView view, bool large, out Splat splat) {
+  uint tile = 0;
+  bool crowded = false;
+  if (large) {
+    const uint share = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+    const uint shares = args.counts.at[0].shares;
+    crowded = shares > kMaxShares;
+    if (share >= (crowded ? args.counts.at[0].large : shares)) return false;
+    const uint last = args.frame.at[0].count - 1;
+    const uvec2 entry = crowded ? uvec2(args.picked.at[last - share], 0) : args.shares.at[share];
+    splat.point = entry.x;
+    tile = entry.y;
+  } else {
+    if (threadIndex() >= args.counts.at[0].small) return false;
+    splat.point = args.picked.at[threadIndex()];
+  }
+  if (!loadDisc(view, splat.point, splat.disc)) return false;
+  splat.box = splatBox(view, splat.disc);
+  if (crowded) splat.box = cutTo(splat.box, splat.disc.centerPixel, int(kCrowdedSplat));
+  else if (large) {
+    // Tiles start at the first sample of the box, so that a splat of one tile has one share wherever it lies.
+    const uint across = uint(splat.box.last.x - splat.box.first.x) / kSplatTile + 1;
+    splat.box.first += ivec2(tile % across, tile / across) * int(kSplatTile);
+    splat.box.last = min(splat.box.last, splat.box.first + int(kSplatTile) - 1);
+  }
+  const int width = splat.box.last.x - splat.box.first.x + 1;
+  const int walker = large ? int(gl_SubgroupInvocationID) : 0, walkers = large ? int(gl_SubgroupSize) : 1;
+  splat.pixel = splat.box.first + ivec2(walker % width, walker / width);
+  splat.stride = ivec2(walkers % width, walkers / width);
+  return true;
 }
 
 #endif

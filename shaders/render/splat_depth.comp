@@ -1,22 +1,22 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 1: the nearest
+// Surface splatting in compute (Zwicker et al. 2001; two passes after Botsch and Kobbelt 2003), pass 3: the nearest
 // depth of every sample. Bits of positive floats order like the floats, so an integer minimum serves.
 #include "shaders/render/splat.glsl"
+
+layout(constant_id = 1) const bool kLarge = false;
 
 void main() {
   const RenderView view = args.frame.at[0].view;
   Splat splat;
-  if (!loadSplat(view, splat)) return;
+  if (!loadSplat(view, kLarge, splat)) return;
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
-  for (int y = splat.box.first.y; y <= splat.box.last.y; ++y) {
-    for (int x = splat.box.first.x; x <= splat.box.last.x; ++x) {
-      Fragment fragment;
-      if (!coverPixel(view, splat.disc, inverseRadiusSquared, ivec2(x, y), fragment)) continue;
-      const uint place = uint(y) * view.size_px.x + uint(x);
-      const uint bits = floatBitsToUint(fragment.depth);
-      // The plain read may be stale, but depths only fall, so it never skips the nearest.
-      if (bits < args.depth.at[place]) atomicMin(args.depth.at[place], bits);
-    }
+  for (; splat.pixel.y <= splat.box.last.y; goOn(splat)) {
+    Fragment fragment;
+    if (!coverPixel(view, splat.disc, inverseRadiusSquared, splat.pixel, fragment)) continue;
+    const uint place = uint(splat.pixel.y) * view.size_px.x + uint(splat.pixel.x);
+    const uint bits = floatBitsToUint(fragment.depth);
+    // The plain read may be stale, but depths only fall, so it never skips the nearest.
+    if (bits < args.depth.at[place]) atomicMin(args.depth.at[place], bits);
   }
 }

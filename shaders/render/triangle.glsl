@@ -40,7 +40,7 @@ bool loadTriangle(RenderView view, uint number, out Triangle t) {
   t.first = max(ivec2(ceil(low - 0.5)), ivec2(0));
   t.last = min(ivec2(floor(high - 0.5)), ivec2(view.size_px) - 1);
   if (any(greaterThan(t.first, t.last))) return false;
-  t.tiles = uvec2(t.last - t.first) / kSplatTile + 1;
+  t.tiles = uvec2(t.last - t.first) / kTriangleTile + 1;
   return true;
 }
 

@@ -2,11 +2,10 @@
 #extension GL_GOOGLE_include_directive : require
 // A mesh in compute, pass 2: the triangle that is nearest in a sample, or the few that meet there, give it their
 // normals and colours. Sums are integers, so that their order does not matter.
+#include "shaders/render/sums.glsl"
 #include "shaders/render/triangle.glsl"
 
 const float kSameDepth = 1 + 1e-6;  // two passes may round differently
-
-uint fixedPoint(float value, float scale) { return uint(int(round(value * scale))); }
 
 // Unit, model axes. Of an open surface seen from behind it is turned towards the eye; one that leans away just behind
 // an outline is lit as if it were the outline.
@@ -23,15 +22,15 @@ vec3 shadingNormal(RenderView view, Triangle t, Hit hit, vec3 toViewer) {
 
 void main() {
   const RenderView view = args.frame.at[0].view;
-  const uint sharers = args.frame.at[0].splatTiles * args.frame.at[0].splatTiles;
+  const uint sharers = args.frame.at[0].triangleTiles * args.frame.at[0].triangleTiles;
   const uint number = threadIndex() / sharers;
   Triangle t;
   if (number >= args.frame.at[0].count || !loadTriangle(view, number, t)) return;
   const float scale = args.frame.at[0].sumScale;
   const bool hasColors = args.frame.at[0].hasColors != 0;
   for (uint tile = threadIndex() % sharers; tile < t.tiles.x * t.tiles.y; tile += sharers) {
-    const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kSplatTile);
-    const ivec2 last = min(t.last, first + int(kSplatTile) - 1);
+    const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kTriangleTile);
+    const ivec2 last = min(t.last, first + int(kTriangleTile) - 1);
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x) {
         Hit hit;
@@ -39,13 +38,12 @@ void main() {
         const uint place = uint(y) * view.size_px.x + uint(x);
         if (hit.depth > uintBitsToFloat(args.depth.at[place]) * kSameDepth) continue;
         const vec3 normal = shadingNormal(view, t, hit, -normalize(rayThrough(view, vec2(x, y) + 0.5)));
-        for (uint k = 0; k < 3; ++k) atomicAdd(args.normalSums.at[4 * place + k], fixedPoint(normal[k], scale));
-        atomicAdd(args.normalSums.at[4 * place + 3], fixedPoint(1, scale));
+        addNormal(args.normalSums, place, 1, clamp(normal, vec3(-1), vec3(1)), scale);
         if (!hasColors) continue;
         vec3 color = vec3(0);
         for (uint k = 0; k < 3; ++k)
           color += hit.shares[k] * unpackUnorm4x8(args.vertices.at[t.vertices[k]].color).rgb;
-        for (uint k = 0; k < 3; ++k) atomicAdd(args.colorSums.at[3 * place + k], fixedPoint(color[k], scale));
+        addColor(args.colorSums, place, view.size_px.x * view.size_px.y, 1, color, scale);
       }
   }
 }

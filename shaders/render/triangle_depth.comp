@@ -5,13 +5,13 @@
 
 void main() {
   const RenderView view = args.frame.at[0].view;
-  const uint sharers = args.frame.at[0].splatTiles * args.frame.at[0].splatTiles;
+  const uint sharers = args.frame.at[0].triangleTiles * args.frame.at[0].triangleTiles;
   const uint number = threadIndex() / sharers;
   Triangle t;
   if (number >= args.frame.at[0].count || !loadTriangle(view, number, t)) return;
   for (uint tile = threadIndex() % sharers; tile < t.tiles.x * t.tiles.y; tile += sharers) {
-    const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kSplatTile);
-    const ivec2 last = min(t.last, first + int(kSplatTile) - 1);
+    const ivec2 first = t.first + ivec2(tile % t.tiles.x, tile / t.tiles.x) * int(kTriangleTile);
+    const ivec2 last = min(t.last, first + int(kTriangleTile) - 1);
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x) {
         Hit hit;

@@ -5,13 +5,30 @@
 
 PALPATE_SHARED_BEGIN
 
-// Side of the square of pixels that one invocation walks for one splat. Larger lets a few invocations hold their
-// workgroup, and with it the touch side, for long; smaller gives splats seen from close by more invocations.
+// Samples in the box of a splat that one invocation walks alone. More let a few invocations hold their subgroup up,
+// fewer make the lists of shares longer.
+const uint kSmallSplat = 64;
+// Side of the square of samples that one subgroup walks for a larger splat. Larger lets it hold its workgroup, and with
+// it the touch side, for longer.
 const uint kSplatTile = 32;
-// Invocations of one splat pass at most, whatever the number of points; bounds how large a splat may become on screen.
-const uint kMaxSplatInvocations = 1u << 26;
-// Tiles along one side of a splat at most: 1024 pixels.
+// Tiles along one side of a splat at most: 1024 samples. What is beyond is cut off.
 const uint kMaxSplatTiles = 32;
+// Tiles of all splats that the lists have room for. Where there are more, in a heap of discs before the eye, each is cut
+// off to a square of this side around its middle.
+const uint kMaxShares = 1u << 20;
+const uint kCrowdedSplat = 64;
+// Workgroups in a row of a splat pass: one axis holds too few for all points.
+const uint kSplatRow = 256;
+// Samples. Discs never have a smaller radius in the picture; where theirs is, a share of the points is drawn that falls
+// with its square. Larger blurs, smaller draws points that nobody can tell apart.
+const float kFinestSplat = 1;
+// Of the points that would cover the picture as densely as discs of that radius do at full detail, so many times as
+// many are drawn: as they are chosen at random, fewer leave gaps.
+const float kDetailCover = 4;
+// Triangles are walked in tiles of this many samples a side, by invocations that share those of one.
+const uint kTriangleTile = 32;
+const uint kMaxTriangleTiles = 32;
+const uint kMaxTriangleInvocations = 1u << 26;
 // Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight
 // 1. Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
 const float kCenterPixelWeight = 0.25;
@@ -94,10 +111,12 @@ struct RenderFrame {
   vec3 boundsMax;
   float depthMax;
   float splatRadius;  // of every point, model units; 0: each has its own
+  float widestSplat;  // largest radius of a disc, model units
+  uint everyPoint;    // not 0: no point is left out where they are finer than samples
   float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
   float sumScale;     // fixed-point unit of the sums
   uint count;         // points, or triangles
-  uint splatTiles;    // tiles along each side of the largest splat or triangle
+  uint triangleTiles;  // tiles along each side of the largest triangle
   uint imagePass;
   uint colorBy;
   uint hasColors;
@@ -109,24 +128,46 @@ struct RenderFrame {
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
   uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 32 + 52);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 40 + 52);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 #endif
 
+// What the picking pass finds. Splats are small or large; a large one is also listed by its tiles, the shares.
+struct SplatCounts {
+  uint small, large;
+  uint shares;  // may exceed kMaxShares; the list ends there
+  uint unused;
+  uint smallGroups[3], largeGroups[3];  // workgroups that walk them
+};
+PALPATE_SIZE(SplatCounts, 40);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SplatCountsAt { SplatCounts at[]; };
+#endif
+
 struct SplatArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(SplatCountsAt) counts;  // one
+  PALPATE_ADDRESS(Uints) picked;          // one per point: small splats from the front, large ones from the back
+  PALPATE_ADDRESS(UVec2s) shares;         // kMaxShares: point and tile
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(Uints) colors;      // RGBA8
   PALPATE_ADDRESS(Uints) clips;       // where discs are cut off, in pairs of half floats
   PALPATE_ADDRESS(Uints) depth;       // one per sample: bits of the nearest depth
-  PALPATE_ADDRESS(Uints) normalSums;  // four per sample: weighted normal, weight; fixed point, two's complement
+  PALPATE_ADDRESS(Uints) normalSums;  // four per sample (shaders/render/sums.glsl)
   PALPATE_ADDRESS(Uints) colorSums;   // three per sample
 };
-PALPATE_SIZE(SplatArgs, 64);
+PALPATE_SIZE(SplatArgs, 88);
+
+struct SplatPlanArgs {
+  PALPATE_ADDRESS(SplatCountsAt) counts;
+  uint smallsPerGroup, largesPerGroup;  // splats that a workgroup walks
+};
+PALPATE_SIZE(SplatPlanArgs, 16);
 
 // Triangles are drawn by tiles as splats are; one that is larger than its tiles is walked in more rounds.
 struct TriangleArgs {

@@ -319,10 +319,13 @@ TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   device.sight().run(list);
   std::vector<std::string> names;
   for (const PassRecord& pass : list.passes()) names.push_back(pass.section + ": " + pass.name);
+  const std::string attributes = device.hasWideAtomics() ? "render_splat_attributes_wide" : "render_splat_attributes";
   CHECK(names == std::vector<std::string>{"frame/clear: fill frame depth", "frame/clear: fill frame normal sums",
-                                          "frame/splat: render_splat_depth", "frame/splat: render_splat_attributes",
-                                          "frame/splat: render_close_holes", "frame/shade: render_shade",
-                                          "frame/shade: render_resolve"});
+                                          "frame/splat: fill splat counts", "frame/splat: render_splat_pick",
+                                          "frame/splat: render_splat_plan", "frame/splat: render_splat_depth",
+                                          "frame/splat: render_splat_depth", "frame/splat: " + attributes,
+                                          "frame/splat: " + attributes, "frame/holes: render_close_holes",
+                                          "frame/shade: render_shade", "frame/shade: render_resolve"});
 }
 
 }  // namespace palpate

@@ -93,6 +93,7 @@ class SplatDepthFixture : public PictureFixture {
     FrameOptions options;
     options.splatRadius = radius;
     options.closeHoles = false;
+    options.everyPoint = true;
     draw(frame, DrawnCloud(device, cloud), camera, options);
     Reference reference(camera, radius, width, height);
     for (std::size_t i = 0; i < cloud.size(); ++i)

@@ -1,0 +1,63 @@
+#include "engine/render/compute_raster.hpp"
+
+#include "engine/gpu/device.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
+constexpr std::uint32_t kWorkgroup = 64;
+
+ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
+  return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
+}
+
+}  // namespace
+
+ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
+    : pick_(device, shader_code::render_splat_pick, {.pushBytes = sizeof(shared::SplatArgs)}),
+      plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
+      smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
+      largeDepth_(splatPass(device, shader_code::render_splat_depth, true)),
+      smallAttributes_(splatPass(device,
+                                 wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
+                                                                        : shader_code::render_splat_attributes,
+                                 false)),
+      largeAttributes_(splatPass(device,
+                                 wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
+                                                                        : shader_code::render_splat_attributes,
+                                 true)),
+      largesPerGroup_(kWorkgroup / device.subgroupSize()),
+      counts_(Buffer::of<shared::SplatCounts>(device, 1, Memory::device, "splat counts")),
+      shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
+
+void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
+  const shared::SplatArgs args{.frame = target.frame,
+                               .counts = counts_.address(),
+                               .picked = cloud.picked().address(),
+                               .shares = shares_.address(),
+                               .positions = cloud.positions().address(),
+                               .normals = cloud.normals().address(),
+                               .colors = cloud.colors().address(),
+                               .clips = cloud.clips().address(),
+                               .depth = target.depth,
+                               .normalSums = target.normalSums,
+                               .colorSums = target.colorSums};
+  const auto walk = [&](const ComputePipeline& small, const ComputePipeline& large) {
+    const auto overlap = list.independent();
+    list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
+    list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
+  };
+  const auto section = list.section("splat");
+  list.fill(counts_, 0, counts_.bytes());
+  list.dispatch(pick_, cloud.count(), args);
+  list.dispatch(plan_, 1,
+                shared::SplatPlanArgs{
+                    .counts = counts_.address(), .smallsPerGroup = kWorkgroup, .largesPerGroup = largesPerGroup_});
+  walk(smallDepth_, largeDepth_);
+  walk(smallAttributes_, largeAttributes_);
+}
+
+}  // namespace palpate

@@ -1,0 +1,22 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Surface splatting in compute, pass 2: how many workgroups walk the splats that were listed. One invocation.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/render.h"
+
+layout(push_constant, scalar) uniform Push { SplatPlanArgs args; };
+
+uint rowsFor(uint splats, uint perGroup) {
+  const uint perRow = kSplatRow * perGroup;
+  return splats / perRow + uint(splats % perRow != 0);
+}
+
+void main() {
+  if (threadIndex() > 0) return;
+  const uint shares = args.counts.at[0].shares;
+  const uint larges = shares > kMaxShares ? args.counts.at[0].large : shares;
+  const uint rows[2] = uint[2](rowsFor(args.counts.at[0].small, args.smallsPerGroup),
+                               rowsFor(larges, args.largesPerGroup));
+  args.counts.at[0].smallGroups = uint[3](kSplatRow, rows[0], 1);
+  args.counts.at[0].largeGroups = uint[3](kSplatRow, rows[1], 1);
+}
