@@ -93,8 +93,7 @@ PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnClo
   return judgePicture(truth, frame.readDepth(), frame.readColor(), drawn.spacing());
 }
 
-std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const BenchOptions& options) {
-  std::vector<SplatQuality> results;
+void judgeShapes(Context& context, const UVec2& size, const BenchOptions& options, std::vector<SplatQuality>& results) {
   const auto points = static_cast<std::size_t>(options.sizes.empty() ? 200'000 : options.sizes.front());
   for (const std::string_view name : {"sphere", "torus", "bumpy-sphere", "cube"}) {
     if (std::ranges::find(options.touch.shapes, name) == options.touch.shapes.end()) continue;
@@ -109,7 +108,7 @@ std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const
       if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
       // Without a closed formula a ray takes a hundred times as long.
       const std::uint32_t stride = name == "bumpy-sphere" ? 4 : 1;
-      if (!truth) truth = pictureTruth(*shape, cloud, size.x, size.y, stride, context.threads());
+      if (!truth) truth = pictureTruth(traced(*shape), cloud, size.x, size.y, stride, context.threads());
       const double spacing = meanSpacing(cloud, context.threads());
       const DrawnCloud seen(context.device(), cloud, {.spacing = spacing});
       for (const std::uint32_t smooth_px : options.smooths_px)
@@ -121,7 +120,27 @@ std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const
                            .picture = judge(context.device(), *truth, seen, smooth_px)});
     }
   }
-  return results;
+}
+
+// A scan against the mesh that it was taken from.
+void judgeScan(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options,
+               std::vector<SplatQuality>& results) {
+  context.log().say("splat: {} against {}", subject.name, options.touch.truthFile);
+  constexpr std::uint32_t kStride = 3;  // closest points of a mesh take a while
+  const TriangleMesh mesh = readTriangleMesh(options.touch.truthFile);
+  const PointCloud& cloud = subject.model.cloud;
+  Bounds bounds = boundsOf(cloud);
+  bounds.min += cloud.origin;
+  bounds.max += cloud.origin;
+  const PictureTruth truth = pictureTruth(traced(mesh, bounds), cloud, size.x, size.y, kStride, context.threads());
+  const DrawnCloud seen(context.device(), cloud, {.spacing = subject.model.spacing});
+  for (const std::uint32_t smooth_px : options.smooths_px)
+    results.push_back({.shape = subject.name,
+                       .condition = "scan",
+                       .smooth_px = smooth_px,
+                       .points = cloud.size(),
+                       .spacing = subject.model.spacing,
+                       .picture = judge(context.device(), truth, seen, smooth_px)});
 }
 
 // Models down, as in the thesis's Table 3.2, and passes across.
@@ -192,15 +211,19 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
   const UVec2 size(width, height);
+  const bool scan = !options.touch.truthFile.empty();
+  if (scan && options.models.size() != 1)
+    throw UsageError("bench splat: --truth is the mesh of one model; --models has {}", options.models.size());
   std::vector<SplatCost> costs;
+  std::vector<SplatQuality> qualities;
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
     costs.push_back(costOf(context, subject, size, options));
+    if (scan) judgeScan(context, subject, size, options, qualities);
   }
   std::ranges::sort(costs, {}, &SplatCost::points);
-  const std::vector<SplatQuality> qualities =
-      options.touch.quick ? std::vector<SplatQuality>{} : judgeShapes(context, size, options);
+  if (!options.touch.quick && !scan) judgeShapes(context, size, options, qualities);
   printCosts(context.tables(), costs, size, options.samples);
   printQualities(context.tables(), qualities, size);
   Json result{

@@ -40,6 +40,12 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
       throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long", radius_mm,
                        model.scale.toMm(widest / kWidest));
   }
+  if (options.points) {
+    constexpr double kBare = 1e-7;  // of the longest side: far below a sample
+    frame.splatRadius = kBare * std::max(boundsOf(model.cloud).longestSide(), 1e-30);
+    frame.everyPoint = true;
+    frame.closeHoles = false;
+  }
   return frame;
 }
 

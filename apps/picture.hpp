@@ -10,6 +10,7 @@ struct PictureOptions {
   std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
+  bool points = false;  ///< bare ones instead of discs
 };
 void addPictureOptions(CLI::App& command, PictureOptions& options);
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/cloud/ray_cast.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/statistics.hpp"
 
@@ -28,7 +27,7 @@ DVec3 decodedNormal(const std::array<std::uint8_t, 4>& rgba) {
 
 }  // namespace
 
-PictureTruth pictureTruth(const AnalyticShape& shape, const PointCloud& cloud, std::uint32_t width,
+PictureTruth pictureTruth(const TracedSurface& surface, const PointCloud& cloud, std::uint32_t width,
                           std::uint32_t height, std::uint32_t stride, unsigned threads) {
   PictureTruth truth{.camera = aslant(cloud, static_cast<double>(width) / height),
                      .width = width,
@@ -46,7 +45,7 @@ PictureTruth pictureTruth(const AnalyticShape& shape, const PointCloud& cloud, s
       const double x = static_cast<double>(k % columns * stride) + 0.5 - width / 2.0;
       const double y = static_cast<double>(k / columns * stride) + 0.5 - height / 2.0;
       const auto hit =
-          castRay(shape, {truth.camera.eye + cloud.origin, axes.forward + (x * axes.right - y * axes.up) / focal});
+          castRay(surface, {truth.camera.eye + cloud.origin, axes.forward + (x * axes.right - y * axes.up) / focal});
       if (!hit) continue;
       truth.depth[k] = static_cast<float>(hit->depth);
       truth.normal[k] = Vec3(hit->normal);

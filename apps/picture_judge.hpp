@@ -5,12 +5,12 @@
 #include <string>
 
 #include "apps/context.hpp"
-#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/ray_cast.hpp"
 #include "engine/render/frame.hpp"
 
 namespace palpate {
 
-/// A shape as a camera sees it: one exact ray through the middle of every `stride`-th pixel along each side.
+/// A surface as a camera sees it: one exact ray through the middle of every `stride`-th pixel along each side.
 struct PictureTruth {
   Camera camera;
   std::uint32_t width = 0, height = 0;  ///< of the picture, pixels
@@ -22,12 +22,12 @@ struct PictureTruth {
   std::uint32_t rows() const { return (height + stride - 1) / stride; }
 };
 
-/// `cloud`: samples of the shape. The camera stands aslant and sees all of it.
-PictureTruth pictureTruth(const AnalyticShape& shape, const PointCloud& cloud, std::uint32_t width,
+/// `cloud`: samples of the surface. The camera stands aslant and sees all of it.
+PictureTruth pictureTruth(const TracedSurface& surface, const PointCloud& cloud, std::uint32_t width,
                           std::uint32_t height, std::uint32_t stride, unsigned threads);
 
 struct PictureJudgement {
-  std::size_t pixels = 0;     ///< that were judged and where the shape is
+  std::size_t pixels = 0;     ///< that were judged and where the surface is
   std::size_t holes = 0;      ///< inside the silhouette: nothing, or what lies more than three spacings behind
   double overlap = 0;         ///< of the two silhouettes, intersection over union, %
   double depthRms = 0;        ///< where the picture shows the surface that the ray meets, spacings

@@ -33,7 +33,9 @@ void render(Context& context, const RenderOptions& options) {
     drawMesh(context, model, options);
   } else {
     DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
-    takePicture(context, model, drawn, options.picture, {}, options.output);
+    PictureOptions picture = options.picture;
+    picture.points = options.mode == "points";
+    takePicture(context, model, drawn, picture, {}, options.output);
   }
   context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
@@ -46,8 +48,10 @@ void addRender(CLI::App& app, Context& context, Command& command) {
   auto options = std::make_shared<RenderOptions>();
   addModelOptions(*sub, options->model);
   sub->add_option("-o,--output", options->output, "PNG file to write")->required()->type_name("IMG.png");
-  sub->add_option("--mode", options->mode, "splat: every point a disc; mesh: the triangles of `palpate mesh`")
-      ->check(CLI::IsMember({"splat", "mesh"}))
+  sub->add_option("--mode", options->mode,
+                  "splat: every point a disc; points: each a sample and no more; mesh: the "
+                  "triangles of `palpate mesh`")
+      ->check(CLI::IsMember({"splat", "points", "mesh"}))
       ->capture_default_str();
   addPictureOptions(*sub, options->picture);
   addMeshOptions(*sub, options->mesh);

@@ -11,12 +11,21 @@ constexpr int kMostSteps = 2000;
 
 }  // namespace
 
-std::optional<RayHit> castRay(const AnalyticShape& shape, const Ray& ray) {
+TracedSurface traced(const AnalyticShape& shape) {
+  return {shape.center(), shape.size(), [&shape](const DVec3& p) { return shape.closest(p); }};
+}
+
+TracedSurface traced(const TriangleMesh& mesh, const Bounds& bounds) {
+  constexpr double kRoom = 1.1;  // a scan may end before its mesh does
+  return {bounds.center(), kRoom * bounds.longestSide(), [&mesh](const DVec3& p) { return mesh.closest(p); }};
+}
+
+std::optional<RayHit> castRay(const TracedSurface& surface, const Ray& ray) {
   const double scale = glm::length(ray.along);
   const DVec3 direction = ray.along / scale;
-  // A ball around the shape's box, within which alone there is something to look at.
-  const double radius = 0.87 * shape.size();
-  const DVec3 toCenter = shape.center() - ray.from;
+  // A ball around the surface's box, within which alone there is something to look at.
+  const double radius = 0.87 * surface.size;
+  const DVec3 toCenter = surface.center - ray.from;
   const double along = glm::dot(toCenter, direction);
   const double rest = radius * radius - (glm::dot(toCenter, toCenter) - along * along);
   if (rest <= 0) return std::nullopt;
@@ -24,13 +33,13 @@ std::optional<RayHit> castRay(const AnalyticShape& shape, const Ray& ray) {
   const double end = along + std::sqrt(rest);
   for (int step = 0; step < kMostSteps && depth < end; ++step) {
     const DVec3 place = ray.from + depth * direction;
-    const SurfacePoint closest = shape.closest(place);
+    const SurfacePoint closest = surface.closest(place);
     const double distance = glm::distance(place, closest.position);
-    if (distance < kClose * shape.size()) {
+    if (distance < kClose * surface.size) {
       // Along the tangent plane the rest of the way. The normal of an edge points at the ray.
       const double slope = glm::dot(closest.normal, direction);
       if (slope < -1e-3) depth += glm::dot(closest.position - place, closest.normal) / slope;
-      const SurfacePoint hit = shape.closest(ray.from + (depth + 4 * kClose * shape.size()) * direction);
+      const SurfacePoint hit = surface.closest(ray.from + (depth + 4 * kClose * surface.size) * direction);
       return RayHit{depth / scale, hit.normal};
     }
     depth += distance;

@@ -9,6 +9,7 @@ namespace {
 
 // Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
 constexpr std::uint32_t kWorkgroup = 64;
+constexpr std::uint32_t kPickWorkgroup = 512;  // more share one addition to the global counters
 
 ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
   return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
@@ -17,7 +18,8 @@ ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
 }  // namespace
 
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
-    : pick_(device, shader_code::render_splat_pick, {.pushBytes = sizeof(shared::SplatArgs)}),
+    : pick_(device, shader_code::render_splat_pick,
+            {.workgroupSize = kPickWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
       smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
       largeDepth_(splatPass(device, shader_code::render_splat_depth, true)),

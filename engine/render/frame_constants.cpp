@@ -90,6 +90,13 @@ double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
   return options.splatRadius > 0 ? options.splatRadius : kUsualRadius_spacings * cloud.spacing();
 }
 
+// What is finer than samples is drawn as discs of their size, and so are the gaps between them.
+double usualDrawnRadius(const Drawn& drawn, const Camera& camera, std::uint32_t height_px) {
+  if (drawn.everyPoint) return drawn.usualRadius;
+  const double middle = glm::distance(camera.eye, drawn.bounds.center());
+  return std::max(drawn.usualRadius, shared::kFinestSplat * middle / camera.focal_px(height_px));
+}
+
 }  // namespace
 
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
@@ -129,6 +136,7 @@ std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t he
 shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
                                    const FrameSize& size, std::uint32_t tiles) {
   const DVec2 depths = depthRangeOf(camera, drawn.bounds);
+  const double usual = usualDrawnRadius(drawn, camera, size.height * size.supersample);
   shared::RenderFrame frame{.view = viewOf(camera, size),
                             .overlays = overlaysOf(options.overlays),
                             .boundsMin = Vec3(drawn.bounds.min),
@@ -138,7 +146,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .splatRadius = static_cast<float>(drawn.splatRadius),
                             .widestSplat = static_cast<float>(drawn.widestSplat),
                             .everyPoint = drawn.everyPoint,
-                            .usualRadius = static_cast<float>(drawn.usualRadius),
+                            .usualRadius = static_cast<float>(usual),
                             .sumScale = 0,
                             .count = drawn.count,
                             .triangleTiles = tiles,
@@ -153,7 +161,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .holeReach_px = 0,
                             .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
   if (drawn.closeHoles) {
-    const double radius_px = drawn.usualRadius * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
+    const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
   const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(mostDrawn(drawn, frame), 1u);

@@ -6,7 +6,14 @@
 // their tiles. The lists' order is that of arrival, and no picture depends on it.
 #include "shaders/render/splat.glsl"
 
+// Of this workgroup, and where they begin in the lists: one addition to each global counter for all of its invocations,
+// since additions to one place of memory come one after the other.
+shared uint smallsHere, largesHere, sharesHere;
+shared uvec3 starts;
+
 void main() {
+  if (gl_LocalInvocationIndex == 0) smallsHere = largesHere = sharesHere = 0;
+  barrier();
   const RenderView view = args.frame.at[0].view;
   const uint point = threadIndex();
   Disc disc;
@@ -21,23 +28,25 @@ void main() {
 
   const uvec4 smalls = subgroupBallot(seen && !large), larges = subgroupBallot(large);
   const uint sharesBefore = subgroupExclusiveAdd(shares), sharesInAll = subgroupAdd(shares);
-  uvec3 starts = uvec3(0);
-  if (subgroupElect()) {
-    if (any(notEqual(smalls, uvec4(0))))
-      starts.x = atomicAdd(args.counts.at[0].small, subgroupBallotBitCount(smalls));
-    if (sharesInAll > 0) {
-      starts.y = atomicAdd(args.counts.at[0].large, subgroupBallotBitCount(larges));
-      starts.z = atomicAdd(args.counts.at[0].shares, sharesInAll);
-    }
+  uvec3 before = uvec3(0);  // subgroups of this workgroup
+  if (subgroupElect())
+    before = uvec3(atomicAdd(smallsHere, subgroupBallotBitCount(smalls)),
+                   atomicAdd(largesHere, subgroupBallotBitCount(larges)), atomicAdd(sharesHere, sharesInAll));
+  before = subgroupBroadcastFirst(before);
+  barrier();
+  if (gl_LocalInvocationIndex == 0) {
+    starts.x = smallsHere > 0 ? atomicAdd(args.counts.at[0].small, smallsHere) : 0;
+    starts.y = largesHere > 0 ? atomicAdd(args.counts.at[0].large, largesHere) : 0;
+    starts.z = sharesHere > 0 ? atomicAdd(args.counts.at[0].shares, sharesHere) : 0;
   }
-  starts = subgroupBroadcastFirst(starts);
+  barrier();
   if (!seen) return;
   if (!large) {
-    args.picked.at[starts.x + subgroupBallotExclusiveBitCount(smalls)] = point;
+    args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
     return;
   }
-  args.picked.at[args.frame.at[0].count - 1 - (starts.y + subgroupBallotExclusiveBitCount(larges))] = point;
-  const uint first = starts.z + sharesBefore;
+  args.picked.at[args.frame.at[0].count - 1 - (starts.y + before.y + subgroupBallotExclusiveBitCount(larges))] = point;
+  const uint first = starts.z + before.z + sharesBefore;
   for (uint tile = 0; tile < shares && first + tile < kMaxShares; ++tile)
     args.shares.at[first + tile] = uvec2(point, tile);
 }

@@ -50,7 +50,7 @@ const float kSplatEdgeReach = 2.0f;
 // Work of all looks of a subgroup (shaders/lib/neighbour_walk.glsl), and of the one for the other side of an edge. Past
 // it the answer comes from what was seen: only in a heap of points.
 const uint kSplatWorkBudget = 1000;
-const uint kSplatEdgeWorkBudget = 400;
+const uint kSplatEdgeWorkBudget = 800;
 
 struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order

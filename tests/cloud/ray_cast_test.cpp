@@ -14,7 +14,7 @@ TEST_CASE("rays meet a sphere where geometry says") {
     const DVec3 from = center + DVec3(0, 0, 9);
     const DVec3 to = center + DVec3(3 * randomUnit(1, 2 * i) - 1.5, 3 * randomUnit(1, 2 * i + 1) - 1.5, 0);
     const DVec3 along = 0.1 * (to - from);
-    const auto hit = castRay(*sphere, {from, along});
+    const auto hit = castRay(traced(*sphere), {from, along});
     const double b = glm::dot(along, from - center), a = glm::dot(along, along);
     const double rest = b * b - a * (glm::dot(from - center, from - center) - 1);
     if (std::abs(rest) < 1e-4) continue;
@@ -36,7 +36,7 @@ TEST_CASE("rays meet every shape on its surface, from the side that its normal p
       const DVec3 from(150, 90, 120);
       const DVec3 to(70 * randomUnit(2, 3 * i) - 35, 70 * randomUnit(2, 3 * i + 1) - 35,
                      70 * randomUnit(2, 3 * i + 2) - 35);
-      const auto hit = castRay(*shape, {from, to - from});
+      const auto hit = castRay(traced(*shape), {from, to - from});
       if (!hit) continue;
       ++hits;
       CHECK(std::abs(shape->signedDistance(from + hit->depth * (to - from))) < 1e-4);
