@@ -16,8 +16,7 @@ constexpr double kOcclusionRadius =
     0.07;  // of the model's longest side; larger darkens wide hollows, smaller only creases
 constexpr double kUsualRadius_spacings = 1.95;  // where discs have their own radii
 constexpr double kHoleReach = 2.0;              // in usual radii, across a gap from any place in it
-constexpr std::uint32_t kFinestSum = 1u << 16;
-constexpr double kTriangleOff = 0.25;  // of a cell: flat triangles leave the round surface by less
+constexpr double kTriangleOff = 0.25;           // of a cell: flat triangles leave the round surface by less
 // Triangles of the same depth in one sample. A few meet there; this many do where a whole mesh is a speck, and their
 // sums may then be wrong.
 constexpr std::uint32_t kTrianglesInSample = 1u << 17;
@@ -73,17 +72,6 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
     overlays.barLength = static_cast<float>(bar);
   }
   return overlays;
-}
-
-// How many points or triangles are drawn at most, and may so meet in one sample: where points are left out, as many as
-// chance draws of them, and some more than that has ever spread.
-std::uint32_t mostDrawn(const Drawn& drawn, const shared::RenderFrame& frame) {
-  if (drawn.everyPoint) return drawn.inSample;
-  const double largest_px = drawn.widestSplat * frame.view.focal_px / static_cast<double>(frame.depthMin);
-  const double finer = largest_px / shared::kFinestSplat;
-  const double all = drawn.inSample;
-  const double some = std::min(shared::kDetailCover * finer * finer, 1.0) * all;
-  return static_cast<std::uint32_t>(std::min(some + 10 * std::sqrt(some) + 10, all));
 }
 
 double usualRadius(const DrawnCloud& cloud, const FrameOptions& options) {
@@ -164,8 +152,9 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));
   }
-  const std::uint32_t perPoint = 0x7FFFFFFFu / std::max(mostDrawn(drawn, frame), 1u);
-  frame.sumScale = static_cast<float>(std::min(std::bit_floor(perPoint), kFinestSum));
+  // No sum may reach 2^31, even with all of them in one sample.
+  const std::uint32_t each = 0x7FFFFFFFu / std::max(drawn.inSample, 1u);
+  frame.sumScale = static_cast<float>(std::min(std::bit_floor(each), shared::kFinestSum));
   if (options.background)
     for (int k = 0; k < 3; ++k)
       frame.backgroundTop[k] = frame.backgroundBottom[k] =

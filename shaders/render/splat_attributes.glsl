@@ -11,7 +11,7 @@ void main() {
   if (!loadSplat(view, kLarge, splat)) return;
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
   const float band = kDepthBand * splat.disc.radius;
-  const float scale = args.frame.at[0].sumScale;
+  const float scale = args.counts.at[0].sumScale;
   // A few units, so that a sample which only such fragments cover keeps its colour; where many points make units coarse,
   // no more than a rim weighs.
   const float leastWeight = min(8 / scale, kRimWeight);

@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Surface splatting in compute, pass 2: how many workgroups walk the splats that were listed. One invocation.
+// Surface splatting in compute, pass 2: how many workgroups walk the splats that were listed, and how finely their
+// normals and colours can be summed. One invocation.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/render.h"
 
@@ -17,6 +18,9 @@ void main() {
   const uint larges = shares > kMaxShares ? args.counts.at[0].large : shares;
   const uint rows[2] = uint[2](rowsFor(args.counts.at[0].small, args.smallsPerGroup),
                                rowsFor(larges, args.largesPerGroup));
+  // No sum may reach 2^31, even with all of them in one sample.
+  const uint each = 0x7FFFFFFFu / max(args.counts.at[0].small + args.counts.at[0].large, 1);
+  args.counts.at[0].sumScale = float(min(1u << findMSB(each), kFinestSum));
   args.counts.at[0].smallGroups = uint[3](kSplatRow, rows[0], 1);
   args.counts.at[0].largeGroups = uint[3](kSplatRow, rows[1], 1);
 }

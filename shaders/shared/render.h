@@ -47,6 +47,8 @@ const uint kMostSmooth_px = 16;
 // Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller leaves
 // the discs' rims.
 const float kSmoothBand = 0.25f;
+// Units in a weight of 1, at most: where few fragments may meet in a sample.
+const uint kFinestSum = 1u << 16;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
 const uint kNoDepth = 0x7F800000u;
 
@@ -114,7 +116,7 @@ struct RenderFrame {
   float widestSplat;  // largest radius of a disc, model units
   uint everyPoint;    // not 0: no point is left out where they are finer than samples
   float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
-  float sumScale;     // fixed-point unit of the sums
+  float sumScale;     // fixed-point unit of the sums where every point, or triangle, is drawn
   uint count;         // points, or triangles
   uint triangleTiles;  // tiles along each side of the largest triangle
   uint imagePass;
@@ -139,7 +141,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { flo
 struct SplatCounts {
   uint small, large;
   uint shares;  // may exceed kMaxShares; the list ends there
-  uint unused;
+  float sumScale;  // fixed-point unit of their sums
   uint smallGroups[3], largeGroups[3];  // workgroups that walk them
 };
 PALPATE_SIZE(SplatCounts, 40);

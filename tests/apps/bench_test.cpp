@@ -231,7 +231,7 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
   CHECK(cost["fps"] > 0);
   CHECK(cost["bytes"] > 36 * 30000);
-  for (const char* pass : {"render_splat_depth", "render_splat_attributes", "render_shade"})
+  for (const char* pass : {"render_splat_pick", "render_splat_depth", "render_shade"})
     CHECK(cost["passes_ms"].contains(pass));
   REQUIRE(splat["qualities"].size() == 4 * 2);  // shapes and conditions
   for (const auto& quality : splat["qualities"]) {
