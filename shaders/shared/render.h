@@ -26,8 +26,8 @@ const float kFinestSplat = 1;
 // many are drawn: as they are chosen at random, fewer leave gaps.
 const float kDetailCover = 4;
 // Triangles are walked in tiles of this many samples a side, by invocations that share those of one.
-const uint kTriangleTile = 32;
-const uint kMaxTriangleTiles = 32;
+const uint kTriangleTile = 16;
+const uint kMaxTriangleTiles = 64;
 const uint kMaxTriangleInvocations = 1u << 26;
 // Weight of a splat that covers no pixel's centre in the pixel where its own centre lies; a splat's middle has weight
 // 1. Too large and discs seen on edge roughen the outline, too small and it is lost in fixed point.
