@@ -6,6 +6,8 @@
 #include "apps/picture_judge.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
+#include "engine/gpu/workgroup_watch.hpp"
+#include "shaders/watched.hpp"
 
 namespace palpate {
 
@@ -21,7 +23,8 @@ struct SplatCost {
   std::string subject;
   std::size_t points = 0;
   FrameTimes times;
-  std::uint64_t bytes = 0;  ///< of the drawn cloud and the frame's images
+  std::uint64_t bytes = 0;                  ///< of the drawn cloud and the frame's images
+  std::vector<WorkgroupWatch::Life> lives;  ///< of its workgroups, by pass; none where the GPU has no clock
 
   double fps() const { return times.wall_ms.p50 > 0 ? 1000 / times.wall_ms.p50 : 0; }
 };
@@ -71,6 +74,21 @@ FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, 
   return times;
 }
 
+// How long the workgroups of a picture live: what touch may have to wait for.
+std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& drawn, const Camera& camera,
+                                          const UVec2& size, std::uint32_t supersample) {
+  if (!WorkgroupWatch::isPossible(device)) return {};
+  constexpr int kPictures = 20;
+  const WorkgroupWatch watch(device, shader_code::watched);
+  Frame frame(device, size.x, size.y, supersample);
+  CommandList list(device, device.sight(), "watched frame");
+  list.begin();
+  frame.record(list, drawn, camera, {});
+  list.end();
+  for (int picture = 0; picture < kPictures; ++picture) device.sight().run(list);
+  return watch.longest();
+}
+
 SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
@@ -80,6 +98,7 @@ SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, co
   cost.bytes = device.allocatedBytes() - before;
   const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
   cost.times = measureFrames(device, frame, drawn, camera, options);
+  cost.lives = livesOf(device, drawn, camera, size, options.samples > 1 ? 2 : 1);
   return cost;
 }
 
@@ -143,15 +162,16 @@ void judgeScan(Context& context, const Subject& subject, const UVec2& size, cons
                        .picture = judge(context.device(), truth, seen, smooth_px)});
 }
 
+std::string shortName(std::string name) {
+  for (const std::string_view prefix : {"render_", "fill frame "})
+    if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  return name;
+}
+
 // Models down, as in the thesis's Table 3.2, and passes across.
 void printCosts(std::FILE* out, const std::vector<SplatCost>& costs, const UVec2& size, std::uint32_t samples) {
   fmt::print(out, "\nsplat, {} x {}, samples of a pixel: {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}",
              size.x, size.y, samples, "model", "points");
-  const auto shortName = [](std::string name) {
-    for (const std::string_view prefix : {"render_", "fill frame "})
-      if (name.starts_with(prefix)) name.erase(0, prefix.size());
-    return name;
-  };
   for (const auto& [name, unused] : costs.front().times.passes) fmt::print(out, "{:>20}", shortName(name));
   fmt::print(out, "\n");
   const auto cell = [](const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); };
@@ -178,17 +198,35 @@ void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, 
                fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
 }
 
+void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
+  if (costs.empty()) return;
+  if (costs.front().lives.empty()) {
+    fmt::print(out, "\nsplat, the longest life of a workgroup: not known, this GPU's shaders share no clock\n");
+    return;
+  }
+  fmt::print(out, "\nsplat, the longest life of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model", "points");
+  for (const auto& life : costs.front().lives) fmt::print(out, "{:>24}", shortName(life.pass));
+  fmt::print(out, "\n");
+  for (const SplatCost& cost : costs) {
+    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
+    for (const auto& life : cost.lives) fmt::print(out, "{:>24.1f}", life.longest_us);
+    fmt::print(out, "\n");
+  }
+}
+
 Json toJson(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
 
 Json toJson(const SplatCost& cost) {
-  Json passes = Json::object();
+  Json passes = Json::object(), lives = Json::object();
   for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
+  for (const auto& life : cost.lives) lives[life.pass] = life.longest_us;
   return {{"subject", cost.subject},
           {"points", cost.points},
           {"passes_ms", passes},
           {"gpu_ms", toJson(cost.times.gpu_ms)},
           {"picture_ms", toJson(cost.times.wall_ms)},
           {"fps", cost.fps()},
+          {"longest_workgroup_us", lives},
           {"bytes", cost.bytes}};
 }
 
@@ -225,6 +263,7 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   std::ranges::sort(costs, {}, &SplatCost::points);
   if (!options.touch.quick && !scan) judgeShapes(context, size, options, qualities);
   printCosts(context.tables(), costs, size, options.samples);
+  printLives(context.tables(), costs);
   printQualities(context.tables(), qualities, size);
   Json result{
       {"size", {width, height}}, {"samples", options.samples}, {"costs", Json::array()}, {"qualities", Json::array()}};

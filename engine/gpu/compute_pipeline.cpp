@@ -2,12 +2,18 @@
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/workgroup_watch.hpp"
 
 namespace palpate {
 
 namespace {
 
-PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const PipelineOptions& options) {
+// Specialisation constants of watched shaders (shaders/lib/index.glsl): the halves of an address.
+constexpr std::uint32_t kLifeLow = 30, kLifeHigh = 31;
+
+// `life`: of WorkgroupWatch::Twin; 0: the shader is not watched.
+PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const PipelineOptions& options,
+                                DeviceAddress life) {
   PipelineStore::Compiled compiled;
   const VkPushConstantRange range{.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .offset = 0, .size = options.pushBytes};
   const VkPipelineLayoutCreateInfo layoutInfo{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
@@ -24,6 +30,12 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
   constants.insert(constants.end(), options.constants.begin(), options.constants.end());
   std::vector<VkSpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) entries.push_back({i, i * 4, 4});
+  if (life != 0) {
+    for (const std::uint32_t id : {kLifeLow, kLifeHigh}) {
+      entries.push_back({id, static_cast<std::uint32_t>(constants.size() * 4), 4});
+      constants.push_back(static_cast<std::uint32_t>(id == kLifeLow ? life : life >> 32));
+    }
+  }
   const VkSpecializationInfo specialization{.mapEntryCount = static_cast<std::uint32_t>(entries.size()),
                                             .pMapEntries = entries.data(),
                                             .dataSize = constants.size() * 4,
@@ -67,9 +79,17 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
 
 PipelineStore::Compiled PipelineStore::get(Device& device, const ShaderCode& code, const PipelineOptions& options) {
   const std::scoped_lock hold(lock_);
-  const Key key{code.words.data(), options.workgroupSize, options.pushBytes, options.constants};
+  const auto twin = watch_ ? watch_->twinOf(code) : std::nullopt;
+  const ShaderCode& used = twin ? *twin->code : code;
+  const DeviceAddress life = twin ? twin->life : 0;
+  const Key key{used.words.data(), options.workgroupSize, options.pushBytes, options.constants, life};
   if (const auto found = compiled_.find(key); found != compiled_.end()) return found->second;
-  return compiled_.emplace(key, compile(device, code, options)).first->second;
+  return compiled_.emplace(key, compile(device, used, options, life)).first->second;
+}
+
+void PipelineStore::watch(const WorkgroupWatch* watch) {
+  const std::scoped_lock hold(lock_);
+  watch_ = watch;
 }
 
 void PipelineStore::destroyAll(Device& device) {

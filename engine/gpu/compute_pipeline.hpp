@@ -13,6 +13,7 @@
 namespace palpate {
 
 class Device;
+class WorkgroupWatch;
 
 /// Smallest push-constant space that every Vulkan device has, bytes.
 inline constexpr std::uint32_t kMaxPushBytes = 128;
@@ -33,11 +34,14 @@ class PipelineStore {
   };
 
   Compiled get(Device& device, const ShaderCode& code, const PipelineOptions& options);
+  /// From now on shaders are replaced by their twins, where it has some; null ends that.
+  void watch(const WorkgroupWatch* watch);
   void destroyAll(Device& device);
 
  private:
-  using Key = std::tuple<const void*, std::uint32_t, std::uint32_t, std::vector<std::uint32_t>>;
+  using Key = std::tuple<const void*, std::uint32_t, std::uint32_t, std::vector<std::uint32_t>, std::uint64_t>;
   std::mutex lock_;
+  const WorkgroupWatch* watch_ = nullptr;
   std::map<Key, Compiled> compiled_;
 };
 

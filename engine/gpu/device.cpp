@@ -102,12 +102,18 @@ void Device::createLogicalDevice() {
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
   v12.bufferDeviceAddress = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
-  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  const bool clockExtension = hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
+  VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};
+  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                               .pNext = clockExtension ? &clock : nullptr};
   VkPhysicalDeviceFeatures2 available2{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
   vkGetPhysicalDeviceFeatures2(physical_, &available2);
   const VkPhysicalDeviceFeatures& available = available2.features;
   hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
   v12.shaderBufferInt64Atomics = hasWideAtomics_;
+  hasClock_ = clock.shaderDeviceClock == VK_TRUE;
+  clock.pNext = nullptr;
+  if (hasClock_) v13.pNext = &clock;
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
   features.features.shaderInt64 = hasWideAtomics_;
   if (instance_->validates()) {
@@ -119,6 +125,7 @@ void Device::createLogicalDevice() {
 
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
+  if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
                                 .flags = 0,

@@ -44,6 +44,8 @@ class Device {
   std::uint32_t subgroupSize() const { return subgroupSize_; }
   /// Whether shaders may add to 64 bits of a buffer at once.
   bool hasWideAtomics() const { return hasWideAtomics_; }
+  /// Whether shaders may read a clock that all of them share.
+  bool hasClock() const { return hasClock_; }
   VkDriverId driverId() const { return driverId_; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
@@ -77,7 +79,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t subgroupSize_ = 0;
-  bool hasWideAtomics_ = false;
+  bool hasWideAtomics_ = false, hasClock_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   QueueRoles roles_;

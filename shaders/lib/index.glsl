@@ -4,6 +4,24 @@
 
 layout(local_size_x_id = 0) in;
 
+#ifdef PALPATE_WATCHED
+// How long workgroups live: as long as their longest invocation (WorkgroupWatch).
+#extension GL_EXT_shader_realtime_clock : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+layout(constant_id = 30) const uint kLifeLow = 0;  // address of a word
+layout(constant_id = 31) const uint kLifeHigh = 0;
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer LongestLife { uint ticks; };
+void watchedMain();
+void main() {
+  const uint begin = clockRealtime2x32EXT().x;
+  watchedMain();
+  atomicMax(LongestLife(uvec2(kLifeLow, kLifeHigh)).ticks, clockRealtime2x32EXT().x - begin);
+}
+#define main watchedMain
+#endif
+
 uint workgroupIndex() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
 uint threadIndex() { return workgroupIndex() * gl_WorkGroupSize.x + gl_LocalInvocationIndex; }
 

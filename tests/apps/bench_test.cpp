@@ -230,6 +230,11 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   CHECK(cost["gpu_ms"]["p50"] > 0);
   CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
   CHECK(cost["fps"] > 0);
+  for (const char* pass : {"render_splat_pick", "render_splat_depth", "render_shade"}) {
+    CAPTURE(pass);
+    CHECK(cost["longest_workgroup_us"][pass] > 0);
+    CHECK(cost["longest_workgroup_us"][pass] < 1e6);
+  }
   CHECK(cost["bytes"] > 36 * 30000);
   for (const char* pass : {"render_splat_pick", "render_splat_depth", "render_shade"})
     CHECK(cost["passes_ms"].contains(pass));
