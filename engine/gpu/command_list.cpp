@@ -8,28 +8,18 @@ namespace palpate {
 
 namespace {
 
-constexpr VkPipelineStageFlags2 kDispatches = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT;
-constexpr VkPipelineStageFlags2 kTransfers = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
-constexpr VkPipelineStageFlags2 kWork = kDispatches | kTransfers;
-
-VkAccessFlags2 writesOf(VkPipelineStageFlags2 stages) {
-  return (stages & kDispatches ? VK_ACCESS_2_SHADER_WRITE_BIT : 0) |
-         (stages & kTransfers ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0);
-}
-VkAccessFlags2 readsOf(VkPipelineStageFlags2 stages) {
-  return (stages & kDispatches ? VK_ACCESS_2_SHADER_READ_BIT : 0) |
-         (stages & kTransfers ? VK_ACCESS_2_TRANSFER_READ_BIT : 0);
-}
+constexpr VkPipelineStageFlags2 kWork = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+constexpr VkAccessFlags2 kWrites = VK_ACCESS_2_SHADER_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT;
+constexpr VkAccessFlags2 kReads = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT;
 
 constexpr std::size_t kTimedPasses = 200;  // the rest of the timer is for sections
 static_assert(kTimedPasses < GpuTimer::kMaxScopes);
 
-void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 from, VkPipelineStageFlags2 to,
-                   VkAccessFlags2 access) {
+void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 to, VkAccessFlags2 access) {
   const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                  .pNext = nullptr,
-                                 .srcStageMask = from,
-                                 .srcAccessMask = writesOf(from),
+                                 .srcStageMask = kWork,
+                                 .srcAccessMask = kWrites,
                                  .dstStageMask = to,
                                  .dstAccessMask = access};
   const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
@@ -78,7 +68,6 @@ void CommandList::begin() {
       .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .pNext = nullptr, .flags = 0, .pInheritanceInfo = nullptr};
   device_.check(device_.vk().vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
   submitted_ = false;
-  since_ = kWork;  // of lists before
   sectionTimers_.clear();
   passes_.clear();
   passTimers_.clear();
@@ -87,26 +76,21 @@ void CommandList::begin() {
 }
 
 void CommandList::end() {
-  memoryBarrier(device_, commands_, kWork, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  memoryBarrier(device_, commands_, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
   closeLabel();
   device_.check(device_.vk().vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
 }
 
-void CommandList::orderAfterPrevious(VkPipelineStageFlags2 stages, Size size) {
-  waits_ = independent_ != Overlap::yes;
-  if (waits_) {
-    // The first of several waits for what any of them may need. Otherwise only stages that have something to do with it
-    // wait, and what came before the last barrier they have waited for already: on an H200 a barrier before an indirect
-    // dispatch takes 3.8 us, any other 1.8.
-    const bool first = independent_ == Overlap::first;
-    const bool reads = size == Size::inMemory || first;
-    const VkPipelineStageFlags2 to = first ? kWork : stages;
-    memoryBarrier(device_, commands_, since_, to | (reads ? VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT : 0),
-                  readsOf(to) | writesOf(to) | (reads ? VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT : 0));
-    if (first) independent_ = Overlap::yes;
-    since_ = 0;
-  }
-  since_ |= stages;
+void CommandList::orderAfterPrevious(Size size) {
+  waits_ = false;
+  if (independent_ == Overlap::yes) return;
+  // Only who reads its size from memory waits for the stage that does so: on an H200 that barrier takes 3.8 us, the
+  // other one 1.8. The first of several waits for what any of them may need.
+  const bool reads = size == Size::inMemory || independent_ == Overlap::first;
+  if (independent_ == Overlap::first) independent_ = Overlap::yes;
+  memoryBarrier(device_, commands_, kWork | (reads ? VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT : 0),
+                kReads | kWrites | (reads ? VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT : 0));
+  waits_ = true;
 }
 
 void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads,
@@ -115,7 +99,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   const std::uint64_t size = pipeline.workgroupSize();
   const GroupGrid grid =
       groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
-  orderAfterPrevious(kDispatches, Size::known);
+  orderAfterPrevious(Size::known);
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
   device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
@@ -125,7 +109,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
 void CommandList::dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups,
                                         std::span<const std::byte> args, std::uint64_t offset) {
   PALPATE_CHECK_LE(offset + sizeof(VkDispatchIndirectCommand), groups.bytes());
-  orderAfterPrevious(kDispatches, Size::inMemory);
+  orderAfterPrevious(Size::inMemory);
   openPass(pipeline.name(), 0, args.size());
   bind(pipeline, args);
   device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), offset);
@@ -144,7 +128,7 @@ void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes
   if (bytes == 0) return;
   PALPATE_CHECK_LE(fromOffset + bytes, from.bytes());
   PALPATE_CHECK_LE(toOffset + bytes, to.bytes());
-  orderAfterPrevious(kTransfers, Size::known);
+  orderAfterPrevious(Size::known);
   openPass("copy " + from.name(), 0, bytes);
   const VkBufferCopy region{fromOffset, toOffset, bytes};
   device_.vk().vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
@@ -154,7 +138,7 @@ void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes
 void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {
   if (bytes == 0) return;
   PALPATE_CHECK_LE(offset + bytes, buffer.bytes());
-  orderAfterPrevious(kTransfers, Size::known);
+  orderAfterPrevious(Size::known);
   openPass("fill " + buffer.name(), 0, bytes);
   device_.vk().vkCmdFillBuffer(commands_, buffer.handle(), offset, bytes, pattern);
   closePass();
