@@ -28,7 +28,7 @@ struct Noted {
   bool sculpts = false;  // at full depth, and the surface was felt
   std::uint32_t edits = 0;
   std::uint32_t touched = 0;
-  double edit_us = 0;
+  double edit_us = 0, wishes_us = 0;
   bool compacts = false;                      // the index, at its beginning or its end, or all within it
   std::uint64_t builds = 0, compactions = 0;  // so far
 };
@@ -51,7 +51,10 @@ class Witness final : public ContactQuery {
                 .builds = side_.fullBuilds(),
                 .compactions = side_.compactions()};
     const auto& times = side_.editTimes_us();
-    for (; seen_ < times.size(); ++seen_, ++noted.edits) noted.edit_us += times[seen_];
+    for (; seen_ < times.size(); ++seen_, ++noted.edits) {
+      noted.edit_us += times[seen_];
+      noted.wishes_us += side_.wishTimes_us()[seen_];
+    }
     if (noted.edits > 0) noted.touched = side_.edits()->report().changed + side_.edits()->report().gone;
     if (noted_.size() < noted_.capacity()) noted_.push_back(noted);
     return contact;
@@ -94,7 +97,7 @@ class Umpire {
 void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace& trace) {
   const bool realtime = cost.stroke.has_value();
   const std::uint64_t warmUp = realtime ? 0 : kWarmUp;
-  std::vector<double> touched, query, edit, step, compacting;
+  std::vector<double> touched, query, edit, indexed, wishes, step, compacting;
   std::uint64_t edits = 0, buildsBefore = 0, compactionsBefore = 0, fresh = 0;
   for (std::size_t i = 0; i < std::min(noted.size(), trace.rows.size()); ++i) {
     const Noted& tick = noted[i];
@@ -120,6 +123,8 @@ void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace
     cost.builds = tick.builds - buildsBefore;
     touched.push_back(tick.touched);
     edit.push_back(tick.edit_us);
+    wishes.push_back(tick.wishes_us);
+    if (!realtime && row.gpu_us > 0) indexed.push_back(row.gpu_us + tick.edit_us);
   }
   if (realtime && !step.empty()) {
     cost.stroke->freshShare = static_cast<double>(fresh) / static_cast<double>(step.size());
@@ -129,6 +134,8 @@ void summarizeTicks(EditCost& cost, const std::vector<Noted>& noted, const Trace
   cost.touched = summarize(std::move(touched));
   cost.query_us = summarize(std::move(query));
   cost.edit_us = summarize(std::move(edit));
+  cost.indexed_us = summarize(std::move(indexed));
+  cost.wishes_us = summarize(std::move(wishes));
   cost.step_us = summarize(std::move(step));
   cost.compactingStep_us = summarize(std::move(compacting));
 }

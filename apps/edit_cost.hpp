@@ -34,7 +34,9 @@ struct EditCost {
   Summary touched;   ///< points that edits changed, moved or took away
   Summary query_us;  ///< on the GPU, of the ticks with an edit; no samples where it was not measured
   Summary edit_us;   ///< on the GPU: brush, index, normals, log; where a driver tells no times, until it was seen done
-  Summary step_us;   ///< from pose to force; in virtual time with the whole edit in it
+  Summary indexed_us;  ///< in virtual time: query and edit of each tick together, on the GPU
+  Summary wishes_us;   ///< on the GPU, behind the edit: where points should come and go with the next one
+  Summary step_us;     ///< from pose to force; in virtual time with the whole edit in it
   std::uint64_t edits = 0;
   std::uint64_t builds = 0;       ///< full builds of the index for these edits
   std::uint64_t compactions = 0;  ///< of the index in the background, that came out, among these ticks

@@ -56,7 +56,7 @@ class TouchBackend : public ContactQuery {
   virtual std::string machine() const = 0;
   /// Time of the first build of the index, us.
   virtual double buildTime_us() const = 0;
-  /// Time of each edit so far with its rebuild of the index, us, on the machine that answers.
+  /// Time of each edit so far, until points, normals and index are as it leaves them, us, on the machine that answers.
   virtual const std::vector<double>& editTimes_us() const = 0;
   /// Times on the CPU of the ticks that were answered there because the GPU was late, us; the first ones, where a
   /// back end keeps them.

@@ -126,11 +126,15 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side,
   const DeviceAddress state = contactState.address();
   const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
-    const auto section = list.section("brush");
-    recordMoves(list, cloud, side.parity, state, box(), recalls);
+    const auto edit = list.section("edit");
+    {
+      const auto section = list.section("brush");
+      recordMoves(list, cloud, side.parity, state, box(), recalls);
+    }
+    update_.recordApply(list, cloud, side.parity);
+    recordSequel(list, cloud, side.parity, update_.scratch(), true);
   }
-  update_.recordApply(list, cloud, side.parity);
-  recordSequel(list, cloud, side.parity, update_.scratch(), true);
+  recordWishes(list, cloud, side.parity, update_.scratch());
 }
 
 void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
@@ -145,28 +149,35 @@ void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, st
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                              const Buffer& contactState, SortMethod sort, Reach reach) const {
   const DeviceAddress state = contactState.address();
-  const shared::CloudView cloud = view(from);
   const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
-    const auto section = list.section("brush");
-    if (reach == Reach::box && boxCells_ > 0) {
-      recordMoves(list, cloud, from.parity, state, box(), recalls);
-    } else {
-      for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
-        const Selection slots{.firstSlot = first, .slots = std::min(update_.mostMoves(), live_.slots() - first)};
-        recordMoves(list, cloud, from.parity, state, slots, shared::kRecallsNothing);
-        update_.recordCommit(list, cloud);
-        recordLogging(list, logGone_, CountedDispatch::Step::invocation, offsetof(shared::HashUpdate, moveGroups),
-                      cloud, from.parity, 0);
-        update_.recordBegin(list);
-      }
-      if (resample_) recordCollect(list, cloud, from.parity, state, {}, recalls);
-    }
-    update_.recordCommit(list, cloud);
+    const auto edit = list.section("edit");
+    recordReached(list, from, state, recalls, reach);
+    hash_.recordBuild(list, from, to, live_.slots(), sort);
+    update_.recordRecount(list, view(to), to.parity);
+    recordSequel(list, view(to), to.parity, from.normals.address(), true);
   }
-  hash_.recordBuild(list, from, to, live_.slots(), sort);
-  update_.recordRecount(list, view(to), to.parity);
-  recordSequel(list, view(to), to.parity, from.normals.address(), true);
+  recordWishes(list, view(to), to.parity, from.normals.address());
+}
+
+void EditPass::recordReached(CommandList& list, const LiveCloud::Side& from, DeviceAddress state, std::uint32_t recalls,
+                             Reach reach) const {
+  const shared::CloudView cloud = view(from);
+  const auto section = list.section("brush");
+  if (reach == Reach::box && boxCells_ > 0) {
+    recordMoves(list, cloud, from.parity, state, box(), recalls);
+  } else {
+    for (std::uint32_t first = 0; first < live_.slots(); first += update_.mostMoves()) {
+      const Selection slots{.firstSlot = first, .slots = std::min(update_.mostMoves(), live_.slots() - first)};
+      recordMoves(list, cloud, from.parity, state, slots, shared::kRecallsNothing);
+      update_.recordCommit(list, cloud);
+      recordLogging(list, logGone_, CountedDispatch::Step::invocation, offsetof(shared::HashUpdate, moveGroups), cloud,
+                    from.parity, 0);
+      update_.recordBegin(list);
+    }
+    if (resample_) recordCollect(list, cloud, from.parity, state, {}, recalls);
+  }
+  update_.recordCommit(list, cloud);
 }
 
 void EditPass::give(std::span<const PointChange> changes) {
@@ -247,28 +258,33 @@ void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, Cou
 }
 
 void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                            DeviceAddress fitted, bool resamples) const {
+                            DeviceAddress fitted, bool wishes) const {
   using Step = CountedDispatch::Step;
   constexpr std::uint64_t kGroups = offsetof(shared::HashUpdate, changedGroups);
   const shared::HashUpdateArgs update = update_.args(cloud, parity);
-  const bool wishes = resample_ && resamples;
-  const DeviceAddress lists = resample_ ? resample_->lists() : 0;
-  const shared::EditEnd end{.report = update_.reportAddress(),
-                            .resampling = resample_ ? resample_->reportAddress() : 0,
-                            .empty = update_.emptyCounters()};
-  {
-    const auto section = list.section("refit normals");
-    recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, fitted);
-    update_.dispatch()(list, settle_, Step::invocation, update_.counters(), kGroups,
-                       shared::SettleArgs{.cloud = cloud,
-                                          .update = update.update,
-                                          .changed = update.changed,
-                                          .fitted = fitted,
-                                          .head = log_.head(),
-                                          .lists = lists,
-                                          .end = wishes ? shared::EditEnd{} : end});
-  }
-  if (wishes) resample_->recordWishes(list, resampleIo(cloud, parity), fitted, end);
+  const auto section = list.section("refit normals");
+  recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, fitted);
+  update_.dispatch()(list, settle_, Step::invocation, update_.counters(), kGroups,
+                     shared::SettleArgs{.cloud = cloud,
+                                        .update = update.update,
+                                        .changed = update.changed,
+                                        .fitted = fitted,
+                                        .head = log_.head(),
+                                        .lists = resample_ ? resample_->lists() : 0,
+                                        .end = wishes && resample_ ? shared::EditEnd{} : end()});
+}
+
+void EditPass::recordWishes(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                            DeviceAddress fitted) const {
+  if (!resample_) return;
+  const auto section = list.section("wishes");
+  resample_->recordWishes(list, resampleIo(cloud, parity), fitted, end());
+}
+
+shared::EditEnd EditPass::end() const {
+  return {.report = update_.reportAddress(),
+          .resampling = resample_ ? resample_->reportAddress() : 0,
+          .empty = update_.emptyCounters()};
 }
 
 void EditPass::complete(std::vector<PointState>& points) const {

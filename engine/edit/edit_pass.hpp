@@ -26,7 +26,8 @@ class EditPass {
   /// kUpdateTooLarge where they are more than mostMoves(); or among all points, as many at a time.
   enum class Reach { box, all };
 
-  // Of the brush, for the contact state of this tick; recorded ahead.
+  // Of the brush, for the contact state of this tick; recorded ahead. Two sections: "edit", after which points, index,
+  // normals and log are as the brush leaves them, and "wishes", which prepares what the next edit does besides.
   /// At the cost of the points that it reaches: the points on `side` and their index change in place.
   void recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const;
   /// With a full build: reads `from` and writes `to`; the caller flips the cloud.
@@ -78,10 +79,17 @@ class EditPass {
                     DeviceAddress contactState) const;
   // `finishes`: after the update, what it leaves to do.
   void recordRestore(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, bool finishes) const;
-  // What follows once the index has: normals and log, and wishes after a brush (`resamples`). Makes an end to the
-  // update. `fitted`: room for a vec4 for every changed slot.
+  // Of an edit with a full build: what the brush makes of the points, where they stand.
+  void recordReached(CommandList& list, const LiveCloud::Side& from, DeviceAddress contactState, std::uint32_t recalls,
+                     Reach reach) const;
+  // What follows once the index has: normals and log. Makes an end to the update, unless `wishes` follow. `fitted`:
+  // room for a vec4 for every changed slot.
   void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted,
-                    bool resamples) const;
+                    bool wishes) const;
+  // Where points should come and go with the next edit. Makes an end to the update.
+  void recordWishes(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                    DeviceAddress fitted) const;
+  shared::EditEnd end() const;
   Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const;
   shared::CloudView view(const LiveCloud::Side& side) const { return hash_.view(side, live_.slots()); }
 

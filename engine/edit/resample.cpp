@@ -29,6 +29,7 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
       mostWishes_(update.mostMoves()),
       measure_(device, shader_code::edit_measure_spacing, pipeline(sizeof(shared::SpacingArgs), update)),
       wish_(device, shader_code::edit_wish, pipeline(sizeof(shared::WishArgs), update)),
+      grant_(device, shader_code::edit_grant_wishes, pipeline(sizeof(shared::WishArgs), update)),
       lists_(device, listBytes(mostWishes_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       looks_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "looks")),
@@ -57,18 +58,18 @@ void Resample::measure(const shared::CloudView& cloud, DeviceAddress tables) {
 }
 
 void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const {
-  const auto section = list.section("wishes");
-  io.lists.dispatch()(list, wish_, CountedDispatch::Step::subgroup, io.lists.counters(),
-                      offsetof(shared::HashUpdate, changedGroups),
-                      shared::WishArgs{.cloud = io.update.cloud,
-                                       .update = io.update.update,
-                                       .changed = io.update.changed,
-                                       .fitted = fitted,
-                                       .tables = io.tables,
-                                       .lists = lists_.address(),
-                                       .end = end,
-                                       .radius = static_cast<float>(radius_),
-                                       .most = mostWishes_});
+  const shared::WishArgs args{.cloud = io.update.cloud,
+                              .update = io.update.update,
+                              .changed = io.update.changed,
+                              .fitted = fitted,
+                              .tables = io.tables,
+                              .lists = lists_.address(),
+                              .end = end,
+                              .radius = static_cast<float>(radius_),
+                              .most = mostWishes_};
+  for (const ComputePipeline* pass : {&wish_, &grant_})
+    io.lists.dispatch()(list, *pass, CountedDispatch::Step::subgroup, io.lists.counters(),
+                        offsetof(shared::HashUpdate, changedGroups), args);
 }
 
 std::uint64_t Resample::predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes) {

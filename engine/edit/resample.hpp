@@ -22,7 +22,8 @@ class Resample {
     DeviceAddress tables;
     const HashUpdate& lists;
   };
-  /// Once the index has followed and normals are fitted: new wishes. The last pass of an edit.
+  /// Once the index has followed and normals are fitted: new wishes. The last passes of an edit, which a force need not
+  /// wait for.
   void recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const;
   /// Where the last pass of an edit tells the host of its Resampling.
   DeviceAddress reportAddress() const { return report_.address(); }
@@ -38,7 +39,7 @@ class Resample {
   Device& device_;
   double radius_;
   std::uint32_t mostWishes_;
-  ComputePipeline measure_, wish_;
+  ComputePipeline measure_, wish_, grant_;
   Buffer lists_, spacings_, looks_, report_;
 };
 

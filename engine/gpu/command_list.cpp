@@ -171,14 +171,14 @@ void CommandList::closeLabel() {
 CommandList::Section::Section(CommandList& list, std::string name) : list_(list), outer_(list.section_) {
   list_.section_ = outer_.empty() ? name : outer_ + "/" + name;
   list_.openLabel(name);
-  if (list_.timer_) {
+  if (list_.timing_ == Timing::passes || (list_.timing_ == Timing::sections && outer_.empty())) {
     timer_ = list_.timer_->open(list_.commands_);
-    list_.sectionTimers_.emplace_back(list_.section_, timer_);
+    list_.sectionTimers_.emplace_back(list_.section_, *timer_);
   }
 }
 
 CommandList::Section::~Section() {
-  if (list_.timer_) list_.timer_->close(list_.commands_, timer_);
+  if (timer_) list_.timer_->close(list_.commands_, *timer_);
   list_.closeLabel();
   list_.section_ = outer_;
 }

@@ -22,10 +22,7 @@ void TouchSide::recordEdits() {
   const auto recorded = [&](auto&& record) {
     auto list = std::make_unique<CommandList>(device_, device_.touch(), "edit", options_.timing);
     list->begin();
-    {
-      const auto section = list->section("edit");
-      record(*list);
-    }
+    record(*list);
     list->end();
     return list;
   };
@@ -95,9 +92,13 @@ void TouchSide::collectEdit(bool timed) {
   if (!editInFlight_) return collectCompaction(timed);
   device_.touch().wait(editTicket_, Wait::spin);
   const double time_us = timed ? lastEdit_->sectionTime_us("edit") : sinceEdit_.elapsed_us();
-  pace_.took(editTime_s_, time_us * 1e-6);
+  const double wishes_us = timed ? lastEdit_->sectionTime_us("wishes") : 0;
+  pace_.took(editTime_s_, (time_us + wishes_us) * 1e-6);
   editInFlight_ = false;
-  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(time_us);
+  if (editTimes_us_.size() < editTimes_us_.capacity()) {
+    editTimes_us_.push_back(time_us);
+    wishTimes_us_.push_back(wishes_us);
+  }
   takeReport();
   collectCompaction(timed);
 }

@@ -112,6 +112,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
   if (options.brush) {
     edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, *options.brush), options.radius);
     editTimes_us_.reserve(kEditTimesKept);
+    wishTimes_us_.reserve(kEditTimesKept);
   }
   for (int turn = 0; turn < 2; ++turn) {
     recordQuery(live_.parity());

@@ -88,6 +88,9 @@ class TouchSide final : public TouchBackend {
   std::string machine() const override { return device_.name(); }
   double buildTime_us() const override { return buildTime_us_; }
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
+  /// For each of these edits what it took then to find where points should come and go with the next one; 0 where the
+  /// edit's time includes it.
+  const std::vector<double>& wishTimes_us() const { return wishTimes_us_; }
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
   /// Whether questions are submitted ahead of their poses.
@@ -210,7 +213,7 @@ class TouchSide final : public TouchBackend {
   Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered
   double lastTime_us_ = 0;              // on the GPU, of its lists whose time is known
-  std::vector<double> editTimes_us_;
+  std::vector<double> editTimes_us_, wishTimes_us_;
   EditPace pace_;
   double editTime_s_ = 0;  // of the pose whose answer led to the last edit
   Run lastQuery_;

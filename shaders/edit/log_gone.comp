@@ -10,7 +10,7 @@ layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
 void main() {
   const uint gone = args.update.at[0].gone;
-  logGone(args, 0);
+  logGone(args, args.head.at[0]);
   if (!finishesLast(args.update) || gl_LocalInvocationIndex != 0) return;
   args.head.at[0] += gone;
   args.update.at[0].finished = 0;

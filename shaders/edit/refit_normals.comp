@@ -4,10 +4,10 @@
 // of its neighbours (Hoppe et al. 1992, section 3.2), on the side of theirs, and the point goes to the log as
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/claims.glsl"
 #include "shaders/lib/log_points.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/subgroup_sum.glsl"
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
@@ -25,9 +25,11 @@ Moments momentsAbout(vec3 center, out vec3 side) {
   moments = noMoments();
   sides = vec3(0.0);
   visitNeighbours(args.cloud, center, args.radius, kNeighbourWorkBudget);
-  side = subgroupAdd(sides);
-  return Moments(subgroupAdd(moments.weight), subgroupAdd(moments.neighbours), subgroupAdd(moments.mean),
-                 subgroupAdd(moments.diagonal), subgroupAdd(moments.mixed));
+  const vec4 mean = subgroupSum(vec4(moments.mean, moments.weight));
+  side = subgroupSum(vec4(sides, 0.0)).xyz;
+  const vec4 diagonal = subgroupSum(vec4(moments.diagonal, float(moments.neighbours)));
+  const vec4 mixed = subgroupSum(vec4(moments.mixed, 0.0));
+  return Moments(mean.w, uint(diagonal.w), mean.xyz, diagonal.xyz, mixed.xyz);
 }
 
 // Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
@@ -42,7 +44,8 @@ vec3 fittedNormal(vec3 center, vec3 old) {
 
 void main() {
   if (args.update.at[0].failed != 0) return;
-  const uint changed = args.update.at[0].changed;
+  const uint changed = args.update.at[0].changed, head = args.head.at[0];
+  const uint tick = resamples(args.lists) ? args.lists.now.tick + 1 : 0;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
     const uint i = args.changed.at[which];
@@ -60,12 +63,9 @@ void main() {
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
-      if (looks) args.tables.at[0].looks.at[id] = args.lists.now.tick;
-      logPoint(args, which, position.xyz, id, normal, color, parent);
+      if (looks) args.tables.at[0].looks.at[id] = tick;
+      logPoint(args, head + which, position.xyz, id, normal, color, parent);
     }
   }
-  logGone(args, changed);
-  if (resamples(args.lists))
-    dropClaims(args.lists, args.tables.at[0].mostMoves, args.radius, threadIndex(),
-               gl_NumWorkGroups.x * gl_WorkGroupSize.x);
+  logGone(args, head + changed);
 }

@@ -13,11 +13,14 @@ void settle() {
     args.cloud.normals.at[args.changed.at[which]] = vec4(args.fitted.at[which].xyz, 0.0);
   if (threadIndex() != 0) return;
   args.head.at[0] += changed + args.update.at[0].gone;
-  if (resamples(args.lists)) args.lists.now.wishes = 0;
+  if (!resamples(args.lists)) return;
+  args.lists.now.wishes = 0;
+  args.lists.now.nextId += args.lists.now.births;
+  args.lists.now.births = 0;
+  args.lists.now.tick += 1;
 }
 
 void main() {
   if (args.update.at[0].failed == 0) settle();
-  if (threadIndex() == 0 && resamples(args.lists)) args.lists.now.births = 0;
   if (!isNull(args.end.report) && finishesLast(args.update)) endEdit(args.end, args.update, args.lists);
 }

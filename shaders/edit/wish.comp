@@ -2,8 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // The surface stays a surface: every point that was looked at in this tick finds out whether it crowds another one and
 // goes, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In double
-// precision, with the reasons: engine/edit/resample_reference.cpp. A wish is heard in the next tick. The last pass of
-// an edit.
+// precision, with the reasons: engine/edit/resample_reference.cpp. Nothing else in this tick waits for it: a wish is
+// heard in the next one.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
@@ -223,6 +223,7 @@ uint middleColor(uint a, uint b) {
 void wishFor(uint id, vec3 center, uint sector) {
   const uint at = atomicAdd(args.lists.now.wishes, 1);
   if (at >= args.most) return;
+  if (leaves) args.cloud.normals.at[selfSlot].w = kMarkGoes;
   args.lists.wishes[at].position = center;
   args.lists.wishes[at].id = id;
   const bool inserts = sector < kSectors;
@@ -264,10 +265,7 @@ void wishForAll() {
       subgroupShares();
     }
     const uint gap = reached == kLookBlocks ? openGap() : kSectors;
-    if (subgroupElect() && (leaves || crowded || gap < kSectors)) {
-      if (leaves) args.cloud.normals.at[selfSlot].w = kMarkGoes;
-      wishFor(id, center, gap);
-    }
+    if (subgroupElect() && (leaves || crowded || gap < kSectors)) wishFor(id, center, gap);
     subgroupShares();
   }
 }
@@ -277,6 +275,5 @@ void main() {
   if (!finishesLast(args.update)) return;
   if (args.update.at[0].failed == 0)
     confirmClaims(args.lists, args.most, args.radius, gl_LocalInvocationIndex, gl_WorkGroupSize.x);
-  barrier();
-  endEdit(args.end, args.update, args.lists);
+  if (gl_LocalInvocationIndex == 0) args.update.at[0].finished = 0;
 }

@@ -8,7 +8,7 @@
 HashGrid claimsFor(float support) { return claimGrid(support / kSupportSpacings); }
 uint claimAt(HashGrid grid, vec3 place) { return bucketOf(grid, cellOf(grid, place)); }
 
-// The wishes of the last tick have been heard: their claims are taken away. From wish `first` on every `stride`-th.
+// Once it is known which wishes come to pass. From wish `first` on every `stride`-th.
 void dropClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
   const uint wishes = min(lists.now.wishes, most);
   const HashGrid grid = claimsFor(support);
@@ -26,6 +26,21 @@ void confirmClaims(ResampleLists lists, uint most, float support, uint first, ui
     const uint claim = claimAt(grid, place);
     if (lists.claims[claim] == lists.wishes[i].id) lists.claimed[claim] = place;
   }
+}
+
+// Whether a wish has its own cell of the claims, and none of a smaller id in the cells about it a place too near. The
+// whole subgroup calls it together.
+bool claimStands(ResampleLists lists, HashGrid grid, vec3 place, uint id, float support) {
+  const uint kCellsAbout = 27;
+  const float clearance = kLeastClearance * support / kSupportSpacings;
+  const ivec3 cell = cellOf(grid, place);
+  bool stands = lists.claims[bucketOf(grid, cell)] == id;
+  for (uint c = gl_SubgroupInvocationID; c < kCellsAbout; c += gl_SubgroupSize) {
+    const ivec3 about = cell + ivec3(c % 3, c / 3 % 3, c / 9) - 1;
+    const uint claim = bucketOf(grid, about);
+    if (lists.claims[claim] < id && distance(lists.claimed[claim], place) < clearance) stands = false;
+  }
+  return subgroupAll(stands);
 }
 
 #endif

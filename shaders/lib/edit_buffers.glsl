@@ -19,7 +19,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Tables { Poi
 // The last workgroup of a pass reads what the others have written.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer ResampleLists {
   Resampling now;
-  uint births[kMostBirths];   // numbers of wishes, in any order
+  uint births[kMostBirths];   // numbers of wishes, by the ids that wished
   uint claims[kClaimSlots];   // the least id that wants a place; all bits where none does
   vec3 claimed[kClaimSlots];  // the place that it wants
   PointWish wishes[];

@@ -1,12 +1,12 @@
-// Points go to the edit log as they are now: entries stand in the order of the lists, and the head follows when all are
-// written.
+// Points go to the edit log as they are now: entries stand in the order of the lists from the head on, which follows
+// when all are written.
 #ifndef PALPATE_LIB_LOG_POINTS_GLSL
 #define PALPATE_LIB_LOG_POINTS_GLSL
 
 #include "shaders/lib/edit_buffers.glsl"
 
 void logPoint(RefitNormalsArgs args, uint entry, vec3 position, uint id, vec3 normal, uint color, uint parent) {
-  const uint slot = (args.head.at[0] + entry) & args.capacityMask;
+  const uint slot = entry & args.capacityMask;
   args.entries.at[slot].position = position;
   args.entries.at[slot].id = id;
   args.entries.at[slot].normal = normal;

@@ -5,12 +5,16 @@
 #include "shaders/lib/brush_reach.glsl"
 #include "shaders/lib/workgroup_scan.glsl"
 
-shared uint cellStart[kSelectCells];  // points in the cells before
-shared uint cellFirst[kSelectCells];  // first slot
+shared uint cellStart[kMostSelectCells];  // points in the cells before
+shared uint cellFirst[kMostSelectCells];  // first slot
 
-ivec3 cellOfTool(CollectArgs args, uint c) {
-  return cellOf(args.cloud.grid, tool.center - brush.toolRadius) +
-         ivec3(c % args.cells, c / args.cells % args.cells, c / (args.cells * args.cells));
+// Whether the tool's ball may reach into a cell; says so, too, where it misses by less than places are rounded.
+bool mayReach(HashGrid grid, ivec3 cell) {
+  const vec3 center = (tool.center - grid.origin) * grid.inverseCell;
+  const float rounding = 0.01 + 1e-6 * max(abs(center.x), max(abs(center.y), abs(center.z)));
+  const vec3 gap = max(vec3(0.0), max(vec3(cell) - center, center - vec3(cell + 1)));
+  const float radius = brush.toolRadius * grid.inverseCell * (1.0 + 1e-6) + rounding;
+  return dot(gap, gap) < radius * radius;
 }
 
 bool reached(CollectArgs args, uint slot, vec4 position, out PointMove move) {
@@ -32,16 +36,20 @@ void selectFromSlots(CollectArgs args, uint i) {
   take(args, wants, move);
 }
 
-// One workgroup takes kSelectCells cells of the tool's box.
-void selectFromCells(CollectArgs args, uint first) {
-  const uint cells = args.cells * args.cells * args.cells;
-  const uint lane = scanIndex();
+// Workgroup `group` of `groups` takes every `groups`-th cell of the tool's box: a surface that lies along the box is
+// shared by all of them.
+void selectFromCells(CollectArgs args, uint group, uint groups) {
+  const uint side = args.cells, lane = scanIndex();
+  const ivec3 low = cellOf(args.cloud.grid, tool.center - brush.toolRadius);
+  const uint c = group + lane * groups;
   uvec2 range = uvec2(0);
-  if (lane < kSelectCells && first + lane < cells)
-    range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOfTool(args, first + lane))];
+  if (lane < kMostSelectCells && c < side * side * side) {
+    const ivec3 cell = low + ivec3(c % side, c / side % side, c / (side * side));
+    if (mayReach(args.cloud.grid, cell)) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
+  }
   uint total;
   const uint start = workgroupExclusiveScan(range.y - range.x, total);
-  if (lane < kSelectCells) {
+  if (lane < kMostSelectCells) {
     cellStart[lane] = start;
     cellFirst[lane] = range.x;
   }
@@ -51,13 +59,14 @@ void selectFromCells(CollectArgs args, uint first) {
     bool wants = false;
     PointMove move;
     if (k < total) {
-      uint cell = 0;
-      for (uint step = kSelectCells / 2; step > 0; step /= 2)
-        if (cellStart[cell + step] <= k) cell += step;
-      const uint slot = cellFirst[cell] + k - cellStart[cell];
+      uint owner = 0;
+      for (uint step = kMostSelectCells / 2; step > 0; step /= 2)
+        if (cellStart[owner + step] <= k) owner += step;
+      const uint slot = cellFirst[owner] + k - cellStart[owner];
       const vec4 position = args.cloud.positions.at[slot];
       // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
-      if (cellOf(args.cloud.grid, position.xyz) == cellOfTool(args, first + cell))
+      const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position.xyz) - low);
+      if (all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == group + owner * groups)
         wants = reached(args, slot, position, move);
     }
     take(args, wants, move);

@@ -6,34 +6,43 @@
 #ifndef PALPATE_LIB_SURFACE_GLSL
 #define PALPATE_LIB_SURFACE_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
+
 #include "shaders/lib/patch.glsl"
+#include "shaders/lib/subgroup_sum.glsl"
 #include "shaders/lib/surface_fit.glsl"
 #include "shaders/lib/weight.glsl"
 
 layout(constant_id = 1) const uint kSurface = kSurfaceAverage;
 layout(constant_id = 2) const bool kLocalRadius = false;
 
+// Sums of subgroups that an invocation asks for at once; a workgroup has a multiple of so many.
+const uint kPartialsInFlight = 2;
+
 shared vec4 partialOffsets[kMaxSubgroups];
 shared vec4 partialNormals[kMaxSubgroups];
-shared vec2 partialProducts[kMaxSubgroups];
+shared vec4 partialProducts[kMaxSubgroups];  // xy
 
 // What all invocations have summed up, the same bits for each. All of them call it together.
 SurfaceSums sumOfAll(SurfaceSums sums) {
-  sums.offsets = subgroupAdd(sums.offsets);
-  sums.normals = subgroupAdd(sums.normals);
-  sums.products = subgroupAdd(sums.products);
+  const float offset = subgroupComponentSum(sums.offsets);
+  const float normal = subgroupComponentSum(sums.normals);
+  float product = 0.0;
+  if (kSurface != kSurfaceAverage) product = subgroupComponentSum(vec4(sums.products, 0.0, 0.0));
   barrier();
-  if (subgroupElect()) {
-    partialOffsets[gl_SubgroupID] = sums.offsets;
-    partialNormals[gl_SubgroupID] = sums.normals;
-    partialProducts[gl_SubgroupID] = sums.products;
+  if (gl_SubgroupInvocationID < 4) {
+    partialOffsets[gl_SubgroupID][gl_SubgroupInvocationID] = offset;
+    partialNormals[gl_SubgroupID][gl_SubgroupInvocationID] = normal;
+    partialProducts[gl_SubgroupID][gl_SubgroupInvocationID] = product;
   }
   barrier();
   sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-  for (uint s = 0; s < gl_NumSubgroups; ++s) {
-    sums.offsets += partialOffsets[s];
-    sums.normals += partialNormals[s];
-    sums.products += partialProducts[s];
+  for (uint s = 0; s < gl_NumSubgroups; s += kPartialsInFlight) {
+    [[unroll]] for (uint i = 0; i < kPartialsInFlight; ++i) {
+      sums.offsets += partialOffsets[s + i];
+      sums.normals += partialNormals[s + i];
+      if (kSurface != kSurfaceAverage) sums.products += partialProducts[s + i].xy;
+    }
   }
   workDone += patchCount / kContactWorkgroup + 1 + gl_NumSubgroups;
   return sums;

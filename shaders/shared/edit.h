@@ -18,9 +18,10 @@ const uint kWishWorkBudget = 400;
 // Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
 
-// Cells that one workgroup looks through for points that a tool reaches: few, so that a surface that lies along them
-// keeps no workgroup much longer than the others.
-const uint kSelectCells = 64;
+// Cells that one workgroup looks through for points that a tool reaches: as few as keep so many workgroups busy, within
+// these bounds. Fewer workgroups leave a GPU idle, more come and go for nothing.
+const uint kSelectWorkgroups = 528u;
+const uint kFewestSelectCells = 64u, kMostSelectCells = 256u;  // at most one an invocation
 
 // In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
 const float kMarkGoes = 3.0f;
@@ -58,7 +59,7 @@ PALPATE_SIZE(PointWish, 52);
 
 struct Resampling {
   uint wishes;
-  uint births;       // of this tick
+  uint births;       // new points that come with the next edit
   uint nextId;
   uint tick;
   uint thinning;     // only wishes of every 2^thinning-th point for a new one are heard
@@ -90,8 +91,10 @@ PALPATE_SIZE(CollectArgs, 128);
 
 // Workgroups that look at these cells or slots; those beyond see to the wishes.
 PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
-  return cells > 0u ? (cells * cells * cells + kSelectCells - 1u) / kSelectCells
-                    : (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
+  if (cells == 0u) return (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
+  const uint all = cells * cells * cells;
+  const uint each = max(kFewestSelectCells, min(kMostSelectCells, all / kSelectWorkgroups));
+  return (all + each - 1u) / each;
 }
 
 struct SmoothArgs {
@@ -115,7 +118,7 @@ struct EditEnd {
 };
 PALPATE_SIZE(EditEnd, 24);
 
-// After the index has followed: normals as they were fitted, and the wishes that have been heard are taken away.
+// After the index has followed: normals as they were fitted, and the wishes that have been heard are forgotten.
 struct SettleArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -127,6 +130,7 @@ struct SettleArgs {
 };
 PALPATE_SIZE(SettleArgs, 120);
 
+// New wishes, and which of those for new points are granted.
 struct WishArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
