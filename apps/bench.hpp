@@ -45,6 +45,7 @@ struct BenchOptions {
   std::string plotFile;
   std::string size = "1280x720";             ///< of the pictures of splat
   std::vector<std::uint32_t> smooths_px{0};  ///< of splat (FrameOptions::smooth_px)
+  std::vector<std::string> rasters{"compute"};  ///< of splat (FrameOptions::raster)
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;

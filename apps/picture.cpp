@@ -22,6 +22,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
+  frame.raster = rasterNamed(options.raster);
   constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
   frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
   if (!options.background.empty())
@@ -84,6 +85,11 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
                   "smooth depth within the surface, pixels to each side, and take normals from it; 0: blend those of "
                   "the points")
       ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
+      ->capture_default_str();
+  command
+      .add_option("--raster", options.raster,
+                  "who draws the discs: compute shaders, the GPU's own rasteriser (hardware), or that with quads in "
+                  "place of points (hardware-quads); the same picture")
       ->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")

@@ -7,7 +7,7 @@
 namespace palpate {
 
 struct PictureOptions {
-  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
+  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile, raster = "compute";
   std::uint32_t smooth_px = 0;
   bool printFrame = false, scaleBar = false;
 };

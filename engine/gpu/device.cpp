@@ -96,15 +96,22 @@ void Device::createLogicalDevice() {
                       .queueCount = static_cast<std::uint32_t>(each.size()),
                       .pQueuePriorities = each.data()});
 
+  VkPhysicalDeviceVulkan13Features available13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available13};
+  vkGetPhysicalDeviceFeatures2(physical_, &availables);
+  const VkPhysicalDeviceFeatures& available = availables.features;
+  draws_ = roles_.draws && available13.dynamicRendering;
+  if (available.largePoints) largestPoint_px_ = properties_.limits.pointSizeRange[1];
+
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   v13.synchronization2 = VK_TRUE;
+  v13.dynamicRendering = available13.dynamicRendering;
   v13.computeFullSubgroups = VK_TRUE;
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
   v12.bufferDeviceAddress = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
-  VkPhysicalDeviceFeatures available;
-  vkGetPhysicalDeviceFeatures(physical_, &available);
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+  features.features.largePoints = available.largePoints;
   if (instance_->validates()) {
     // GPU-assisted validation instruments the shaders and needs these itself.
     features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;

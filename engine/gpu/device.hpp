@@ -43,6 +43,10 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   std::uint32_t subgroupSize() const { return subgroupSize_; }
   VkDriverId driverId() const { return driverId_; }
+  /// Whether the sight queue can draw into images (CommandList::draw).
+  bool draws() const { return draws_; }
+  /// Side of the largest point that a draw makes, pixels.
+  float largestPoint_px() const { return largestPoint_px_; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
@@ -77,6 +81,8 @@ class Device {
   std::uint32_t subgroupSize_ = 0;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
+  bool draws_ = false;
+  float largestPoint_px_ = 1;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};

@@ -73,6 +73,10 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
                                     .normalSums = normalSums_.address(),
                                     .colorSums = colorSums_.address()};
   const auto frame = list.section("frame");
+  if (options.raster != Raster::compute) {
+    recordHardware(list, splatArgs, about, camera, options);
+    return recordShading(list, constants, options);
+  }
   recordClear(list, cloud.hasColors());
   {
     const auto section = list.section("splat");
@@ -103,6 +107,17 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
     recordSources(list, constants);
   }
   recordShading(list, constants, options);
+}
+
+void Frame::recordHardware(CommandList& list, const shared::SplatArgs& args, const Drawn& about, const Camera& camera,
+                           const FrameOptions& options) {
+  if (!hardware_) hardware_ = std::make_unique<HardwareRaster>(device_, size_px());
+  const auto section = list.section("splat");
+  hardware_->record(
+      list, args,
+      frameConstants(about, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, 1),
+      about.widest, options.raster);
+  recordSources(list, args.frame);
 }
 
 void Frame::recordClear(CommandList& list, bool colors) const {
