@@ -18,7 +18,7 @@ struct FrameTimes {
 };
 
 struct SplatCost {
-  std::string subject;
+  std::string subject, raster;
   std::size_t points = 0;
   FrameTimes times;
   std::uint64_t bytes = 0;  ///< of the drawn cloud and the frame's images
@@ -27,7 +27,7 @@ struct SplatCost {
 };
 
 struct SplatQuality {
-  std::string shape, condition;
+  std::string shape, condition, raster;
   std::uint32_t smooth_px = 0;
   std::size_t points = 0;
   double spacing = 0;
@@ -40,12 +40,12 @@ struct Condition {
 };
 constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
 
-FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera,
+FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera, Raster raster,
                          const BenchOptions& options) {
   FrameTimes times;
   CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
   list.begin();
-  frame.record(list, drawn, camera, {});
+  frame.record(list, drawn, camera, {.raster = raster});
   list.end();
   device.sight().run(list);  // pipelines are made ready at their first use
   std::vector<std::string> names;
@@ -69,23 +69,25 @@ FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, 
   return times;
 }
 
-SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options) {
+SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const std::string& raster,
+                 const BenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
   const DrawnCloud drawn(device, subject.model.cloud, {.spacing = subject.model.spacing});
   Frame frame(device, size.x, size.y);
-  SplatCost cost{.subject = subject.name, .points = subject.model.cloud.size()};
-  cost.bytes = device.allocatedBytes() - before;
+  SplatCost cost{.subject = subject.name, .raster = raster, .points = subject.model.cloud.size()};
   const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
-  cost.times = measureFrames(device, frame, drawn, camera, options);
+  cost.times = measureFrames(device, frame, drawn, camera, rasterNamed(raster), options);
+  cost.bytes = device.allocatedBytes() - before;
   return cost;
 }
 
-PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px) {
+PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px,
+                       Raster raster) {
   Frame frame(device, truth.width, truth.height, 1);
   CommandList list(device, device.sight(), "judged frame");
   list.begin();
-  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px});
+  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px, .raster = raster});
   list.end();
   device.sight().run(list);
   return judgePicture(truth, frame.readDepth(), frame.readColor(), drawn.spacing());
@@ -110,51 +112,60 @@ std::vector<SplatQuality> judgeShapes(Context& context, const UVec2& size, const
       if (!truth) truth = pictureTruth(*shape, cloud, size.x, size.y, stride, context.threads());
       const double spacing = meanSpacing(cloud, context.threads());
       const DrawnCloud seen(context.device(), cloud, {.spacing = spacing});
-      for (const std::uint32_t smooth_px : options.smooths_px)
-        results.push_back({.shape = std::string(name),
-                           .condition = std::string(condition.name),
-                           .smooth_px = smooth_px,
-                           .points = cloud.size(),
-                           .spacing = spacing,
-                           .picture = judge(context.device(), *truth, seen, smooth_px)});
+      for (const std::string& raster : options.rasters)
+        for (const std::uint32_t smooth_px : options.smooths_px)
+          results.push_back({.shape = std::string(name),
+                             .condition = std::string(condition.name),
+                             .raster = raster,
+                             .smooth_px = smooth_px,
+                             .points = cloud.size(),
+                             .spacing = spacing,
+                             .picture = judge(context.device(), *truth, seen, smooth_px, rasterNamed(raster))});
     }
   }
   return results;
 }
 
+std::string cell(const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); }
+
 // Models down, as in the thesis's Table 3.2, and passes across.
-void printCosts(std::FILE* out, const std::vector<SplatCost>& costs, const UVec2& size) {
-  fmt::print(out, "\nsplat, {} x {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}", size.x, size.y, "model",
-             "points");
+void printPassCosts(std::FILE* out, const std::vector<SplatCost>& costs, const std::string& raster, const UVec2& size) {
+  const auto first = std::ranges::find(costs, raster, &SplatCost::raster);
+  fmt::print(out, "\nsplat, {}, {} x {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}", raster, size.x, size.y,
+             "model", "points");
   const auto shortName = [](std::string name) {
     for (const std::string_view prefix : {"render_", "fill frame "})
       if (name.starts_with(prefix)) name.erase(0, prefix.size());
     return name;
   };
-  for (const auto& [name, unused] : costs.front().times.passes) fmt::print(out, "{:>20}", shortName(name));
+  for (const auto& [name, unused] : first->times.passes) fmt::print(out, "{:>20}", shortName(name));
   fmt::print(out, "\n");
-  const auto cell = [](const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); };
   for (const SplatCost& cost : costs) {
+    if (cost.raster != raster) continue;
     fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
     for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>20}", cell(time));
     fmt::print(out, "\n");
   }
-  fmt::print(out, "\n{:<20}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "points", "all passes, ms", "picture, ms", "fps",
-             "MiB");
+}
+
+void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
+  fmt::print(out, "\n{:<20}{:<16}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "raster", "points", "all passes, ms",
+             "picture, ms", "fps", "MiB");
   for (const SplatCost& cost : costs)
-    fmt::print(out, "{:<20}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.points, cell(cost.times.gpu_ms),
-               cell(cost.times.wall_ms), cost.fps(), static_cast<double>(cost.bytes) / (1 << 20));
+    fmt::print(out, "{:<20}{:<16}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.raster, cost.points,
+               cell(cost.times.gpu_ms), cell(cost.times.wall_ms), cost.fps(),
+               static_cast<double>(cost.bytes) / (1 << 20));
 }
 
 void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
   if (qualities.empty()) return;
   fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
-  fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "smooth", "points",
-             "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "raster", "smooth",
+             "points", "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
   for (const SplatQuality& q : qualities)
-    fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition, q.smooth_px,
-               q.points, q.picture.pixels, q.picture.holes, q.picture.overlap, q.picture.depthRms,
-               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
+    fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition,
+               q.raster, q.smooth_px, q.points, q.picture.pixels, q.picture.holes, q.picture.overlap,
+               q.picture.depthRms, fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
 }
 
 Json toJson(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
@@ -163,6 +174,7 @@ Json toJson(const SplatCost& cost) {
   Json passes = Json::object();
   for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
   return {{"subject", cost.subject},
+          {"raster", cost.raster},
           {"points", cost.points},
           {"passes_ms", passes},
           {"gpu_ms", toJson(cost.times.gpu_ms)},
@@ -174,6 +186,7 @@ Json toJson(const SplatCost& cost) {
 Json toJson(const SplatQuality& q) {
   return {{"shape", q.shape},
           {"condition", q.condition},
+          {"raster", q.raster},
           {"smooth_px", q.smooth_px},
           {"points", q.points},
           {"spacing", q.spacing},
@@ -189,17 +202,19 @@ Json toJson(const SplatQuality& q) {
 Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
+  for (const std::string& raster : options.rasters) rasterNamed(raster);
   const UVec2 size(width, height);
   std::vector<SplatCost> costs;
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    costs.push_back(costOf(context, subject, size, options));
+    for (const std::string& raster : options.rasters) costs.push_back(costOf(context, subject, size, raster, options));
   }
-  std::ranges::sort(costs, {}, &SplatCost::points);
+  std::ranges::stable_sort(costs, {}, &SplatCost::points);
   const std::vector<SplatQuality> qualities =
       options.touch.quick ? std::vector<SplatQuality>{} : judgeShapes(context, size, options);
-  printCosts(context.tables(), costs, size);
+  for (const std::string& raster : options.rasters) printPassCosts(context.tables(), costs, raster, size);
+  printCosts(context.tables(), costs);
   printQualities(context.tables(), qualities, size);
   Json result{{"size", {width, height}}, {"costs", Json::array()}, {"qualities", Json::array()}};
   for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));
