@@ -88,8 +88,7 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
       ->capture_default_str();
   command
       .add_option("--raster", options.raster,
-                  "who draws the discs: compute shaders, the GPU's own rasteriser (hardware), or that with quads in "
-                  "place of points (hardware-quads); the same picture")
+                  "who draws the discs: compute shaders, or the GPU's own rasteriser (hardware); the same picture")
       ->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")

@@ -100,18 +100,17 @@ void Device::createLogicalDevice() {
   VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available13};
   vkGetPhysicalDeviceFeatures2(physical_, &availables);
   const VkPhysicalDeviceFeatures& available = availables.features;
-  draws_ = roles_.draws && available13.dynamicRendering;
-  if (available.largePoints) largestPoint_px_ = properties_.limits.pointSizeRange[1];
+  draws_ = roles_.draws && available13.dynamicRendering && available.largePoints;
 
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
   v13.synchronization2 = VK_TRUE;
-  v13.dynamicRendering = available13.dynamicRendering;
+  v13.dynamicRendering = draws_;
   v13.computeFullSubgroups = VK_TRUE;
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
   v12.bufferDeviceAddress = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
-  features.features.largePoints = available.largePoints;
+  features.features.largePoints = draws_;
   if (instance_->validates()) {
     // GPU-assisted validation instruments the shaders and needs these itself.
     features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;

@@ -43,10 +43,10 @@ class Device {
   const VkPhysicalDeviceProperties& properties() const { return properties_; }
   std::uint32_t subgroupSize() const { return subgroupSize_; }
   VkDriverId driverId() const { return driverId_; }
-  /// Whether the sight queue can draw into images (CommandList::draw).
+  /// Whether the sight queue can draw into images (CommandList::draw), points of any size among it.
   bool draws() const { return draws_; }
   /// Side of the largest point that a draw makes, pixels.
-  float largestPoint_px() const { return largestPoint_px_; }
+  float largestPoint_px() const { return properties_.limits.pointSizeRange[1]; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
@@ -82,7 +82,6 @@ class Device {
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
   bool draws_ = false;
-  float largestPoint_px_ = 1;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};

@@ -116,7 +116,7 @@ void Frame::recordHardware(CommandList& list, const shared::SplatArgs& args, con
   hardware_->record(
       list, args,
       frameConstants(about, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, 1),
-      about.widest, options.raster);
+      about.widest);
   recordSources(list, args.frame);
 }
 

@@ -37,8 +37,8 @@ ColorBy colorByNamed(std::string_view name) {
 }
 
 Raster rasterNamed(std::string_view name) {
-  static constexpr std::pair<std::string_view, Raster> kChoices[] = {
-      {"compute", Raster::compute}, {"hardware", Raster::hardware}, {"hardware-quads", Raster::hardwareQuads}};
+  static constexpr std::pair<std::string_view, Raster> kChoices[] = {{"compute", Raster::compute},
+                                                                     {"hardware", Raster::hardware}};
   return named<Raster>("--raster", name, kChoices);
 }
 

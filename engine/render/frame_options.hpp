@@ -32,8 +32,7 @@ enum class ColorBy : std::uint32_t {
 /// Who draws the discs of a cloud. The pictures are the same, but for samples on the rims of discs.
 enum class Raster : std::uint32_t {
   compute,
-  hardware,       ///< the graphics pipeline: points, and quads where discs are wider than the GPU's points
-  hardwareQuads,  ///< the same with quads alone, for comparison
+  hardware,  ///< the graphics pipeline: point sprites
 };
 
 /// By the names of the command line. Throw UsageError with the names there are.

@@ -21,7 +21,7 @@ constexpr const char* kInstead = "; --raster compute draws on any GPU";
 
 Device& checkedFor(Device& device, const UVec2& size_px) {
   if (!device.draws())
-    throw UsageError("--raster: {} has no graphics queue that draws into images{}", device.name(), kInstead);
+    throw UsageError("--raster: {} has no graphics queue, or cannot draw large points{}", device.name(), kInstead);
   if (!Attachment::supports(device, kDepthFormat) || !Attachment::supports(device, kSumFormat))
     throw UsageError("--raster: {} cannot add up 32-bit floats as it draws{}", device.name(), kInstead);
   const VkPhysicalDeviceLimits& limits = device.properties().limits;
@@ -34,26 +34,15 @@ Device& checkedFor(Device& device, const UVec2& size_px) {
   return device;
 }
 
-// Whole groups of lanes: on a software driver, lanes without a vertex upset the validation layer as those of fragment
-// shaders do (shaders/shared/hardware_raster.h).
-std::uint32_t verticesFor(std::uint32_t points, std::uint32_t each) {
-  constexpr std::uint32_t kLanes = 32;
-  const std::uint64_t vertices = (std::uint64_t{points} * each + kLanes - 1) / kLanes * kLanes;
-  if (vertices > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("--raster: {} points are more than one draw can hold{}", points, kInstead);
-  return static_cast<std::uint32_t>(vertices);
-}
-
-GraphicsPipeline pipeline(Device& device, const ShaderCode& fragment, bool quads, std::vector<VkFormat> colors) {
+GraphicsPipeline pipeline(Device& device, const ShaderCode& fragment, std::vector<VkFormat> colors) {
   return {device,
           shader_code::render_hardware_disc,
           fragment,
-          {.topology = quads ? VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST : VK_PRIMITIVE_TOPOLOGY_POINT_LIST,
+          {.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST,
            .depth = colors.empty() ? DepthUse::nearest : DepthUse::within,
            .depthFormat = kDepthFormat,
            .colorFormats = std::move(colors),
-           .pushBytes = sizeof(shared::HardwareDiscArgs),
-           .constants = {quads}}};
+           .pushBytes = sizeof(shared::HardwareDiscArgs)}};
 }
 
 // Exponent of a power of two that no depth comes near, also of points that edits have moved off the cloud.
@@ -63,32 +52,42 @@ int depthExponent(const shared::RenderFrame& frame, double widest) {
   return std::ilogb(deepest > frame.view.nearDepth && std::isfinite(deepest) ? deepest : frame.view.nearDepth) + kRoom;
 }
 
-// Whether a disc's box may be wider than so many samples. Its near end is at a smaller depth than its middle, and a box
-// aside from the middle of the picture is wider than the disc; twice that is on the safe side.
-bool mayExceed(std::uint32_t side_px, const shared::RenderFrame& frame, double widest) {
-  const std::uint32_t picture = std::max(frame.view.size_px.x, frame.view.size_px.y);
+// Along each side of the largest disc's box, as many as are affordable; what is beyond is cut off. The near end of a
+// disc is at a smaller depth than its middle, and a box aside from the middle of the picture is wider than the disc;
+// twice that is on the safe side.
+std::uint32_t spritesOf(std::uint32_t tile_px, const shared::RenderFrame& frame, double widest) {
+  const double picture = std::max(frame.view.size_px.x, frame.view.size_px.y);
   const double nearest = std::max(frame.depthMin - widest, double{frame.view.nearDepth});
   const double aside = 0.5 * picture / frame.view.focal_px;
-  return picture > side_px && 2 * (1 + aside) * widest * frame.view.focal_px / nearest + 2 > side_px;
+  const double side_px = std::min(2 * (1 + aside) * widest * frame.view.focal_px / nearest + 2, picture);
+  const double affordable = std::floor(std::sqrt(double{shared::kMaxSplatInvocations} / std::max(frame.count, 1u)));
+  return static_cast<std::uint32_t>(std::clamp(std::ceil(side_px / tile_px), 1.0, std::max(affordable, 1.0)));
+}
+
+// Whole groups of lanes: on a software driver, lanes without a vertex upset the validation layer as those of fragment
+// shaders do (shaders/shared/hardware_raster.h).
+std::uint32_t verticesFor(std::uint32_t points, std::uint32_t tiles) {
+  constexpr std::uint64_t kLanes = 32;
+  const std::uint64_t vertices = (std::uint64_t{points} * tiles * tiles + kLanes - 1) / kLanes * kLanes;
+  if (vertices > std::numeric_limits<std::uint32_t>::max())
+    throw UsageError("--raster: {} points are more than one draw can hold{}", points, kInstead);
+  return static_cast<std::uint32_t>(vertices);
 }
 
 }  // namespace
 
 HardwareRaster::HardwareRaster(Device& device, const UVec2& size_px)
     : device_(checkedFor(device, size_px)),
-      depthPass_{pipeline(device, shader_code::render_hardware_depth, false, {}),
-                 pipeline(device, shader_code::render_hardware_depth, true, {})},
-      normalPass_{pipeline(device, shader_code::render_hardware_normals, false, {kSumFormat}),
-                  pipeline(device, shader_code::render_hardware_normals, true, {kSumFormat})},
-      colorPass_{pipeline(device, shader_code::render_hardware_attributes, false, {kSumFormat, kSumFormat}),
-                 pipeline(device, shader_code::render_hardware_attributes, true, {kSumFormat, kSumFormat})},
+      depthPass_(pipeline(device, shader_code::render_hardware_depth, {})),
+      normalPass_(pipeline(device, shader_code::render_hardware_normals, {kSumFormat})),
+      colorPass_(pipeline(device, shader_code::render_hardware_attributes, {kSumFormat, kSumFormat})),
       sums_(device, shader_code::render_hardware_sums, {.pushBytes = sizeof(shared::HardwareSumsArgs), .images = 3}),
       depth_(device, size_px, kDepthFormat, "hardware depth"),
       normals_(device, size_px, kSumFormat, "hardware normals"),
       plainReads_(device, sums_, std::array<const Attachment*, 3>{&depth_, &normals_, &normals_}) {}
 
 void HardwareRaster::record(CommandList& list, const shared::SplatArgs& args, const shared::RenderFrame& frame,
-                            double widest, Raster raster) {
+                            double widest) {
   const bool hasColors = frame.hasColors != 0;
   if (hasColors && !colors_) {
     colors_ = std::make_unique<Attachment>(device_, depth_.size_px(), kSumFormat, "hardware colors");
@@ -96,9 +95,9 @@ void HardwareRaster::record(CommandList& list, const shared::SplatArgs& args, co
                                                std::array<const Attachment*, 3>{&depth_, &normals_, colors_.get()});
   }
   const int exponent = depthExponent(frame, widest);
-  const std::uint32_t largestPoint_px =
-      raster == Raster::hardwareQuads ? 0 : static_cast<std::uint32_t>(device_.largestPoint_px());
-  const bool anyQuads = mayExceed(largestPoint_px, frame, widest);
+  const auto largestPoint_px = static_cast<std::uint32_t>(device_.largestPoint_px());
+  const std::uint32_t tiles = spritesOf(largestPoint_px, frame, widest);
+  const std::uint32_t vertices = verticesFor(frame.count, tiles);
   shared::HardwareDiscArgs discs{.frame = args.frame,
                                  .positions = args.positions,
                                  .normals = args.normals,
@@ -112,12 +111,12 @@ void HardwareRaster::record(CommandList& list, const shared::SplatArgs& args, co
                                  .leastWeight = std::min(8 / frame.sumScale, shared::kRimWeight),
                                  .count = frame.count,
                                  .largestPoint_px = largestPoint_px,
-                                 .unused = 0};
-  draw(list, depthPass_, {.colors = {}, .depth = &depth_, .clearDepth = true}, discs, anyQuads);
+                                 .tiles = tiles};
+  list.draw(depthPass_, {.colors = {}, .depth = &depth_, .clearDepth = true}, vertices, discs);
   discs.lead = shared::kDepthBand;
   DrawTargets sums{.colors = {&normals_}, .depth = &depth_, .clearColors = true};
   if (hasColors) sums.colors.push_back(colors_.get());
-  draw(list, hasColors ? colorPass_ : normalPass_, sums, discs, anyQuads);
+  list.draw(hasColors ? colorPass_ : normalPass_, sums, vertices, discs);
   list.dispatch(sums_, std::uint64_t{depth_.size_px().x} * depth_.size_px().y,
                 shared::HardwareSumsArgs{.frame = args.frame,
                                          .depth = args.depth,
@@ -126,16 +125,6 @@ void HardwareRaster::record(CommandList& list, const shared::SplatArgs& args, co
                                          .depthUnit = std::ldexp(1.0f, exponent),
                                          .unused = 0},
                 hasColors ? *colorReads_ : plainReads_);
-}
-
-void HardwareRaster::draw(CommandList& list, const Pipelines& pipelines, DrawTargets targets,
-                          const shared::HardwareDiscArgs& args, bool anyQuads) const {
-  const bool anyPoints = args.largestPoint_px > 0;
-  if (anyPoints) {
-    list.draw(pipelines.points, targets, verticesFor(args.count, 1), args);
-    targets.clearColors = targets.clearDepth = false;
-  }
-  if (anyQuads) list.draw(pipelines.quads, targets, verticesFor(args.count, 6), args);
 }
 
 }  // namespace palpate

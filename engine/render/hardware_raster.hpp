@@ -9,7 +9,8 @@
 namespace palpate {
 
 /// Discs by the graphics pipeline, for Frame: leaves the same depths and sums as the compute passes. A disc is a point
-/// sprite, or a quad where it is wider than the GPU's points.
+/// sprite: one vertex and one primitive, where a quad is six and two. Where discs may be wider than the GPU's points,
+/// each is a square of them.
 ///
 /// Pass 1 keeps the nearest depth in a depth attachment, as the depth times a power of two, so that no bit of it is
 /// lost. Pass 2 tests depths brought forward by the blending band and adds up in float attachments; blending keeps the
@@ -22,18 +23,11 @@ class HardwareRaster {
 
   /// Fills `args.depth`, `args.normalSums` and, for a cloud with colours, `args.colorSums`. `frame` is what
   /// `args.frame` will hold, `widest` the largest disc's diameter in model units.
-  void record(CommandList& list, const shared::SplatArgs& args, const shared::RenderFrame& frame, double widest,
-              Raster raster);
+  void record(CommandList& list, const shared::SplatArgs& args, const shared::RenderFrame& frame, double widest);
 
  private:
-  struct Pipelines {
-    GraphicsPipeline points, quads;
-  };
-  void draw(CommandList& list, const Pipelines& pipelines, DrawTargets targets, const shared::HardwareDiscArgs& args,
-            bool anyQuads) const;
-
   Device& device_;
-  Pipelines depthPass_, normalPass_, colorPass_;
+  GraphicsPipeline depthPass_, normalPass_, colorPass_;
   ComputePipeline sums_;
   Attachment depth_, normals_;
   ImageReads plainReads_;

@@ -20,8 +20,11 @@ Fragment fragmentHere() {
   view.center_px = args.center_px;
   view.focal_px = args.focal_px;
   view.nearDepth = args.nearDepth;
+  const ivec2 pixel = ivec2(gl_FragCoord.xy);
   Fragment fragment;
-  if (!coverPixel(view, disc, drawn.center.w, ivec2(gl_FragCoord.xy), fragment)) discard;
+  if (any(lessThan(pixel, drawn.box.xy)) || any(greaterThan(pixel, drawn.box.zw)) ||
+      !coverPixel(view, disc, drawn.center.w, pixel, fragment))
+    discard;
   gl_FragDepth = max(fragment.depth - drawn.normal.w, 0) * args.depthScale;
   fragment.weight = max(fragment.weight, args.leastWeight);
   return fragment;

@@ -21,8 +21,8 @@ struct HardwareDiscArgs {
   float lead;            // in radii: fragments are tested as if they were so much nearer
   float leastWeight;     // of a fragment: what only thin ones cover must not be lost in the sums' fixed point
   uint count;            // of the points; vertices are rounded up
-  uint largestPoint_px;  // wider discs are quads, the others points
-  uint unused;
+  uint largestPoint_px;  // side of a point sprite at most
+  uint tiles;            // of that size, along each side of a disc's box; a vertex for each
 };
 PALPATE_SIZE(HardwareDiscArgs, 80);
 
