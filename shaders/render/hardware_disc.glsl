@@ -13,7 +13,7 @@ layout(location = 0) HARDWARE_DISC Drawn {
   flat vec4 clip;     // w: trust
   flat vec3 shading;
   flat ivec2 centerPixel;
-  flat ivec4 box;     // first and last pixel: a sprite is square, and must not reach into the next one
+  flat ivec4 box;     // first and last pixel: of several sprites none may reach into the next one, and they are square
   flat uint color;    // RGBA8
 } drawn;
 

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The discs of a cloud for the graphics pipeline: point sprites over the disc's box of pixels, a square of tiles of them
+// The discs of a cloud for the graphics pipeline: a point sprite over the disc's box of pixels, or a square of sprites
 // where the GPU's points are too small for the largest disc.
 #define HARDWARE_DISC out
 #include "shaders/render/hardware_disc.glsl"

@@ -22,9 +22,8 @@ Fragment fragmentHere() {
   view.nearDepth = args.nearDepth;
   const ivec2 pixel = ivec2(gl_FragCoord.xy);
   Fragment fragment;
-  if (any(lessThan(pixel, drawn.box.xy)) || any(greaterThan(pixel, drawn.box.zw)) ||
-      !coverPixel(view, disc, drawn.center.w, pixel, fragment))
-    discard;
+  if (args.tiles > 1 && (any(lessThan(pixel, drawn.box.xy)) || any(greaterThan(pixel, drawn.box.zw)))) discard;
+  if (!coverPixel(view, disc, drawn.center.w, pixel, fragment)) discard;
   gl_FragDepth = max(fragment.depth - drawn.normal.w, 0) * args.depthScale;
   fragment.weight = max(fragment.weight, args.leastWeight);
   return fragment;

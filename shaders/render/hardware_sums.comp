@@ -1,8 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_samplerless_texture_functions : require
-// From what the graphics pipeline left in its attachments to the depths and sums that the passes after it read: those of
-// splat_depth.comp and splat_attributes.comp.
+// From what the graphics pipeline left in its attachments to the depths and sums that the passes after it read, as
+// splat_depth.comp and splat_attributes.comp leave them.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/hardware_raster.h"
 
