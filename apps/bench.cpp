@@ -223,6 +223,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
       ->delimiter(',')
       ->capture_default_str();
+  sub->add_option("--raster", options->rasters, "splat: who draws the discs, as in render; several are compared")
+      ->delimiter(',')
+      ->capture_default_str();
   sub->add_option("--plot", options->plotFile, "draw times against points, a line for each way (needs matplotlib)")
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);

@@ -43,9 +43,10 @@ struct BenchOptions {
   double rate_Hz = 1e6;
   double movedShare = 0.01;
   std::string plotFile;
-  std::string size = "1280x720";             ///< of the pictures of splat
-  std::uint32_t samples = 4;                 ///< of a pixel, for splat
-  std::vector<std::uint32_t> smooths_px{0};  ///< of splat (FrameOptions::smooth_px)
+  std::string size = "1280x720";                ///< of the pictures of splat
+  std::uint32_t samples = 4;                    ///< of a pixel, for splat
+  std::vector<std::uint32_t> smooths_px{0};     ///< of splat (FrameOptions::smooth_px)
+  std::vector<std::string> rasters{"compute"};  ///< of splat (FrameOptions::raster)
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;

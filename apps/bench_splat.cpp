@@ -20,7 +20,7 @@ struct FrameTimes {
 };
 
 struct SplatCost {
-  std::string subject;
+  std::string subject, raster;
   std::size_t points = 0;
   FrameTimes times;
   std::uint64_t bytes = 0;                  ///< of the drawn cloud and the frame's images
@@ -30,7 +30,7 @@ struct SplatCost {
 };
 
 struct SplatQuality {
-  std::string shape, condition;
+  std::string shape, condition, raster;
   std::uint32_t smooth_px = 0;
   std::size_t points = 0;
   double spacing = 0;
@@ -43,12 +43,12 @@ struct Condition {
 };
 constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
 
-FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera,
+FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera, Raster raster,
                          const BenchOptions& options) {
   FrameTimes times;
   CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
   list.begin();
-  frame.record(list, drawn, camera, {});
+  frame.record(list, drawn, camera, {.raster = raster});
   list.end();
   device.sight().run(list);  // pipelines are made ready at their first use
   std::vector<std::string> names;
@@ -89,24 +89,27 @@ std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& draw
   return watch.longest();
 }
 
-SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options) {
+SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const std::string& raster,
+                 const BenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
   const DrawnCloud drawn(device, subject.model.cloud, {.spacing = subject.model.spacing});
-  Frame frame(device, size.x, size.y, options.samples > 1 ? 2 : 1);
-  SplatCost cost{.subject = subject.name, .points = subject.model.cloud.size()};
-  cost.bytes = device.allocatedBytes() - before;
+  const std::uint32_t supersample = options.samples > 1 ? 2 : 1;
+  Frame frame(device, size.x, size.y, supersample);
+  SplatCost cost{.subject = subject.name, .raster = raster, .points = subject.model.cloud.size()};
   const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
-  cost.times = measureFrames(device, frame, drawn, camera, options);
-  cost.lives = livesOf(device, drawn, camera, size, options.samples > 1 ? 2 : 1);
+  cost.times = measureFrames(device, frame, drawn, camera, rasterNamed(raster), options);
+  cost.bytes = device.allocatedBytes() - before;
+  if (rasterNamed(raster) == Raster::compute) cost.lives = livesOf(device, drawn, camera, size, supersample);
   return cost;
 }
 
-PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px) {
+PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px,
+                       Raster raster) {
   Frame frame(device, truth.width, truth.height, 1);
   CommandList list(device, device.sight(), "judged frame");
   list.begin();
-  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px});
+  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px, .raster = raster});
   list.end();
   device.sight().run(list);
   return judgePicture(truth, frame.readDepth(), frame.readColor(), drawn.spacing());
@@ -130,13 +133,15 @@ void judgeShapes(Context& context, const UVec2& size, const BenchOptions& option
       if (!truth) truth = pictureTruth(traced(*shape), cloud, size.x, size.y, stride, context.threads());
       const double spacing = meanSpacing(cloud, context.threads());
       const DrawnCloud seen(context.device(), cloud, {.spacing = spacing});
-      for (const std::uint32_t smooth_px : options.smooths_px)
-        results.push_back({.shape = std::string(name),
-                           .condition = std::string(condition.name),
-                           .smooth_px = smooth_px,
-                           .points = cloud.size(),
-                           .spacing = spacing,
-                           .picture = judge(context.device(), *truth, seen, smooth_px)});
+      for (const std::string& raster : options.rasters)
+        for (const std::uint32_t smooth_px : options.smooths_px)
+          results.push_back({.shape = std::string(name),
+                             .condition = std::string(condition.name),
+                             .raster = raster,
+                             .smooth_px = smooth_px,
+                             .points = cloud.size(),
+                             .spacing = spacing,
+                             .picture = judge(context.device(), *truth, seen, smooth_px, rasterNamed(raster))});
     }
   }
 }
@@ -153,13 +158,15 @@ void judgeScan(Context& context, const Subject& subject, const UVec2& size, cons
   bounds.max += cloud.origin;
   const PictureTruth truth = pictureTruth(traced(mesh, bounds), cloud, size.x, size.y, kStride, context.threads());
   const DrawnCloud seen(context.device(), cloud, {.spacing = subject.model.spacing});
-  for (const std::uint32_t smooth_px : options.smooths_px)
-    results.push_back({.shape = subject.name,
-                       .condition = "scan",
-                       .smooth_px = smooth_px,
-                       .points = cloud.size(),
-                       .spacing = subject.model.spacing,
-                       .picture = judge(context.device(), truth, seen, smooth_px)});
+  for (const std::string& raster : options.rasters)
+    for (const std::uint32_t smooth_px : options.smooths_px)
+      results.push_back({.shape = subject.name,
+                         .condition = "scan",
+                         .raster = raster,
+                         .smooth_px = smooth_px,
+                         .points = cloud.size(),
+                         .spacing = subject.model.spacing,
+                         .picture = judge(context.device(), truth, seen, smooth_px, rasterNamed(raster))});
 }
 
 std::string shortName(std::string name) {
@@ -168,46 +175,57 @@ std::string shortName(std::string name) {
   return name;
 }
 
+std::string cell(const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); }
+
 // Models down, as in the thesis's Table 3.2, and passes across.
-void printCosts(std::FILE* out, const std::vector<SplatCost>& costs, const UVec2& size, std::uint32_t samples) {
-  fmt::print(out, "\nsplat, {} x {}, samples of a pixel: {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}",
-             size.x, size.y, samples, "model", "points");
-  for (const auto& [name, unused] : costs.front().times.passes) fmt::print(out, "{:>20}", shortName(name));
+void printPassCosts(std::FILE* out, const std::vector<SplatCost>& costs, const std::string& raster, const UVec2& size,
+                    std::uint32_t samples) {
+  const auto first = std::ranges::find(costs, raster, &SplatCost::raster);
+  fmt::print(out, "\nsplat, {}, {} x {}, samples of a pixel: {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}",
+             raster, size.x, size.y, samples, "model", "points");
+  for (const auto& [name, unused] : first->times.passes) fmt::print(out, "{:>22}", shortName(name));
   fmt::print(out, "\n");
-  const auto cell = [](const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); };
   for (const SplatCost& cost : costs) {
+    if (cost.raster != raster) continue;
     fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
-    for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>20}", cell(time));
+    for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>22}", cell(time));
     fmt::print(out, "\n");
   }
-  fmt::print(out, "\n{:<20}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "points", "all passes, ms", "picture, ms", "fps",
-             "MiB");
+}
+
+void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
+  fmt::print(out, "\n{:<20}{:<16}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "raster", "points", "all passes, ms",
+             "picture, ms", "fps", "MiB");
   for (const SplatCost& cost : costs)
-    fmt::print(out, "{:<20}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.points, cell(cost.times.gpu_ms),
-               cell(cost.times.wall_ms), cost.fps(), static_cast<double>(cost.bytes) / (1 << 20));
+    fmt::print(out, "{:<20}{:<16}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.raster, cost.points,
+               cell(cost.times.gpu_ms), cell(cost.times.wall_ms), cost.fps(),
+               static_cast<double>(cost.bytes) / (1 << 20));
 }
 
 void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
   if (qualities.empty()) return;
   fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
-  fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "smooth", "points",
-             "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "raster", "smooth",
+             "points", "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
   for (const SplatQuality& q : qualities)
-    fmt::print(out, "{:<14}{:<10}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition, q.smooth_px,
-               q.points, q.picture.pixels, q.picture.holes, q.picture.overlap, q.picture.depthRms,
-               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
+    fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition,
+               q.raster, q.smooth_px, q.points, q.picture.pixels, q.picture.holes, q.picture.overlap,
+               q.picture.depthRms, fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
 }
 
 void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
-  if (costs.empty()) return;
-  if (costs.front().lives.empty()) {
+  const auto compute = std::ranges::find(costs, "compute", &SplatCost::raster);
+  if (compute == costs.end()) return;
+  if (compute->lives.empty()) {
     fmt::print(out, "\nsplat, the longest life of a workgroup: not known, this GPU's shaders share no clock\n");
     return;
   }
-  fmt::print(out, "\nsplat, the longest life of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model", "points");
-  for (const auto& life : costs.front().lives) fmt::print(out, "{:>24}", shortName(life.pass));
+  fmt::print(out, "\nsplat, compute, the longest life of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model",
+             "points");
+  for (const auto& life : compute->lives) fmt::print(out, "{:>24}", shortName(life.pass));
   fmt::print(out, "\n");
   for (const SplatCost& cost : costs) {
+    if (cost.raster != compute->raster) continue;
     fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
     for (const auto& life : cost.lives) fmt::print(out, "{:>24.1f}", life.longest_us);
     fmt::print(out, "\n");
@@ -221,6 +239,7 @@ Json toJson(const SplatCost& cost) {
   for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
   for (const auto& life : cost.lives) lives[life.pass] = life.longest_us;
   return {{"subject", cost.subject},
+          {"raster", cost.raster},
           {"points", cost.points},
           {"passes_ms", passes},
           {"gpu_ms", toJson(cost.times.gpu_ms)},
@@ -233,6 +252,7 @@ Json toJson(const SplatCost& cost) {
 Json toJson(const SplatQuality& q) {
   return {{"shape", q.shape},
           {"condition", q.condition},
+          {"raster", q.raster},
           {"smooth_px", q.smooth_px},
           {"points", q.points},
           {"spacing", q.spacing},
@@ -248,6 +268,7 @@ Json toJson(const SplatQuality& q) {
 Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
+  for (const std::string& raster : options.rasters) rasterNamed(raster);
   const UVec2 size(width, height);
   const bool scan = !options.touch.truthFile.empty();
   if (scan && options.models.size() != 1)
@@ -257,12 +278,14 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    costs.push_back(costOf(context, subject, size, options));
+    for (const std::string& raster : options.rasters) costs.push_back(costOf(context, subject, size, raster, options));
     if (scan) judgeScan(context, subject, size, options, qualities);
   }
-  std::ranges::sort(costs, {}, &SplatCost::points);
+  std::ranges::stable_sort(costs, {}, &SplatCost::points);
   if (!options.touch.quick && !scan) judgeShapes(context, size, options, qualities);
-  printCosts(context.tables(), costs, size, options.samples);
+  for (const std::string& raster : options.rasters)
+    printPassCosts(context.tables(), costs, raster, size, options.samples);
+  printCosts(context.tables(), costs);
   printLives(context.tables(), costs);
   printQualities(context.tables(), qualities, size);
   Json result{

@@ -23,6 +23,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
   frame.everyPoint = options.everyPoint;
+  frame.raster = rasterNamed(options.raster);
   constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
   frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
   if (!options.background.empty())
@@ -95,6 +96,10 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
   addSamplesOption(command, options.samples);
   command.add_flag("--every-point", options.everyPoint,
                    "draw all points, also where they are finer than samples and a share of them would do");
+  command
+      .add_option("--raster", options.raster,
+                  "who draws the discs: compute shaders, or the GPU's own rasteriser (hardware); the same picture")
+      ->capture_default_str();
   command.add_option("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
       ->type_name("FILE.pfm");

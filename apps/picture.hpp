@@ -7,7 +7,8 @@
 namespace palpate {
 
 struct PictureOptions {
-  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile;
+  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile,
+              raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
   bool points = false;  ///< bare ones instead of discs

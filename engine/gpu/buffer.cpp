@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 
 #include "engine/gpu/device.hpp"
@@ -38,6 +37,13 @@ std::span<const VkMemoryPropertyFlags> preferences(Memory memory) {
   return kDevice;
 }
 
+OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint64_t bytes, std::uint64_t limit) {
+  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; ask for less", device.name(),
+                        name, bytes >> 20, limit >> 20);
+}
+
+}  // namespace
+
 std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory) {
   const auto& properties = device.memory();
   for (const VkMemoryPropertyFlags wanted : preferences(memory))
@@ -45,13 +51,6 @@ std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allo
       if ((allowed >> i & 1) && (properties.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
   return std::nullopt;
 }
-
-OutOfGpuMemory tooLarge(const Device& device, const std::string& name, std::uint64_t bytes, std::uint64_t limit) {
-  return OutOfGpuMemory("{}: '{}' needs {} MiB, more than the {} MiB that this GPU allows; ask for less", device.name(),
-                        name, bytes >> 20, limit >> 20);
-}
-
-}  // namespace
 
 Buffer::Buffer(Device& device, std::uint64_t bytes, Memory memory, std::string name)
     : device_(&device), bytes_(bytes), name_(std::move(name)) {

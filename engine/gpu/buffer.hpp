@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -19,6 +20,9 @@ enum class Memory {
   staging,   ///< the host writes in order, the GPU copies from it; in the host's memory
   readback,  ///< the GPU writes, the host reads; cached on the host
 };
+
+/// The best memory type of those `allowed` (a bit each) for that use; nothing where none will do.
+std::optional<std::uint32_t> memoryType(const Device& device, std::uint32_t allowed, Memory memory);
 
 /// A range of GPU memory that shaders reach by its address. Mapped for as long as it lives when the host may touch it.
 /// Zero bytes are allowed and give a valid address. Throws OutOfGpuMemory.

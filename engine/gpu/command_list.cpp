@@ -15,13 +15,33 @@ constexpr VkAccessFlags2 kReads = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_TRAN
 constexpr std::size_t kTimedPasses = 200;  // the rest of the timer is for sections
 static_assert(kTimedPasses < GpuTimer::kMaxScopes);
 
-void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineStageFlags2 to, VkAccessFlags2 access) {
+// What draws add to these, on a queue that has it.
+constexpr VkPipelineStageFlags2 kDrawing =
+    VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT |
+    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT |
+    VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
+constexpr VkAccessFlags2 kShaders = VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT;
+constexpr VkAccessFlags2 kDrawingWrites =
+    VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+constexpr VkAccessFlags2 kDrawingReads =
+    VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT;
+
+struct Scope {
+  VkPipelineStageFlags2 stages;
+  VkAccessFlags2 access;
+};
+
+// All that this list did before, and lists before it.
+Scope before(bool drew) { return {kWork | (drew ? kDrawing : 0), kWrites | (drew ? kDrawingWrites : 0)}; }
+
+void memoryBarrier(const Device& device, VkCommandBuffer commands, const Scope& from, const Scope& to,
+                   std::span<const VkImageMemoryBarrier2> images = {}) {
   const VkMemoryBarrier2 barrier{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
                                  .pNext = nullptr,
-                                 .srcStageMask = kWork,
-                                 .srcAccessMask = kWrites,
-                                 .dstStageMask = to,
-                                 .dstAccessMask = access};
+                                 .srcStageMask = from.stages,
+                                 .srcAccessMask = from.access,
+                                 .dstStageMask = to.stages,
+                                 .dstAccessMask = to.access};
   const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .pNext = nullptr,
                               .dependencyFlags = 0,
@@ -29,9 +49,39 @@ void memoryBarrier(const Device& device, VkCommandBuffer commands, VkPipelineSta
                               .pMemoryBarriers = &barrier,
                               .bufferMemoryBarrierCount = 0,
                               .pBufferMemoryBarriers = nullptr,
-                              .imageMemoryBarrierCount = 0,
-                              .pImageMemoryBarriers = nullptr};
+                              .imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size()),
+                              .pImageMemoryBarriers = images.data()};
   device.vk().vkCmdPipelineBarrier2(commands, &info);
+}
+
+// What was in the image is gone.
+VkImageMemoryBarrier2 toGeneralLayout(const Attachment& image, const Scope& from, const Scope& to) {
+  return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+          .pNext = nullptr,
+          .srcStageMask = from.stages,
+          .srcAccessMask = from.access,
+          .dstStageMask = to.stages,
+          .dstAccessMask = to.access,
+          .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+          .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+          .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+          .image = image.handle(),
+          .subresourceRange = {
+              .aspectMask = image.aspect(), .baseMipLevel = 0, .levelCount = 1, .baseArrayLayer = 0, .layerCount = 1}};
+}
+
+VkRenderingAttachmentInfo target(const Attachment& image, bool clear, const VkClearValue& to) {
+  return {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+          .pNext = nullptr,
+          .imageView = image.view(),
+          .imageLayout = VK_IMAGE_LAYOUT_GENERAL,
+          .resolveMode = VK_RESOLVE_MODE_NONE,
+          .resolveImageView = VK_NULL_HANDLE,
+          .resolveImageLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+          .loadOp = clear ? VK_ATTACHMENT_LOAD_OP_CLEAR : VK_ATTACHMENT_LOAD_OP_LOAD,
+          .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+          .clearValue = to};
 }
 
 }  // namespace
@@ -68,6 +118,7 @@ void CommandList::begin() {
       .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO, .pNext = nullptr, .flags = 0, .pInheritanceInfo = nullptr};
   device_.check(device_.vk().vkBeginCommandBuffer(commands_, &info), "vkBeginCommandBuffer");
   submitted_ = false;
+  drew_ = false;
   sectionTimers_.clear();
   passes_.clear();
   passTimers_.clear();
@@ -76,7 +127,10 @@ void CommandList::begin() {
 }
 
 void CommandList::end() {
-  memoryBarrier(device_, commands_, VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_READ_BIT);
+  // Later lists wait for work, not for draws, so draws end as work does.
+  memoryBarrier(
+      device_, commands_, before(drew_),
+      {VK_PIPELINE_STAGE_2_HOST_BIT | (drew_ ? kWork : 0), VK_ACCESS_2_HOST_READ_BIT | (drew_ ? kReads | kWrites : 0)});
   closeLabel();
   device_.check(device_.vk().vkEndCommandBuffer(commands_), "vkEndCommandBuffer");
 }
@@ -88,20 +142,38 @@ void CommandList::orderAfterPrevious(Size size) {
   // other one 1.8. The first of several waits for what any of them may need.
   const bool reads = size == Size::inMemory || independent_ == Overlap::first;
   if (independent_ == Overlap::first) independent_ = Overlap::yes;
-  memoryBarrier(device_, commands_, kWork | (reads ? VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT : 0),
-                kReads | kWrites | (reads ? VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT : 0));
+  memoryBarrier(device_, commands_, before(drew_),
+                {kWork | (reads ? VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT : 0),
+                 kReads | kWrites | (reads ? VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT : 0)});
+  drew_ = false;
   waits_ = true;
 }
 
-void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads,
-                                std::span<const std::byte> args) {
+void CommandList::orderDraw(const DrawTargets& targets) {
+  PALPATE_CHECK(independent_ == Overlap::no);
+  const Scope from = before(drew_), to{kDrawing, kShaders | kDrawingReads | kDrawingWrites};
+  std::vector<VkImageMemoryBarrier2> cleared;
+  if (targets.clearDepth) cleared.push_back(toGeneralLayout(*targets.depth, from, to));
+  for (const Attachment* color : targets.colors)
+    if (targets.clearColors) cleared.push_back(toGeneralLayout(*color, from, to));
+  memoryBarrier(device_, commands_, from, to, cleared);
+  drew_ = true;
+  waits_ = true;
+}
+
+void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args,
+                                VkDescriptorSet images) {
   if (threads == 0) return;
+  PALPATE_CHECK_EQ(images != VK_NULL_HANDLE, pipeline.imageLayout() != VK_NULL_HANDLE);
   const std::uint64_t size = pipeline.workgroupSize();
   const GroupGrid grid =
       groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
   orderAfterPrevious(Size::known);
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
+  if (images)
+    device_.vk().vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0, 1, &images, 0,
+                                         nullptr);
   device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
   closePass();
 }
@@ -113,6 +185,43 @@ void CommandList::dispatchIndirectBytes(const ComputePipeline& pipeline, const B
   openPass(pipeline.name(), 0, args.size());
   bind(pipeline, args);
   device_.vk().vkCmdDispatchIndirect(commands_, groups.handle(), offset);
+  closePass();
+}
+
+void CommandList::drawBytes(const GraphicsPipeline& pipeline, const DrawTargets& targets, std::uint32_t vertices,
+                            std::span<const std::byte> args) {
+  PALPATE_CHECK_EQ(args.size(), pipeline.pushBytes());
+  PALPATE_CHECK_EQ(targets.colors.size(), pipeline.colors());
+  PALPATE_CHECK(targets.depth != nullptr);
+  std::vector<VkRenderingAttachmentInfo> colors;
+  for (const Attachment* color : targets.colors)
+    colors.push_back(target(*color, targets.clearColors, {.color = {.float32 = {0, 0, 0, 0}}}));
+  const VkRenderingAttachmentInfo depth = target(*targets.depth, targets.clearDepth, {.depthStencil = {1, 0}});
+  const UVec2 size = targets.depth->size_px();
+  const VkRect2D area{.offset = {0, 0}, .extent = {size.x, size.y}};
+  const VkViewport viewport{0, 0, static_cast<float>(size.x), static_cast<float>(size.y), 0, 1};
+  const VkRenderingInfo info{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                             .pNext = nullptr,
+                             .flags = 0,
+                             .renderArea = area,
+                             .layerCount = 1,
+                             .viewMask = 0,
+                             .colorAttachmentCount = static_cast<std::uint32_t>(colors.size()),
+                             .pColorAttachments = colors.data(),
+                             .pDepthAttachment = &depth,
+                             .pStencilAttachment = nullptr};
+  orderDraw(targets);
+  openPass(pipeline.name(), vertices, args.size());
+  device_.vk().vkCmdBeginRendering(commands_, &info);
+  if (vertices > 0) {
+    device_.vk().vkCmdBindPipeline(commands_, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle());
+    device_.vk().vkCmdSetViewport(commands_, 0, 1, &viewport);
+    device_.vk().vkCmdSetScissor(commands_, 0, 1, &area);
+    device_.vk().vkCmdPushConstants(commands_, pipeline.layout(), GraphicsPipeline::kStages, 0, pipeline.pushBytes(),
+                                    args.data());
+    device_.vk().vkCmdDraw(commands_, vertices, 1, 0, 0);
+  }
+  device_.vk().vkCmdEndRendering(commands_);
   closePass();
 }
 

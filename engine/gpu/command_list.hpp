@@ -9,9 +9,11 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/gpu/attachment.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/gpu_timer.hpp"
+#include "engine/gpu/graphics_pipeline.hpp"
 
 namespace palpate {
 
@@ -22,10 +24,19 @@ class Queue;
 struct PassRecord {
   std::string section;
   std::string name;
-  std::uint64_t threads = 0;  ///< invocations that have work; 0 for copies and fills, and where the GPU decides
-  std::uint64_t bytes = 0;    ///< bytes of the arguments, or moved by a copy or fill
-  bool waits = true;          ///< for all that came before it
-  double gpu_us = 0;          ///< last measured time; 0 unless passes are timed, and past the first 200 of a list
+  std::uint64_t threads =
+      0;  ///< invocations that have work, vertices of a draw; 0 for copies and fills, and where the GPU decides
+  std::uint64_t bytes = 0;  ///< bytes of the arguments, or moved by a copy or fill
+  bool waits = true;        ///< for all that came before it
+  double gpu_us = 0;        ///< last measured time; 0 unless passes are timed, and past the first 200 of a list
+};
+
+/// What a draw goes to: images of one size, colours in the order of the pipeline's formats.
+struct DrawTargets {
+  std::vector<const Attachment*> colors;
+  const Attachment* depth = nullptr;
+  bool clearColors = false;  ///< to 0 first; else they keep what earlier draws of this list left in them
+  bool clearDepth = false;   ///< to 1, likewise
 };
 
 /// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in
@@ -51,6 +62,12 @@ class CommandList {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
     dispatchBytes(pipeline, threads, std::as_bytes(std::span(&args, 1)));
   }
+  /// The same for a pipeline that reads images.
+  template <class Args>
+  void dispatch(const ComputePipeline& pipeline, std::uint64_t threads, const Args& args, const ImageReads& images) {
+    static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
+    dispatchBytes(pipeline, threads, std::as_bytes(std::span(&args, 1)), images.handle());
+  }
   /// The same for a number of workgroups that an earlier pass wrote: three uint32 (x, y, z), `offset` bytes into
   /// `groups`.
   template <class Args>
@@ -58,6 +75,12 @@ class CommandList {
                         std::uint64_t offset = 0) {
     static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
     dispatchIndirectBytes(pipeline, groups, std::as_bytes(std::span(&args, 1)), offset);
+  }
+  /// Draws on a queue with graphics; not within an `independent` scope. Without vertices it only clears.
+  template <class Args>
+  void draw(const GraphicsPipeline& pipeline, const DrawTargets& targets, std::uint32_t vertices, const Args& args) {
+    static_assert(std::is_trivially_copyable_v<Args> && sizeof(Args) <= kMaxPushBytes);
+    drawBytes(pipeline, targets, vertices, std::as_bytes(std::span(&args, 1)));
   }
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
             std::uint64_t toOffset = 0);
@@ -104,11 +127,15 @@ class CommandList {
   enum class Overlap { no, first, yes };
   enum class Size { known, inMemory };  // of a pass, while it is recorded
 
-  void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args);
+  void dispatchBytes(const ComputePipeline& pipeline, std::uint64_t threads, std::span<const std::byte> args,
+                     VkDescriptorSet images = VK_NULL_HANDLE);
+  void drawBytes(const GraphicsPipeline& pipeline, const DrawTargets& targets, std::uint32_t vertices,
+                 std::span<const std::byte> args);
   void dispatchIndirectBytes(const ComputePipeline& pipeline, const Buffer& groups, std::span<const std::byte> args,
                              std::uint64_t offset);
   void bind(const ComputePipeline& pipeline, std::span<const std::byte> args);
   void orderAfterPrevious(Size size);
+  void orderDraw(const DrawTargets& targets);
   void openPass(const std::string& name, std::uint64_t threads, std::uint64_t bytes);
   void closePass();
   void openLabel(const std::string& name);
@@ -121,6 +148,7 @@ class CommandList {
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::unique_ptr<GpuTimer> timer_;
   Overlap independent_ = Overlap::no;
+  bool drew_ = false;   // since the last barrier
   bool waits_ = false;  // the command being recorded stands behind a barrier
   std::string section_;
   std::vector<std::pair<std::string, std::uint32_t>> sectionTimers_;

@@ -96,25 +96,31 @@ void Device::createLogicalDevice() {
                       .queueCount = static_cast<std::uint32_t>(each.size()),
                       .pQueuePriorities = each.data()});
 
-  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  const bool clockExtension = hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
+  VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};
+  VkPhysicalDeviceVulkan13Features available13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                               .pNext = clockExtension ? &clock : nullptr};
+  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                                               .pNext = &available13};
+  VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
+  vkGetPhysicalDeviceFeatures2(physical_, &availables);
+  const VkPhysicalDeviceFeatures& available = availables.features;
+  draws_ = roles_.draws && available13.dynamicRendering && available.largePoints;
+  hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
+  hasClock_ = clock.shaderDeviceClock == VK_TRUE;
+  clock.pNext = nullptr;
+
+  VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                       .pNext = hasClock_ ? &clock : nullptr};
   v13.synchronization2 = VK_TRUE;
+  v13.dynamicRendering = draws_;
   v13.computeFullSubgroups = VK_TRUE;
   VkPhysicalDeviceVulkan12Features v12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &v13};
   v12.bufferDeviceAddress = VK_TRUE;
   v12.scalarBlockLayout = VK_TRUE;
-  const bool clockExtension = hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
-  VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};
-  VkPhysicalDeviceVulkan12Features available12{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
-                                               .pNext = clockExtension ? &clock : nullptr};
-  VkPhysicalDeviceFeatures2 available2{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
-  vkGetPhysicalDeviceFeatures2(physical_, &available2);
-  const VkPhysicalDeviceFeatures& available = available2.features;
-  hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
   v12.shaderBufferInt64Atomics = hasWideAtomics_;
-  hasClock_ = clock.shaderDeviceClock == VK_TRUE;
-  clock.pNext = nullptr;
-  if (hasClock_) v13.pNext = &clock;
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
+  features.features.largePoints = draws_;
   features.features.shaderInt64 = hasWideAtomics_;
   if (instance_->validates()) {
     // GPU-assisted validation instruments the shaders and needs these itself.

@@ -47,6 +47,10 @@ class Device {
   /// Whether shaders may read a clock that all of them share.
   bool hasClock() const { return hasClock_; }
   VkDriverId driverId() const { return driverId_; }
+  /// Whether the sight queue can draw into images (CommandList::draw), points of any size among it.
+  bool draws() const { return draws_; }
+  /// Side of the largest point that a draw makes, pixels.
+  float largestPoint_px() const { return properties_.limits.pointSizeRange[1]; }
   /// Bytes that one buffer may have.
   std::uint64_t largestBuffer() const { return largestBuffer_; }
   /// Nanoseconds per tick of the GPU's clock.
@@ -82,6 +86,7 @@ class Device {
   bool hasWideAtomics_ = false, hasClock_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
+  bool draws_ = false;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};

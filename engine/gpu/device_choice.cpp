@@ -79,7 +79,7 @@ std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> 
     background = {sight.family, next};
   else if (apart && families[touch.family].queueCount > 1)
     background = {touch.family, 1};
-  return QueueRoles{touch, sight, background};
+  return QueueRoles{touch, sight, background, graphics.has_value()};
 }
 
 std::vector<std::uint32_t> QueueRoles::families() const {

@@ -33,6 +33,7 @@ struct QueueChoice {
 /// alone in a family of high priority. Else it shares that of sight.
 struct QueueRoles {
   QueueChoice touch, sight, background;
+  bool draws = false;  ///< sight's queue has the graphics pipeline
   /// Touch and sight have one queue between them.
   bool shared() const { return touch == sight; }
   bool backgroundShares() const { return background == sight; }

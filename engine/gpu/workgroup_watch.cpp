@@ -21,10 +21,10 @@ WorkgroupWatch::WorkgroupWatch(Device& device, std::span<const ShaderCode* const
       lives_(Buffer::of<std::uint32_t>(device, twins.size(), Memory::device, "workgroup lives")) {
   PALPATE_CHECK(isPossible(device));
   upload(device, lives_, std::vector<std::uint32_t>(twins.size(), 0));
-  device_.pipelines().watch(this);
+  device_.pipelines().watchBy(this);
 }
 
-WorkgroupWatch::~WorkgroupWatch() { device_.pipelines().watch(nullptr); }
+WorkgroupWatch::~WorkgroupWatch() { device_.pipelines().watchBy(nullptr); }
 
 bool WorkgroupWatch::isPossible(const Device& device) { return device.hasClock(); }
 

@@ -60,12 +60,12 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
   const Drawn about = drawn(cloud, options);
   const DeviceAddress constants = writeConstants(about, camera, options, 0);
   const auto frame = list.section("frame");
+  if (options.raster != Raster::compute) {
+    recordHardware(list, cloud, constants, about, camera, options);
+    return recordShading(list, constants, options);
+  }
   recordClear(list, cloud.hasColors());
-  raster_.record(list, cloud,
-                 {.frame = constants,
-                  .depth = depth_.address(),
-                  .normalSums = normalSums_.address(),
-                  .colorSums = colorSums_.address()});
+  raster_.record(list, cloud, target(constants));
   recordSources(list, constants);
   recordShading(list, constants, options);
 }
@@ -90,6 +90,19 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
   }
   recordSources(list, constants);
   recordShading(list, constants, options);
+}
+
+void Frame::recordHardware(CommandList& list, const DrawnCloud& cloud, DeviceAddress constants, const Drawn& about,
+                           const Camera& camera, const FrameOptions& options) {
+  if (!hardware_) hardware_ = std::make_unique<HardwareRaster>(device_, size_px());
+  {
+    const auto section = list.section("splat");
+    hardware_->record(
+        list, cloud, target(constants),
+        frameConstants(about, camera, options, {.width = width_, .height = height_, .supersample = supersample_}, 0),
+        2 * about.widestSplat);
+  }
+  recordSources(list, constants);
 }
 
 void Frame::recordClear(CommandList& list, bool colors) const {

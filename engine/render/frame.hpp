@@ -7,13 +7,14 @@
 #include "engine/render/drawn_mesh.hpp"
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
+#include "engine/render/hardware_raster.hpp"
 #include "engine/render/image.hpp"
 
 namespace palpate {
 
-/// A picture of a cloud by surface splatting in compute shaders (Zwicker et al. 2001), or of a mesh by its triangles:
-/// the passes and the images between them. The same input gives the same bytes on the same device. Belongs to the sight
-/// side.
+/// A picture of a cloud by surface splatting (Zwicker et al. 2001) in compute shaders or by the graphics pipeline, or
+/// of a mesh by its triangles: the passes and the images between them. The same input gives the same bytes on the same
+/// device. Belongs to the sight side.
 class Frame {
  public:
   /// Recordings that may be under way at a time: each keeps its own constants.
@@ -44,6 +45,12 @@ class Frame {
   DeviceAddress writeConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
                                std::uint32_t tiles);
   void recordClear(CommandList& list, bool colors) const;
+  // Instead of clearing and of the compute passes.
+  void recordHardware(CommandList& list, const DrawnCloud& cloud, DeviceAddress constants, const Drawn& about,
+                      const Camera& camera, const FrameOptions& options);
+  RasterTarget target(DeviceAddress constants) const {
+    return {constants, depth_.address(), normalSums_.address(), colorSums_.address()};
+  }
   // Whose surface each sample shows.
   void recordSources(CommandList& list, DeviceAddress constants) const;
   // Smooths the depth first where that is asked for.
@@ -57,6 +64,7 @@ class Frame {
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;
+  std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
 };
 
 }  // namespace palpate

@@ -97,7 +97,7 @@ Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
           .usualRadius = usualRadius(cloud, options),
           .closeHoles = options.closeHoles,
           .inSample = cloud.count(),
-          .everyPoint = options.everyPoint};
+          .everyPoint = options.everyPoint || options.raster == Raster::hardware};
 }
 
 Drawn drawn(const DrawnMesh& mesh) {

@@ -36,4 +36,10 @@ ColorBy colorByNamed(std::string_view name) {
   return named<ColorBy>("--color", name, kChoices);
 }
 
+Raster rasterNamed(std::string_view name) {
+  static constexpr std::pair<std::string_view, Raster> kChoices[] = {{"compute", Raster::compute},
+                                                                     {"hardware", Raster::hardware}};
+  return named<Raster>("--raster", name, kChoices);
+}
+
 }  // namespace palpate

@@ -29,9 +29,16 @@ enum class ColorBy : std::uint32_t {
   height = shared::kColorByHeight,  ///< along y
 };
 
+/// Who draws the discs of a cloud. The pictures are the same, but for samples on the rims of discs.
+enum class Raster : std::uint32_t {
+  compute,
+  hardware,  ///< the graphics pipeline: point sprites
+};
+
 /// By the names of the command line. Throw UsageError with the names there are.
 ImagePass imagePassNamed(std::string_view name);
 ColorBy colorByNamed(std::string_view name);
+Raster rasterNamed(std::string_view name);
 
 /// Drawn over the surface; what lies behind it shines through. Model units relative to the cloud's origin.
 struct Overlays {
@@ -72,6 +79,7 @@ struct FrameOptions {
   /// Depth is smoothed within the surface, so many pixels to each side, and normals follow from it; 0: normals are
   /// those of the points, blended.
   std::uint32_t smooth_px = 0;
+  Raster raster = Raster::compute;
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
 };

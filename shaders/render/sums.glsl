@@ -32,6 +32,11 @@ void addNormal(Uints sums, uint place, float weight, vec3 normal, float scale) {
   addPair(sums, 4 * place, fixedPoint.xy);
   addPair(sums, 4 * place + 2, fixedPoint.zw);
 }
+// `sum`: of weight times normal, and of weights.
+void storeNormal(Uints sums, uint place, vec4 sum, float scale) {
+  const uvec4 fixedPoint = uvec4(round(scale * max(vec4(sum.xyz + sum.w, sum.w), vec4(0))));
+  for (uint k = 0; k < 4; ++k) sums.at[4 * place + k] = fixedPoint[k];
+}
 float weightAt(Uints sums, uint place) { return float(sums.at[4 * place + 3]); }
 // Not unit.
 vec3 normalAt(Uints sums, uint place) {
@@ -45,6 +50,12 @@ void addColor(Uints sums, uint place, uint samples, float weight, vec3 color, fl
   const uvec3 fixedPoint = uvec3(round(scale * weight * color));
   addPair(sums, 2 * place, fixedPoint.xy);
   atomicAdd(sums.at[2 * samples + place], fixedPoint.z);
+}
+void storeColor(Uints sums, uint place, uint samples, vec3 sum, float scale) {
+  const uvec3 fixedPoint = uvec3(round(scale * sum));
+  sums.at[2 * place] = fixedPoint.x;
+  sums.at[2 * place + 1] = fixedPoint.y;
+  sums.at[2 * samples + place] = fixedPoint.z;
 }
 vec3 colorAt(Uints sums, uint place, uint samples) {
   return vec3(sums.at[2 * place], sums.at[2 * place + 1], sums.at[2 * samples + place]);

@@ -222,25 +222,30 @@ TEST_CASE("bench edit sculpts in real time, and refuses what cannot be measured"
 TEST_CASE("bench splat times every pass, and its pictures are true to the shapes") {
   const ScratchFolder folder;
   const std::string json = (folder / "s.json").string();
-  const Outcome outcome = palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --json " + json);
+  const Outcome outcome =
+      palpate("bench splat --sizes 30000 --size 320x180 --repeat 5 --raster compute,hardware --json " + json);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto splat = jsonOf(json)["splat"];
-  REQUIRE(splat["costs"].size() == 1);
-  const auto cost = splat["costs"][0];
-  CHECK(cost["points"] == 30000);
-  CHECK(cost["gpu_ms"]["n"] == 5);
-  CHECK(cost["gpu_ms"]["p50"] > 0);
-  CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
-  CHECK(cost["fps"] > 0);
-  for (const char* pass : {"render_splat_pick", "render_splat_depth", "render_shade"}) {
-    CAPTURE(pass);
-    CHECK(cost["longest_workgroup_us"][pass] > 0);
-    CHECK(cost["longest_workgroup_us"][pass] < 1e6);
+  REQUIRE(splat["costs"].size() == 2);
+  const std::vector<std::string> passes[] = {{"render_splat_pick", "render_splat_depth", "render_shade"},
+                                             {"render_hardware_depth", "render_hardware_sums", "render_shade"}};
+  for (const std::size_t raster : {0, 1}) {
+    const auto cost = splat["costs"][raster];
+    CHECK(cost["raster"] == (raster == 0 ? "compute" : "hardware"));
+    CHECK(cost["points"] == 30000);
+    CHECK(cost["gpu_ms"]["n"] == 5);
+    CHECK(cost["gpu_ms"]["p50"] > 0);
+    CHECK(cost["picture_ms"]["p999"] >= cost["picture_ms"]["p50"]);
+    CHECK(cost["fps"] > 0);
+    CHECK(cost["bytes"] > 36 * 30000);
+    for (const std::string& pass : passes[raster]) CHECK(cost["passes_ms"].contains(pass));
   }
-  CHECK(cost["bytes"] > 36 * 30000);
-  for (const char* pass : {"render_splat_pick", "render_splat_depth", "render_shade"})
-    CHECK(cost["passes_ms"].contains(pass));
-  REQUIRE(splat["qualities"].size() == 4 * 2);  // shapes and conditions
+  for (const std::string& pass : passes[0]) {
+    CAPTURE(pass);
+    CHECK(splat["costs"][0]["longest_workgroup_us"][pass] > 0);
+    CHECK(splat["costs"][0]["longest_workgroup_us"][pass] < 1e6);
+  }
+  REQUIRE(splat["qualities"].size() == 4 * 2 * 2);  // shapes, conditions and rasterisers
   for (const auto& quality : splat["qualities"]) {
     CAPTURE(quality.dump());
     const bool smooth = quality["shape"] != "cube";
@@ -255,6 +260,7 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   for (const char* title : {"against truth", "all passes, ms", "holes", "overlap"})
     CHECK(outcome.text.find(title) != std::string::npos);
   CHECK(palpate("bench splat --size 320").code == 2);
+  CHECK(palpate("bench splat --raster brush").code == 2);
   CHECK(palpate("bench splat build").code == 2);
 }
 

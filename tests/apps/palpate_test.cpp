@@ -194,7 +194,7 @@ TEST_CASE("render writes a picture and a depth file; every pass, colour and came
   works("make torus -n 5000 -o " + model);
   for (const char* options : {"--depth DEPTH --validate", "--pass normal", "--pass depth", "--color height",
                               "--camera 'eye=0,0,300 target=0,0,0 up=0,1,0 fov=30'", "--background 255,255,255",
-                              "--splat-radius 3", "--print-frame"}) {
+                              "--splat-radius 3", "--print-frame", "--raster hardware --validate"}) {
     CAPTURE(options);
     std::string text = options;
     if (const auto at = text.find("DEPTH"); at != std::string::npos) text.replace(at, 5, (folder / "d.pfm").string());
@@ -228,6 +228,7 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");
+  fails("render " + model + " -o " + out + " --raster brush", 2, "--raster");
   fails("touch " + model + " --edit push --tau nan", 2, "--tau");
   fails("touch " + model + " --edit scratch", 2, "--edit");
   fails("touch " + model + " --edit carve --strength 2", 2, "--strength");

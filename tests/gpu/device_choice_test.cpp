@@ -50,6 +50,7 @@ TEST_CASE("touch gets a compute-only family, sight the graphics family") {
   REQUIRE(roles);
   CHECK(roles->touch == QueueChoice{2, 0});
   CHECK(roles->sight == QueueChoice{0, 0});
+  CHECK(roles->draws);
   CHECK_FALSE(roles->shared());
 }
 
@@ -95,6 +96,7 @@ TEST_CASE("a GPU without graphics computes and draws on one family; one that can
   const auto roles = chooseQueues(computeOnly);
   REQUIRE(roles);
   CHECK(roles->sight.family == 0);
+  CHECK_FALSE(roles->draws);
   CHECK(roles->touch == QueueChoice{0, 1});
   const std::array transferOnly{family(VK_QUEUE_TRANSFER_BIT, 2)};
   CHECK_FALSE(chooseQueues(transferOnly));

@@ -84,7 +84,7 @@ class Reference {
 
 class SplatDepthFixture : public PictureFixture {
  protected:
-  /// Says how many pixels the cloud covers.
+  /// Whoever draws it. Says how many pixels the cloud covers.
   std::size_t checkDepth(const PointCloud& cloud, const Camera& camera, double radius, std::uint32_t width,
                          std::uint32_t height) {
     CAPTURE(width);
@@ -94,11 +94,16 @@ class SplatDepthFixture : public PictureFixture {
     options.splatRadius = radius;
     options.closeHoles = false;
     options.everyPoint = true;
-    draw(frame, DrawnCloud(device, cloud), camera, options);
     Reference reference(camera, radius, width, height);
     for (std::size_t i = 0; i < cloud.size(); ++i)
       reference.add(cloud.positions[i], cloud.hasNormals() ? cloud.normals[i] : Vec3(0));
-    CHECK(reference.wrongPixels(frame.readDepth()) == 0);
+    const DrawnCloud drawn(device, cloud);
+    for (const Raster raster : {Raster::compute, Raster::hardware}) {
+      CAPTURE(static_cast<int>(raster));
+      options.raster = raster;
+      draw(frame, drawn, camera, options);
+      CHECK(reference.wrongPixels(frame.readDepth()) == 0);
+    }
     return reference.coveredPixels();
   }
 };

@@ -1,0 +1,96 @@
+#include "engine/gpu/pipeline_store.hpp"
+
+#include "engine/gpu/device.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Specialisation constants of watched shaders (shaders/lib/index.glsl): the halves of an address.
+constexpr std::uint32_t kLifeLow = 30, kLifeHigh = 31;
+
+}  // namespace
+
+PipelineStore::Compiled PipelineStore::get(const Key& key, const std::function<Compiled()>& compile) {
+  const std::scoped_lock hold(lock_);
+  if (const auto found = compiled_.find(key); found != compiled_.end()) return found->second;
+  return compiled_.emplace(key, compile()).first->second;
+}
+
+void PipelineStore::destroyAll(Device& device) {
+  for (const auto& [key, compiled] : compiled_) {
+    device.vk().vkDestroyPipeline(device.handle(), compiled.pipeline, nullptr);
+    device.vk().vkDestroyPipelineLayout(device.handle(), compiled.layout, nullptr);
+    device.vk().vkDestroyDescriptorSetLayout(device.handle(), compiled.images, nullptr);
+  }
+  compiled_.clear();
+}
+
+ShaderStage::ShaderStage(Device& device, const ShaderCode& code, std::vector<std::uint32_t> constants,
+                         DeviceAddress life)
+    : device_(device), constants_(std::move(constants)) {
+  for (std::uint32_t i = 0; i < constants_.size(); ++i) entries_.push_back({i, i * 4, 4});
+  if (life != 0) {
+    for (const std::uint32_t id : {kLifeLow, kLifeHigh}) {
+      entries_.push_back({id, static_cast<std::uint32_t>(constants_.size() * 4), 4});
+      constants_.push_back(static_cast<std::uint32_t>(id == kLifeLow ? life : life >> 32));
+    }
+  }
+  specialization_ = {.mapEntryCount = static_cast<std::uint32_t>(entries_.size()),
+                     .pMapEntries = entries_.data(),
+                     .dataSize = constants_.size() * 4,
+                     .pData = constants_.data()};
+  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                      .pNext = nullptr,
+                                      .flags = 0,
+                                      .codeSize = code.words.size_bytes(),
+                                      .pCode = code.words.data()};
+  device.check(device.vk().vkCreateShaderModule(device.handle(), &info, nullptr, &module_),
+               fmt::format("vkCreateShaderModule({})", code.name));
+  device.nameObject(VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<std::uint64_t>(module_), code.name);
+}
+
+ShaderStage::~ShaderStage() { device_.vk().vkDestroyShaderModule(device_.handle(), module_, nullptr); }
+
+VkPipelineShaderStageCreateInfo ShaderStage::info(VkShaderStageFlagBits stage,
+                                                  VkPipelineShaderStageCreateFlags flags) const {
+  return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+          .pNext = nullptr,
+          .flags = flags,
+          .stage = stage,
+          .module = module_,
+          .pName = "main",
+          .pSpecializationInfo = &specialization_};
+}
+
+void makeLayout(Device& device, VkShaderStageFlags stages, std::uint32_t pushBytes, std::uint32_t images,
+                PipelineStore::Compiled& compiled) {
+  if (images > 0) {
+    std::vector<VkDescriptorSetLayoutBinding> bindings;
+    for (std::uint32_t i = 0; i < images; ++i)
+      bindings.push_back({.binding = i,
+                          .descriptorType = VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE,
+                          .descriptorCount = 1,
+                          .stageFlags = stages,
+                          .pImmutableSamplers = nullptr});
+    const VkDescriptorSetLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                               .pNext = nullptr,
+                                               .flags = 0,
+                                               .bindingCount = images,
+                                               .pBindings = bindings.data()};
+    device.check(device.vk().vkCreateDescriptorSetLayout(device.handle(), &info, nullptr, &compiled.images),
+                 "vkCreateDescriptorSetLayout");
+  }
+  const VkPushConstantRange range{.stageFlags = stages, .offset = 0, .size = pushBytes};
+  const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                        .pNext = nullptr,
+                                        .flags = 0,
+                                        .setLayoutCount = images ? 1u : 0u,
+                                        .pSetLayouts = &compiled.images,
+                                        .pushConstantRangeCount = pushBytes ? 1u : 0u,
+                                        .pPushConstantRanges = &range};
+  device.check(device.vk().vkCreatePipelineLayout(device.handle(), &info, nullptr, &compiled.layout),
+               "vkCreatePipelineLayout");
+}
+
+}  // namespace palpate

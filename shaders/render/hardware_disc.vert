@@ -1,0 +1,45 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The discs of a cloud for the graphics pipeline: a point sprite over the disc's box of pixels, or a square of sprites
+// where the GPU's points are too small for the largest disc.
+#define HARDWARE_DISC out
+#include "shaders/render/hardware_disc.glsl"
+
+const float kDepthSlack = 1e-5;  // of the centre's depth: more than rounding takes from the depth of a fragment
+
+out gl_PerVertex {
+  vec4 gl_Position;
+  float gl_PointSize;
+};
+
+void main() {
+  gl_Position = vec4(0, 0, 2, 1);  // out of sight
+  gl_PointSize = 1;
+  const uint shares = args.tiles * args.tiles;
+  const uint point = gl_VertexIndex / shares;
+  if (point >= args.count) return;
+  const RenderView view = args.frame.at[0].view;
+  Disc disc;
+  if (!placeDisc(view, args.positions.at[point].xyz, disc)) return;
+  orientDisc(view, args.normals.at[point], args.clips.at[point], args.frame.at[0].splatRadius, disc);
+  PixelBox box = boxOf(view, disc);
+  const uint share = gl_VertexIndex % shares;
+  box.first += ivec2(share % args.tiles, share / args.tiles) * int(args.largestPoint_px);
+  box.last = min(box.last, box.first + int(args.largestPoint_px) - 1);
+  if (any(greaterThan(box.first, box.last))) return;
+  const ivec2 size = box.last - box.first + 1;
+  const vec2 place_px = 0.5 * vec2(box.first + box.last + 1);
+  const float lead = args.lead * disc.radius;
+  const float reach = disc.radius * sqrt(max(1 - disc.normal.z * disc.normal.z, 0));
+  const float nearest = max(disc.center.z - reach, view.nearDepth) - kDepthSlack * disc.center.z - lead;
+  gl_Position = vec4(2 * place_px / vec2(view.size_px) - 1, max(nearest, 0) * args.depthScale, 1);
+  gl_PointSize = max(size.x, size.y);
+
+  drawn.center = vec4(disc.center, 1 / (disc.radius * disc.radius));
+  drawn.normal = vec4(disc.normal, lead);
+  drawn.clip = vec4(disc.clip, disc.trust);
+  drawn.shading = disc.shading;
+  drawn.centerPixel = disc.centerPixel;
+  drawn.box = ivec4(box.first, box.last);
+  drawn.color = args.frame.at[0].hasColors != 0 ? args.colors.at[point] : 0;
+}

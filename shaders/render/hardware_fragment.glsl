@@ -1,0 +1,32 @@
+// The fragment of a disc that a fragment shader stands for.
+#ifndef PALPATE_RENDER_HARDWARE_FRAGMENT_GLSL
+#define PALPATE_RENDER_HARDWARE_FRAGMENT_GLSL
+#define HARDWARE_DISC in
+#include "shaders/render/hardware_disc.glsl"
+
+// The vertex shader's depth is nearer than that of any fragment: what lies behind others is found out before it is
+// shaded.
+layout(depth_greater) out float gl_FragDepth;
+
+// Discards what the disc does not cover, and sets the depth that is tested.
+Fragment fragmentHere() {
+  Disc disc;
+  disc.center = drawn.center.xyz;
+  disc.normal = drawn.normal.xyz;
+  disc.clip = drawn.clip.xyz;
+  disc.trust = drawn.clip.w;
+  disc.centerPixel = drawn.centerPixel;
+  RenderView view;  // what of it counts here
+  view.center_px = args.center_px;
+  view.focal_px = args.focal_px;
+  view.nearDepth = args.nearDepth;
+  const ivec2 pixel = ivec2(gl_FragCoord.xy);
+  Fragment fragment;
+  if (args.tiles > 1 && (any(lessThan(pixel, drawn.box.xy)) || any(greaterThan(pixel, drawn.box.zw)))) discard;
+  if (!coverPixel(view, disc, drawn.center.w, pixel, fragment)) discard;
+  gl_FragDepth = max(fragment.depth - drawn.normal.w, 0) * args.depthScale;
+  fragment.weight = max(fragment.weight, args.leastWeight);
+  return fragment;
+}
+
+#endif

@@ -1,0 +1,27 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_samplerless_texture_functions : require
+// From what the graphics pipeline left in its attachments to the depths and sums that the passes after it read, as
+// splat_depth.comp and splat_attributes.comp leave them.
+#include "shaders/lib/index.glsl"
+#include "shaders/render/sums.glsl"
+#include "shaders/shared/hardware_raster.h"
+
+layout(push_constant, scalar) uniform Push { HardwareSumsArgs args; };
+
+layout(set = 0, binding = 0) uniform texture2D depths;
+layout(set = 0, binding = 1) uniform texture2D normals;
+layout(set = 0, binding = 2) uniform texture2D colors;  // whatever, for a cloud without
+
+void main() {
+  const uint place = threadIndex();
+  const uvec2 size = args.frame.at[0].view.size_px;
+  if (place >= size.x * size.y) return;
+  const ivec2 at = ivec2(place % size.x, place / size.x);
+  const float depth = texelFetch(depths, at, 0).r;
+  args.depth.at[place] = depth < 1 ? floatBitsToUint(depth * args.depthUnit) : kNoDepth;
+  const float scale = args.frame.at[0].sumScale;
+  storeNormal(args.normalSums, place, texelFetch(normals, at, 0), scale);
+  if (args.frame.at[0].hasColors == 0) return;
+  storeColor(args.colorSums, place, size.x * size.y, texelFetch(colors, at, 0).rgb, scale);
+}
