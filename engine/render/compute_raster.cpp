@@ -9,7 +9,6 @@ namespace {
 
 // Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
 constexpr std::uint32_t kWorkgroup = 64;
-constexpr std::uint32_t kPickWorkgroup = 512;  // more share one addition to the global counters
 
 ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
   return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
@@ -19,7 +18,7 @@ ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
 
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
     : pick_(device, shader_code::render_splat_pick,
-            {.workgroupSize = kPickWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+            {.workgroupSize = shared::kPickWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
       smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
       largeDepth_(splatPass(device, shader_code::render_splat_depth, true)),
@@ -31,7 +30,6 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
                                  wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
                                                                         : shader_code::render_splat_attributes,
                                  true)),
-      largesPerGroup_(kWorkgroup / device.subgroupSize()),
       counts_(Buffer::of<shared::SplatCounts>(device, 1, Memory::device, "splat counts")),
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 
@@ -56,8 +54,9 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
   list.fill(counts_, 0, counts_.bytes());
   list.dispatch(pick_, cloud.count(), args);
   list.dispatch(plan_, 1,
-                shared::SplatPlanArgs{
-                    .counts = counts_.address(), .smallsPerGroup = kWorkgroup, .largesPerGroup = largesPerGroup_});
+                shared::SplatPlanArgs{.counts = counts_.address(),
+                                      .smallsPerGroup = kWorkgroup,
+                                      .largesPerGroup = kWorkgroup / shared::kSplatWalkers});
   walk(smallDepth_, largeDepth_);
   walk(smallAttributes_, largeAttributes_);
 }

@@ -25,7 +25,6 @@ class ComputeRaster {
 
  private:
   ComputePipeline pick_, plan_, smallDepth_, largeDepth_, smallAttributes_, largeAttributes_;
-  std::uint32_t largesPerGroup_;
   Buffer counts_, shares_;
 };
 

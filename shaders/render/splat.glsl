@@ -2,7 +2,6 @@
 // fragments through this file.
 #ifndef PALPATE_RENDER_SPLAT_GLSL
 #define PALPATE_RENDER_SPLAT_GLSL
-#extension GL_KHR_shader_subgroup_basic : require
 #include "shaders/lib/index.glsl"
 #include "shaders/render/disc.glsl"
 
@@ -45,15 +44,17 @@ PixelBox cutTo(PixelBox box, ivec2 middle, int side) {
   return PixelBox(max(box.first, corner), min(box.last, corner + side - 1));
 }
 
+const ivec2 kTile = ivec2(kSplatTileWidth, kSplatTileHeight);
+
 // All that is drawn of a disc.
 PixelBox splatBox(RenderView view, Disc disc) {
-  return cutTo(boxOf(view, disc), disc.centerPixel, int(kMaxSplatTiles * kSplatTile));
+  return cutTo(boxOf(view, disc), disc.centerPixel, int(kMaxSplat));
 }
 
 struct Splat {
   uint point;
   Disc disc;
-  PixelBox box;        // to walk, row by row, by one invocation or a whole subgroup
+  PixelBox box;        // to walk, row by row, by one invocation or a few
   ivec2 pixel, stride;  // where this invocation begins, and how far it goes at a time
 };
 
@@ -71,7 +72,7 @@ bool loadSplat(RenderView view, bool large, out Splat splat) {
   uint tile = 0;
   bool crowded = false;
   if (large) {
-    const uint share = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+    const uint share = threadIndex() / kSplatWalkers;
     const uint shares = args.counts.at[0].shares;
     crowded = shares > kMaxShares;
     if (share >= (crowded ? args.counts.at[0].large : shares)) return false;
@@ -88,12 +89,12 @@ bool loadSplat(RenderView view, bool large, out Splat splat) {
   if (crowded) splat.box = cutTo(splat.box, splat.disc.centerPixel, int(kCrowdedSplat));
   else if (large) {
     // Tiles start at the first sample of the box, so that a splat of one tile has one share wherever it lies.
-    const uint across = uint(splat.box.last.x - splat.box.first.x) / kSplatTile + 1;
-    splat.box.first += ivec2(tile % across, tile / across) * int(kSplatTile);
-    splat.box.last = min(splat.box.last, splat.box.first + int(kSplatTile) - 1);
+    const uint across = uint(splat.box.last.x - splat.box.first.x) / kSplatTileWidth + 1;
+    splat.box.first += ivec2(tile % across, tile / across) * kTile;
+    splat.box.last = min(splat.box.last, splat.box.first + kTile - 1);
   }
   const int width = splat.box.last.x - splat.box.first.x + 1;
-  const int walker = large ? int(gl_SubgroupInvocationID) : 0, walkers = large ? int(gl_SubgroupSize) : 1;
+  const int walkers = large ? int(kSplatWalkers) : 1, walker = int(threadIndex()) % walkers;
   splat.pixel = splat.box.first + ivec2(walker % width, walker / width);
   splat.stride = ivec2(walkers % width, walkers / width);
   return true;

@@ -10,6 +10,8 @@
 // since additions to one place of memory come one after the other.
 shared uint smallsHere, largesHere, sharesHere;
 shared uvec3 starts;
+// Of each invocation: its point, and where its shares begin among those of its subgroup.
+shared uint points[kPickWorkgroup], subgroupStarts[kPickWorkgroup];
 
 void main() {
   if (gl_LocalInvocationIndex == 0) smallsHere = largesHere = sharesHere = 0;
@@ -23,11 +25,14 @@ void main() {
   const ivec2 size = box.last - box.first + 1;
   seen = seen && all(greaterThan(size, ivec2(0)));
   const bool large = seen && size.x * size.y > int(kSmallSplat);
-  const uvec2 tiles = large ? (uvec2(size) - 1) / kSplatTile + 1 : uvec2(0);
+  const uvec2 tiles = large ? (uvec2(size) - 1) / uvec2(kTile) + 1 : uvec2(0);
   const uint shares = tiles.x * tiles.y;
 
   const uvec4 smalls = subgroupBallot(seen && !large), larges = subgroupBallot(large);
   const uint sharesBefore = subgroupExclusiveAdd(shares), sharesInAll = subgroupAdd(shares);
+  const uint firstPlace = gl_SubgroupID * gl_SubgroupSize;  // of this subgroup
+  points[firstPlace + gl_SubgroupInvocationID] = point;
+  subgroupStarts[firstPlace + gl_SubgroupInvocationID] = sharesBefore;
   uvec3 before = uvec3(0);  // subgroups of this workgroup
   if (subgroupElect())
     before = uvec3(atomicAdd(smallsHere, subgroupBallotBitCount(smalls)),
@@ -40,13 +45,16 @@ void main() {
     starts.z = sharesHere > 0 ? atomicAdd(args.counts.at[0].shares, sharesHere) : 0;
   }
   barrier();
-  if (!seen) return;
-  if (!large) {
-    args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
-    return;
+  if (seen && !large) args.picked.at[starts.x + before.x + subgroupBallotExclusiveBitCount(smalls)] = point;
+  if (large)
+    args.picked.at[args.frame.at[0].count - 1 - (starts.y + before.y + subgroupBallotExclusiveBitCount(larges))] = point;
+  // Each invocation of the subgroup writes every so-manyth share: one disc may have thousands.
+  const uint first = starts.z + before.z;
+  for (uint i = gl_SubgroupInvocationID; i < sharesInAll && first + i < kMaxShares; i += gl_SubgroupSize) {
+    // The last disc whose shares begin at i or before; those without any begin where the next one does.
+    uint owner = firstPlace;
+    for (uint k = firstPlace + 1; k < firstPlace + gl_SubgroupSize; ++k)
+      if (subgroupStarts[k] <= i) owner = k;
+    args.shares.at[first + i] = uvec2(points[owner], i - subgroupStarts[owner]);
   }
-  args.picked.at[args.frame.at[0].count - 1 - (starts.y + before.y + subgroupBallotExclusiveBitCount(larges))] = point;
-  const uint first = starts.z + before.z + sharesBefore;
-  for (uint tile = 0; tile < shares && first + tile < kMaxShares; ++tile)
-    args.shares.at[first + tile] = uvec2(point, tile);
 }

@@ -7,16 +7,20 @@ PALPATE_SHARED_BEGIN
 
 // Samples in the box of a splat that one invocation walks alone. More let a few invocations hold their subgroup up,
 // fewer make the lists of shares longer.
-const uint kSmallSplat = 64;
-// Side of the square of samples that one subgroup walks for a larger splat. Larger lets it hold its workgroup, and with
-// it the touch side, for longer.
-const uint kSplatTile = 32;
-// Tiles along one side of a splat at most: 1024 samples. What is beyond is cut off.
-const uint kMaxSplatTiles = 32;
+const uint kSmallSplat = 16;
+// A larger splat is walked in tiles of so many samples, each by a few invocations. Larger tiles let them hold their
+// workgroup, and with it the touch side, for longer; more invocations load the same disc more often.
+const uint kSplatTileWidth = 16;
+const uint kSplatTileHeight = 8;
+const uint kSplatWalkers = 8;
+// Side of the square that a splat covers at most, samples. What is beyond is cut off.
+const uint kMaxSplat = 512;
 // Tiles of all splats that the lists have room for. Where there are more, in a heap of discs before the eye, each is cut
 // off to a square of this side around its middle.
 const uint kMaxShares = 1u << 20;
 const uint kCrowdedSplat = 64;
+// Invocations of a workgroup that picks splats: more share one addition to the global counters.
+const uint kPickWorkgroup = 512;
 // Workgroups in a row of a splat pass: one axis holds too few for all points.
 const uint kSplatRow = 256;
 // Samples. Discs never have a smaller radius in the picture; where theirs is, a share of the points is drawn that falls
