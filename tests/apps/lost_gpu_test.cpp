@@ -9,7 +9,7 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 20000 -o " + model);
-  for (const std::string when : {"submit:400", "fence:400"})
+  for (const std::string when : {"submit:200", "fence:200"})
     for (const std::string way :
          {"", "--realtime", "--realtime --edit push --penetration 4 --picture PICTURE --size 160x100"}) {
       CAPTURE(when);

@@ -139,7 +139,7 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
   works("make sphere -n 5000 -o " + model);
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
   const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string command = "timeout -s INT 2 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " +
+  const std::string command = "timeout -s INT 6 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " +
                               model + " --realtime --path " + (folder / "long.csv").string() + " --trace " +
                               (folder / "t.csv").string() + " --json " + (folder / "t.json").string() +
                               " 2>/dev/null >&2";
