@@ -101,20 +101,21 @@ void HardwareRaster::record(CommandList& list, const DrawnCloud& cloud, const Ra
   const auto largestPoint_px = static_cast<std::uint32_t>(device_.largestPoint_px());
   const std::uint32_t tiles = spritesOf(largestPoint_px, frame, widest);
   const std::uint32_t vertices = verticesFor(frame.count, tiles);
-  shared::HardwareDiscArgs discs{.frame = target.frame,
-                                 .positions = cloud.positions().address(),
-                                 .normals = cloud.normals().address(),
-                                 .colors = cloud.colors().address(),
-                                 .clips = cloud.clips().address(),
-                                 .center_px = frame.view.center_px,
-                                 .focal_px = frame.view.focal_px,
-                                 .nearDepth = frame.view.nearDepth,
-                                 .depthScale = std::ldexp(1.0f, -exponent),
-                                 .lead = 0,
-                                 .leastWeight = std::min(8 / frame.sumScale, shared::kRimWeight),
-                                 .count = frame.count,
-                                 .largestPoint_px = largestPoint_px,
-                                 .tiles = tiles};
+  shared::HardwareDiscArgs discs{
+      .frame = target.frame,
+      .positions = cloud.positions().address(),
+      .normals = cloud.normals().address(),
+      .colors = cloud.colors().address(),
+      .clips = cloud.clips().address(),
+      .center_px = frame.view.center_px,
+      .focal_px = frame.view.focal_px,
+      .nearDepth = frame.view.nearDepth,
+      .depthScale = std::ldexp(1.0f, -exponent),
+      .lead = 0,
+      .leastWeight = std::min(static_cast<float>(shared::kLeastWeight) / shared::kFinestSum, shared::kRimWeight),
+      .count = frame.count,
+      .largestPoint_px = largestPoint_px,
+      .tiles = tiles};
   list.draw(depthPass_, {.colors = {}, .depth = &depth_, .clearDepth = true}, vertices, discs);
   discs.lead = shared::kDepthBand;
   DrawTargets sums{.colors = {&normals_}, .depth = &depth_, .clearColors = true};

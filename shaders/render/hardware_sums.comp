@@ -20,8 +20,10 @@ void main() {
   const ivec2 at = ivec2(place % size.x, place / size.x);
   const float depth = texelFetch(depths, at, 0).r;
   args.depth.at[place] = depth < 1 ? floatBitsToUint(depth * args.depthUnit) : kNoDepth;
-  const float scale = args.frame.at[0].sumScale;
-  storeNormal(args.normalSums, place, texelFetch(normals, at, 0), scale);
+  // Only shares of the weight count, so it may be the same everywhere.
+  const vec4 normal = texelFetch(normals, at, 0);
+  const float scale = normal.w > 0 ? kHardwareWeight / normal.w : 0;
+  storeNormal(args.normalSums, place, normal, scale);
   if (args.frame.at[0].hasColors == 0) return;
   storeColor(args.colorSums, place, size.x * size.y, texelFetch(colors, at, 0).rgb, scale);
 }

@@ -12,9 +12,8 @@ void main() {
   const float inverseRadiusSquared = 1 / (splat.disc.radius * splat.disc.radius);
   const float band = kDepthBand * splat.disc.radius;
   const float scale = args.counts.at[0].sumScale;
-  // A few units, so that a sample which only such fragments cover keeps its colour; where many points make units coarse,
-  // no more than a rim weighs.
-  const float leastWeight = min(8 / scale, kRimWeight);
+  // Where many points make units coarse, no more than a rim weighs.
+  const float leastWeight = min(kLeastWeight / scale, kRimWeight);
   const bool hasColors = args.frame.at[0].hasColors != 0;
   const vec3 color = hasColors ? unpackUnorm4x8(args.colors.at[splat.point]).rgb : vec3(0);
   const uint samples = view.size_px.x * view.size_px.y;

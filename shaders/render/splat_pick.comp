@@ -53,8 +53,8 @@ void main() {
   for (uint i = gl_SubgroupInvocationID; i < sharesInAll && first + i < kMaxShares; i += gl_SubgroupSize) {
     // The last disc whose shares begin at i or before; those without any begin where the next one does.
     uint owner = firstPlace;
-    for (uint k = firstPlace + 1; k < firstPlace + gl_SubgroupSize; ++k)
-      if (subgroupStarts[k] <= i) owner = k;
+    for (uint step = gl_SubgroupSize / 2; step > 0; step /= 2)
+      if (subgroupStarts[owner + step] <= i) owner += step;
     args.shares.at[first + i] = uvec2(points[owner], i - subgroupStarts[owner]);
   }
 }

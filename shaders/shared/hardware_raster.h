@@ -8,6 +8,9 @@ PALPATE_SHARED_BEGIN
 // Fragment shaders read nothing but these arguments and what the vertex shader tells them: they are invoked often, and
 // the validation layer of Debian 12 would take their reads through addresses for wrong on a software driver, where
 // lanes outside a disc read nothing and never end its search for the buffer.
+// Units of weight in each sample that something covers.
+const float kHardwareWeight = 1 << 20;
+
 struct HardwareDiscArgs {
   PALPATE_ADDRESS(RenderFrames) frame;
   PALPATE_ADDRESS(Vec4s) positions;  // as in SplatArgs, and so on

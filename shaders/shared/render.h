@@ -14,7 +14,7 @@ const uint kSplatTileWidth = 16;
 const uint kSplatTileHeight = 8;
 const uint kSplatWalkers = 8;
 // Side of the square that a splat covers at most, samples. What is beyond is cut off.
-const uint kMaxSplat = 512;
+const uint kMaxSplat = 1024;
 // Tiles of all splats that the lists have room for. Where there are more, in a heap of discs before the eye, each is cut
 // off to a square of this side around its middle.
 const uint kMaxShares = 1u << 20;
@@ -51,6 +51,9 @@ const uint kMostSmooth_px = 16;
 // Deviation in depth within which samples are smoothed together, in usual radii. Larger rounds steps off, smaller leaves
 // the discs' rims.
 const float kSmoothBand = 0.25f;
+// The least weight of a fragment, in units of the sums, so that a sample which only such fragments cover keeps its
+// normal and its colour.
+const uint kLeastWeight = 64;
 // Units in a weight of 1, at most: where few fragments may meet in a sample.
 const uint kFinestSum = 1u << 16;
 // Depth of a pixel that nothing covers: the bits of +infinity, above those of every depth.
@@ -120,7 +123,7 @@ struct RenderFrame {
   float widestSplat;  // largest radius of a disc, model units
   uint everyPoint;    // not 0: no point is left out where they are finer than samples
   float usualRadius;  // of discs and gaps: lengths that follow from how far apart points are, model units
-  float sumScale;     // fixed-point unit of the sums where every point, or triangle, is drawn
+  float sumScale;     // fixed-point unit of the sums of triangles
   uint count;         // points, or triangles
   uint triangleTiles;  // tiles along each side of the largest triangle
   uint imagePass;

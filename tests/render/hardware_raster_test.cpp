@@ -225,7 +225,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its reco
   std::vector<std::string> names;
   for (const PassRecord& pass : list.passes()) names.push_back(pass.section + ": " + pass.name);
   CHECK(names == std::vector<std::string>{"frame/splat: render_hardware_depth", "frame/splat: render_hardware_normals",
-                                          "frame/splat: render_hardware_sums", "frame/splat: render_close_holes",
+                                          "frame/splat: render_hardware_sums", "frame/holes: render_close_holes",
                                           "frame/shade: render_shade", "frame/shade: render_resolve"});
   CHECK(list.passes()[0].threads == 1024);  // vertices, in whole groups
 }
