@@ -105,7 +105,9 @@ void Device::createLogicalDevice() {
   VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
   vkGetPhysicalDeviceFeatures2(physical_, &availables);
   const VkPhysicalDeviceFeatures& available = availables.features;
-  draws_ = roles_.draws && available13.dynamicRendering && available.largePoints;
+  // GPU-assisted validation of a draw stops NVIDIA's driver (580.159 with the layer of Debian 12) for good.
+  const bool stops = instance_->validates() && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
+  draws_ = roles_.draws && available13.dynamicRendering && available.largePoints && !stops;
   hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
   hasClock_ = clock.shaderDeviceClock == VK_TRUE;
   clock.pNext = nullptr;

@@ -24,7 +24,9 @@ constexpr const char* kInstead = "; --raster compute draws on any GPU";
 
 Device& checkedFor(Device& device, const UVec2& size_px) {
   if (!device.draws())
-    throw UsageError("--raster: {} has no graphics queue, or cannot draw large points{}", device.name(), kInstead);
+    throw UsageError(
+        "--raster: {} has no graphics queue, cannot draw large points, or stops when --validate watches it draw{}",
+        device.name(), kInstead);
   if (!Attachment::supports(device, kDepthFormat) || !Attachment::supports(device, kSumFormat))
     throw UsageError("--raster: {} cannot add up 32-bit floats as it draws{}", device.name(), kInstead);
   const VkPhysicalDeviceLimits& limits = device.properties().limits;

@@ -100,6 +100,10 @@ class SplatDepthFixture : public PictureFixture {
     const DrawnCloud drawn(device, cloud);
     for (const Raster raster : {Raster::compute, Raster::hardware}) {
       CAPTURE(static_cast<int>(raster));
+      if (raster == Raster::hardware && !device.draws()) {
+        MESSAGE("hardware is skipped: ", device.name(), " does not draw, or not under validation");
+        continue;
+      }
       options.raster = raster;
       draw(frame, drawn, camera, options);
       CHECK(reference.wrongPixels(frame.readDepth()) == 0);
