@@ -1,6 +1,7 @@
 #include "engine/render/compute_raster.hpp"
 
 #include "engine/gpu/device.hpp"
+#include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -17,7 +18,8 @@ ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
 }  // namespace
 
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
-    : pick_(device, shader_code::render_splat_pick,
+    : device_(device),
+      pick_(device, shader_code::render_splat_pick,
             {.workgroupSize = shared::kPickWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
       smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
@@ -59,6 +61,10 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
                                       .largesPerGroup = kWorkgroup / shared::kSplatWalkers});
   walk(smallDepth_, largeDepth_);
   walk(smallAttributes_, largeAttributes_);
+}
+
+shared::SplatCounts ComputeRaster::readCounts() const {
+  return download<shared::SplatCounts>(device_, counts_, 1).front();
 }
 
 }  // namespace palpate

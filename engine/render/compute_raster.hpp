@@ -22,8 +22,11 @@ class ComputeRaster {
   explicit ComputeRaster(Device& device, bool wideAtomics = true);
 
   void record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const;
+  /// What the last completed picture took: counts of discs and shares.
+  shared::SplatCounts readCounts() const;
 
  private:
+  Device& device_;
   ComputePipeline pick_, plan_, smallDepth_, largeDepth_, smallAttributes_, largeAttributes_;
   Buffer counts_, shares_;
 };

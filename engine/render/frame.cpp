@@ -171,6 +171,11 @@ Image Frame::readColor() const {
   return image;
 }
 
+std::uint32_t Frame::readDiscs() const {
+  const shared::SplatCounts counts = raster_.readCounts();
+  return counts.small + counts.large;
+}
+
 DepthImage Frame::readDepth() const {
   DepthImage image{width_, height_, {}};
   image.depth.resize(std::size_t{width_} * height_);

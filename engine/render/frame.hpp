@@ -33,6 +33,8 @@ class Frame {
   /// The last completed frame; waits for the sight queue.
   Image readColor() const;
   DepthImage readDepth() const;
+  /// Of a cloud drawn in compute: how many discs were seen and not left out.
+  std::uint32_t readDiscs() const;
 
   std::uint32_t width() const { return width_; }
   std::uint32_t height() const { return height_; }

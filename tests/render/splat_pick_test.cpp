@@ -69,8 +69,12 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a share of the points shows what all of the
     const double pixel = distance / camera.focal_px(kHeight);
     FrameOptions options{.pass = ImagePass::normal};
     const Shot some = shoot(frame, drawn, camera, options);
+    const double share = frame.readDiscs() / double(cloud.size());
+    CHECK(share < std::min(1.0, 8.0 / (distance * distance)));
+    CHECK(share > 2.0 / (distance * distance));
     options.everyPoint = true;
     const Shot all = shoot(frame, drawn, camera, options);
+    CHECK(frame.readDiscs() == cloud.size());
     const Difference difference = compare(all, some);
     CHECK(difference.covered > 100);
     // Discs of a sample's radius reach over the outline by up to that.
