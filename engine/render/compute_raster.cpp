@@ -15,6 +15,11 @@ ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
   return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
 }
 
+const ShaderCode& attributesCode(const Device& device, bool wideAtomics) {
+  return wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
+                                                : shader_code::render_splat_attributes;
+}
+
 }  // namespace
 
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
@@ -24,14 +29,8 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
       smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
       largeDepth_(splatPass(device, shader_code::render_splat_depth, true)),
-      smallAttributes_(splatPass(device,
-                                 wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
-                                                                        : shader_code::render_splat_attributes,
-                                 false)),
-      largeAttributes_(splatPass(device,
-                                 wideAtomics && device.hasWideAtomics() ? shader_code::render_splat_attributes_wide
-                                                                        : shader_code::render_splat_attributes,
-                                 true)),
+      smallAttributes_(splatPass(device, attributesCode(device, wideAtomics), false)),
+      largeAttributes_(splatPass(device, attributesCode(device, wideAtomics), true)),
       counts_(Buffer::of<shared::SplatCounts>(device, 1, Memory::device, "splat counts")),
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 

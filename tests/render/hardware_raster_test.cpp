@@ -153,11 +153,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "nothing, one point, and crowds of equa
 
 TEST_CASE_FIXTURE(HardwareRasterFixture, "a sheet seen from its back keeps its colour to the rims, beside a crowd") {
   if (!drawsHere()) return;
-  PointCloud cloud;
-  cloud.positions.assign(400'000, Vec3(100, 0, 0));  // beside the picture; they make the sums' unit coarse
-  cloud.positions.back() = Vec3(0);
-  cloud.normals.assign(cloud.size(), Vec3(0, 0, -1));
-  cloud.colors.assign(cloud.size(), {200, 100, 60, 255});
+  const PointCloud cloud = backBesideCrowd();
   Camera camera;
   camera.eye = {0, 0, 3};
   const FrameOptions options{.pass = ImagePass::color, .splatRadius = 0.5};

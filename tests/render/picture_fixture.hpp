@@ -31,6 +31,16 @@ class PictureFixture : public GpuFixture {
   }
 };
 
+/// One point at zero whose back is seen from +z, and a crowd of them beside the picture.
+inline PointCloud backBesideCrowd() {
+  PointCloud cloud;
+  cloud.positions.assign(400'000, Vec3(100, 0, 0));
+  cloud.positions.back() = Vec3(0);
+  cloud.normals.assign(cloud.size(), Vec3(0, 0, -1));
+  cloud.colors.assign(cloud.size(), {200, 100, 60, 255});
+  return cloud;
+}
+
 /// Points strewn in a cube of side 2 around `center`, with random normals; every fifth has none.
 inline PointCloud strewnCloud(std::size_t count, const Vec3& center = Vec3(0), std::uint32_t seed = 1) {
   std::mt19937 random(seed);

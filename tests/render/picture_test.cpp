@@ -179,11 +179,7 @@ TEST_CASE_FIXTURE(PictureFixture, "a crowd in one place keeps its colour and its
 TEST_CASE_FIXTURE(
     PictureFixture,
     "a sheet seen from its back keeps its colour to the rims of its discs, however many points there are") {
-  PointCloud cloud;
-  cloud.positions.assign(400'000, Vec3(100, 0, 0));  // beside the picture; they make the sums' unit coarse
-  cloud.positions.back() = Vec3(0);
-  cloud.normals.assign(cloud.size(), Vec3(0, 0, -1));
-  cloud.colors.assign(cloud.size(), {200, 100, 60, 255});
+  const PointCloud cloud = backBesideCrowd();
   Camera camera;
   camera.eye = {0, 0, 3};
   FrameOptions options;
