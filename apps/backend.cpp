@@ -31,6 +31,7 @@ TouchOptions touchOptions(const Model& model, const BackendOptions& options, con
                      .localRadius = surface.localRadius,
                      .friction = options.friction,
                      .brush = push,
+                     .paintable = options.paintable,
                      .spareSlots = options.spareSlots};
   touch.bucketKey = bucketKey(options);
   touch.index = options.index == "rebuild" ? IndexFollow::rebuild : IndexFollow::incremental;

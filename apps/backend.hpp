@@ -15,6 +15,7 @@ struct BackendOptions {
   double cell_mm = 0, grid = 0;
   double friction = 0;
   bool timePasses = false;
+  bool paintable = false;                   ///< keeps colours for a brush that comes later; no option of a session
   std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; no option of a session
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);

@@ -10,20 +10,24 @@ namespace {
 constexpr double kRate_Hz = 30;
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
 constexpr std::size_t kMostWaitingEdits = 1 << 18;
+constexpr std::size_t kLeastNew = 1 << 16;
 constexpr int kLooksPerTurn = 8;  // whether the ring of a GPU fills up faster than usual
 
 }  // namespace
 
 Followers::Followers(Context& context, const Model& model, TouchBackend& backend, const FollowersWanted& wanted)
     : model_(model), backend_(backend), log_(wanted.log), touchSide_(dynamic_cast<TouchSide*>(&backend)) {
-  if (wanted.picture && touchSide_) {
-    const LiveCloud& live = touchSide_->live();
-    drawn_.emplace(context.device(), model.cloud,
-                   DrawnOptions{.spare = live.slots() - live.count(),
-                                .painted = touchSide_->paints(),
+  byHost_ = wanted.sight && !(touchSide_ && wanted.sight == &context.device());
+  if (wanted.picture && (touchSide_ || byHost_)) {
+    // The CPU numbers new points without end; so many of them are seen.
+    const std::size_t mostNew = std::max<std::size_t>(kLeastNew, model.cloud.size());
+    const std::uint64_t spare = touchSide_ ? touchSide_->live().slots() - touchSide_->live().count() : mostNew;
+    drawn_.emplace(wanted.sight ? *wanted.sight : context.device(), model.cloud,
+                   DrawnOptions{.spare = static_cast<std::uint32_t>(spare),
+                                .painted = touchSide_ ? touchSide_->paints() : true,
                                 .spacing = model.spacing,
-                                .edited = touchSide_->edits() != nullptr});
-    drawnReader_.emplace(touchSide_->editLog());
+                                .edited = !touchSide_ || touchSide_->edits() != nullptr});
+    if (!byHost_) drawnReader_.emplace(touchSide_->editLog());
   }
   if (!wanted.journal) return;
   journal_.emplace(model.cloud, wanted.undo_bytes);
@@ -73,6 +77,7 @@ void Followers::catchUp() {
   batch_.clear();
   backend_.takeEdits(batch_);
   if (batch_.empty()) return;
+  if (byHost_ && drawn_) drawn_->catchUp(batch_.points);
   if (log_) log_->add(batch_);
   journal_->follow(batch_);
 }

@@ -16,6 +16,7 @@ struct FollowersWanted {
   bool picture = false;  ///< kept up to date while the session lasts, where the back end is Vulkan's
   bool journal = false;
   std::uint64_t undo_bytes = 0;  ///< the journal's budget for strokes
+  Device* sight = nullptr;       ///< where the picture is kept; the touched cloud's own GPU when not given
   SessionWriter* log = nullptr;  ///< is given the edits, with a journal; and flushed in virtual time
 };
 
@@ -33,8 +34,12 @@ class Followers {
   void finish();
   /// Ends the thread: the journal stays as it is, however far it has come.
   void stop() { thread_ = {}; }
-  /// From now on in the session's own thread: takes in what has been done.
+  /// In the session's own thread, where begin() has started none, or it has ended: takes in what has been done.
   void catchUp();
+  /// What the last catchUp() took in, where there is a journal.
+  const EditBatch& batch() const { return batch_; }
+  /// Another log, or none, is given the edits from now on.
+  void setLog(SessionWriter* log) { log_ = log; }
 
   Journal* journal() { return journal_ ? &*journal_ : nullptr; }
   /// Throws what went wrong while the picture was kept up to date; ask once all else is saved.
@@ -51,6 +56,7 @@ class Followers {
   TouchBackend& backend_;
   SessionWriter* log_;
   TouchSide* touchSide_;  // where it is one
+  bool byHost_ = false;   // the picture is told of edits through the host
   std::optional<DrawnCloud> drawn_;
   std::optional<EditLog::Reader> drawnReader_;
   std::optional<Journal> journal_;

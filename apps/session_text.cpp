@@ -139,7 +139,8 @@ void TickTap::ticked(const TraceRow& row, const DVec3& device) noexcept {
          .edits = backend_.editsAnswered(),
          .neighbours = row.neighbours,
          .flags = (row.contact ? LoggedTick::kContact : 0u) | (row.fresh ? LoggedTick::kFresh : 0u) |
-                  (row.valid ? LoggedTick::kValid : 0u) | (leavesOut ? LoggedTick::kEditLeftOut : 0u)});
+                  (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
+                  (leavesOut ? LoggedTick::kEditLeftOut : 0u)});
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #include <csignal>
 
 #include "apps/followers.hpp"
+#include "apps/probe_overlays.hpp"
 #include "apps/session_text.hpp"
 #include "apps/touch_report.hpp"
 #include "engine/cloud/edited_cloud.hpp"
@@ -14,9 +15,6 @@ namespace palpate {
 
 namespace {
 
-// Picture sizes of the probe, mm on a model of 100 mm.
-constexpr double kBallRadius_mm = 1.2, kDiscRadius_mm = 2.5, kArrow_mm_per_N = 15, kShaftRadius_mm = 0.5;
-
 std::atomic<bool> stopRequested = false;  // what a signal handler may touch
 
 Path pathFor(const TouchCommandOptions& options, const Model& model) {
@@ -24,27 +22,6 @@ Path pathFor(const TouchCommandOptions& options, const Model& model) {
   if (options.path.starts_with(kBuiltin))
     return builtinPath(options.path.substr(kBuiltin.size()), model.cloud, model.scale, options.penetration_mm);
   return readPathCsv(options.path);
-}
-
-/// Where the tool of a brush stands (BrushOptions), while it touches.
-Overlays::Ball toolOf(const BrushOptions& brush, const DVec3& hip, const DVec3& proxy) {
-  const DVec3 spring = proxy - hip;
-  const bool standsBefore = brush.kind == BrushKind::push || brush.kind == BrushKind::carve;
-  const DVec3 outward = glm::length(spring) > 0 ? glm::normalize(spring) : DVec3(0);
-  return {standsBefore ? hip + (brush.tau + brush.toolRadius) * outward : proxy, brush.toolRadius};
-}
-
-Overlays overlaysOf(const TraceRow& row, const Model& model, const std::optional<BrushOptions>& brush) {
-  const double unitsPer_mm = boundsOf(model.cloud).longestSide() / kDefaultLongestSide_mm;
-  const auto units = [&](double mm) { return mm * unitsPer_mm; };
-  Overlays overlays;
-  overlays.hip = {row.hip - model.cloud.origin, units(kBallRadius_mm)};
-  if (!row.contact) return overlays;
-  const DVec3 proxy = row.proxy - model.cloud.origin;
-  overlays.proxy = {proxy, row.normal, units(kDiscRadius_mm)};
-  overlays.force = {proxy, row.force_N * units(kArrow_mm_per_N), units(kShaftRadius_mm)};
-  if (brush) overlays.tool = toolOf(*brush, row.hip - model.cloud.origin, proxy);
-  return overlays;
 }
 
 /// The log of a session, where one is asked for, and what writes each tick into it.
@@ -188,7 +165,9 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
     if (!followers.drawn())
       ended.emplace(context.device(), brush ? end.cloud : model.cloud, DrawnOptions{.spacing = model.spacing});
     takePicture(context, model, ended ? *ended : *followers.drawn(), options.picture,
-                result.trace.rows.empty() ? Overlays{} : overlaysOf(result.trace.rows.back(), model, brush),
+                result.trace.rows.empty() ? Overlays{}
+                                          : overlaysOf(result.trace.rows.back(), model.cloud.origin,
+                                                       boundsOf(model.cloud).longestSide(), brush),
                 options.pictureFile);
   }
   if (options.backend.timePasses && touchSide) printPasses(context.tables(), touchSide->passes());

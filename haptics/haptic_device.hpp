@@ -13,6 +13,7 @@ namespace palpate {
 struct DeviceState {
   DVec3 position{0};          ///< of the stylus tip, in the device's own unit (mm for hardware)
   std::uint32_t buttons = 0;  ///< bit 0 is the first button
+  bool putDown = false;       ///< it was lifted since the last read, and there was no motion from there to here
   bool ok = false;            ///< false: the device failed; the other fields say nothing
 };
 

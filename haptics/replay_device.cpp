@@ -15,7 +15,9 @@ ReplayDevice::ReplayDevice(std::vector<LoggedTick> ticks, const DeviceLimits& li
 
 DeviceState ReplayDevice::read(double time_s) noexcept {
   const auto after = std::ranges::upper_bound(ticks_, time_s, {}, &LoggedTick::time_s);
-  return {.position = after == ticks_.begin() ? ticks_.front().device : (after - 1)->device, .ok = true};
+  const LoggedTick& tick = after == ticks_.begin() ? ticks_.front() : *(after - 1);
+  const bool isNew = std::exchange(last_, &tick) != &tick;
+  return {.position = tick.device, .putDown = isNew && tick.has(LoggedTick::kPutDown), .ok = true};
 }
 
 }  // namespace palpate

@@ -24,6 +24,7 @@ class ReplayDevice final : public HapticDevice {
 
  private:
   std::vector<LoggedTick> ticks_;
+  const LoggedTick* last_ = nullptr;  // that was read
   DeviceLimits limits_;
 };
 

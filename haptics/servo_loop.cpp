@@ -1,6 +1,7 @@
 #include "haptics/servo_loop.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
@@ -36,6 +37,11 @@ Contact trusted(const Contact& contact, const DVec3& hip) {
 std::uint64_t ticksFor(const ServoOptions& options) {
   if (!(options.rate_Hz > 0 && options.rate_Hz <= kHighestRate_Hz))
     throw UsageError("rate {} Hz: it must be above 0 and at most {}", options.rate_Hz, kHighestRate_Hz);
+  if (options.endless) {
+    if (!options.realtime || !options.stop)
+      throw UsageError("only a session against the wall clock that can be stopped is endless");
+    return std::numeric_limits<std::uint64_t>::max();
+  }
   const double ticks = options.duration_s * options.rate_Hz;
   if (!(options.duration_s >= 0 && ticks <= kMostTicks))
     throw UsageError("{} s at {} Hz: a session has at most {} ticks; make it shorter", options.duration_s,
@@ -64,13 +70,14 @@ ServoLoop::ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, co
 ServoResult ServoLoop::run(const TickObserver& observer) {
   ServoResult result;
   result.trace.virtualTime = !options_.realtime;
-  result.trace.rows.resize(plannedTicks_);  // written here, so that no tick waits for a page of memory
+  result.trace.rows.resize(
+      options_.endless ? 1 : plannedTicks_);  // written here, so that no tick waits for a page of memory
   law_.reset();
   passivity_ = Passivity(passivityMode_, limits_);
   gate_ = ForceGate(limits_, 1 / options_.rate_Hz);
   lastPosition_.reset();
   const std::size_t done = play(observer, result);
-  result.trace.rows.resize(done);
+  result.trace.rows.resize(options_.endless ? 0 : done);
   result.withheld = gate_.counts();
   if (passivityMode_ != PassivityMode::off) result.leastEnergy_mJ = passivity_.leastEnergy_mJ();
   if (result.deviceFailed) {
@@ -93,7 +100,7 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
   const double reserve_us = std::min(options_.reserve_us, kMostReserve * 1e6 / options_.rate_Hz);
 
   std::size_t done = 0;
-  double lastTime_s = -1 / options_.rate_Hz;
+  double lastTime_s = options_.begin_s - 1 / options_.rate_Hz;
   for (std::uint64_t index = 0; index < plannedTicks_; ++index) {
     if (options_.stop && options_.stop->load(std::memory_order_relaxed)) break;
     double budget_us = 0;
@@ -105,9 +112,10 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
       result.late_us.add(-pacer->remaining_us(index));
       budget_us = std::max(pacer->remaining_us(index + 1) - reserve_us, kSmallestBudget_us);
     }
-    const double time_s = static_cast<double>(index) / options_.rate_Hz;
-    TraceRow& row = result.trace.rows[done];
-    if (done > 0) row.hip = result.trace.rows[done - 1].hip;  // where the hand was last, should the device fail now
+    const double time_s = options_.begin_s + static_cast<double>(index) / options_.rate_Hz;
+    TraceRow& row = result.trace.rows[options_.endless ? 0 : done];
+    if (done > 0 && !options_.endless)
+      row.hip = result.trace.rows[done - 1].hip;  // where the hand was last, should the device fail now
     const Tick how = tick(time_s, time_s - lastTime_s, budget_us, row);
     ++done;
     result.deviceFailed = how == Tick::deviceFailed;
@@ -130,6 +138,12 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, Tr
     law_.reset();
     return Tick::deviceFailed;
   }
+  if (state.putDown) {
+    law_.reset();
+    passivity_.lift();
+    lastPosition_.reset();
+    query_.beginAnew();
+  }
   const Pose pose{.time_s = time_s, .hip = hip};
   const Contact answer = query_.query(pose, budget_us);
   const Contact contact = trusted(answer, hip);
@@ -147,6 +161,7 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, Tr
   row.contact = contact.touching;
   row.fresh = contact.fresh;
   row.valid = contact.valid && written;
+  row.putDown = state.putDown;
   row.neighbours = contact.neighbours;
   row.gpu_us = contact.gpu_us;
   row.step_us = step_us;

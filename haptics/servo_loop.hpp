@@ -29,6 +29,8 @@ class TickRecorder {
 struct ServoOptions {
   double rate_Hz = 1000;
   double duration_s = 0;  ///< the number of ticks is duration times rate, rounded; at least one
+  double begin_s = 0;     ///< the time of the first tick
+  bool endless = false;  ///< against the wall clock until `stop`, whatever the duration; only a recorder sees the ticks
   bool realtime = false;  ///< the wall clock paces the ticks; otherwise they come as fast as they go
   double reserve_us =
       200;  ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it

@@ -24,7 +24,8 @@ struct LoggedTick {
     kContact = 1,
     kFresh = 2,
     kValid = 4,
-    kEditLeftOut = 8  ///< an edit that the answer asked for was not done
+    kEditLeftOut = 8,  ///< an edit that the answer asked for was not done
+    kPutDown = 16      ///< the stylus was lifted before it, and put down elsewhere
   };
 
   double time_s = 0;

@@ -26,7 +26,12 @@ DVec3 afterFriction(const DVec3& velocity, double strongestChange) {
 
 }  // namespace
 
-SimulatedTouch::SimulatedTouch(Path intention, const WorkspaceMap& map, const SimulatedTouchOptions& options)
+SimulatedTouch::SimulatedTouch(Path path, const WorkspaceMap& map, const SimulatedTouchOptions& options)
+    : SimulatedTouch([path](double time_s) { return path.at(time_s); }, map, options) {
+  pathDuration_s_ = path.duration_s();
+}
+
+SimulatedTouch::SimulatedTouch(Intention intention, const WorkspaceMap& map, const SimulatedTouchOptions& options)
     : intention_(std::move(intention)), map_(map), options_(options) {
   checkOption(options.handStiffness_N_per_mm, "the hand's stiffness (N/mm)");
   checkOption(options.handDamping_N_s_per_mm, "the hand's damping (N s/mm)");
@@ -60,13 +65,13 @@ bool SimulatedTouch::write(const DVec3& force_N) noexcept {
 }
 
 DVec3 SimulatedTouch::intendedAt(double time_s) const noexcept {
-  return (intention_.at(time_s - options_.lead_s) - map_.offset) / map_.scale;
+  return (intention_(time_s - options_.lead_s) - map_.offset) / map_.scale;
 }
 
 void SimulatedTouch::begin(double time_s) noexcept {
   begun_ = true;
   now_s_ = time_s;
-  position_mm_ = glm::clamp(intendedAt(time_s), -0.5 * kTouchWorkspace_mm, 0.5 * kTouchWorkspace_mm);
+  position_mm_ = glm::clamp(intendedAt(time_s), -0.5 * options_.workspace_mm, 0.5 * options_.workspace_mm);
   velocity_mm_per_s_ = acting_N_ = written_N_ = DVec3(0);
 }
 
@@ -92,7 +97,7 @@ void SimulatedTouch::step(const DVec3& intended_mm, const DVec3& intendedSpeed_m
                                      change_per_N * options_.friction_N * share);
   position_mm_ += dt_s * velocity_mm_per_s_;
   for (int k = 0; k < 3; ++k) {  // the ends of the arms' travel
-    const double end_mm = 0.5 * kTouchWorkspace_mm[k];
+    const double end_mm = 0.5 * options_.workspace_mm[k];
     if (std::abs(position_mm_[k]) <= end_mm) continue;
     position_mm_[k] = std::clamp(position_mm_[k], -end_mm, end_mm);
     velocity_mm_per_s_[k] = 0;

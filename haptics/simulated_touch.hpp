@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 
 #include "engine/core/units.hpp"
 #include "haptics/haptic_device.hpp"
@@ -9,7 +10,7 @@
 
 namespace palpate {
 
-/// x right, y up, z towards the user; the device's origin is in the middle.
+/// Of a Geomagic Touch: x right, y up, z towards the user; the device's origin is in the middle.
 inline constexpr DVec3 kTouchWorkspace_mm{160, 120, 70};
 
 struct SimulatedTouchOptions {
@@ -20,7 +21,8 @@ struct SimulatedTouchOptions {
   double viscosity_N_s_per_mm = 5e-4;  ///< of the joints
   double friction_N = 0.26;            ///< Coulomb, moving and at rest
   double encoderStep_mm = 0.055;
-  double lead_s = 0;  ///< the hand waits this long at the beginning of its path
+  double lead_s = 0;                        ///< the hand waits this long at the beginning of its path
+  DVec3 workspace_mm = kTouchWorkspace_mm;  ///< the stops are at its sides
 };
 
 /// A mass that the motors, friction and the hand act on; the hand's intention follows a path. The force is held from
@@ -28,9 +30,14 @@ struct SimulatedTouchOptions {
 /// writes give the same positions, in virtual and in real time. A read at an earlier time begins anew.
 class SimulatedTouch final : public HapticDevice {
  public:
-  /// `map` says where the path, which is in model units, lies in the workspace. Throws UsageError for options that are
-  /// not finite or out of range.
-  SimulatedTouch(Path intention, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
+  /// Where the hand means to be at a time, model units. Is asked for times that do not fall, but for the first; throws
+  /// and allocates nothing.
+  using Intention = std::function<DVec3(double time_s)>;
+
+  /// `map` says where the intention lies in the workspace. Throws UsageError for options that are not finite or out of
+  /// range.
+  SimulatedTouch(Intention intention, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
+  SimulatedTouch(Path path, const WorkspaceMap& map, const SimulatedTouchOptions& options = {});
 
   std::string_view name() const override { return "simulated Touch"; }
   DeviceLimits limits() const override;
@@ -39,8 +46,10 @@ class SimulatedTouch final : public HapticDevice {
   void emergencyStop() noexcept override { stopped_ = true; }
   std::string faultText() const override { return {}; }
 
-  /// Until the hand has come to the end of its path.
-  double duration_s() const { return options_.lead_s + intention_.duration_s(); }
+  /// Until the hand has come to the end of its path; 0 where it has none.
+  double duration_s() const { return options_.lead_s + pathDuration_s_; }
+  /// Begins anew at `time_s`, at rest where the hand means to be then.
+  void putDown(double time_s) noexcept { begin(time_s); }
   /// Where the stylus is, finer than the encoders tell.
   DVec3 position_mm() const { return position_mm_; }
 
@@ -50,7 +59,8 @@ class SimulatedTouch final : public HapticDevice {
   void advance(double time_s) noexcept;
   void step(const DVec3& intended_mm, const DVec3& intendedSpeed_mm_per_s, double dt_s) noexcept;
 
-  Path intention_;
+  Intention intention_;
+  double pathDuration_s_ = 0;
   WorkspaceMap map_;
   SimulatedTouchOptions options_;
   bool begun_ = false;

@@ -19,8 +19,9 @@ struct TraceRow {
   DVec3 force_N{0};
   double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
   bool contact = false;
-  bool fresh = false;  ///< from this tick's own query
-  bool valid = false;  ///< false: the query or the device failed at this tick
+  bool fresh = false;    ///< from this tick's own query
+  bool valid = false;    ///< false: the query or the device failed at this tick
+  bool putDown = false;  ///< the stylus was lifted before this tick, and put down elsewhere
   std::uint32_t neighbours = 0;
   double gpu_us = 0;   ///< 0 where it was not measured
   double step_us = 0;  ///< from pose read to force ready

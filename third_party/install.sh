@@ -19,9 +19,13 @@ packages=(
   libfmt-dev                 # text formatting (g++ 12 has no std::format)
   libcli11-dev               # command line
   nlohmann-json3-dev         # --json
+  libglfw3-dev               # the window of palpate view
+  libimgui-dev               # its panels
+  fonts-dejavu-core          # their font
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   doctest-dev                # tests
+  xvfb                       # a display for the tests of the window
   python3-matplotlib         # forces.png
 )
 

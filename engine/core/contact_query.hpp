@@ -36,6 +36,9 @@ class ContactQuery {
   /// The force of the last answer is out: now is the time for what need not come before it, and for what makes the next
   /// answer come sooner. Never blocks for long.
   virtual void prepare() noexcept {}
+  /// The stylus was lifted and is put down elsewhere with the next pose: there was no motion in between, and nothing is
+  /// touched.
+  virtual void beginAnew() noexcept {}
 };
 
 }  // namespace palpate

@@ -52,6 +52,10 @@ class TouchBackend : public ContactQuery {
   /// answers and edits can be put in order.
   virtual std::uint64_t editsAnswered() const { return 0; }
 
+  /// Another brush from now on, or none. Only where points can be edited. For the thread that queries, between queries;
+  /// ends the stroke that is under way.
+  virtual void setBrush(const std::optional<BrushOptions>&) { noEdits(); }
+
   /// The machine that answers.
   virtual std::string machine() const = 0;
   /// Time of the first build of the index, us.

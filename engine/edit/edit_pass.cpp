@@ -76,6 +76,12 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
   if (resample_) resample_->measure(view(live.side()), tables_.address());
 }
 
+void EditPass::setBrush(const BrushOptions& brush) {
+  options_ = brush;
+  boxCells_ = boxCells(hash_.grid(), brush.toolRadius);
+  upload(device_, brush_, std::vector{sharedBrush(brush, radius_)});
+}
+
 Resample::Io EditPass::resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const {
   return {.update = update_.args(cloud, parity), .tables = tables_.address(), .lists = update_};
 }
@@ -124,7 +130,7 @@ void EditPass::recordSmooth(CommandList& list, const shared::CloudView& cloud, s
 void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const {
   const shared::CloudView cloud = view(side);
   const DeviceAddress state = contactState.address();
-  const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
+  const std::uint32_t recalls = resamples() ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto edit = list.section("edit");
     {
@@ -149,7 +155,7 @@ void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, st
 void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                              const Buffer& contactState, SortMethod sort, Reach reach) const {
   const DeviceAddress state = contactState.address();
-  const std::uint32_t recalls = resample_ ? shared::kRecallsWishes : shared::kRecallsNothing;
+  const std::uint32_t recalls = resamples() ? shared::kRecallsWishes : shared::kRecallsNothing;
   {
     const auto edit = list.section("edit");
     recordReached(list, from, state, recalls, reach);
@@ -175,7 +181,7 @@ void EditPass::recordReached(CommandList& list, const LiveCloud::Side& from, Dev
                     from.parity, 0);
       update_.recordBegin(list);
     }
-    if (resample_) recordCollect(list, cloud, from.parity, state, {}, recalls);
+    if (resamples()) recordCollect(list, cloud, from.parity, state, {}, recalls);
   }
   update_.recordCommit(list, cloud);
 }
@@ -252,7 +258,7 @@ void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, Cou
                                               .entries = log_.entries(),
                                               .head = log_.head(),
                                               .tables = tables_.address(),
-                                              .lists = resample_ ? resample_->lists() : 0,
+                                              .lists = wishLists(),
                                               .capacityMask = static_cast<std::uint32_t>(log_.capacity() - 1),
                                               .radius = static_cast<float>(radius_)});
 }
@@ -270,20 +276,20 @@ void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, s
                                         .changed = update.changed,
                                         .fitted = fitted,
                                         .head = log_.head(),
-                                        .lists = resample_ ? resample_->lists() : 0,
-                                        .end = wishes && resample_ ? shared::EditEnd{} : end()});
+                                        .lists = wishLists(),
+                                        .end = wishes && resamples() ? shared::EditEnd{} : end()});
 }
 
 void EditPass::recordWishes(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                             DeviceAddress fitted) const {
-  if (!resample_) return;
+  if (!resamples()) return;
   const auto section = list.section("wishes");
   resample_->recordWishes(list, resampleIo(cloud, parity), fitted, end());
 }
 
 shared::EditEnd EditPass::end() const {
   return {.report = update_.reportAddress(),
-          .resampling = resample_ ? resample_->reportAddress() : 0,
+          .resampling = resamples() ? resample_->reportAddress() : 0,
           .empty = update_.emptyCounters()};
 }
 

@@ -22,6 +22,10 @@ class EditPass {
   EditPass(Device& device, const BrushOptions& brush, const SpatialHash& hash, const LiveCloud& live,
            const EditLog& log, std::span<const std::uint32_t> colors, double radius);
 
+  /// Another brush from now on: what was recorded with the one before must be recorded again. Nothing may run
+  /// meanwhile. It keeps the density only where the first brush did.
+  void setBrush(const BrushOptions& brush);
+
   /// Where a brush with a full build looks for the points that it reaches: in the cells of its box, which fails with
   /// kUpdateTooLarge where they are more than mostMoves(); or among all points, as many at a time.
   enum class Reach { box, all };
@@ -45,7 +49,7 @@ class EditPass {
                         SortMethod sort) const;
 
   /// True where the last edit that has completed left wishes: another one would change something though no brush acts.
-  bool unsettled() const { return resample_ && resample_->unsettled(); }
+  bool unsettled() const { return resamples() && resample_->unsettled(); }
   /// What the last edit that has completed came to.
   const shared::HashUpdate& report() const { return update_.report(); }
   const HashUpdate& update() const { return update_; }
@@ -66,6 +70,9 @@ class EditPass {
     std::uint32_t cells = 0, firstSlot = 0, slots = 0;
   };
   Selection box() const;
+  // Paint moves nothing, so that no points come or go with it.
+  bool resamples() const { return resample_ && options_.keepsDensity && options_.kind != BrushKind::paint; }
+  DeviceAddress wishLists() const { return resamples() ? resample_->lists() : 0; }
   // `recalls`: kRecalls... of shaders/shared/edit.h.
   // Lists the brush's moves, and those that come of wishes.
   void recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState,

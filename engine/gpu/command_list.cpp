@@ -1,6 +1,7 @@
 #include "engine/gpu/command_list.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/gpu/device.hpp"
 
@@ -54,21 +55,29 @@ void memoryBarrier(const Device& device, VkCommandBuffer commands, const Scope& 
   device.vk().vkCmdPipelineBarrier2(commands, &info);
 }
 
-// What was in the image is gone.
-VkImageMemoryBarrier2 toGeneralLayout(const Attachment& image, const Scope& from, const Scope& to) {
+struct Layouts {
+  VkImageLayout from, to;
+};
+VkImageMemoryBarrier2 imageBarrier(VkImage image, VkImageAspectFlags aspect, const Layouts& layouts, const Scope& from,
+                                   const Scope& to) {
   return {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
           .pNext = nullptr,
           .srcStageMask = from.stages,
           .srcAccessMask = from.access,
           .dstStageMask = to.stages,
           .dstAccessMask = to.access,
-          .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
-          .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+          .oldLayout = layouts.from,
+          .newLayout = layouts.to,
           .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
           .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
-          .image = image.handle(),
+          .image = image,
           .subresourceRange = {
-              .aspectMask = image.aspect(), .baseMipLevel = 0, .levelCount = 1, .baseArrayLayer = 0, .layerCount = 1}};
+              .aspectMask = aspect, .baseMipLevel = 0, .levelCount = 1, .baseArrayLayer = 0, .layerCount = 1}};
+}
+
+// What was in the image is gone.
+VkImageMemoryBarrier2 toGeneralLayout(const Attachment& image, const Scope& from, const Scope& to) {
+  return imageBarrier(image.handle(), image.aspect(), {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_GENERAL}, from, to);
 }
 
 VkRenderingAttachmentInfo target(const Attachment& image, bool clear, const VkClearValue& to) {
@@ -242,6 +251,35 @@ void CommandList::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes
   const VkBufferCopy region{fromOffset, toOffset, bytes};
   device_.vk().vkCmdCopyBuffer(commands_, from.handle(), to.handle(), 1, &region);
   closePass();
+}
+
+void CommandList::show(const Buffer& picture, VkImage image, const UVec2& size_px) {
+  PALPATE_CHECK_LE(std::uint64_t{4} * size_px.x * size_px.y, picture.bytes());
+  PALPATE_CHECK(independent_ == Overlap::no);
+  constexpr Scope kCopies{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT};
+  const std::array taken{imageBarrier(image, VK_IMAGE_ASPECT_COLOR_BIT,
+                                      {VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL},
+                                      {kCopies.stages, 0}, kCopies)};
+  memoryBarrier(device_, commands_, before(drew_), {kWork, kReads | kWrites}, taken);
+  drew_ = false;
+  waits_ = true;
+  openPass("show " + picture.name(), 0, std::uint64_t{4} * size_px.x * size_px.y);
+  const VkBufferImageCopy region{.bufferOffset = 0,
+                                 .bufferRowLength = 0,
+                                 .bufferImageHeight = 0,
+                                 .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_COLOR_BIT,
+                                                      .mipLevel = 0,
+                                                      .baseArrayLayer = 0,
+                                                      .layerCount = 1},
+                                 .imageOffset = {0, 0, 0},
+                                 .imageExtent = {size_px.x, size_px.y, 1}};
+  device_.vk().vkCmdCopyBufferToImage(commands_, picture.handle(), image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1,
+                                      &region);
+  closePass();
+  const std::array given{imageBarrier(image, VK_IMAGE_ASPECT_COLOR_BIT,
+                                      {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_IMAGE_LAYOUT_PRESENT_SRC_KHR}, kCopies,
+                                      {VK_PIPELINE_STAGE_2_NONE, 0})};
+  memoryBarrier(device_, commands_, {kWork, kWrites}, {kWork, kReads | kWrites}, given);
 }
 
 void CommandList::fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset) {

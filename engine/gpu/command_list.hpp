@@ -84,6 +84,9 @@ class CommandList {
   }
   void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes, std::uint64_t fromOffset = 0,
             std::uint64_t toOffset = 0);
+  /// Copies a picture, 4 bytes a pixel in rows from the top, to an image of a window, all of it, and leaves it ready to
+  /// be shown.
+  void show(const Buffer& picture, VkImage image, const UVec2& size_px);
   /// Fills with a 32-bit pattern; `bytes` is a multiple of 4.
   void fill(const Buffer& buffer, std::uint32_t pattern, std::uint64_t bytes, std::uint64_t offset = 0);
 

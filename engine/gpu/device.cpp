@@ -39,7 +39,9 @@ std::vector<GpuDescription> describeGpus(const Instance& instance) {
   return gpus;
 }
 
-Device::Device(const DeviceOptions& options) : instance_(std::make_unique<Instance>(options.validate)) {
+Device::Device(const DeviceOptions& options)
+    : instance_(std::make_unique<Instance>(options.validate, options.windowExtensions)),
+      shows_(!options.windowExtensions.empty()) {
   std::string selector = options.gpu;
   if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
   const auto gpus = describeGpus(*instance_);
@@ -134,6 +136,11 @@ void Device::createLogicalDevice() {
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
+  if (shows_) {
+    if (!hasExtension(physical_, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+      throw GpuError("{} cannot show pictures in a window; choose another GPU", name_);
+    extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  }
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
                                 .flags = 0,
@@ -157,6 +164,7 @@ void Device::createLogicalDevice() {
     touch_.reset();
     sight_.reset();
     background_.reset();
+    window_.reset();
     table_.vkDestroyDevice(device_, nullptr);
     throw;
   }
@@ -175,6 +183,7 @@ void Device::createQueues() {
   sight_ = queue(roles_.sight);
   touch_ = queue(roles_.touch);
   background_ = queue(roles_.background);
+  if (shows_) window_ = queue(roles_.sight);
 }
 
 Device::~Device() {
@@ -183,6 +192,7 @@ Device::~Device() {
   touch_.reset();
   sight_.reset();
   background_.reset();
+  window_.reset();
   pipelines_.destroyAll(*this);
   table_.vkDestroyDevice(device_, nullptr);
 }

@@ -14,6 +14,8 @@ namespace palpate {
 struct DeviceOptions {
   std::string gpu;        ///< number or part of a name; empty: PALPATE_GPU, else the best there is
   bool validate = false;  ///< core, synchronisation and GPU-assisted validation
+  /// Of the instance, for a device that shows its pictures in a window; empty for one that does not.
+  std::vector<std::string> windowExtensions = {};
 };
 
 /// A GPU in use: its logical device, its three queue roles and its limits. Everything made from it must go before it.
@@ -34,6 +36,8 @@ class Device {
   Queue& touch() { return *touch_; }
   /// The sight side's queue.
   Queue& sight() { return *sight_; }
+  /// The window's way to the queue of sight, for the thread that shows pictures; only on a device made for one.
+  Queue& window() { return *window_; }
   /// For work on the touch side's data that must not hold up touch. Used by the touch side's thread.
   Queue& background() { return *background_; }
   const QueueRoles& roles() const { return roles_; }
@@ -86,12 +90,12 @@ class Device {
   bool hasWideAtomics_ = false, hasClock_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
-  bool draws_ = false;
+  bool draws_ = false, shows_ = false;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};
   PipelineStore pipelines_;
-  std::unique_ptr<Queue> touch_, sight_, background_;
+  std::unique_ptr<Queue> touch_, sight_, background_, window_;
   std::atomic<std::uint64_t> allocated_ = 0;
 };
 

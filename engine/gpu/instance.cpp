@@ -30,13 +30,18 @@ bool hasExtension(const char* layer, const char* name) {
 
 }  // namespace
 
-Instance::Instance(bool validate) : validates_(validate) {
+Instance::Instance(bool validate, std::span<const std::string> windowExtensions) : validates_(validate) {
   if (volkInitialize() != VK_SUCCESS)
     throw GpuError("no Vulkan loader (libvulkan.so.1) was found; install the package libvulkan1");
   if (validate && !hasLayer(kValidationLayer))
     throw GpuError("--validate: {} was not found; install the package vulkan-validationlayers", kValidationLayer);
 
   std::vector<const char*> layers, extensions;
+  for (const std::string& name : windowExtensions) {
+    if (!hasExtension(nullptr, name.c_str()))
+      throw GpuError("the {} has no {}, so that nothing can be shown in a window", kLoader, name);
+    extensions.push_back(name.c_str());
+  }
   if (validate) {
     layers.push_back(kValidationLayer);
     extensions.push_back(VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME);

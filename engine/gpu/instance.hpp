@@ -1,6 +1,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 #include <vector>
 
 #include "engine/gpu/validation.hpp"
@@ -8,10 +10,11 @@
 namespace palpate {
 
 /// The Vulkan loader and its physical devices. With `validate`, the Khronos layer watches with core, synchronisation
-/// and GPU-assisted validation. Throws GpuError when there is no loader, or no layer where one was asked for.
+/// and GPU-assisted validation. `windowExtensions`: those that a window system needs. Throws GpuError when there is no
+/// loader, and no layer or extension where one was asked for.
 class Instance {
  public:
-  explicit Instance(bool validate);
+  explicit Instance(bool validate, std::span<const std::string> windowExtensions = {});
   ~Instance();
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;

@@ -20,7 +20,7 @@ Queue::~Queue() {
   for (const VkFence fence : fences_) device_.vk().vkDestroyFence(device_.handle(), fence, nullptr);
 }
 
-Queue::Ticket Queue::submit(const CommandList& list) {
+Queue::Ticket Queue::submit(const CommandList& list, const Semaphores& semaphores) {
   if (broken_) throw GpuError("{}: an earlier submission failed", device_.name());
   const Ticket ticket = last_ + 1;
   const VkFence fence = fenceOf(ticket);
@@ -32,15 +32,26 @@ Queue::Ticket Queue::submit(const CommandList& list) {
                                            .pNext = nullptr,
                                            .commandBuffer = list.handle(),
                                            .deviceMask = 0};
+  const auto semaphore = [](VkSemaphore handle, VkPipelineStageFlags2 stages) {
+    return VkSemaphoreSubmitInfo{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
+                                 .pNext = nullptr,
+                                 .semaphore = handle,
+                                 .value = 0,
+                                 .stageMask = stages,
+                                 .deviceIndex = 0};
+  };
+  const VkSemaphoreSubmitInfo waits =
+      semaphore(semaphores.waits, VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT);
+  const VkSemaphoreSubmitInfo signalled = semaphore(semaphores.signals, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
   const VkSubmitInfo2 info{.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
                            .pNext = nullptr,
                            .flags = 0,
-                           .waitSemaphoreInfoCount = 0,
-                           .pWaitSemaphoreInfos = nullptr,
+                           .waitSemaphoreInfoCount = semaphores.waits ? 1u : 0u,
+                           .pWaitSemaphoreInfos = &waits,
                            .commandBufferInfoCount = 1,
                            .pCommandBufferInfos = &commands,
-                           .signalSemaphoreInfoCount = 0,
-                           .pSignalSemaphoreInfos = nullptr};
+                           .signalSemaphoreInfoCount = semaphores.signals ? 1u : 0u,
+                           .pSignalSemaphoreInfos = &signalled};
   {
     const std::scoped_lock hold(queue_->lock);
     const VkResult result = device_.vk().vkQueueSubmit2(queue_->handle, 1, &info, fence);
@@ -50,6 +61,28 @@ Queue::Ticket Queue::submit(const CommandList& list) {
   list.noteSubmission();
   last_ = ticket;
   return ticket;
+}
+
+VkResult Queue::present(VkSwapchainKHR swapchain, std::uint32_t image, VkSemaphore after) {
+  const VkPresentInfoKHR info{.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR,
+                              .pNext = nullptr,
+                              .waitSemaphoreCount = 1,
+                              .pWaitSemaphores = &after,
+                              .swapchainCount = 1,
+                              .pSwapchains = &swapchain,
+                              .pImageIndices = &image,
+                              .pResults = nullptr};
+  const std::scoped_lock hold(queue_->lock);
+  const VkResult result = device_.vk().vkQueuePresentKHR(queue_->handle, &info);
+  if (result != VK_SUBOPTIMAL_KHR && result != VK_ERROR_OUT_OF_DATE_KHR) device_.check(result, "vkQueuePresentKHR");
+  return result;
+}
+
+bool Queue::canPresent(VkSurfaceKHR surface) const {
+  VkBool32 can = VK_FALSE;
+  device_.check(vkGetPhysicalDeviceSurfaceSupportKHR(device_.physical(), family_, surface, &can),
+                "vkGetPhysicalDeviceSurfaceSupportKHR");
+  return can == VK_TRUE;
 }
 
 bool Queue::isDone(Ticket ticket) const {

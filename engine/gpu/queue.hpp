@@ -22,6 +22,12 @@ struct SharedQueue {
   PriorityMutex lock;
 };
 
+/// Around a submission; null where there is none.
+struct Semaphores {
+  VkSemaphore waits = VK_NULL_HANDLE;    ///< its copies and shaders wait for this one
+  VkSemaphore signals = VK_NULL_HANDLE;  ///< when all of it is done
+};
+
 /// One role's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.
 class Queue {
  public:
@@ -35,7 +41,10 @@ class Queue {
 
   std::uint32_t family() const { return family_; }
   /// Waits first when too many submissions are in flight.
-  Ticket submit(const CommandList& list);
+  Ticket submit(const CommandList& list, const Semaphores& semaphores = {});
+  /// Hands an image to the window system once `after` is signalled; what the driver says, where that is no error.
+  VkResult present(VkSwapchainKHR swapchain, std::uint32_t image, VkSemaphore after);
+  bool canPresent(VkSurfaceKHR surface) const;
   bool isDone(Ticket ticket) const;
   /// True when done, false when `timeout_us` has passed (0: wait for ever). Throws DeviceLost.
   bool wait(Ticket ticket, Wait how = Wait::block, double timeout_us = 0) const;

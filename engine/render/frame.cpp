@@ -45,7 +45,8 @@ Frame::Frame(Device& device, std::uint32_t width, std::uint32_t height, std::uin
       closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
       smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
       shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
-      resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs)}),
+      resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {0}}),
+      overlay_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {1}}),
       constants_(Buffer::of<shared::RenderFrame>(device, kInFlight, Memory::upload, "frame constants")),
       depth_(words(device, samples(), "frame depth")),
       smoothed_(words(device, 0, "frame smoothed depth")),
@@ -62,12 +63,12 @@ void Frame::record(CommandList& list, const DrawnCloud& cloud, const Camera& cam
   const auto frame = list.section("frame");
   if (options.raster != Raster::compute) {
     recordHardware(list, cloud, constants, about, camera, options);
-    return recordShading(list, constants, options);
+    return recordShading(list, constants, camera, options);
   }
   recordClear(list, cloud.hasColors());
   raster_.record(list, cloud, target(constants));
   recordSources(list, constants);
-  recordShading(list, constants, options);
+  recordShading(list, constants, camera, options);
 }
 
 void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options) {
@@ -89,7 +90,7 @@ void Frame::record(CommandList& list, const DrawnMesh& mesh, const Camera& camer
     list.dispatch(triangleAttributes_, shares, args);
   }
   recordSources(list, constants);
-  recordShading(list, constants, options);
+  recordShading(list, constants, camera, options);
 }
 
 void Frame::recordHardware(CommandList& list, const DrawnCloud& cloud, DeviceAddress constants, const Drawn& about,
@@ -119,7 +120,8 @@ void Frame::recordSources(CommandList& list, DeviceAddress constants) const {
                 shared::CloseHolesArgs{.frame = constants, .depth = depth_.address(), .source = source_.address()});
 }
 
-void Frame::recordShading(CommandList& list, DeviceAddress constants, const FrameOptions& options) {
+void Frame::recordShading(CommandList& list, DeviceAddress constants, const Camera& camera,
+                          const FrameOptions& options) {
   const bool smooths = options.smooth_px > 0;
   if (smooths) {
     if (smoothed_.bytes() == 0) smoothed_ = words(device_, samples(), "frame smoothed depth");
@@ -137,13 +139,19 @@ void Frame::recordShading(CommandList& list, DeviceAddress constants, const Fram
                                   .normalSums = normalSums_.address(),
                                   .colorSums = colorSums_.address(),
                                   .shaded = shaded_.address()});
-  list.dispatch(resolve_, std::uint64_t{width_} * height_,
-                shared::ResolveArgs{.frame = constants,
-                                    .source = source_.address(),
-                                    .depth = depth,
-                                    .shaded = shaded_.address(),
-                                    .image = image_.address(),
-                                    .depthImage = depthImage_.address()});
+  shared::ResolveArgs resolve{.frame = constants,
+                              .source = source_.address(),
+                              .depth = depth,
+                              .shaded = shaded_.address(),
+                              .image = image_.address(),
+                              .depthImage = depthImage_.address(),
+                              .first_px = {0, 0},
+                              .size_px = {width_, height_}};
+  list.dispatch(resolve_, std::uint64_t{width_} * height_, resolve);
+  const PixelRectangle over = overlayRectangle(options.overlays, camera, {width_, height_});
+  resolve.first_px = over.first_px;
+  resolve.size_px = over.size_px;
+  list.dispatch(overlay_, std::uint64_t{over.size_px.x} * over.size_px.y, resolve);
 }
 
 DeviceAddress Frame::writeConstants(const Drawn& about, const Camera& camera, const FrameOptions& options,

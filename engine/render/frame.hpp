@@ -40,6 +40,8 @@ class Frame {
   std::uint32_t height() const { return height_; }
   /// width x height RGBA8, for whoever shows it.
   const Buffer& image() const { return image_; }
+  /// width x height floats: the depth of what is seen, model units; 0 where nothing is.
+  const Buffer& depthImage() const { return depthImage_; }
 
  private:
   std::uint64_t samples() const { return std::uint64_t{width_} * height_ * supersample_ * supersample_; }
@@ -56,13 +58,13 @@ class Frame {
   // Whose surface each sample shows.
   void recordSources(CommandList& list, DeviceAddress constants) const;
   // Smooths the depth first where that is asked for.
-  void recordShading(CommandList& list, DeviceAddress constants, const FrameOptions& options);
+  void recordShading(CommandList& list, DeviceAddress constants, const Camera& camera, const FrameOptions& options);
   void readBack(const Buffer& from, std::span<std::byte> to) const;
 
   Device& device_;
   std::uint32_t width_, height_, supersample_;
   ComputeRaster raster_;
-  ComputePipeline triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_, resolve_;
+  ComputePipeline triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
   Buffer constants_;
   std::uint32_t recordings_ = 0;
   Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;

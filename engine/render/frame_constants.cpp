@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace palpate {
 
@@ -85,7 +86,46 @@ double usualDrawnRadius(const Drawn& drawn, const Camera& camera, std::uint32_t 
   return std::max(drawn.usualRadius, shared::kFinestSplat * middle / camera.focal_px(height_px));
 }
 
+// Around a ball on screen, pixels: left, top, right, bottom. Everything where the ball comes too close to the eye.
+std::array<DVec2, 2> boxOf(const Overlays::Ball& ball, const Camera& camera, const DVec2& size_px) {
+  const Camera::Axes axes = camera.axes();
+  const DVec3 offset = ball.center - camera.eye;
+  const double depth = glm::dot(offset, axes.forward), nearest = depth - ball.radius;
+  if (!(nearest > camera.nearDepth)) return {DVec2(0), size_px};
+  const double focal_px = camera.focal_px(size_px.y);
+  const DVec2 aside(glm::dot(offset, axes.right), -glm::dot(offset, axes.up));
+  // No part of the ball is nearer, nor farther aside.
+  constexpr double kSlack_px = 4;  // lines have a least width
+  const double reach_px =
+      focal_px * (ball.radius + glm::length(aside)) / nearest - focal_px * glm::length(aside) / depth + kSlack_px;
+  const DVec2 at_px = 0.5 * size_px + focal_px / depth * aside;
+  return {at_px - reach_px, at_px + reach_px};
+}
+
 }  // namespace
+
+PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, const UVec2& size_px) {
+  DVec2 low(std::numeric_limits<double>::infinity()), high(-low);
+  const auto add = [&](const DVec3& center, double radius) {
+    const auto [first, last] = boxOf({center, radius}, camera, DVec2(size_px));
+    low = glm::min(low, first);
+    high = glm::max(high, last);
+  };
+  constexpr double kWidestPart = 4;   // of an arrow or a bar, in their radii (shaders/render/overlays.glsl)
+  constexpr double kThickDisc = 1.5;  // the ball around one, in its radii
+  if (overlays.hip) add(overlays.hip->center, overlays.hip->radius);
+  if (overlays.proxy) add(overlays.proxy->center, kThickDisc * overlays.proxy->radius);
+  if (overlays.tool) add(overlays.tool->center, overlays.tool->radius);
+  for (const double end : {0.0, 1.0}) {
+    if (overlays.force)
+      add(overlays.force->from + end * overlays.force->along, kWidestPart * overlays.force->shaftRadius);
+    if (overlays.scale) add(overlays.scale->from + end * overlays.scale->along, kWidestPart * overlays.scale->radius);
+  }
+  low = glm::clamp(glm::floor(low), DVec2(0), DVec2(size_px));
+  high = glm::clamp(glm::ceil(high), DVec2(0), DVec2(size_px));
+  if (!(low.x < high.x && low.y < high.y)) return {};
+  return {UVec2(low), UVec2(high - low)};
+}
 
 Drawn drawn(const DrawnCloud& cloud, const FrameOptions& options) {
   return {.bounds = cloud.bounds(),
@@ -142,7 +182,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .colorBy = static_cast<std::uint32_t>(options.color),
                             .hasColors = drawn.hasColors,
                             .material = kClay,
-                            .hasOverlays = options.overlays.any(),
+                            .unused = 0,
                             .backgroundTop = kBackgroundTop,
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * drawn.bounds.longestSide()),
                             .backgroundBottom = kBackgroundBottom,

@@ -13,6 +13,12 @@ struct FrameSize {
   std::uint32_t supersample;    ///< samples along each side of a pixel
 };
 
+struct PixelRectangle {
+  UVec2 first_px{0}, size_px{0};
+};
+/// The pixels of a picture that anything may show in which is laid over the surface.
+PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, const UVec2& size_px);
+
 /// What a frame draws, for its constants.
 struct Drawn {
   Bounds bounds;

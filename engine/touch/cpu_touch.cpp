@@ -6,6 +6,7 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/core/processor.hpp"
 #include "shaders/shared/edit.h"
@@ -64,6 +65,25 @@ Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
   }
 }
 
+void CpuTouch::beginAnew() noexcept {
+  tracker_.goOnFrom({});
+  last_ = {};
+}
+
+void CpuTouch::setBrush(const std::optional<BrushOptions>& brush) {
+  if (!edit_) throw Error("{}: points can only be changed where they can be edited", machine());
+  finish();
+  brushOn_ = brush.has_value();
+  if (brush) options_.brush = brush;
+}
+
+void CpuTouch::setContact(SurfaceKind surface, double friction) {
+  finish();
+  surface_.kind = surface;
+  tracker_ = ProxyTracker(options_.radius, friction);
+  last_ = {};
+}
+
 void CpuTouch::answer(const Pose& pose) {
   tracker_.follow(*this, pose.hip - origin_);
   const SurfaceSample& surface = tracker_.surface();
@@ -77,7 +97,7 @@ void CpuTouch::answer(const Pose& pose) {
 }
 
 void CpuTouch::editIfYielding(const DVec3& lastHip, bool realtime) {
-  if (!edit_) return;
+  if (!edit_ || !brushOn_) return;
   const DVec3 spring = last_.touching ? last_.proxy - lastPose_.hip : DVec3(0);
   tool_.emplace(*options_.brush, options_.radius, lastPose_.hip - origin_, lastHip - origin_, spring);
   if (!tool_->acts() && sculpture_.settled()) return;

@@ -35,6 +35,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   /// While an edit outlasts the budget, the last answer is held (heldContact), and `fresh` says so. The query itself is
   /// not cut short: on an even cloud it takes some ten microseconds.
   Contact query(const Pose& pose, double budget_us) noexcept override;
+  void beginAnew() noexcept override;
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
@@ -42,6 +43,10 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void keepEdits() override { queue_.keep(); }
   void takeEdits(EditBatch& batch) override { queue_.take(batch); }
   void change(std::span<const PointChange> changes) override;
+  /// Density is kept where the first brush kept it.
+  void setBrush(const std::optional<BrushOptions>& brush) override;
+  /// Another surface or friction from now on; the next pose begins anew. For the thread that queries, between queries.
+  void setContact(SurfaceKind surface, double friction);
   std::uint64_t editsAnswered() const override { return editsAnswered_; }
 
   /// The processor, and how many threads build and edit; one answers.
@@ -72,7 +77,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   ProxyTracker tracker_;
   Contact last_;
   Pose lastPose_;
-  bool editing_ = false, inStroke_ = false;
+  bool editing_ = false, inStroke_ = false, brushOn_ = true;
   std::uint64_t editsAnswered_ = 0;
   double editTime_s_ = 0;  // of the pose whose answer led to the last edit
   EditPace pace_;

@@ -32,6 +32,11 @@ class PatchBridge {
   /// The GPU's answer to `pose`, taken in at `now_s`, and the story that it left.
   void answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s);
 
+  /// The GPU was there at `now_s`, with an answer that counts no more.
+  void heard(double now_s) { contact_.heard(now_s); }
+  /// The stylus is put down elsewhere: nothing is touched, and nothing told so far goes on.
+  void beginAnew() { contact_.goOnFrom({.valid = true}, {}, {}); }
+
   /// For a tick whose own answer is late. Throws DeviceLost.
   Contact answer(const Pose& pose);
 

@@ -27,6 +27,7 @@ void TouchSide::recordEdits() {
     return list;
   };
   const std::uint32_t parity = live_.parity();
+  rebuilds_[parity].clear();
   incrementals_[parity] =
       recorded([&](CommandList& list) { edit_->recordIncremental(list, live_.side(), contact_.state()); });
   for (const SortMethod sort : {hash_.sort(), hash_.fallback()})
@@ -36,13 +37,28 @@ void TouchSide::recordEdits() {
           edit_->recordRebuild(list, live_.side(), live_.otherSide(), contact_.state(), sort, reach);
         });
 }
+
+void TouchSide::setBrush(const std::optional<BrushOptions>& brush) {
+  if (!edit_) throw Error("{}: points can only be changed where they can be edited", machine());
+  finish();
+  brushOn_ = brush.has_value();
+  if (!brush) return;
+  options_.brush = brush;
+  lastEdit_ = nullptr;
+  edit_->setBrush(*brush);
+  for (int turn = 0; turn < 2; ++turn) {
+    recordEdits();
+    live_.flip();
+  }
+}
+
 const CommandList& TouchSide::chosenEdit() const {
   const bool rebuild = options_.index == IndexFollow::rebuild || largeEdits_;
   return rebuild ? *rebuilds_[live_.parity()].at({hash_.sort(), reach_}) : *incrementals_[live_.parity()];
 }
 
 void TouchSide::editIfYielding(bool realtime) {
-  if (!edit_) return;
+  if (!edit_ || !brushOn_) return;
   const bool yields = last_.touching && glm::distance(last_.proxy, lastPose_.hip) > options_.brush->tau;
   if (!yields && !edit_->unsettled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
@@ -72,7 +88,7 @@ void TouchSide::submitEdit(const CommandList& edit) {
   editTime_s_ = lastPose_.time_s;
   editInFlight_ = inStroke_ = true;
   sinceEdit_ = Stopwatch();
-  bridge_.edited(lastPose_.time_s);
+  bridge_->edited(lastPose_.time_s);
   if (&edit == incrementals_[live_.parity()].get()) return;
   live_.flip();
   ++fullBuilds_;
@@ -192,7 +208,7 @@ void TouchSide::change(std::span<const PointChange> changes) {
   }
   log_.publishChange(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);
   editsAnswered_ = log_.published();
-  bridge_.edited(lastPose_.time_s);
+  bridge_->edited(lastPose_.time_s);
 }
 
 void TouchSide::changeBatch(std::span<const PointChange> changes) {

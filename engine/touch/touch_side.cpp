@@ -39,9 +39,9 @@ std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
 }
 
 // RGBA8 of every point; none where the cloud has none and none are painted.
-std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const BrushOptions& brush) {
+std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions& options) {
   std::vector<std::uint32_t> colors;
-  if (!cloud.hasColors() && brush.kind != BrushKind::paint) return colors;
+  if (!cloud.hasColors() && !options.paintable && options.brush->kind != BrushKind::paint) return colors;
   for (std::size_t i = 0; i < cloud.size(); ++i) colors.push_back(packedColor(cloud, i));
   return colors;
 }
@@ -95,31 +95,18 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       live_(device, fitting(device, cloud, options), options.brush ? spareSlots(cloud, options) : 0),
       hash_(device, gridFor(cloud, options), live_.slots(), options.sort, options.bucketOrder,
             options.brush ? Slots::spare : Slots::full),
-      contact_(device,
-               {.radius = options.radius,
-                .method = options.method,
-                .surface = options.surface,
-                .localRadius = options.localRadius,
-                .friction = options.friction,
-                .split = options.split},
-               hash_.grid(), live_.slots()),
+      contact_(device, contactOptions(), hash_.grid(), live_.slots()),
       log_(device, options.brush ? live_.count() : 0),
-      bridge_(device, hash_.grid(), origin_,
-              {.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius}, options.friction,
-              live_.slots()),
+      forget_(device, device.touch(), "begin anew"),
       pace_(kStalest_s) {
   buildTime_us_ = hash_.build(live_);
   if (options.brush) {
-    edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, *options.brush), options.radius);
+    edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, options), options.radius);
     editTimes_us_.reserve(kEditTimesKept);
     wishTimes_us_.reserve(kEditTimesKept);
   }
-  for (int turn = 0; turn < 2; ++turn) {
-    recordQuery(live_.parity());
-    bridge_.record(live_.parity(), hash_.view(live_.side(), live_.slots()));
-    if (edit_) recordEdits();
-    live_.flip();
-  }
+  makeBridge();
+  recordAll();
   if (edit_ && options.index == IndexFollow::incremental)
     compaction_.emplace(device, hash_, live_, edit_->update(), options.compaction);
   const bool mayAskAhead = wait_ == Wait::spin && mayHearTheHost(device);
@@ -134,7 +121,73 @@ TouchSide::~TouchSide() {
   }
 }
 
+ContactOptions TouchSide::contactOptions() const {
+  return {.radius = options_.radius,
+          .method = options_.method,
+          .surface = options_.surface,
+          .localRadius = options_.localRadius,
+          .friction = options_.friction,
+          .split = options_.split};
+}
+
+void TouchSide::makeBridge() {
+  bridge_.emplace(
+      device_, hash_.grid(), origin_,
+      SurfaceOptions{.radius = options_.radius, .kind = options_.surface, .localRadius = options_.localRadius},
+      options_.friction, live_.slots());
+}
+
+void TouchSide::recordAll() {
+  for (int turn = 0; turn < 2; ++turn) {
+    recordQuery(live_.parity());
+    bridge_->record(live_.parity(), hash_.view(live_.side(), live_.slots()));
+    if (edit_) recordEdits();
+    live_.flip();
+  }
+  forget_.begin();
+  forget_.fill(contact_.state(), 0, contact_.state().bytes());
+  forget_.end();
+}
+
+void TouchSide::settle() {
+  if (failure_) std::rethrow_exception(failure_);
+  closeTick();
+  withdraw();
+  if (asked_) answerWithin(0, lastPose_.time_s);
+}
+
+void TouchSide::setContact(SurfaceKind surface, double friction, QueryMethod method) {
+  finish();
+  device_.waitIdle();
+  options_.surface = surface;
+  options_.friction = friction;
+  options_.method = method;
+  ended_.reset();
+  contact_ = ContactStep(device_, contactOptions(), hash_.grid(), live_.slots());
+  makeBridge();
+  recordAll();
+  lastQuery_ = {};
+  last_ = {};
+  ahead_ = ahead_ && contact_.canWait();
+}
+
+void TouchSide::beginAnew() noexcept {
+  if (failure_) return;
+  try {
+    closeTick();
+    withdraw();
+    if (asked_) asked_->dropped = true;
+    settleLast();
+    device_.touch().wait(device_.touch().submit(forget_), wait_);
+    bridge_->beginAnew();
+    last_.touching = false;
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
 void TouchSide::recordQuery(std::uint32_t parity) {
+  queries_[parity].clear();
   for (std::uint32_t i = 0; i < contact_.lists(); ++i) {
     auto& list = queries_[parity].emplace_back(
         std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing));
@@ -152,12 +205,12 @@ Contact TouchSide::query(const Pose& pose, double budget_us) noexcept {
     const bool realtime = budget_us > 0;
     closeTick();
     // Nothing new is asked while a question is out.
-    if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_.answer(pose);
-    if (realtime && !mayAskWithin(budget_us)) return bridge_.answer(pose);
+    if (asked_ && !lateAnswerIsIn(pose, budget_us)) return bridge_->answer(pose);
+    if (realtime && !mayAskWithin(budget_us)) return bridge_->answer(pose);
     ask(pose, realtime);
     open_ = Open{.pose = pose, .realtime = realtime};
     const double left_us = realtime ? std::max(kLook_us, budget_us - watch.elapsed_us()) : 0;
-    if (!answerWithin(left_us, pose.time_s)) return bridge_.answer(pose);
+    if (!answerWithin(left_us, pose.time_s)) return bridge_->answer(pose);
     open_->answered = true;
     if (!realtime) closeTick();
     return last_;
@@ -181,7 +234,7 @@ void TouchSide::prepare() noexcept {
 void TouchSide::closeTick() {
   const std::optional<Open> open = std::exchange(open_, std::nullopt);
   if (!open) return;
-  if (open->realtime) bridge_.renew(open->pose, live_.parity());
+  if (open->realtime) bridge_->renew(open->pose, live_.parity());
   if (!open->answered) return;
   if (last_.valid) editIfYielding(open->realtime);
   compactFurther(open->realtime);
@@ -232,8 +285,8 @@ bool TouchSide::mayAskWithin(double budget_us) const {
 
 void TouchSide::ask(const Pose& pose, bool realtime) {
   settleLast();
-  contact_.put({.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_}, .carried = stateOf(bridge_.newerStory())});
-  bridge_.handedOver();
+  contact_.put({.pose = {.hip = Vec3(pose.hip - origin_), .tick = ++tick_}, .carried = stateOf(bridge_->newerStory())});
+  bridge_->handedOver();
   sinceAsked_ = Stopwatch();
   asked_ = Asked{.pose = pose, .behindEdit = editInFlight_, .timed = wait_ == Wait::spin || !realtime};
   if (waiting_) {
@@ -297,9 +350,14 @@ bool TouchSide::answerWithin(double budget_us, double now_s) {
            .neighbours = sample.neighbours,
            .gpu_us = time_us};
   lastPose_ = asked.pose;
-  if ((!last_.touching || !last_.valid) && !(edit_ && edit_->unsettled())) endStroke();
-  bridge_.answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
-  shortfalls_.thinnedPatches = bridge_.thinnedPatches();
+  if ((!last_.touching || !last_.valid) && !(edit_ && brushOn_ && edit_->unsettled())) endStroke();
+  if (asked.dropped) {
+    last_.touching = false;
+    bridge_->heard(now_s);
+  } else {
+    bridge_->answered(last_, lastPose_, storyOf(sample, lastPose_.hip - origin_), now_s);
+  }
+  shortfalls_.thinnedPatches = bridge_->thinnedPatches();
   return true;
 }
 
@@ -326,10 +384,7 @@ bool TouchSide::runEndsWithin(double budget_us) {
 }
 
 void TouchSide::finish() {
-  if (failure_) std::rethrow_exception(failure_);
-  closeTick();
-  withdraw();
-  if (asked_) answerWithin(0, lastPose_.time_s);
+  settle();
   log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
   collectEdit(true);
   endStroke();

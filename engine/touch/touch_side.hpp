@@ -37,6 +37,7 @@ struct TouchOptions {
   double friction = 0;                ///< coefficient, of a proxy that slides
   std::optional<bool> split;          ///< fused: whether a few workgroups share a gather (ContactOptions)
   std::optional<BrushOptions> brush;  ///< edit while touching
+  bool paintable = false;             ///< keeps colours, for a brush that comes later
   IndexFollow index = IndexFollow::incremental;
   std::optional<std::uint32_t>
       spareSlots;  ///< where the index follows edits; in proportion to the cloud when not given
@@ -66,6 +67,7 @@ class TouchSide final : public TouchBackend {
   /// When the GPU is late, the last patch answers (PatchBridge), and `fresh` says so.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   void prepare() noexcept override;
+  void beginAnew() noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
@@ -74,11 +76,15 @@ class TouchSide final : public TouchBackend {
   void keepEdits() override { fetch_.emplace(device_, log_); }
   void takeEdits(EditBatch& batch) override { fetch_->take(batch); }
   void change(std::span<const PointChange> changes) override;
+  void setBrush(const std::optional<BrushOptions>& brush) override;
+  /// Another surface, friction or query method from now on; the next pose begins anew. For the thread that queries,
+  /// between queries.
+  void setContact(SurfaceKind surface, double friction, QueryMethod method);
   std::uint64_t editsAnswered() const override { return editsAnswered_; }
 
   EditLog& editLog() { return log_; }
   const LiveCloud& live() const { return live_; }
-  bool paints() const { return options_.brush && options_.brush->kind == BrushKind::paint; }
+  bool paints() const { return options_.brush && (options_.paintable || options_.brush->kind == BrushKind::paint); }
   const SpatialHash& hash() const { return hash_; }
   const ContactStep& contact() const { return contact_; }
   /// Null where no points are edited.
@@ -97,7 +103,7 @@ class TouchSide final : public TouchBackend {
   bool asksAhead() const { return ahead_; }
   /// How many were answered that way.
   std::uint64_t answeredAhead() const { return answeredAhead_; }
-  std::span<const double> bridgeTimes_us() const override { return bridge_.answerTimes_us(); }
+  std::span<const double> bridgeTimes_us() const override { return bridge_->answerTimes_us(); }
   std::uint64_t compactions() const override { return compactions_; }
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
   /// The longest time that touch had to wait for the end of a compaction, us: its time on the GPU; where a driver is
@@ -118,6 +124,7 @@ class TouchSide final : public TouchBackend {
     Run run = {};
     Queue::Ticket ticket = 0;
     bool behindEdit = false;  // an edit was still under way
+    bool dropped = false;     // touch has begun anew since
     bool timed = true;        // on the GPU; a driver that needs our cores may wait for all its work to tell a time
     double gpu_us = 0;        // of the lists that have run
   };
@@ -142,6 +149,12 @@ class TouchSide final : public TouchBackend {
   bool lateAnswerIsIn(const Pose& pose, double budget_us);
   // Whether the list that was submitted last has done its part, as `wait_` looks at it (0: waits until it has).
   bool runEndsWithin(double budget_us);
+  // All lists, for both sides of the cloud.
+  void recordAll();
+  // Waits for all that is under way.
+  void settle();
+  ContactOptions contactOptions() const;
+  void makeBridge();
   void recordQuery(std::uint32_t parity);
   void recordEdits();
   void editIfYielding(bool realtime);
@@ -177,7 +190,8 @@ class TouchSide final : public TouchBackend {
   std::optional<EditFetch> fetch_;  // where somebody takes edits
   std::optional<EditPass> edit_;
   std::optional<HashCompaction> compaction_;  // where the index follows edits
-  PatchBridge bridge_;
+  std::optional<PatchBridge> bridge_;
+  CommandList forget_;  // what the contact step knows of the ticks before
   // One for each side of the live cloud; an edit with a build also for each sort that it may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
   using Rebuild = std::pair<SortMethod, EditPass::Reach>;
@@ -206,6 +220,7 @@ class TouchSide final : public TouchBackend {
   bool compactionDue_ = false;
   std::uint64_t compactions_ = 0;
   double longestCompactionEnd_us_ = 0;
+  bool brushOn_ = true;
   bool largeEdits_ = false;                       // the next edit is too large for an update
   EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
   std::uint64_t editsAnswered_ = 0, fullBuilds_ = 0;

@@ -1,9 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The picture: lays the overlays over every sample, averages the samples of a pixel in linear light and encodes the
-// result. Overlays get at least four samples per pixel even where the surface has one.
+// result. A form without overlays sees to all pixels, and one with them again to those that they may show in: overlays get
+// at least four samples per pixel even where the surface has one.
 #include "shaders/lib/index.glsl"
 #include "shaders/render/overlays.glsl"
+
+layout(constant_id = 1) const uint kLaysOver = 0;
 
 layout(push_constant, scalar) uniform Push { ResolveArgs args; };
 
@@ -18,10 +21,11 @@ float ditherAt(uvec2 pixel) {
 void main() {
   const RenderView view = args.frame.at[0].view;
   const uvec2 size = view.size_px / view.supersample;
-  const uint place = threadIndex();
-  if (place >= size.x * size.y) return;
-  const uvec2 pixel = uvec2(place % size.x, place / size.x);
-  const bool overlays = args.frame.at[0].hasOverlays != 0;
+  const uint thread = threadIndex();
+  if (thread >= args.size_px.x * args.size_px.y) return;
+  const uvec2 pixel = args.first_px + uvec2(thread % args.size_px.x, thread / args.size_px.x);
+  const uint place = pixel.y * size.x + pixel.x;
+  const bool overlays = kLaysOver != 0;
   const uint split = overlays ? max(view.supersample, 2) : view.supersample;  // samples along each side of a pixel
 
   vec3 sum = vec3(0);

@@ -130,7 +130,7 @@ struct RenderFrame {
   uint colorBy;
   uint hasColors;
   vec3 material;  // of points without colour, linear light
-  uint hasOverlays;
+  uint unused;
   vec3 backgroundTop;  // linear light
   float occlusionRadius;  // model units; 0: none
   vec3 backgroundBottom;
@@ -220,8 +220,10 @@ struct ResolveArgs {
   PALPATE_ADDRESS(UVec2s) shaded;
   PALPATE_ADDRESS(Uints) image;       // one per pixel: RGBA8
   PALPATE_ADDRESS(Floats) depthImage;  // one per pixel: the nearest sample's depth, 0 where there is none
+  uvec2 first_px;  // the pixels that are looked at: of a rectangle
+  uvec2 size_px;
 };
-PALPATE_SIZE(ResolveArgs, 48);
+PALPATE_SIZE(ResolveArgs, 64);
 
 PALPATE_SHARED_END
 #endif

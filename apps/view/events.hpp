@@ -1,0 +1,40 @@
+// What happens to a window: from the window system, or from a script.
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// `key`: as GLFW numbers keys.
+struct KeyEvent {
+  int key = 0;
+  bool down = false;
+};
+struct TextEvent {
+  char32_t character = 0;
+};
+/// Pixels of the picture from the top left corner.
+struct MouseEvent {
+  DVec2 place_px{0};
+};
+enum class MouseButton { left, right, middle };
+struct ButtonEvent {
+  MouseButton button = MouseButton::left;
+  bool down = false;
+};
+/// Notches: away from the user, and to the right.
+struct WheelEvent {
+  double away = 0, right = 0;
+};
+struct DropEvent {
+  std::vector<std::string> files;
+};
+struct CloseEvent {};
+
+using WindowEvent = std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, CloseEvent>;
+
+}  // namespace palpate

@@ -1,0 +1,145 @@
+#include "apps/view/gui.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // where Debian has it
+constexpr float kFontHeight_px = 14;
+
+constexpr std::array<std::pair<ImGuiKey, int>, 22> kKeys{{{ImGuiKey_Tab, GLFW_KEY_TAB},
+                                                          {ImGuiKey_LeftArrow, GLFW_KEY_LEFT},
+                                                          {ImGuiKey_RightArrow, GLFW_KEY_RIGHT},
+                                                          {ImGuiKey_UpArrow, GLFW_KEY_UP},
+                                                          {ImGuiKey_DownArrow, GLFW_KEY_DOWN},
+                                                          {ImGuiKey_PageUp, GLFW_KEY_PAGE_UP},
+                                                          {ImGuiKey_PageDown, GLFW_KEY_PAGE_DOWN},
+                                                          {ImGuiKey_Home, GLFW_KEY_HOME},
+                                                          {ImGuiKey_End, GLFW_KEY_END},
+                                                          {ImGuiKey_Insert, GLFW_KEY_INSERT},
+                                                          {ImGuiKey_Delete, GLFW_KEY_DELETE},
+                                                          {ImGuiKey_Backspace, GLFW_KEY_BACKSPACE},
+                                                          {ImGuiKey_Space, GLFW_KEY_SPACE},
+                                                          {ImGuiKey_Enter, GLFW_KEY_ENTER},
+                                                          {ImGuiKey_Escape, GLFW_KEY_ESCAPE},
+                                                          {ImGuiKey_KeyPadEnter, GLFW_KEY_KP_ENTER},
+                                                          {ImGuiKey_A, GLFW_KEY_A},
+                                                          {ImGuiKey_C, GLFW_KEY_C},
+                                                          {ImGuiKey_V, GLFW_KEY_V},
+                                                          {ImGuiKey_X, GLFW_KEY_X},
+                                                          {ImGuiKey_Y, GLFW_KEY_Y},
+                                                          {ImGuiKey_Z, GLFW_KEY_Z}}};
+
+}  // namespace
+
+Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
+  ImGui::CreateContext();
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // panels have their places
+  io.BackendRendererName = "palpate";
+  for (const auto& [key, number] : kKeys) io.KeyMap[key] = number;
+  io.ClipboardUserData = this;
+  io.SetClipboardTextFn = [](void* self, const char* text) { static_cast<Gui*>(self)->window_.setClipboard(text); };
+  io.GetClipboardTextFn = [](void* self) {
+    auto& gui = *static_cast<Gui*>(self);
+    gui.clipboard_ = gui.window_.clipboard();
+    return gui.clipboard_.c_str();
+  };
+  // Glyphs stand on whole pixels and lines are drawn as triangles, so that the texture needs no interpolation.
+  io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
+  const float height_px = kFontHeight_px * static_cast<float>(scale_);
+  std::error_code ignored;
+  if (std::filesystem::exists(kFont, ignored))
+    io.Fonts->AddFontFromFileTTF(kFont, height_px);
+  else
+    io.Fonts->AddFontDefault();
+  unsigned char* texels = nullptr;
+  int width = 0, height = 0;
+  io.Fonts->GetTexDataAsAlpha8(&texels, &width, &height);
+  texture_ = texels;
+  texture_px_ = UVec2(width, height);
+  setDark(true);
+}
+
+Gui::~Gui() { ImGui::DestroyContext(); }
+
+void Gui::setDark(bool dark) {
+  ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();
+  dark ? ImGui::StyleColorsDark() : ImGui::StyleColorsLight();
+  style.WindowRounding = 6;
+  style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
+  style.WindowBorderSize = 0;
+  style.FramePadding = {6, 3};
+  style.ItemSpacing = {6, 5};
+  style.Colors[ImGuiCol_WindowBg].w = 0.88f;
+  style.ScaleAllSizes(static_cast<float>(scale_));
+}
+
+void Gui::feed(const WindowEvent& event) {
+  ImGuiIO& io = ImGui::GetIO();
+  if (const auto* key = std::get_if<KeyEvent>(&event)) {
+    if (key->key >= 0 && key->key < IM_ARRAYSIZE(io.KeysDown)) io.KeysDown[key->key] = key->down;
+    const auto isDown = [&](int left, int right) { return io.KeysDown[left] || io.KeysDown[right]; };
+    io.KeyCtrl = isDown(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+    io.KeyShift = isDown(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+    io.KeyAlt = isDown(GLFW_KEY_LEFT_ALT, GLFW_KEY_RIGHT_ALT);
+  } else if (const auto* text = std::get_if<TextEvent>(&event)) {
+    io.AddInputCharacter(text->character);
+  } else if (const auto* mouse = std::get_if<MouseEvent>(&event)) {
+    io.MousePos = {static_cast<float>(mouse->place_px.x), static_cast<float>(mouse->place_px.y)};
+  } else if (const auto* button = std::get_if<ButtonEvent>(&event)) {
+    io.MouseDown[static_cast<int>(button->button)] = button->down;
+  } else if (const auto* wheel = std::get_if<WheelEvent>(&event)) {
+    io.MouseWheel += static_cast<float>(wheel->away);
+    io.MouseWheelH += static_cast<float>(wheel->right);
+  }
+}
+
+void Gui::begin(const UVec2& size_px, double dt_s) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(size_px.x), static_cast<float>(size_px.y)};
+  io.DeltaTime = static_cast<float>(std::max(dt_s, 1e-4));
+  ImGui::NewFrame();
+}
+
+PanelShapes Gui::end() {
+  ImGui::Render();
+  gather();
+  return {vertices_, triangles_, clips_};
+}
+
+void Gui::gather() {
+  vertices_.clear();
+  triangles_.clear();
+  clips_.clear();
+  const ImDrawData& data = *ImGui::GetDrawData();
+  for (const ImDrawList* list : std::span(data.CmdLists, static_cast<std::size_t>(data.CmdListsCount))) {
+    const auto base = static_cast<std::uint32_t>(vertices_.size());
+    for (const ImDrawVert& vertex : list->VtxBuffer)
+      vertices_.push_back({{vertex.pos.x, vertex.pos.y}, {vertex.uv.x, vertex.uv.y}, vertex.col});
+    for (const ImDrawCmd& command : list->CmdBuffer) {
+      if (command.UserCallback) continue;
+      const auto clip = static_cast<std::uint32_t>(clips_.size());
+      clips_.push_back({command.ClipRect.x, command.ClipRect.y, command.ClipRect.z, command.ClipRect.w});
+      const auto at = [&](unsigned index) {
+        return base + command.VtxOffset + list->IdxBuffer[static_cast<int>(command.IdxOffset + index)];
+      };
+      for (unsigned i = 0; i + 2 < command.ElemCount; i += 3)
+        triangles_.push_back({{at(i), at(i + 1), at(i + 2)}, clip});
+    }
+  }
+}
+
+bool Gui::wantsMouse() const { return ImGui::GetIO().WantCaptureMouse; }
+bool Gui::wantsKeys() const { return ImGui::GetIO().WantTextInput; }
+bool Gui::isBusy() const { return ImGui::IsAnyItemActive(); }
+
+}  // namespace palpate

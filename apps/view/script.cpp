@@ -1,0 +1,145 @@
+#include "apps/view/script.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "apps/view/window.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// The words of one line, which are taken one after the other.
+class Line {
+ public:
+  Line(const std::filesystem::path& file, std::size_t number, std::string_view text)
+      : file_(file), number_(number), text_(text) {}
+
+  [[noreturn]] void fail(const std::string& what) const { throw FileError::atLine(file_, number_, what); }
+  bool atEnd() const { return text_.find_first_not_of(kBlank) == std::string_view::npos; }
+
+  std::string word(const char* what) {
+    if (atEnd()) fail(fmt::format("{} is missing", what));
+    text_.remove_prefix(text_.find_first_not_of(kBlank));
+    const std::string_view found = text_.substr(0, text_.find_first_of(kBlank));
+    text_.remove_prefix(found.size());
+    return std::string(found);
+  }
+  double number(const char* what) {
+    const std::string text = word(what);
+    double value = 0;
+    const char* end = text.data() + text.size();
+    const auto [last, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || last != end || !std::isfinite(value))
+      fail(fmt::format("{}: '{}' is not a number", what, text));
+    return value;
+  }
+  std::uint32_t size(const char* what) {
+    const double value = number(what);
+    if (!(value >= 1 && value <= 16384)) fail(fmt::format("{} is {}; it must be between 1 and 16384", what, value));
+    return static_cast<std::uint32_t>(value);
+  }
+  /// All that is left: names of files may have blanks.
+  std::string rest(const char* what) {
+    if (atEnd()) fail(fmt::format("{} is missing", what));
+    text_.remove_prefix(text_.find_first_not_of(kBlank));
+    return std::string(text_.substr(0, text_.find_last_not_of(kBlank) + 1));
+  }
+  void end() {
+    if (!atEnd()) fail(fmt::format("'{}' is more than this event takes", rest("more")));
+  }
+
+ private:
+  static constexpr const char* kBlank = " \t\r";
+  const std::filesystem::path& file_;
+  std::size_t number_;
+  std::string_view text_;
+};
+
+std::vector<int> keysOf(const Line& line, const std::string& name) {
+  std::vector<int> keys;
+  for (std::size_t from = 0; from <= name.size();) {
+    const std::size_t plus = std::min(name.find('+', from + 1), name.size());
+    const auto key = keyNamed(std::string_view(name).substr(from, plus - from));
+    if (!key) line.fail(fmt::format("key: '{}' is not known", name));
+    keys.push_back(*key);
+    from = plus + 1;
+  }
+  return keys;
+}
+
+void addKey(Line& line, double time_s, std::vector<TimedAction>& actions) {
+  const std::vector<int> keys = keysOf(line, line.word("the key"));
+  const std::string how = line.atEnd() ? "" : line.word("down or up");
+  if (!how.empty() && how != "down" && how != "up") line.fail(fmt::format("key: '{}' is neither down nor up", how));
+  if (how != "up")
+    for (const int key : keys) actions.push_back({time_s, WindowEvent(KeyEvent{key, true})});
+  if (how != "down")
+    for (auto key = keys.rbegin(); key != keys.rend(); ++key)
+      actions.push_back({time_s, WindowEvent(KeyEvent{*key, false})});
+}
+
+WindowEvent buttonEvent(Line& line) {
+  const std::string name = line.word("the button"), how = line.word("down or up");
+  if (how != "down" && how != "up") line.fail(fmt::format("button: '{}' is neither down nor up", how));
+  for (const auto& [known, button] :
+       {std::pair{"left", MouseButton::left}, {"middle", MouseButton::middle}, {"right", MouseButton::right}})
+    if (name == known) return ButtonEvent{button, how == "down"};
+  line.fail(fmt::format("button: '{}' is none of left, middle, right", name));
+}
+
+ScriptAction actionOf(Line& line, const std::string& what) {
+  if (what == "mouse") {
+    const double x = line.number("x");
+    return WindowEvent(MouseEvent{{x, line.number("y")}});
+  }
+  if (what == "button") return buttonEvent(line);
+  if (what == "wheel") return WindowEvent(WheelEvent{line.number("the notches"), 0});
+  if (what == "drop") return WindowEvent(DropEvent{{line.rest("the file")}});
+  if (what == "resize") {
+    const std::uint32_t width = line.size("the width");
+    return ResizeAction{{width, line.size("the height")}};
+  }
+  if (what == "minimise" || what == "restore") return MinimiseAction{what == "minimise"};
+  if (what == "screenshot") return ScreenshotAction{line.rest("the file")};
+  if (what == "state") return StateAction{line.rest("the file")};
+  if (what == "save") return SaveAction{line.rest("the file")};
+  if (what == "record") return RecordAction{line.atEnd() ? "" : line.rest("the file")};
+  if (what == "replay") return ReplayAction{line.rest("the file")};
+  if (what == "impatient") return ImpatientAction{};
+  if (what == "quit") return WindowEvent(CloseEvent{});
+  line.fail(
+      fmt::format("'{}' is none of key, mouse, button, wheel, drop, text, resize, minimise, restore, screenshot, "
+                  "state, save, record, replay, impatient, quit",
+                  what));
+}
+
+}  // namespace
+
+std::vector<TimedAction> readScript(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  if (!in) throw FileError(file, "cannot be read");
+  std::vector<TimedAction> actions;
+  std::string text;
+  for (std::size_t number = 1; std::getline(in, text); ++number) {
+    Line line(file, number, std::string_view(text).substr(0, text.find('#')));
+    if (line.atEnd()) continue;
+    const double time_s = line.number("the time");
+    if (time_s < (actions.empty() ? 0 : actions.back().time_s)) line.fail("the time is before that of the line above");
+    const std::string what = line.word("the event");
+    if (what == "key") {
+      addKey(line, time_s, actions);
+    } else if (what == "text") {
+      for (const char c : line.rest("the words"))
+        actions.push_back({time_s, WindowEvent(TextEvent{static_cast<char32_t>(c)})});
+    } else {
+      actions.push_back({time_s, actionOf(line, what)});
+    }
+    line.end();
+  }
+  return actions;
+}
+
+}  // namespace palpate

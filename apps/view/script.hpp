@@ -1,0 +1,52 @@
+// Timed events from a file, for tests and demonstrations.
+#pragma once
+
+#include <filesystem>
+
+#include "apps/view/events.hpp"
+
+namespace palpate {
+
+struct ResizeAction {
+  UVec2 size_px{0};
+};
+struct MinimiseAction {
+  bool on = true;
+};
+/// The next picture is written to a file.
+struct ScreenshotAction {
+  std::string file;
+};
+/// What is going on is written to a file.
+struct StateAction {
+  std::string file;
+};
+/// The model is saved to a file.
+struct SaveAction {
+  std::string file;
+};
+/// A session log is begun, or ended where no file is named; or one is played.
+struct RecordAction {
+  std::string file;
+};
+struct ReplayAction {
+  std::string file;
+};
+/// From now on the script goes on while a model is loaded; otherwise its clock stands still meanwhile.
+struct ImpatientAction {};
+
+using ScriptAction = std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
+                                  RecordAction, ReplayAction, ImpatientAction>;
+
+struct TimedAction {
+  double time_s = 0;
+  ScriptAction action;
+};
+
+/// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
+/// `button left|middle|right down|up`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`, `minimise`, `restore`,
+/// `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay FILE`, `impatient`,
+/// `quit`. Times do not fall. Throws FileError with the line.
+std::vector<TimedAction> readScript(const std::filesystem::path& file);
+
+}  // namespace palpate

@@ -1,0 +1,191 @@
+#include "apps/view/window.hpp"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+Error failure(const char* what) {
+  const char* reason = nullptr;
+  glfwGetError(&reason);
+  return Error("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there is palpate render",
+               what, reason ? reason : "no reason given");
+}
+
+std::vector<WindowEvent>& eventsOf(GLFWwindow* window) {
+  return *static_cast<std::vector<WindowEvent>*>(glfwGetWindowUserPointer(window));
+}
+
+// Of the picture, in units of the window system.
+DVec2 pixelsPerUnit(GLFWwindow* window) {
+  int width = 0, height = 0, across = 0, down = 0;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &across, &down);
+  return width > 0 && height > 0 ? DVec2(double(across) / width, double(down) / height) : DVec2(1);
+}
+
+std::optional<MouseButton> buttonOf(int number) {
+  if (number == GLFW_MOUSE_BUTTON_LEFT) return MouseButton::left;
+  if (number == GLFW_MOUSE_BUTTON_RIGHT) return MouseButton::right;
+  if (number == GLFW_MOUSE_BUTTON_MIDDLE) return MouseButton::middle;
+  return std::nullopt;
+}
+
+void listen(GLFWwindow* window) {
+  glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int, int action, int) {
+    if (key >= 0) eventsOf(from).push_back(KeyEvent{key, action != GLFW_RELEASE});
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* from, unsigned character) {
+    eventsOf(from).push_back(TextEvent{static_cast<char32_t>(character)});
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* from, double x, double y) {
+    eventsOf(from).push_back(MouseEvent{pixelsPerUnit(from) * DVec2(x, y)});
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* from, int number, int action, int) {
+    if (const auto button = buttonOf(number)) eventsOf(from).push_back(ButtonEvent{*button, action == GLFW_PRESS});
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* from, double right, double away) {
+    eventsOf(from).push_back(WheelEvent{away, right});
+  });
+  glfwSetDropCallback(window, [](GLFWwindow* from, int count, const char** files) {
+    eventsOf(from).push_back(DropEvent{{files, files + count}});
+  });
+  glfwSetWindowCloseCallback(window, [](GLFWwindow* from) { eventsOf(from).push_back(CloseEvent{}); });
+}
+
+}  // namespace
+
+Window::Window(const UVec2& size_px, const std::string& title) {
+  if (!glfwInit()) throw failure("no window system");
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  window_ = glfwCreateWindow(static_cast<int>(size_px.x), static_cast<int>(size_px.y), title.c_str(), nullptr, nullptr);
+  if (!window_) {
+    const Error error = failure("no window");
+    glfwTerminate();
+    throw error;
+  }
+  glfwSetWindowUserPointer(window_, &events_);
+  listen(window_);
+}
+
+Window::~Window() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+std::vector<std::string> Window::extensions() const {
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  if (!names) throw failure("this window system has no way to show pictures of Vulkan");
+  return {names, names + count};
+}
+
+VkSurfaceKHR Window::surface(Device& device) const {
+  VkSurfaceKHR surface = VK_NULL_HANDLE;
+  device.check(glfwCreateWindowSurface(device.instance().handle(), window_, nullptr, &surface),
+               "glfwCreateWindowSurface");
+  return surface;
+}
+
+std::vector<WindowEvent> Window::takeEvents(double wait_s) {
+  if (wait_s > 0)
+    glfwWaitEventsTimeout(wait_s);
+  else
+    glfwPollEvents();
+  return std::exchange(events_, {});
+}
+
+UVec2 Window::size_px() const {
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return isMinimised() ? UVec2(0) : UVec2(std::max(width, 0), std::max(height, 0));
+}
+
+bool Window::isMinimised() const { return glfwGetWindowAttrib(window_, GLFW_ICONIFIED) == GLFW_TRUE; }
+
+void Window::resize(const UVec2& size_px) {
+  const DVec2 units = DVec2(size_px) / pixelsPerUnit(window_);
+  glfwSetWindowSize(window_, static_cast<int>(units.x), static_cast<int>(units.y));
+}
+
+void Window::minimise(bool on) { on ? glfwIconifyWindow(window_) : glfwRestoreWindow(window_); }
+
+void Window::setTitle(const std::string& title) { glfwSetWindowTitle(window_, title.c_str()); }
+
+void Window::showCursor(bool on) {
+  glfwSetInputMode(window_, GLFW_CURSOR, on ? GLFW_CURSOR_NORMAL : GLFW_CURSOR_HIDDEN);
+}
+
+std::optional<Gamepad> Window::gamepad() const {
+  GLFWgamepadstate state;
+  for (int number = GLFW_JOYSTICK_1; number <= GLFW_JOYSTICK_LAST; ++number) {
+    if (!glfwJoystickIsGamepad(number) || !glfwGetGamepadState(number, &state)) continue;
+    const auto trigger = [&](int axis) { return 0.5 * (1 + double{state.axes[axis]}); };
+    return Gamepad{.left = {state.axes[GLFW_GAMEPAD_AXIS_LEFT_X], -state.axes[GLFW_GAMEPAD_AXIS_LEFT_Y]},
+                   .right = {state.axes[GLFW_GAMEPAD_AXIS_RIGHT_X], -state.axes[GLFW_GAMEPAD_AXIS_RIGHT_Y]},
+                   .leftTrigger = trigger(GLFW_GAMEPAD_AXIS_LEFT_TRIGGER),
+                   .rightTrigger = trigger(GLFW_GAMEPAD_AXIS_RIGHT_TRIGGER),
+                   .a = state.buttons[GLFW_GAMEPAD_BUTTON_A] == GLFW_PRESS,
+                   .b = state.buttons[GLFW_GAMEPAD_BUTTON_B] == GLFW_PRESS};
+  }
+  return std::nullopt;
+}
+
+std::string Window::clipboard() const {
+  const char* text = glfwGetClipboardString(window_);
+  return text ? text : "";
+}
+
+void Window::setClipboard(const std::string& text) { glfwSetClipboardString(window_, text.c_str()); }
+
+double Window::scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return std::max(1.0, 0.5 * double(x + y));
+}
+
+std::optional<int> keyNamed(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, int>, 26> kNames{{{"space", GLFW_KEY_SPACE},
+                                                                            {"escape", GLFW_KEY_ESCAPE},
+                                                                            {"enter", GLFW_KEY_ENTER},
+                                                                            {"tab", GLFW_KEY_TAB},
+                                                                            {"backspace", GLFW_KEY_BACKSPACE},
+                                                                            {"delete", GLFW_KEY_DELETE},
+                                                                            {"left", GLFW_KEY_LEFT},
+                                                                            {"right", GLFW_KEY_RIGHT},
+                                                                            {"up", GLFW_KEY_UP},
+                                                                            {"down", GLFW_KEY_DOWN},
+                                                                            {"home", GLFW_KEY_HOME},
+                                                                            {"end", GLFW_KEY_END},
+                                                                            {"pageup", GLFW_KEY_PAGE_UP},
+                                                                            {"pagedown", GLFW_KEY_PAGE_DOWN},
+                                                                            {"ctrl", GLFW_KEY_LEFT_CONTROL},
+                                                                            {"shift", GLFW_KEY_LEFT_SHIFT},
+                                                                            {"alt", GLFW_KEY_LEFT_ALT},
+                                                                            {"[", GLFW_KEY_LEFT_BRACKET},
+                                                                            {"]", GLFW_KEY_RIGHT_BRACKET},
+                                                                            {"+", GLFW_KEY_EQUAL},
+                                                                            {"-", GLFW_KEY_MINUS},
+                                                                            {",", GLFW_KEY_COMMA},
+                                                                            {".", GLFW_KEY_PERIOD},
+                                                                            {"/", GLFW_KEY_SLASH},
+                                                                            {"f1", GLFW_KEY_F1},
+                                                                            {"f2", GLFW_KEY_F2}}};
+  for (const auto& [known, key] : kNames)
+    if (name == known) return key;
+  if (name.size() != 1) return std::nullopt;
+  const char c = name[0];
+  if (c >= 'a' && c <= 'z') return GLFW_KEY_A + (c - 'a');
+  if (c >= 'A' && c <= 'Z') return GLFW_KEY_A + (c - 'A');
+  if (c >= '0' && c <= '9') return GLFW_KEY_0 + (c - '0');
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,82 @@
+#include "engine/render/camera_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/trigonometric.hpp>
+#include <numbers>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kSteepest = 0.995;  // cosine between the view and up: beyond it left and right would flip
+
+// About a unit axis (Rodrigues 1840).
+DVec3 turned(const DVec3& v, const DVec3& axis, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis;
+}
+
+}  // namespace
+
+Camera orbited(const Camera& camera, const DVec3& pivot, const DVec2& way_px, const DVec2& size_px) {
+  const double perPixel = std::numbers::pi / std::max(size_px.y, 1.0);
+  const DVec3 up = glm::normalize(camera.up);
+  Camera result = camera;
+  const auto turn = [&](const DVec3& axis, double angle) {
+    result.eye = pivot + turned(result.eye - pivot, axis, angle);
+    result.target = pivot + turned(result.target - pivot, axis, angle);
+  };
+  turn(up, -way_px.x * perPixel);
+  const Camera::Axes axes = result.axes();
+  const double steep = std::asin(std::clamp(glm::dot(axes.forward, up), -1.0, 1.0));
+  const double most = std::asin(kSteepest);
+  turn(axes.right, std::clamp(steep - way_px.y * perPixel, std::min(-most, steep), std::max(most, steep)) - steep);
+  return result;
+}
+
+Camera panned(const Camera& camera, double depth, const DVec2& way_px, const DVec2& size_px) {
+  const Camera::Axes axes = camera.axes();
+  const double perPixel = depth / camera.focal_px(size_px.y);
+  const DVec3 way = perPixel * (-way_px.x * axes.right + way_px.y * axes.up);
+  Camera result = camera;
+  result.eye += way;
+  result.target += way;
+  return result;
+}
+
+Camera zoomed(const Camera& camera, const DVec3& point, double factor, double nearest, double farthest) {
+  const double distance = glm::distance(camera.eye, point);
+  if (!(distance > 0)) return camera;
+  const double left =
+      std::clamp(factor * distance, std::min(nearest, distance), std::max(farthest, distance)) / distance;
+  Camera result = camera;
+  result.eye = point + left * (camera.eye - point);
+  result.target = point + left * (camera.target - point);
+  return result;
+}
+
+Camera recentred(const Camera& camera, const DVec3& point) {
+  Camera result = camera;
+  result.eye += point - camera.target;
+  result.target = point;
+  return result;
+}
+
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove) {
+  Camera result = camera;
+  DVec3 side(0);
+  side[axis] = fromAbove ? 1 : -1;
+  result.eye = camera.target + glm::distance(camera.eye, camera.target) * side;
+  if (axis != 1) {
+    result.up = {0, 1, 0};
+  } else {  // almost along up: the front of the model is at the bottom, and a later turn has an axis
+    const double steep = 0.99;
+    result.up = {0, 1, 0};
+    const double distance = glm::distance(camera.eye, camera.target);
+    result.eye = camera.target + distance * (steep * side + std::sqrt(1 - steep * steep) * DVec3(0, 0, 1));
+  }
+  return result;
+}
+
+}  // namespace palpate

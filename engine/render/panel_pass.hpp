@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/gpu/command_list.hpp"
+#include "shaders/shared/panels.h"
+
+namespace palpate {
+
+/// What lies over a picture: triangles from the lowest to the uppermost, which name their vertices and the rectangle
+/// that clips them (left, top, right, bottom; pixels).
+struct PanelShapes {
+  std::span<const shared::PanelVertex> vertices;
+  std::span<const shared::PanelTriangle> triangles;
+  std::span<const Vec4> clips;
+};
+
+/// The triangles of each tile of a picture, in their order: those of tile t are entries[starts[t]] to
+/// entries[starts[t + 1]], tiles in rows from the top left.
+struct PanelTiles {
+  std::vector<std::uint32_t> starts, entries;
+};
+/// Triangles without area, with a place that is no number, or outside of their clip stand in no tile.
+PanelTiles tilesOf(const PanelShapes& shapes, const UVec2& size_px);
+
+/// Puts panels over a picture and makes of it what a window shows. In compute, so that it needs no graphics pipeline.
+/// Belongs to the sight side.
+class PanelPass {
+ public:
+  /// `texture`: how much of each texel is covered, texture_px.x * texture_px.y bytes in rows from the top.
+  PanelPass(Device& device, std::span<const std::uint8_t> texture, const UVec2& texture_px);
+
+  /// `picture`: size_px RGBA8, or null for `background` alone. `shown`: as many pixels, BGRA8 where `blueFirst`. The
+  /// last recording must be done.
+  void record(CommandList& list, const Buffer* picture, const PanelShapes& shapes, const UVec2& size_px,
+              const Buffer& shown, std::uint32_t background, bool blueFirst);
+
+ private:
+  Device& device_;
+  UVec2 texture_px_;
+  ComputePipeline panels_;
+  Buffer texture_, vertices_, triangles_, clips_, starts_, entries_;
+};
+
+}  // namespace palpate

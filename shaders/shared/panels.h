@@ -1,0 +1,48 @@
+// Panels over a picture: triangles in pixels, one above the other (engine/render/panel_pass.hpp).
+#ifndef PALPATE_SHARED_PANELS_H
+#define PALPATE_SHARED_PANELS_H
+#include "shaders/shared/types.h"
+
+PALPATE_SHARED_BEGIN
+
+// Side of a tile, pixels; an invocation for each.
+const uint kPanelTile_px = 16u;
+const uint kPanelWorkgroup = kPanelTile_px * kPanelTile_px;
+
+struct PanelVertex {
+  vec2 place_px;  // from the top left corner
+  vec2 uv;        // in the texture, 0 to 1
+  uint color;     // RGBA8, not premultiplied
+};
+PALPATE_SIZE(PanelVertex, 20);
+
+struct PanelTriangle {
+  uvec3 vertices;
+  uint clip;
+};
+PALPATE_SIZE(PanelTriangle, 16);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelVertices { PanelVertex at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelTriangles { PanelTriangle at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelClips { vec4 at[]; };
+#endif
+
+struct PanelArgs {
+  PALPATE_ADDRESS(Uints) picture;  // RGBA8, size_px; null: there is none, and `background` is seen
+  PALPATE_ADDRESS(Uints) shown;    // out, size_px
+  PALPATE_ADDRESS(PanelVertices) vertices;
+  PALPATE_ADDRESS(PanelTriangles) triangles;
+  PALPATE_ADDRESS(PanelClips) clips;  // left, top, right, bottom; pixels
+  PALPATE_ADDRESS(Uints) starts;      // of each tile's entries; one more at the end
+  PALPATE_ADDRESS(Uints) entries;     // triangles of the tiles, from the lowest to the uppermost
+  PALPATE_ADDRESS(Uints) texture;     // how much of a texel is covered, 8 bits each
+  uvec2 size_px;
+  uvec2 texture_px;
+  uint background;  // RGBA8
+  uint blueFirst;   // not 0: blue is in the lowest byte of what is shown
+};
+PALPATE_SIZE(PanelArgs, 88);
+
+PALPATE_SHARED_END
+#endif
