@@ -22,6 +22,10 @@ class Context {
   Log& log();
   /// The GPU that --gpu or PALPATE_GPU names, opened at first use.
   Device& device();
+  /// Another GPU, for sight alone, that `gpu` names (DeviceOptions), opened at its first use. The same one each time.
+  Device& sightDevice(const std::string& gpu);
+  /// How the queues of device() are shared from now on: an open GPU is closed, once all that was made from it is gone.
+  void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
 
   /// Sends the result where --json says; nothing without it.
@@ -32,15 +36,19 @@ class Context {
   /// Throws FileError now, rather than after an hour's work, when `file` could not be written.
   static void checkWritable(const std::string& file);
 
-  /// Closes the GPU; says how many validation messages there were.
-  std::size_t closeDevice();
+  /// Closes the GPUs; says how many validation messages there were.
+  std::size_t closeDevices();
 
  private:
   std::string gpu_, json_;
   bool validate_ = false, quiet_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;
-  std::unique_ptr<Device> device_;
+  void close(std::unique_ptr<Device>& device);
+
+  QueueArrangement queues_ = QueueArrangement::separate;
+  std::size_t messages_ = 0;  // of the GPUs that are closed
+  std::unique_ptr<Device> device_, sightDevice_;
 };
 
 /// Checks of numbers on the command line, with messages a person can read. Not-a-number and infinity never pass.

@@ -41,7 +41,7 @@ int run(int argc, char** argv) {
   try {
     command();
     checkStdout();
-    if (const std::size_t messages = context.closeDevice())
+    if (const std::size_t messages = context.closeDevices())
       throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
     return 0;
   } catch (const UsageError& error) {
