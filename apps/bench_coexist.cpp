@@ -5,6 +5,7 @@
 #include "apps/coexistence.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/sculpting_hand.hpp"
+#include "engine/render/frame.hpp"
 #include "engine/spatial/hash_update.hpp"
 #include "haptics/servo_loop.hpp"
 
