@@ -77,7 +77,7 @@ bool asksFor(const BenchOptions& options, std::string_view name) {
 // The one of the benches that are asked for alone; empty where there is none. Their pages have nothing in common with
 // the plot of times.
 std::string aloneOf(const BenchOptions& options) {
-  for (const char* name : {"touch", "edit", "mesh", "splat"})
+  for (const char* name : {"touch", "edit", "mesh", "splat", "coexist"})
     if (asksFor(options, name)) return name;
   return "";
 }
@@ -85,7 +85,7 @@ std::string aloneOf(const BenchOptions& options) {
 void benchAlone(Context& context, const BenchOptions& options, const std::string& name) {
   if (options.names.size() > 1)
     throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", name);
-  if ((name == "mesh" || name == "splat") && !options.plotFile.empty())
+  if (name != "touch" && name != "edit" && !options.plotFile.empty())
     throw UsageError("bench {}: there is no --plot of it", name);
   if (name == "mesh" && options.backends != std::vector<std::string>{"vulkan"})
     throw UsageError("bench mesh: only --backend vulkan meshes");
@@ -99,8 +99,20 @@ void benchAlone(Context& context, const BenchOptions& options, const std::string
   if (name == "edit") result[name] = benchEdit(context, subjectsOf(options), options);
   if (name == "mesh") result[name] = benchMesh(context, subjectsOf(options), options);
   if (name == "splat") result[name] = benchSplat(context, subjectsOf(options), options);
+  if (name == "coexist") result[name] = benchCoexist(context, subjectsOf(options), options);
   context.writeJson(result);
   if (!options.plotFile.empty()) plot(name == "touch" ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
+}
+
+// What is usual there, where the user says nothing.
+void setCoexistDefaults(const CLI::App& sub, BenchOptions& options) {
+  const auto given = [&](const char* option) { return sub.get_option(option)->count() > 0; };
+  if (!given("--size")) options.size = "1920x1080";
+  if (!given("--samples")) options.samples = 1;
+  if (!given("--sizes") && !given("--models")) options.sizes = {1'000'000, 5'000'000, 20'000'000};
+  if (!given("--touched")) return;
+  if (options.edit.touched.size() != 1) throw UsageError("bench coexist: one number of points for --touched");
+  options.coexist.touched = options.edit.touched.front();
 }
 
 void bench(Context& context, const BenchOptions& options) {
@@ -132,6 +144,11 @@ void bench(Context& context, const BenchOptions& options) {
 }
 
 }  // namespace
+
+double realtimeRate_Hz(const BenchOptions& options) {
+  constexpr double kUsual_Hz = 1000, kHighest_Hz = 1e5;
+  return options.rate_Hz > kHighest_Hz ? kUsual_Hz : options.rate_Hz;
+}
 
 bool BenchOptions::wants(std::string_view name) const { return std::ranges::find(backends, name) != backends.end(); }
 
@@ -183,14 +200,15 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "bench",
       "measure on this machine: build (the index), sort (its largest part, alone), query (a probe at rest), step (a "
-      "haptic tick), edit (a tick that sculpts), mesh (marching cubes), splat (a picture, and how true it is); touch "
+      "haptic tick), edit (a tick that sculpts), mesh (marching cubes), splat (a picture, and how true it is), coexist "
+      "(touch beside pictures that are drawn as fast as they go); touch "
       "judges what is felt against surfaces "
       "that are known");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh; or splat")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh; or splat; or coexist")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh", "splat"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -216,7 +234,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--moved", options->movedShare, "share of the points that build moves to another cell first")
       ->check(between(0, 1))
       ->capture_default_str();
-  sub->add_option("--size", options->size, "splat: of the pictures, width x height, pixels")->capture_default_str();
+  sub->add_option("--size", options->size,
+                  "splat, coexist: of the pictures, width x height, pixels (coexist: 1920x1080)")
+      ->capture_default_str();
   addSamplesOption(*sub, options->samples);
   sub->add_option("--smooth", options->smooths_px,
                   "splat: pixels to each side over which depth is smoothed; several are judged")
@@ -232,6 +252,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   addTouchBenchOptions(*sub, options->touch);
   addEditBenchOptions(*sub, options->edit);
   addMeshBenchOptions(*sub, options->mesh);
+  addCoexistBenchOptions(*sub, options->coexist);
   sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
       ->check(notNegative())
       ->capture_default_str();
@@ -252,6 +273,10 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "splat: ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under clean and "
       "uneven --conditions against rays cast in double precision: pixels without surface, overlap of the silhouettes, "
       "error of depth and of normals. --quick leaves that out.\n"
+      "coexist: a tool slides over the surface in real time, alone and beside a thread that draws one picture after "
+      "another, and sculpts or not. 1, 5 and 20 million points, pictures of 1920x1080 with one sample a pixel, a tool "
+      "that reaches 1000 points and 10 s each, unless --sizes, --models, --size, --samples, --touched and --duration "
+      "say otherwise. Tables of us from pose to force, missed ticks, pictures per second and ms that a picture takes.\n"
       "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
       "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
       "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
@@ -259,10 +284,11 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "twice, and the CPU against the back end.\n");
   sub->callback([&, options, backends, sub] {
     if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
-    command = [&context, options, chosen = backends->count() > 0] {
+    command = [&context, sub, options, chosen = backends->count() > 0] {
       const std::string alone = aloneOf(*options);
       if (alone.empty()) return bench(context, *options);
       if (alone == "touch" && !chosen) options->backends = {ownTouchBackend(context)};
+      if (alone == "coexist") setCoexistDefaults(*sub, *options);
       benchAlone(context, *options, alone);
     };
   });

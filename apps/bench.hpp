@@ -34,6 +34,15 @@ struct MeshBenchOptions {
 };
 void addMeshBenchOptions(CLI::App& sub, MeshBenchOptions& options);
 
+/// Of `bench coexist` alone.
+struct CoexistBenchOptions {
+  std::vector<std::string> queues, situations;
+  std::string sightGpu;         ///< draws; empty: the one that touches
+  std::int64_t touched = 1000;  ///< points that an edit is to touch
+};
+/// Adds them, and sets them to all that there is.
+void addCoexistBenchOptions(CLI::App& sub, CoexistBenchOptions& options);
+
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::string> surfaces{"average"};  ///< of query and step; every back end has the average
@@ -51,9 +60,13 @@ struct BenchOptions {
   TouchBenchOptions touch;
   EditBenchOptions edit;
   MeshBenchOptions mesh;
+  CoexistBenchOptions coexist;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
+
+/// Ticks per second of a stroke in real time: 1000, unless the options say otherwise.
+double realtimeRate_Hz(const BenchOptions& options);
 
 /// What is measured: a file, or a sculpture of so many points.
 struct Subject {
@@ -112,6 +125,9 @@ Json benchMesh(Context& context, const std::vector<SubjectMaker>& subjects, cons
 /// What a picture costs, pass by pass, and how true it is to shapes that are known (apps/picture_judge.hpp). Prints
 /// tables, and gives the numbers back.
 Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
+/// How touch fares beside pictures that are drawn as fast as they go, and those beside it. Prints a table, and gives
+/// the numbers back.
+Json benchCoexist(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
 /// What answers in bench touch unless the user says: vulkan on a real GPU; cpu where there is none, or only a software
 /// driver, which is slower than the CPU back end by far and feels the same.
 std::string ownTouchBackend(Context& context);

@@ -158,7 +158,7 @@ struct Scene {
 
 double ticksPerSecond(const BenchOptions& options) {
   if (options.edit.duration_s == 0) return kRealtimeRate_Hz;  // of virtual time
-  return options.rate_Hz > kHighestRate_Hz ? kRealtimeRate_Hz : options.rate_Hz;
+  return realtimeRate_Hz(options);
 }
 
 EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& stroke, const std::string& index) {
@@ -245,7 +245,7 @@ void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options) {
       ->delimiter(',')
       ->capture_default_str();
   sub.add_option("--touched", options.touched,
-                 "edit: numbers of points that an edit is to touch; the tool is as large as that takes")
+                 "edit, coexist: numbers of points that an edit is to touch; the tool is as large as that takes")
       ->check(between(1, 1e8))
       ->type_name("K...")
       ->capture_default_str();
@@ -255,9 +255,10 @@ void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options) {
          "the fewer, the more compactions (default: a tenth of the points)")
       ->check(between(1, 1e8))
       ->type_name("SLOTS");
-  sub.add_option("--duration", options.duration_s,
-                 "edit: s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: "
-                 "virtual time, --repeat edits")
+  sub.add_option(
+         "--duration", options.duration_s,
+         "edit, coexist: s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: "
+         "virtual time, --repeat edits")
       ->check(notNegative())
       ->capture_default_str();
 }

@@ -25,8 +25,22 @@ Log& Context::log() {
 }
 
 Device& Context::device() {
-  if (!device_) device_ = std::make_unique<Device>(DeviceOptions{.gpu = gpu_, .validate = validate_});
+  if (!device_)
+    device_ = std::make_unique<Device>(
+        DeviceOptions{.gpu = gpu_, .validate = validate_, .queues = queues_, .windowExtensions = windowExtensions_});
   return *device_;
+}
+
+Device& Context::sightDevice(const std::string& gpu) {
+  if (!sightDevice_)
+    sightDevice_ = std::make_unique<Device>(
+        DeviceOptions{.gpu = gpu, .validate = validate_, .windowExtensions = windowExtensions_});
+  return *sightDevice_;
+}
+
+void Context::arrange(QueueArrangement queues) {
+  if (queues != queues_) close(device_);
+  queues_ = queues;
 }
 
 void Context::writeJson(const Json& result) const {
@@ -45,12 +59,17 @@ void Context::checkWritable(const std::string& file) {
   if (!file.empty()) AtomicFile probe(file);
 }
 
-std::size_t Context::closeDevice() {
-  if (!device_) return 0;
-  device_->waitIdle();
-  const std::size_t messages = device_->instance().messages().count();
-  device_.reset();
-  return messages;
+void Context::close(std::unique_ptr<Device>& device) {
+  if (!device) return;
+  device->waitIdle();
+  messages_ += device->instance().messages().count();
+  device.reset();
+}
+
+std::size_t Context::closeDevices() {
+  close(sightDevice_);
+  close(device_);
+  return messages_;
 }
 
 namespace {

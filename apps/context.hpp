@@ -22,6 +22,12 @@ class Context {
   Log& log();
   /// The GPU that --gpu or PALPATE_GPU names, opened at first use.
   Device& device();
+  /// Another GPU, for sight alone, that `gpu` names (DeviceOptions), opened at its first use. The same one each time.
+  Device& sightDevice(const std::string& gpu);
+  /// GPUs that are opened from now on can show pictures in windows of a system that needs these instance extensions.
+  void showInWindows(std::vector<std::string> extensions) { windowExtensions_ = std::move(extensions); }
+  /// How the queues of device() are shared from now on: an open GPU is closed, once all that was made from it is gone.
+  void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
 
   /// Sends the result where --json says; nothing without it.
@@ -32,15 +38,20 @@ class Context {
   /// Throws FileError now, rather than after an hour's work, when `file` could not be written.
   static void checkWritable(const std::string& file);
 
-  /// Closes the GPU; says how many validation messages there were.
-  std::size_t closeDevice();
+  /// Closes the GPUs; says how many validation messages there were.
+  std::size_t closeDevices();
 
  private:
   std::string gpu_, json_;
   bool validate_ = false, quiet_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;
-  std::unique_ptr<Device> device_;
+  void close(std::unique_ptr<Device>& device);
+
+  std::vector<std::string> windowExtensions_;
+  QueueArrangement queues_ = QueueArrangement::separate;
+  std::size_t messages_ = 0;  // of the GPUs that are closed
+  std::unique_ptr<Device> device_, sightDevice_;
 };
 
 /// Checks of numbers on the command line, with messages a person can read. Not-a-number and infinity never pass.
@@ -57,6 +68,7 @@ void addMake(CLI::App& app, Context& context, Command& command);
 void addTouch(CLI::App& app, Context& context, Command& command);
 void addReplay(CLI::App& app, Context& context, Command& command);
 void addRender(CLI::App& app, Context& context, Command& command);
+void addView(CLI::App& app, Context& context, Command& command);
 void addMesh(CLI::App& app, Context& context, Command& command);
 void addBench(CLI::App& app, Context& context, Command& command);
 void addDoctor(CLI::App& app, Context& context, Command& command);

@@ -22,6 +22,7 @@ int run(int argc, char** argv) {
   addTouch(app, context, command);
   addReplay(app, context, command);
   addRender(app, context, command);
+  addView(app, context, command);
   addMesh(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);
@@ -41,7 +42,7 @@ int run(int argc, char** argv) {
   try {
     command();
     checkStdout();
-    if (const std::size_t messages = context.closeDevice())
+    if (const std::size_t messages = context.closeDevices())
       throw Error("{} validation message{}; see above", messages, messages == 1 ? "" : "s");
     return 0;
   } catch (const UsageError& error) {

@@ -9,11 +9,7 @@ namespace palpate {
 
 namespace {
 
-struct Size {
-  std::uint32_t width, height;
-};
-
-Size parseSize(const std::string& text) {
+PictureSize parseSize(const std::string& text) {
   const auto [width, height] = parseList<std::uint32_t, 2>(text, 'x', "--size", "WIDTHxHEIGHT in pixels");
   return {width, height};
 }
@@ -52,7 +48,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
 
 /// The longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target, at the
 /// lower left.
-double scaleBarLength_mm(const Camera& camera, const Size& size, const ModelScale& scale) {
+double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
   const double depth = glm::distance(camera.eye, camera.target);
   const double widest_mm = scale.toMm(0.2 * size.width * depth / camera.focal_px(size.height));
   double length_mm = std::pow(10.0, std::floor(std::log10(widest_mm)));
@@ -61,7 +57,9 @@ double scaleBarLength_mm(const Camera& camera, const Size& size, const ModelScal
   return length_mm;
 }
 
-Overlays::Bar scaleBar(const Camera& camera, const Size& size, const ModelScale& scale) {
+}  // namespace
+
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
   const double depth = glm::distance(camera.eye, camera.target);
   const double length = scale.toUnits(scaleBarLength_mm(camera, size, scale));
   const DVec2 corner(0.04 * size.width, 0.94 * size.height);
@@ -69,8 +67,6 @@ Overlays::Bar scaleBar(const Camera& camera, const Size& size, const ModelScale&
           .along = length * camera.axes().right,
           .radius = 0.003 * size.height * depth / camera.focal_px(size.height)};
 }
-
-}  // namespace
 
 void addPictureOptions(CLI::App& command, PictureOptions& options) {
   command.add_option("--size", options.size, "width x height, pixels")->capture_default_str();
@@ -115,7 +111,7 @@ void addSamplesOption(CLI::App& command, std::uint32_t& samples) {
 }
 
 void checkPictureOptions(const PictureOptions& options) {
-  const Size size = parseSize(options.size);
+  const PictureSize size = parseSize(options.size);
   Frame::checkSize(size.width, size.height);
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
@@ -136,7 +132,7 @@ template <class Drawn>
 void draw(Context& context, const Model& model, const Drawn& drawn, const PictureOptions& options,
           const Overlays& overlays, const std::string& file) {
   Device& device = context.device();
-  const Size size = parseSize(options.size);
+  const PictureSize size = parseSize(options.size);
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
   frameOf.overlays = overlays;

@@ -15,6 +15,13 @@ struct PictureOptions {
 };
 void addPictureOptions(CLI::App& command, PictureOptions& options);
 
+struct PictureSize {
+  std::uint32_t width, height;
+};
+/// A bar of the longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target, at
+/// the lower left.
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale);
+
 /// --samples: 1 or 4.
 void addSamplesOption(CLI::App& command, std::uint32_t& samples);
 

@@ -70,7 +70,7 @@ ViewWishes Panels::draw(const ViewStatus& status, ViewSettings& view, ToolSettin
   ViewWishes wishes;
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({em(0.6), em(0.6)});
-  ImGui::SetNextWindowSizeConstraints({em(17), 0}, {em(17), display.y - em(1.2)});
+  ImGui::SetNextWindowSizeConstraints({em(18.5), 0}, {em(18.5), display.y - em(1.2)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
@@ -266,13 +266,15 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes&
   curve("tick, us", curves_.step_us, 100);
   const std::vector<float> pictures(status.pictures_ms->begin(), status.pictures_ms->end());
   curve("picture, ms", pictures, 16);
-  ImGui::Text("tick p50 %.0f  p99.9 %.0f us   missed %llu of %llu", history.step_us().quantile_us(0.5),
-              history.step_us().quantile_us(0.999), static_cast<unsigned long long>(history.missed()),
+  ImGui::Text("tick p50 %.0f us, p99.9 %.0f us", history.step_us().quantile_us(0.5),
+              history.step_us().quantile_us(0.999));
+  ImGui::Text("missed %llu of %llu", static_cast<unsigned long long>(history.missed()),
               static_cast<unsigned long long>(history.ticks()));
-  ImGui::Text("%.0f pictures a second on %s", status.fps, status.gpu.c_str());
-  if (ImGui::TreeNode("passes of the picture, us on the GPU")) {
+  ImGui::Text("%.0f pictures a second", status.fps);
+  ImGui::TextDisabled("%s", status.gpu.c_str());
+  if (ImGui::TreeNode("passes, us on the GPU")) {
     for (const PassRecord& pass : status.passes)
-      if (pass.gpu_us > 0) ImGui::Text("%-26s %9.0f", pass.name.c_str(), pass.gpu_us);
+      if (pass.gpu_us > 0) ImGui::Text("%-24.24s %8.0f", pass.name.c_str(), pass.gpu_us);
     ImGui::TreePop();
   }
   if (ImGui::Button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;

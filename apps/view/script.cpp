@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <utility>
 
 #include "apps/view/window.hpp"
 #include "engine/core/error.hpp"
@@ -45,7 +46,8 @@ class Line {
   std::string rest(const char* what) {
     if (atEnd()) fail(fmt::format("{} is missing", what));
     text_.remove_prefix(text_.find_first_not_of(kBlank));
-    return std::string(text_.substr(0, text_.find_last_not_of(kBlank) + 1));
+    const std::string_view found = std::exchange(text_, {});
+    return std::string(found.substr(0, found.find_last_not_of(kBlank) + 1));
   }
   void end() {
     if (!atEnd()) fail(fmt::format("'{}' is more than this event takes", rest("more")));

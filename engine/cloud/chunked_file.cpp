@@ -47,6 +47,8 @@ void ChunkedFile::fill(std::size_t wanted) {
     }
     end_ += got;
   }
+  if (told_ && size_ && *size_ > 0)
+    told_(std::min(1.0, static_cast<double>(offset_ + end_) / static_cast<double>(*size_)));
 }
 
 bool ChunkedFile::skip(std::uint64_t bytes) {

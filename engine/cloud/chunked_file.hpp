@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -23,6 +24,8 @@ class ChunkedFile {
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t offset() const { return offset_; }  ///< of the next unread byte
   std::uint64_t line() const { return line_; }      ///< 1-based, of the line that readLine() gave last
+  /// Is told the share that was read, now and then, where the size is known.
+  void onProgress(std::function<void(double share)> told) { told_ = std::move(told); }
   /// Bytes not yet read; nothing where the system does not know.
   std::optional<std::uint64_t> remaining() const;
 
@@ -49,6 +52,7 @@ class ChunkedFile {
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
   std::optional<std::uint64_t> size_;
+  std::function<void(double)> told_;
   std::vector<std::byte> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread part of buffer_
   bool atEnd_ = false;

@@ -39,6 +39,7 @@ void remarkOnRest(ChunkedFile& file, Log* log) {
 
 PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions options) {
   ChunkedFile file(path);
+  if (log) file.onProgress([&](double share) { log->progress(path.filename().string(), share); });
   const PlyInfo info = readPlyHeader(file);
   const PlyElement* vertex = info.find("vertex");
   if (!vertex) {

@@ -9,6 +9,7 @@ namespace palpate {
 Log::Log(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 void Log::write(std::string_view line) {
+  if (listener_) listener_->said(line);
   if (quiet_) return;
   clearBar();
   fmt::print(stderr, "{}\n", line);
@@ -20,7 +21,14 @@ void Log::clearBar() {
 }
 
 void Log::progress(std::string_view what, double fraction) {
+  if (listener_) listener_->progressed(what, fraction);
   if (quiet_) return;
+  constexpr double kShort_us = 1e6;
+  if (what != progressOf_) {
+    progressOf_ = what;
+    progressSince_ = Stopwatch();
+  }
+  if (progressSince_.elapsed_us() < kShort_us && !barShown_) return;
   const int percent = static_cast<int>(fraction * 100);
   const int step = terminal_ ? percent : percent / 25;
   if (step == lastTenth_) return;

@@ -3,10 +3,20 @@
 
 #include <fmt/format.h>
 
+#include "engine/core/clock.hpp"
+
 #include <string>
 #include <string_view>
 
 namespace palpate {
+
+/// Is told what a person would read. May throw, which ends what says it.
+class LogListener {
+ public:
+  virtual ~LogListener() = default;
+  virtual void said(std::string_view line) = 0;
+  virtual void progressed(std::string_view what, double fraction) = 0;
+};
 
 /// A sink for remarks and progress. Passed to whoever has something to say; there is no global one.
 class Log {
@@ -17,13 +27,19 @@ class Log {
   void say(fmt::format_string<Args...> text, Args&&... args) {
     write(fmt::format(text, std::forward<Args>(args)...));
   }
-  /// `fraction` from 0 to 1; lines are rationed, so it may be called often.
+  /// `fraction` from 0 to 1; lines are rationed, so it may be called often. What is done within a second is not shown.
   void progress(std::string_view what, double fraction);
+
+  /// From now on, or until null, all is told to a listener as well. While nobody uses the log.
+  void listen(LogListener* listener) { listener_ = listener; }
 
  private:
   void write(std::string_view line);
   void clearBar();
 
+  LogListener* listener_ = nullptr;
+  std::string progressOf_;
+  Stopwatch progressSince_;
   bool quiet_;
   bool terminal_;
   int lastTenth_ = -1;

@@ -12,14 +12,6 @@ namespace {
 
 constexpr std::uint64_t kPiece = 1 << 18;  // entries that are brought at a time
 
-static_assert(sizeof(PointState) == sizeof(shared::EditEntry));
-static_assert(offsetof(PointState, position) == offsetof(shared::EditEntry, position));
-static_assert(offsetof(PointState, id) == offsetof(shared::EditEntry, id));
-static_assert(offsetof(PointState, normal) == offsetof(shared::EditEntry, normal));
-static_assert(offsetof(PointState, color) == offsetof(shared::EditEntry, color));
-static_assert(offsetof(PointState, parent) == offsetof(shared::EditEntry, parent));
-static_assert(PointState::kGone == shared::kPointGone);
-
 }  // namespace
 
 EditFetch::EditFetch(Device& device, EditLog& log)

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,15 @@
 #include "shaders/shared/edit_log.h"
 
 namespace palpate {
+
+// The host's states and the GPU's entries are the same bytes.
+static_assert(sizeof(PointState) == sizeof(shared::EditEntry));
+static_assert(offsetof(PointState, position) == offsetof(shared::EditEntry, position));
+static_assert(offsetof(PointState, id) == offsetof(shared::EditEntry, id));
+static_assert(offsetof(PointState, normal) == offsetof(shared::EditEntry, normal));
+static_assert(offsetof(PointState, color) == offsetof(shared::EditEntry, color));
+static_assert(offsetof(PointState, parent) == offsetof(shared::EditEntry, parent));
+static_assert(PointState::kGone == shared::kPointGone);
 
 /// The only place where the touch side and those who follow it meet: a ring of point states on the GPU, written by the
 /// edit passes of the touch side, read by whoever attached a Reader. Positions in the log grow without bound; a

@@ -65,38 +65,28 @@ Device::Device(const DeviceOptions& options)
   subgroupSize_ = subgroup.subgroupSize;
   largestBuffer_ = std::min(v13.maxBufferSize, allocation.maxMemoryAllocationSize);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-  createLogicalDevice();
+  createLogicalDevice(options.queues);
 }
 
-void Device::createLogicalDevice() {
-  const auto roles = chooseQueues(queueFamilies(physical_));
+void Device::createLogicalDevice(QueueArrangement arrangement) {
+  const auto roles = chooseQueues(queueFamilies(physical_), arrangement);
   if (!roles) throw GpuError("{} has no queue that computes; choose another GPU with --gpu", name_);
   roles_ = *roles;
 
-  // Touch goes first wherever the driver weighs queues, and the background last.
-  constexpr float kTouchPriority = 1.0f, kSightPriority = 0.5f, kBackgroundPriority = 0.0f;
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   const VkDeviceQueueGlobalPriorityCreateInfoKHR high{
       .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_GLOBAL_PRIORITY_CREATE_INFO_KHR,
       .pNext = nullptr,
       .globalPriority = VK_QUEUE_GLOBAL_PRIORITY_HIGH_KHR};
-  std::map<std::uint32_t, std::vector<float>> priorities;  // of the queues of a family
-  const auto want = [&](const QueueChoice& choice, float priority) {
-    auto& family = priorities[choice.family];
-    family.resize(std::max<std::size_t>(family.size(), choice.index + 1));
-    family[choice.index] = std::max(family[choice.index], priority);
-  };
-  want(roles_.sight, kSightPriority);
-  want(roles_.touch, kTouchPriority);
-  want(roles_.background, kBackgroundPriority);
+  const std::vector<FamilyQueues> wanted = queuesFor(roles_, arrangement);
   std::vector<VkDeviceQueueCreateInfo> queues;
-  for (const auto& [family, each] : priorities)
+  for (const FamilyQueues& each : wanted)
     queues.push_back({.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                      .pNext = globalPriority && family != roles_.sight.family ? &high : nullptr,
+                      .pNext = globalPriority && each.high ? &high : nullptr,
                       .flags = 0,
-                      .queueFamilyIndex = family,
-                      .queueCount = static_cast<std::uint32_t>(each.size()),
-                      .pQueuePriorities = each.data()});
+                      .queueFamilyIndex = each.family,
+                      .queueCount = static_cast<std::uint32_t>(each.priorities.size()),
+                      .pQueuePriorities = each.priorities.data()});
 
   const bool clockExtension = hasExtension(physical_, VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
   VkPhysicalDeviceShaderClockFeaturesKHR clock{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SHADER_CLOCK_FEATURES_KHR};

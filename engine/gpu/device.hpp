@@ -14,6 +14,7 @@ namespace palpate {
 struct DeviceOptions {
   std::string gpu;        ///< number or part of a name; empty: PALPATE_GPU, else the best there is
   bool validate = false;  ///< core, synchronisation and GPU-assisted validation
+  QueueArrangement queues = QueueArrangement::separate;
   /// Of the instance, for a device that shows its pictures in a window; empty for one that does not.
   std::vector<std::string> windowExtensions = {};
 };
@@ -78,7 +79,7 @@ class Device {
   void nameObject(VkObjectType type, std::uint64_t handle, const std::string& name) const;
 
  private:
-  void createLogicalDevice();
+  void createLogicalDevice(QueueArrangement arrangement);
   void createQueues();
 
   std::unique_ptr<Instance> instance_;

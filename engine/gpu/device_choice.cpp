@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <map>
 
 namespace palpate {
 
@@ -56,7 +57,8 @@ std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& s
   throw GpuError("no GPU has '{}' in its name; there are {}", selector, listOf(gpus));
 }
 
-std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families) {
+std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families,
+                                       QueueArrangement arrangement) {
   std::optional<std::uint32_t> graphics, computeOnly, anyCompute;
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     const auto flags = families[i].queueFlags;
@@ -70,6 +72,7 @@ std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> 
   }
   if (!anyCompute) return std::nullopt;
   const QueueChoice sight{graphics.value_or(*anyCompute), 0};
+  if (arrangement == QueueArrangement::same) return QueueRoles{sight, sight, sight, graphics.has_value()};
   const std::uint32_t ofSight = families[sight.family].queueCount;
   const bool apart = computeOnly && *computeOnly != sight.family;
   const QueueChoice touch = apart ? QueueChoice{*computeOnly, 0} : QueueChoice{sight.family, ofSight > 1 ? 1u : 0u};
@@ -87,6 +90,24 @@ std::vector<std::uint32_t> QueueRoles::families() const {
   for (const QueueChoice& other : {sight, background})
     if (!std::ranges::count(all, other.family)) all.push_back(other.family);
   return all;
+}
+
+std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement) {
+  constexpr float kTouch = 1.0f, kSight = 0.5f, kBackground = 0.0f;
+  const bool weighs = arrangement == QueueArrangement::separate;
+  std::map<std::uint32_t, std::vector<float>> priorities;
+  const auto want = [&](const QueueChoice& choice, float priority) {
+    auto& family = priorities[choice.family];
+    family.resize(std::max<std::size_t>(family.size(), choice.index + 1));
+    family[choice.index] = std::max(family[choice.index], weighs ? priority : kSight);
+  };
+  want(roles.sight, kSight);
+  want(roles.touch, kTouch);
+  want(roles.background, kBackground);
+  std::vector<FamilyQueues> queues;
+  for (auto& [family, each] : priorities)
+    queues.push_back({family, std::move(each), weighs && family != roles.sight.family});
+  return queues;
 }
 
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {

@@ -2,10 +2,13 @@
 // tested without the hardware.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "engine/gpu/vulkan.hpp"
@@ -21,6 +24,18 @@ struct GpuDescription {
 /// Index of the GPU to use: `selector` is a number, or a part of a name (any case); empty takes the first discrete,
 /// then integrated, then virtual, then CPU device. Throws GpuError that lists the GPUs when nothing fits.
 std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& selector);
+
+/// How the roles share a GPU. All but the first are there to be measured against it.
+enum class QueueArrangement {
+  separate,    ///< a queue for each role where there are as many; touch goes first, the background last
+  noPriority,  ///< the same queues, and none goes before another
+  same         ///< all have sight's queue between them
+};
+/// The names that the user gives.
+inline constexpr std::array<std::pair<std::string_view, QueueArrangement>, 3> kQueueArrangements{
+    {{"separate", QueueArrangement::separate},
+     {"no-priority", QueueArrangement::noPriority},
+     {"same", QueueArrangement::same}}};
 
 /// A queue: family and index within it.
 struct QueueChoice {
@@ -41,7 +56,17 @@ struct QueueRoles {
   std::vector<std::uint32_t> families() const;
 };
 /// Nothing when no family can compute. Sight wants graphics and falls back to any compute family.
-std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families);
+std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families,
+                                       QueueArrangement arrangement = QueueArrangement::separate);
+
+/// The queues of one family that a device is made with.
+struct FamilyQueues {
+  std::uint32_t family = 0;
+  std::vector<float> priorities;  ///< of each queue, 0 to 1, against the others of this program
+  bool high = false;              ///< of high priority against other programs, too, where the driver grants that
+};
+/// What the roles need, by family.
+std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement);
 
 /// A feature that palpate cannot do without, and whether the device has it.
 struct FeatureState {

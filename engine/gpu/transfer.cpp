@@ -21,30 +21,32 @@ void inPieces(std::uint64_t total, Step&& step) {
 
 }  // namespace
 
-void uploadBytes(Device& device, const Buffer& to, std::span<const std::byte> bytes) {
+void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes) {
   if (bytes.empty()) return;
   const Buffer staging(device, std::min<std::uint64_t>(bytes.size(), kStagingBytes), Memory::staging, "staging");
-  CommandList list(device, device.touch(), "upload " + to.name());
+  CommandList list(device, queue, "upload " + to.name());
   inPieces(bytes.size(), [&](std::uint64_t offset, std::uint64_t piece) {
     std::memcpy(staging.mapped<std::byte>().data(), bytes.data() + offset, piece);
     list.begin();
     list.copy(staging, to, piece, 0, offset);
     list.end();
-    device.touch().run(list);
+    queue.run(list);
   });
 }
 
-void downloadBytes(Device& device, const Buffer& from, std::span<std::byte> bytes, std::uint64_t offset) {
+void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes, std::uint64_t offset) {
   if (bytes.empty()) return;
   const Buffer staging(device, std::min<std::uint64_t>(bytes.size(), kStagingBytes), Memory::readback, "download");
-  CommandList list(device, device.touch(), "download " + from.name());
+  CommandList list(device, queue, "download " + from.name());
   inPieces(bytes.size(), [&](std::uint64_t done, std::uint64_t piece) {
     list.begin();
     list.copy(from, staging, piece, offset + done, 0);
     list.end();
-    device.touch().run(list);
+    queue.run(list);
     std::memcpy(bytes.data() + done, staging.mapped<std::byte>().data(), piece);
   });
 }
+
+Queue& touchQueueOf(Device& device) { return device.touch(); }
 
 }  // namespace palpate

@@ -9,21 +9,33 @@
 namespace palpate {
 
 class Device;
+class Queue;
 
-/// Copies through a staging buffer of bounded size, on the touch queue, and waits.
-void uploadBytes(Device& device, const Buffer& to, std::span<const std::byte> bytes);
-void downloadBytes(Device& device, const Buffer& from, std::span<std::byte> bytes, std::uint64_t offset = 0);
+/// Copies through a staging buffer of bounded size, on `queue`, and waits. For the thread that uses that queue.
+void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes);
+void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes,
+                   std::uint64_t offset = 0);
+/// The queue of those who name none.
+Queue& touchQueueOf(Device& device);
 
+template <class T>
+void upload(Device& device, Queue& queue, const Buffer& to, const std::vector<T>& values) {
+  uploadBytes(device, queue, to, std::as_bytes(std::span(values)));
+}
 template <class T>
 void upload(Device& device, const Buffer& to, const std::vector<T>& values) {
-  uploadBytes(device, to, std::as_bytes(std::span(values)));
+  upload(device, touchQueueOf(device), to, values);
 }
-/// `count` values from the start of the buffer, after all earlier work of the touch queue.
+/// `count` values from the start of the buffer, after all earlier work of the queue.
+template <class T>
+std::vector<T> download(Device& device, Queue& queue, const Buffer& from, std::size_t count) {
+  std::vector<T> values(count);
+  downloadBytes(device, queue, from, std::as_writable_bytes(std::span(values)));
+  return values;
+}
 template <class T>
 std::vector<T> download(Device& device, const Buffer& from, std::size_t count) {
-  std::vector<T> values(count);
-  downloadBytes(device, from, std::as_writable_bytes(std::span(values)));
-  return values;
+  return download<T>(device, touchQueueOf(device), from, count);
 }
 
 }  // namespace palpate

@@ -170,7 +170,7 @@ MeshStep MarchingCubes::update(std::span<const PointState> edits) {
   if (moves.empty() && slots_ > 0) return {.blocks = slots_};
   moveCount_ = static_cast<std::uint32_t>(moves.size());
   grow(moves_, moves.size() * sizeof(shared::MeshMove));
-  uploadBytes(device_, moves_, std::as_bytes(std::span(moves)));
+  uploadBytes(device_, device_.touch(), moves_, std::as_bytes(std::span(moves)));
   CommandList list(device_, device_.sight(), "move points");
   list.begin();
   list.dispatch(movePoints_, moveCount_,

@@ -63,7 +63,7 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
 }
 
 shared::SplatCounts ComputeRaster::readCounts() const {
-  return download<shared::SplatCounts>(device_, counts_, 1).front();
+  return download<shared::SplatCounts>(device_, device_.sight(), counts_, 1).front();
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "engine/render/drawn_cloud.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 
@@ -15,6 +16,9 @@ namespace {
 
 // Points of a cloud without colours before they are painted (shared::kUnpainted).
 constexpr std::array<std::uint8_t, 4> kUnpainted{255, 255, 255, 255};
+
+// States that go up at a time; a power of two. A tick's edit mostly fits.
+constexpr std::uint64_t kPiece = 1 << 16;
 
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)
@@ -52,12 +56,12 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       list_(device, device.sight(), "catch up") {
-  upload(device, points_.positions, positionsOf(cloud, count_));
-  upload(device, points_.normals, normalsOf(cloud, count_));
+  upload(device, device.sight(), points_.positions, positionsOf(cloud, count_));
+  upload(device, device.sight(), points_.normals, normalsOf(cloud, count_));
   if (hasColors_) {
     std::vector<std::array<std::uint8_t, 4>> colors = cloud.colors;
     colors.resize(count_, kUnpainted);
-    upload(device, colors_, colors);
+    upload(device, device.sight(), colors_, colors);
   }
   list_.begin();
   list_.fill(latest_, 0, latest_.bytes());
@@ -76,28 +80,48 @@ std::uint64_t DrawnCloud::catchUp(EditLog::Reader& reader) {
   const EditLog::Range range = reader.unread();
   if (range.size() == 0) return 0;
   PALPATE_CHECK_LE(range.size(), log.capacity());
-  PALPATE_CHECK(std::has_single_bit(log.capacity()));
-  const shared::CatchUpArgs args{.entries = log.entries(),
+  apply({.ring = log.entries(),
+         .slots = log.capacity(),
+         .firstSlot = range.begin % log.capacity(),
+         .count = range.size()});
+  reader.consume(range.end);
+  return range.size();
+}
+
+std::uint64_t DrawnCloud::catchUp(std::span<const PointState> states) {
+  if (states.empty()) return 0;
+  if (!fromHost_) fromHost_.emplace(Buffer::of<PointState>(device_, kPiece, Memory::upload, "states from the host"));
+  const std::span<PointState> staged = fromHost_->mapped<PointState>();
+  for (std::span<const PointState> left = states; !left.empty();) {
+    const std::size_t piece = std::min(left.size(), staged.size());
+    std::ranges::copy(left.first(piece), staged.begin());
+    apply({.ring = fromHost_->address(), .slots = kPiece, .count = piece});
+    left = left.subspan(piece);
+  }
+  return states.size();
+}
+
+void DrawnCloud::apply(const Entries& entries) {
+  PALPATE_CHECK(std::has_single_bit(entries.slots));
+  const shared::CatchUpArgs args{.entries = entries.ring,
                                  .latest = latest_.address(),
                                  .positions = points_.positions.address(),
                                  .normals = points_.normals.address(),
                                  .colors = colors_.address(),
-                                 .firstSlot = static_cast<std::uint32_t>(range.begin % log.capacity()),
-                                 .slotMask = static_cast<std::uint32_t>(log.capacity() - 1),
-                                 .entryCount = static_cast<std::uint32_t>(range.size()),
+                                 .firstSlot = static_cast<std::uint32_t>(entries.firstSlot),
+                                 .slotMask = static_cast<std::uint32_t>(entries.slots - 1),
+                                 .entryCount = static_cast<std::uint32_t>(entries.count),
                                  .pointCount = count_,
                                  .colored = hasColors_ ? 1u : 0u,
                                  .marks = radii_ ? 1u : 0u,
                                  .changed = radii_ ? radii_->changed() : 0,
                                  .grid = radii_ ? radii_->grid() : HashGrid{}};
   list_.begin();
-  list_.dispatch(claim_, range.size(), args);
-  list_.dispatch(apply_, range.size(), args);
+  list_.dispatch(claim_, entries.count, args);
+  list_.dispatch(apply_, entries.count, args);
   list_.end();
   device_.sight().run(list_);
-  reader.consume(range.end);
   stale_ = true;
-  return range.size();
 }
 
 void DrawnCloud::closeSurface() {
@@ -109,7 +133,7 @@ void DrawnCloud::closeSurface() {
 
 std::uint64_t DrawnCloud::bytes() const {
   return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + picked_.bytes() +
-         latest_.bytes() + (radii_ ? radii_->bytes() : 0);
+         latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) + (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

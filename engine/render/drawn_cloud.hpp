@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/edit/edit_log.hpp"
@@ -19,7 +20,8 @@ struct DrawnOptions {
 };
 
 /// The cloud that is seen, on the GPU: the sight side's own copy, in the order of the file, so that a point's id is its
-/// place. It follows the touched cloud through the edit log alone.
+/// place. It follows the touched cloud through the edit log alone, or through what a back end tells of its edits. All
+/// of it, its making too, goes over the sight queue.
 class DrawnCloud {
  public:
   /// Normals and colours are optional. Throws OutOfGpuMemory.
@@ -28,6 +30,10 @@ class DrawnCloud {
   /// Applies everything that is unread, in order, on the sight queue, waits for it, and consumes it; says how many
   /// entries there were.
   std::uint64_t catchUp(EditLog::Reader& reader);
+  /// The same with states from the host (TouchBackend::takeEdits()), front to back: for a cloud that is touched by
+  /// another GPU, or by none. States of points without a place here are left out. The first call may throw
+  /// OutOfGpuMemory.
+  std::uint64_t catchUp(std::span<const PointState> states);
   /// Measures the discs again of the points that catchUp() has changed, and of those around them. Before a frame.
   void closeSurface();
 
@@ -50,6 +56,14 @@ class DrawnCloud {
   std::uint64_t bytes() const;
 
  private:
+  // A range of a ring of states on the GPU, from `firstSlot` on.
+  struct Entries {
+    DeviceAddress ring = 0;
+    std::uint64_t slots = 1;  // a power of two
+    std::uint64_t firstSlot = 0, count = 0;
+  };
+  void apply(const Entries& entries);
+
   Device& device_;
   std::uint32_t count_;
   bool hasColors_;
@@ -57,7 +71,8 @@ class DrawnCloud {
   double spacing_, largestRadius_ = 0;
   LiveCloud::Side points_;
   Buffer colors_, clips_, picked_;
-  Buffer latest_;  // count uint32, zero between calls
+  Buffer latest_;                   // count uint32, zero between calls
+  std::optional<Buffer> fromHost_;  // PointState; made when the host first has some
   ComputePipeline claim_, apply_;
   CommandList list_;
   std::optional<SplatRadii> radii_;

@@ -85,11 +85,13 @@ PanelPass::PanelPass(Device& device, std::span<const std::uint8_t> texture, cons
   std::memcpy(texture_.mapped<std::byte>().data(), texture.data(), texture.size());
 }
 
-void PanelPass::record(CommandList& list, const Buffer* picture, const PanelShapes& shapes, const UVec2& size_px,
-                       const Buffer& shown, std::uint32_t background, bool blueFirst) {
+void PanelPass::record(CommandList& list, const Buffer* picture, std::uint32_t shrink, const PanelShapes& shapes,
+                       const UVec2& size_px, const Buffer& shown, std::uint32_t background, bool blueFirst) {
   const std::uint64_t bytes = std::uint64_t{4} * size_px.x * size_px.y;
   PALPATE_CHECK_LE(bytes, shown.bytes());
-  if (picture) PALPATE_CHECK_LE(bytes, picture->bytes());
+  PALPATE_CHECK_LE(1u, shrink);
+  const UVec2 picture_px = (size_px + (shrink - 1)) / shrink;
+  if (picture) PALPATE_CHECK_LE(std::uint64_t{4} * picture_px.x * picture_px.y, picture->bytes());
   const PanelTiles tiles = tilesOf(shapes, size_px);
   put(device_, vertices_, shapes.vertices, "panel vertices");
   put(device_, triangles_, shapes.triangles, "panel triangles");
@@ -109,7 +111,9 @@ void PanelPass::record(CommandList& list, const Buffer* picture, const PanelShap
                                   .size_px = size_px,
                                   .texture_px = texture_px_,
                                   .background = background,
-                                  .blueFirst = blueFirst ? 1u : 0u});
+                                  .blueFirst = blueFirst ? 1u : 0u,
+                                  .shrink = shrink,
+                                  .pictureWidth_px = picture_px.x});
 }
 
 }  // namespace palpate

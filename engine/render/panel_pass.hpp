@@ -31,10 +31,10 @@ class PanelPass {
   /// `texture`: how much of each texel is covered, texture_px.x * texture_px.y bytes in rows from the top.
   PanelPass(Device& device, std::span<const std::uint8_t> texture, const UVec2& texture_px);
 
-  /// `picture`: size_px RGBA8, or null for `background` alone. `shown`: as many pixels, BGRA8 where `blueFirst`. The
-  /// last recording must be done.
-  void record(CommandList& list, const Buffer* picture, const PanelShapes& shapes, const UVec2& size_px,
-              const Buffer& shown, std::uint32_t background, bool blueFirst);
+  /// `picture`: RGBA8, of size_px or, where each of its pixels covers `shrink` x `shrink` of them, rounded up; null for
+  /// `background` alone. `shown`: size_px, BGRA8 where `blueFirst`. The last recording must be done.
+  void record(CommandList& list, const Buffer* picture, std::uint32_t shrink, const PanelShapes& shapes,
+              const UVec2& size_px, const Buffer& shown, std::uint32_t background, bool blueFirst);
 
  private:
   Device& device_;

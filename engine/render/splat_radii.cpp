@@ -27,7 +27,7 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
       spacing_(spacing),
       widest_(widestBorder(bounds, spacing)),
       hash_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstLook) * spacing, places),
-            places, kDefaultSort, BucketOrder::stable, Slots::spare),
+            places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.sight()),
       ordered_{Buffer::of<Vec4>(device, places, Memory::device, "hashed positions"),
                Buffer::of<Vec4>(device, places, Memory::device, "hashed normals"), 0},
       pass_(device, shader_code::render_splat_radius, {.pushBytes = sizeof(shared::SplatRadiusArgs)}),

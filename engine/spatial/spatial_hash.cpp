@@ -42,7 +42,7 @@ Buffer makeRanges(Device& device, std::uint32_t buckets) {
 }  // namespace
 
 SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort,
-                         BucketOrder order, Slots slots)
+                         BucketOrder order, Slots slots, Queue* queue)
     : device_(device),
       grid_(grid),
       sort_(sort),
@@ -66,11 +66,12 @@ SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t cap
       crowded_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "hash crowded")),
       ranges_{makeRanges(device, buckets()), makeRanges(device, buckets())} {
   crowded_.mapped<std::uint32_t>()[0] = 0;
-  CommandList clear(device, device.touch(), "clear counts");
+  Queue& clears = queue ? *queue : device.touch();
+  CommandList clear(device, clears, "clear counts");
   clear.begin();
   clear.fill(counts_, 0, counts_.bytes());
   clear.end();
-  device.touch().run(clear);
+  clears.run(clear);
 }
 
 double SpatialHash::build(LiveCloud& cloud) {

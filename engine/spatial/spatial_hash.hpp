@@ -29,8 +29,9 @@ inline constexpr SortMethod kDefaultSort = SortMethod::counting;
 /// and hash after Teschner et al. 2003). Memory grows with the number of points, never with the extent of the cloud.
 class SpatialHash {
  public:
+  /// `queue`: on which its counts are cleared now; that of touch unless given.
   SpatialHash(Device& device, const HashGrid& grid, std::uint32_t capacity, SortMethod sort = kDefaultSort,
-              BucketOrder order = BucketOrder::stable, Slots slots = Slots::full);
+              BucketOrder order = BucketOrder::stable, Slots slots = Slots::full, Queue* queue = nullptr);
 
   /// Builds the index of `cloud` now, flips the cloud, and says what it took on the GPU, us.
   double build(LiveCloud& cloud);

@@ -4,6 +4,7 @@
 // next range. An earlier entry of the same point may read the mark before or after that; it finds its own number
 // neither way.
 #include "shaders/lib/index.glsl"
+#include "shaders/shared/brush.h"
 #include "shaders/shared/drawn_cloud.h"
 
 layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
@@ -30,6 +31,7 @@ void main() {
   markBucketOf(point);
   args.positions.at[id] = point;
   args.normals.at[id].xyz = args.entries.at[slot].normal;
-  if (args.colored != 0) args.colors.at[id] = args.entries.at[slot].color;
+  const uint color = args.entries.at[slot].color;
+  if (args.colored != 0) args.colors.at[id] = color == 0 ? kUnpainted : color;  // 0: it has none (yet, or again)
   args.latest.at[id] = 0;
 }

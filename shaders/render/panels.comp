@@ -63,7 +63,9 @@ void main() {
   if (any(greaterThanEqual(pixel, args.size_px))) return;
   const uint place = pixel.y * args.size_px.x + pixel.x;
   const bool hasPicture = uvec2(args.picture) != uvec2(0);
-  vec3 color = unpackUnorm4x8(hasPicture ? args.picture.at[place] : args.background).rgb;
+  const uvec2 seen = pixel / args.shrink;
+  vec3 color = unpackUnorm4x8(args.background).rgb;
+  if (hasPicture) color = unpackUnorm4x8(args.picture.at[seen.y * args.pictureWidth_px + seen.x]).rgb;
   const vec2 p = vec2(pixel) + 0.5;
   for (uint i = args.starts.at[tile]; i < args.starts.at[tile + 1]; ++i)
     color = blended(color, args.triangles.at[args.entries.at[i]], p);

@@ -29,7 +29,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelClips {
 #endif
 
 struct PanelArgs {
-  PALPATE_ADDRESS(Uints) picture;  // RGBA8, size_px; null: there is none, and `background` is seen
+  PALPATE_ADDRESS(Uints) picture;  // RGBA8; null: there is none, and `background` is seen
   PALPATE_ADDRESS(Uints) shown;    // out, size_px
   PALPATE_ADDRESS(PanelVertices) vertices;
   PALPATE_ADDRESS(PanelTriangles) triangles;
@@ -41,8 +41,10 @@ struct PanelArgs {
   uvec2 texture_px;
   uint background;  // RGBA8
   uint blueFirst;   // not 0: blue is in the lowest byte of what is shown
+  uint shrink;      // pixels that one of the picture covers, along each side
+  uint pictureWidth_px;
 };
-PALPATE_SIZE(PanelArgs, 88);
+PALPATE_SIZE(PanelArgs, 96);
 
 PALPATE_SHARED_END
 #endif

@@ -91,6 +91,47 @@ TEST_CASE("background work has a queue of its own where there is one more, and n
   }
 }
 
+TEST_CASE("queues may be arranged to share one, and to go without priorities") {
+  const std::array families{family(kGraphics, 16), family(kCompute, 8)};
+  const auto same = chooseQueues(families, QueueArrangement::same);
+  REQUIRE(same);
+  CHECK(same->shared());
+  CHECK(same->backgroundShares());
+  CHECK(same->draws);
+  CHECK(same->touch == QueueChoice{0, 0});
+  CHECK(same->families() == std::vector<std::uint32_t>{0});
+
+  const auto separate = chooseQueues(families), equal = chooseQueues(families, QueueArrangement::noPriority);
+  CHECK(equal->touch == separate->touch);
+  CHECK(equal->sight == separate->sight);
+  CHECK(equal->background == separate->background);
+}
+
+TEST_CASE("touch's queue goes first, also against other programs where its family is its own, unless none is to") {
+  struct Case {
+    std::vector<VkQueueFamilyProperties> families;
+    QueueArrangement arrangement;
+    std::vector<FamilyQueues> queues;
+  };
+  const VkQueueFamilyProperties graphics = family(kGraphics, 16), compute = family(kCompute, 8);
+  const std::array cases{
+      Case{{graphics, compute}, QueueArrangement::separate, {{0, {0.5f, 0.0f}, false}, {1, {1.0f}, true}}},
+      Case{{graphics, compute}, QueueArrangement::noPriority, {{0, {0.5f, 0.5f}, false}, {1, {0.5f}, false}}},
+      Case{{graphics, compute}, QueueArrangement::same, {{0, {0.5f}, false}}},
+      Case{{graphics}, QueueArrangement::separate, {{0, {0.5f, 1.0f, 0.0f}, false}}},
+      Case{{graphics}, QueueArrangement::noPriority, {{0, {0.5f, 0.5f, 0.5f}, false}}},
+      Case{{family(kGraphics, 1)}, QueueArrangement::separate, {{0, {1.0f}, false}}}};
+  for (const Case& each : cases) {
+    const auto queues = queuesFor(*chooseQueues(each.families, each.arrangement), each.arrangement);
+    REQUIRE(queues.size() == each.queues.size());
+    for (std::size_t i = 0; i < queues.size(); ++i) {
+      CHECK(queues[i].family == each.queues[i].family);
+      CHECK(queues[i].priorities == each.queues[i].priorities);
+      CHECK(queues[i].high == each.queues[i].high);
+    }
+  }
+}
+
 TEST_CASE("a GPU without graphics computes and draws on one family; one that cannot compute is of no use") {
   const std::array computeOnly{family(kCompute, 2)};
   const auto roles = chooseQueues(computeOnly);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "tests/render/picture_fixture.hpp"
 
@@ -52,8 +53,52 @@ class Writer {
   std::uniform_real_distribution<float> unit_{-1, 1};
 };
 
+/// What may be done to points: moves, colours, points that go, come back, come new, or have no place in the drawn
+/// cloud.
+class RandomStates {
+ public:
+  explicit RandomStates(std::uint32_t places) : places_(places) {}
+
+  std::vector<PointState> take(std::size_t count) {
+    std::vector<PointState> states(count);
+    for (PointState& state : states) {
+      const std::uint32_t number = random_() % (places_ + 2);
+      const bool gone = random_() % 5 == 0;
+      state = {.position = Vec3(unit_(random_), unit_(random_), unit_(random_)),
+               .id = number | (gone ? PointState::kGone : 0),
+               .normal = glm::normalize(Vec3(unit_(random_), unit_(random_), 1.5f)),
+               .color = static_cast<std::uint32_t>(random_()),
+               .parent = number};
+    }
+    return states;
+  }
+
+ private:
+  std::uint32_t places_;
+  std::mt19937 random_{5};
+  std::uniform_real_distribution<float> unit_{-1, 1};
+};
+
 class DrawnCloudFixture : public GpuFixture {
  protected:
+  /// All that a frame reads of it, bit by bit: a place without a point is no number.
+  std::vector<std::uint32_t> bits(const DrawnCloud& drawn) {
+    std::vector<std::uint32_t> all;
+    for (const Buffer* buffer : {&drawn.positions(), &drawn.normals(), &drawn.colors(), &drawn.clips()}) {
+      const auto words = download<std::uint32_t>(device, *buffer, buffer->bytes() / sizeof(std::uint32_t));
+      all.insert(all.end(), words.begin(), words.end());
+    }
+    return all;
+  }
+  /// An empty submission; its ticket tells how many there were before.
+  Queue::Ticket ticketOfTouch() {
+    CommandList nothing(device, device.touch(), "nothing");
+    nothing.begin();
+    nothing.end();
+    const Queue::Ticket ticket = device.touch().submit(nothing);
+    device.touch().wait(ticket);
+    return ticket;
+  }
   bool same(const DrawnCloud& drawn, const PointCloud& cloud) {
     const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
     const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
@@ -124,6 +169,72 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "several ticks are taken at once, in order"
   }
   CHECK(drawn.catchUp(writer.reader()) == 1000);
   CHECK(same(drawn, writer.cloud()));
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "states from the host leave what the log would leave, bit by bit") {
+  const PointCloud cloud = strewnCloud(1000);
+  const DrawnOptions options{.spare = 100, .painted = true, .spacing = 0.1, .edited = true};
+  DrawnCloud byLog(device, cloud, options), byHost(device, cloud, options);
+  EditLog log(device, 200'000);
+  EditLog::Reader reader(log);
+  RandomStates states(byLog.count());
+  std::uint64_t head = 0;
+  CHECK(byHost.catchUp(std::span<const PointState>()) == 0);
+  for (const std::size_t count : {1u, 255u, 256u, 257u, 65'535u, 65'536u, 65'537u, 131'072u, 150'001u}) {
+    CAPTURE(count);
+    const std::vector<PointState> batch = states.take(count);
+    std::vector<PointState> ring(log.capacity());
+    for (const PointState& state : batch) ring[head++ % log.capacity()] = state;
+    upload(device, log.entriesBuffer(), ring);
+    log.publish(static_cast<std::uint32_t>(head));
+    const auto before = bits(byLog);
+    CHECK(byLog.catchUp(reader) == count);
+    CHECK(byHost.catchUp(batch) == count);
+    byLog.closeSurface();
+    byHost.closeSurface();
+    REQUIRE(bits(byHost) == bits(byLog));
+    CHECK(bits(byHost) != before);
+    CHECK(byHost.largestRadius() == byLog.largestRadius());
+  }
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture,
+                  "of several states of one point the last one counts, whichever pieces they come in") {
+  const PointCloud cloud = strewnCloud(300);
+  DrawnCloud drawn(device, cloud);
+  PointCloud expected = cloud;
+  std::vector<PointState> states(100'003);
+  for (std::uint32_t i = 0; i < states.size(); ++i) {
+    const std::uint32_t id = i < 50'000 ? 7 : i % 3;  // 7 only long before the end
+    states[i] = {.position = Vec3(static_cast<float>(i)), .id = id, .normal = Vec3(0, 0, 1), .parent = id};
+    expected.positions[id] = states[i].position;
+    expected.normals[id] = states[i].normal;
+  }
+  CHECK(drawn.catchUp(states) == states.size());
+  CHECK(same(drawn, expected));
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture,
+                  "the drawn cloud is made, follows and is drawn while touch has its queue to itself") {
+  const PointCloud cloud = strewnCloud(1000);
+  EditLog log(device, cloud.size());
+  EditLog::Reader reader(log);
+  RandomStates states(1000);
+  upload(device, log.entriesBuffer(), states.take(100));
+  log.publish(100);
+  const Queue::Ticket before = ticketOfTouch();
+  DrawnCloud drawn(device, cloud, {.painted = true, .spacing = 0.1, .edited = true});
+  CHECK(drawn.catchUp(reader) == 100);
+  CHECK(drawn.catchUp(states.take(100)) == 100);
+  drawn.closeSurface();
+  Frame frame(device, 16, 16, 1);
+  CommandList list(device, device.sight(), "test frame");
+  list.begin();
+  frame.record(list, drawn, Camera::fitting(cloud, 1), {});
+  list.end();
+  device.sight().run(list);
+  CHECK(frame.readDiscs() > 0);
+  CHECK(ticketOfTouch() == before + 1);
 }
 
 TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are painted") {

@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <thread>
+
+#include "apps/bench.hpp"
+#include "apps/coexistence.hpp"
+#include "apps/parse_list.hpp"
+#include "apps/sculpting_hand.hpp"
+#include "engine/render/frame.hpp"
+#include "engine/spatial/hash_update.hpp"
+#include "haptics/servo_loop.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Situation {
+  std::string_view name;
+  bool sculpts, draws;
+};
+constexpr std::array<Situation, 4> kSituations{{{"alone", false, false},
+                                                {"alone-sculpting", true, false},
+                                                {"drawn", false, true},
+                                                {"drawn-sculpting", true, true}}};
+
+constexpr double kUsualDuration_s = 10;
+
+// Tells the hand what it feels; on the servo thread.
+class FeelingHand final : public ContactQuery {
+ public:
+  FeelingHand(TouchBackend& backend, SculptingHand& hand) : backend_(backend), hand_(hand) {}
+
+  Contact query(const Pose& pose, double budget_us) noexcept override {
+    const Contact contact = backend_.query(pose, budget_us);
+    hand_.felt(contact);
+    return contact;
+  }
+  void prepare() noexcept override { backend_.prepare(); }
+
+ private:
+  TouchBackend& backend_;
+  SculptingHand& hand_;
+};
+
+struct PictureSize {
+  std::uint32_t width = 0, height = 0, supersample = 1;
+};
+
+// Draws the cloud as fast as it goes, on a thread of its own, and follows the edits through the log, or over the host's
+// memory where another machine touches.
+class Sight {
+ public:
+  // `log`: where the same GPU touches.
+  Sight(Device& device, const Model& model, TouchBackend& backend, EditLog* log, const PictureSize& size, bool sculpts)
+      : device_(device),
+        backend_(backend),
+        sculpts_(sculpts),
+        drawn_(device, model.cloud, {.spare = spareFor(backend, model), .spacing = model.spacing, .edited = sculpts}),
+        frame_(device, size.width, size.height, size.supersample),
+        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height)),
+        list_(device, device.sight(), "frame") {
+    if (sculpts && log)
+      reader_.emplace(*log);
+    else if (sculpts)
+      backend.keepEdits();
+    draw();  // pipelines are made ready at their first use
+    first_ = frame_.readColor();
+  }
+
+  void begin() {
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      try {
+        const Stopwatch session;
+        while (!stop.stop_requested()) {
+          const Stopwatch watch;
+          follow();
+          follow_ms_.push_back(1e-3 * watch.elapsed_us());
+          draw();
+          picture_ms_.push_back(1e-3 * watch.elapsed_us());
+        }
+        duration_s_ = session.elapsed_s();
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
+    });
+  }
+  // Throws what went wrong on the thread.
+  void end() {
+    thread_ = {};
+    if (failure_) std::rethrow_exception(failure_);
+  }
+  // What it came to, once the last edit is out and told.
+  SightPace pace() {
+    follow();
+    draw();
+    const Image last = frame_.readColor();
+    SightPace pace{.gpu = device_.name(),
+                   .pictures = picture_ms_.size(),
+                   .perSecond = static_cast<double>(picture_ms_.size()) / duration_s_,
+                   .picture_ms = summarize(std::move(picture_ms_)),
+                   .follow_ms = summarize(std::move(follow_ms_)),
+                   .statesSeen = statesSeen_};
+    for (std::size_t i = 0; i < last.rgba.size(); ++i) pace.changedPixels += last.rgba[i] != first_.rgba[i];
+    return pace;
+  }
+
+ private:
+  static std::uint32_t spareFor(const TouchBackend& backend, const Model& model) {
+    const auto* const side = dynamic_cast<const TouchSide*>(&backend);
+    return side ? side->live().slots() - side->live().count() : HashUpdate::spareSlots(model.cloud.size());
+  }
+  void follow() {
+    if (!sculpts_) return;
+    if (reader_) {
+      statesSeen_ += drawn_.catchUp(*reader_);
+    } else {
+      batch_.clear();
+      backend_.takeEdits(batch_);
+      statesSeen_ += drawn_.catchUp(batch_.points);
+    }
+    drawn_.closeSurface();
+  }
+  void draw() {
+    list_.begin();
+    frame_.record(list_, drawn_, camera_, {});
+    list_.end();
+    device_.sight().run(list_);
+  }
+
+  Device& device_;
+  TouchBackend& backend_;
+  bool sculpts_;
+  DrawnCloud drawn_;
+  Frame frame_;
+  Camera camera_;
+  CommandList list_;
+  std::optional<EditLog::Reader> reader_;
+  EditBatch batch_;
+  Image first_;
+  std::vector<double> picture_ms_, follow_ms_;
+  double duration_s_ = 0;
+  std::uint64_t statesSeen_ = 0;
+  std::exception_ptr failure_;
+  std::jthread thread_;
+};
+
+// What all strokes on one model share.
+struct Scene {
+  Context& context;
+  const Subject& subject;
+  const BenchOptions& options;
+  std::vector<SurfaceSpot> places;
+  Stroke stroke;
+};
+
+Coexistence touchIn(const Scene& scene, const Situation& situation, const std::string& queues) {
+  const BenchOptions& options = scene.options;
+  const Model& model = scene.subject.model;
+  BackendOptions way = options.backend;
+  way.backend = options.backends.front();
+  way.realtime = true;
+  if (!options.methods.empty()) way.method = options.methods.front();
+  const auto backend =
+      makeBackend(scene.context, model, way, situation.sculpts ? std::optional(scene.stroke.brush) : std::nullopt);
+  auto* const side = dynamic_cast<TouchSide*>(backend.get());
+  std::optional<Sight> sight;
+  if (situation.draws) {
+    const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+    const std::string& gpu = options.coexist.sightGpu;
+    sight.emplace(gpu.empty() ? scene.context.device() : scene.context.sightDevice(gpu), model, *backend,
+                  side && gpu.empty() ? &side->editLog() : nullptr,
+                  PictureSize{width, height, options.samples > 1 ? 2u : 1u}, situation.sculpts);
+  }
+  SculptingHand hand(model, scene.places, scene.stroke, surfaceOptions(model, way).radius);
+  FeelingHand feeling(*backend, hand);
+  Coexistence found{.subject = scene.subject.name,
+                    .backend = way.backend,
+                    .queues = queues,
+                    .situation = std::string(situation.name),
+                    .points = model.cloud.size(),
+                    .rate_Hz = realtimeRate_Hz(options),
+                    .duration_s = options.edit.duration_s > 0 ? options.edit.duration_s : kUsualDuration_s};
+  ServoLoop loop(hand, feeling, ForceLaw({}, model.scale),
+                 {.rate_Hz = found.rate_Hz, .duration_s = found.duration_s, .realtime = true});
+  if (sight) sight->begin();
+  const ServoResult result = loop.run();
+  if (sight) sight->end();
+  backend->finish();
+
+  const TraceSummary trace = summarize(result.trace);
+  found.ticks = trace.ticks;
+  found.contactTicks = trace.contactTicks;
+  found.missedTicks = trace.missedTicks;
+  found.freshShare = trace.freshFraction;
+  found.step_us = trace.step_us;
+  found.lateP999_us = result.late_us.quantile_us(0.999);
+  found.lateMost_us = result.late_us.max_us();
+  found.edits = backend->editTimes_us().size();
+  const TouchShortfalls& shortfalls = backend->shortfalls();
+  found.leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
+  found.statesMade = side ? side->editLog().published() : backend->editsAnswered();
+  if (situation.sculpts) found.toolRadius_mm = model.scale.toMm(scene.stroke.brush.toolRadius);
+  if (sight) found.sight = sight->pace();
+  return found;
+}
+
+std::vector<Situation> situationsOf(const BenchOptions& options) {
+  std::vector<Situation> situations;
+  for (const Situation& situation : kSituations)
+    if (std::ranges::find(options.coexist.situations, situation.name) != options.coexist.situations.end())
+      situations.push_back(situation);
+  return situations;
+}
+
+}  // namespace
+
+void addCoexistBenchOptions(CLI::App& sub, CoexistBenchOptions& options) {
+  std::vector<std::string> arrangements;
+  for (const auto& [name, arrangement] : kQueueArrangements) arrangements.emplace_back(name);
+  for (const Situation& situation : kSituations) options.situations.emplace_back(situation.name);
+  options.queues = arrangements;
+  sub.add_option("--queues", options.queues,
+                 "coexist: how touch and sight share a GPU: separate queues, touch first; the same without priorities; "
+                 "or one and the same queue; several are compared")
+      ->check(CLI::IsMember(arrangements))
+      ->delimiter(',')
+      ->capture_default_str();
+  sub.add_option("--situations", options.situations,
+                 "coexist: touch alone or beside a cloud that is drawn, and with or without sculpting")
+      ->check(CLI::IsMember(options.situations))
+      ->delimiter(',')
+      ->capture_default_str();
+  sub.add_option("--sight-gpu", options.sightGpu,
+                 "coexist: draw on this GPU, by number or part of its name; edits get there through the host");
+}
+
+Json benchCoexist(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
+  if (options.backends.size() != 1 || options.wants("cuda"))
+    throw UsageError("bench coexist: one --backend, vulkan or cpu; cuda tells nobody of its edits");
+  const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  Frame::checkSize(width, height);
+  // The CPU has no queues to share.
+  const std::size_t arrangements = options.wants("cpu") ? 1 : options.coexist.queues.size();
+  std::vector<Coexistence> all;
+  for (const SubjectMaker& makeOne : subjects) {
+    const Subject subject = makeOne(context);
+    const std::vector<SurfaceSpot> places = sculptingPlaces(subject.model);
+    const auto touched = static_cast<std::size_t>(options.coexist.touched);
+    const Scene scene{
+        context, subject, options, places,
+        strokeThatReaches(touched, BrushKind::push, subject.model, places.front(), realtimeRate_Hz(options))};
+    for (const std::string& queues : std::span(options.coexist.queues).first(arrangements)) {
+      context.arrange(std::ranges::find(kQueueArrangements, queues, [](const auto& a) { return a.first; })->second);
+      for (const Situation& situation : situationsOf(options)) {
+        context.log().say("coexist: {}, {} points, {} queues, {}", subject.name, subject.model.cloud.size(), queues,
+                          situation.name);
+        all.push_back(touchIn(scene, situation, queues));
+      }
+    }
+  }
+  fmt::print(context.tables(),
+             "\ncoexist, {} x {}, samples of a pixel: {}; {:g} ticks per second, us from pose to force\n", width,
+             height, options.samples, realtimeRate_Hz(options));
+  printCoexistences(context.tables(), all);
+  Json result{{"size", {width, height}}, {"samples", options.samples}, {"rows", Json::array()}};
+  for (const Coexistence& found : all) result["rows"].push_back(toJson(found));
+  return result;
+}
+
+}  // namespace palpate

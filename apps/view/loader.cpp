@@ -1,0 +1,94 @@
+#include "apps/view/loader.hpp"
+
+#include <filesystem>
+#include <utility>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kReading = 0.7;  // share of the whole, as far as anybody can say before
+
+}  // namespace
+
+Loader::~Loader() { cancel(); }
+
+void Loader::open(SessionOptions options, const ToolSettings& tool, const FeelSettings& feel) {
+  cancel();
+  options_ = std::move(options);
+  tool_ = tool;
+  feel_ = feel;
+  cancelled_ = isRead_ = told_ = false;
+  mayBuild_ = {};
+  enter("reading " + std::filesystem::path(options_.model.file).filename().string(), 0);
+  context_.log().listen(this);
+  result_ = std::async(std::launch::async, [this] { return load(); });
+}
+
+void Loader::cancel() {
+  if (!result_.valid()) return;
+  cancelled_ = true;
+  build();
+  result_.wait();
+  result_ = {};
+  context_.log().listen(nullptr);
+}
+
+void Loader::build() {
+  if (!std::exchange(told_, true)) mayBuild_.set_value();
+}
+
+Loader::Result Loader::load() {
+  try {
+    // Normals on the CPU: the GPU's queues belong to the session that is open still.
+    Model model = loadModel(context_, options_.model, EstimateOn::cpu);
+    isRead_ = true;
+    mayBuild_.get_future().wait();
+    if (cancelled_) return {};
+    enter("preparing touch and sight", kReading);
+    return {std::make_unique<Session>(context_, sight_, std::move(model), options_, tool_, feel_), {}};
+  } catch (const Cancelled&) {
+    return {};
+  } catch (const std::bad_alloc&) {
+    return {nullptr, options_.model.file + ": out of memory"};
+  } catch (const std::exception& error) {
+    return {nullptr, error.what()};
+  }
+}
+
+std::optional<Loader::Result> Loader::take() {
+  if (!result_.valid() || result_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
+  Result result = result_.get();
+  isRead_ = false;
+  context_.log().listen(nullptr);
+  return result;
+}
+
+void Loader::enter(std::string stage, double progress) {
+  const std::scoped_lock hold(lock_);
+  stage_ = std::move(stage);
+  progress_ = progress;
+}
+
+std::string Loader::stage() const {
+  const std::scoped_lock hold(lock_);
+  return stage_;
+}
+
+void Loader::said(std::string_view line) {
+  if (cancelled_) throw Cancelled();
+  const std::scoped_lock hold(lock_);
+  remarks_.emplace_back(line);
+}
+
+void Loader::progressed(std::string_view, double fraction) {
+  if (cancelled_) throw Cancelled();
+  progress_ = kReading * fraction;
+}
+
+std::vector<std::string> Loader::takeRemarks() {
+  const std::scoped_lock hold(lock_);
+  return std::exchange(remarks_, {});
+}
+
+}  // namespace palpate

@@ -1,0 +1,290 @@
+#include "apps/view/viewer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/atomic_file.hpp"
+#include "engine/render/camera_motion.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kMessage_s = 6;  // that a message is shown
+constexpr double kLongestStep_s =
+    0.1;                          // of a script's clock in one picture: slow machines play it slowly, not coarsely
+constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
+
+}  // namespace
+
+Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions options)
+    : context_(context),
+      window_(window),
+      sight_(sight),
+      options_(std::move(options)),
+      gui_(window),
+      panels_(gui_),
+      panelPass_(sight, gui_.texture(), gui_.texture_px()),
+      swapchain_(sight, window.surface(sight), window.size_px(), true),
+      list_(sight, sight.window(), "picture", CommandList::Timing::passes),
+      shown_(sight, 0, Memory::device, "shown"),
+      pick_(sight, sizeof(float), Memory::readback, "picked depth"),
+      loader_(context, sight),
+      tool_(options_.tool),
+      feel_(options_.feel) {
+  // Under a script the display's pace means nothing.
+  if (!options_.script.empty()) view_.waitsForDisplay = false;
+  if (!options_.models.empty()) open(options_.models.front());
+}
+
+Viewer::~Viewer() { swapchain_.waitForLast(); }
+
+void Viewer::run() {
+  while (!isClosed_) step();
+}
+
+void Viewer::step() {
+  const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
+  for (const WindowEvent& event : window_.takeEvents(visible ? 0 : kIdle_s)) handle(event);
+  playScript();
+  load();
+  static constexpr double kFirst_s = 1.0 / 60;
+  const double dt_s = pictures_ms_.empty() ? kFirst_s : static_cast<double>(pictures_ms_.back()) * 1e-3;
+  const Stopwatch watch;
+  followSession();
+  moveStylus(dt_s);
+  draw(dt_s);
+  if (closes_ && !afterQuestion_) {
+    closes_ = false;
+    leave([this] { isClosed_ = true; });
+  }
+  pictures_ms_.push_back(static_cast<float>(watch.elapsed_us() * 1e-3));
+  constexpr std::size_t kCurve = 300;
+  if (pictures_ms_.size() > kCurve) pictures_ms_.pop_front();
+  ++pictures_;
+  constexpr double kSmooth = 0.1;
+  const double now = 1e3 / std::max(1e-3, double{pictures_ms_.back()});
+  fps_ = fps_ > 0 ? fps_ + kSmooth * (now - fps_) : now;
+}
+
+void Viewer::playScript() {
+  const auto& script = options_.script;
+  if (nextAction_ >= script.size()) return;
+  if (loader_.isLoading() && !impatient_) return;
+  if (pictures_ > 0) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
+  while (nextAction_ < script.size() && script[nextAction_].time_s <= scriptTime_s_) {
+    const ScriptAction action = script[nextAction_++].action;
+    act(action);
+    // What follows finds the model loaded, and each press of a button a picture that has seen the one before.
+    if (loader_.isLoading() && !impatient_) return;
+    if (const auto* event = std::get_if<WindowEvent>(&action))
+      if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
+    if (std::holds_alternative<ScreenshotAction>(action)) return;
+  }
+}
+
+void Viewer::act(const ScriptAction& action) {
+  tryTo([&] {
+    if (const auto* event = std::get_if<WindowEvent>(&action)) handle(*event);
+    if (const auto* resize = std::get_if<ResizeAction>(&action)) window_.resize(resize->size_px);
+    if (const auto* minimise = std::get_if<MinimiseAction>(&action)) window_.minimise(minimise->on);
+    if (const auto* picture = std::get_if<ScreenshotAction>(&action)) screenshot(picture->file);
+    if (const auto* state = std::get_if<StateAction>(&action)) writeState(state->file);
+    if (const auto* save = std::get_if<SaveAction>(&action); save && session_) session_->save(save->file);
+    if (const auto* record = std::get_if<RecordAction>(&action); record && session_)
+      record->file.empty() ? session_->endRecording() : session_->record(record->file);
+    if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session_) session_->play(replay->file);
+    if (std::holds_alternative<ImpatientAction>(action)) impatient_ = true;
+  });
+}
+
+void Viewer::tryTo(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
+}
+
+void Viewer::say(const std::string& message) {
+  lastMessage_ = message;
+  messages_.push_back({message, {}});
+  context_.log().say("{}", message);
+  constexpr std::size_t kMost = 5;
+  if (messages_.size() > kMost) messages_.pop_front();
+}
+
+void Viewer::open(const std::string& file) {
+  leave([this, file] {
+    SessionOptions options = options_.session;
+    options.model.file = file;
+    loader_.open(options, tool_, feel_);
+  });
+}
+
+void Viewer::leave(std::function<void()> then) {
+  // A script answers no question: it has saved what it wanted to keep.
+  if (session_ && session_->isChanged() && options_.script.empty()) {
+    afterQuestion_ = std::move(then);
+    return;
+  }
+  then();
+}
+
+void Viewer::load() {
+  if (!loader_.isLoading()) return;
+  for (const std::string& remark : loader_.takeRemarks()) {
+    lastMessage_ = remark;
+    messages_.push_back({remark, {}});
+  }
+  if (loader_.isRead() && session_) install(nullptr);
+  if (loader_.isRead()) loader_.build();
+  auto result = loader_.take();
+  if (!result) return;
+  if (result->session) {
+    recent_.add(result->session->file());
+    install(std::move(result->session));
+  } else if (!result->failure.empty()) {
+    say(result->failure);
+  }
+}
+
+void Viewer::install(std::unique_ptr<Session> session) {
+  holdStylus(false);
+  swapchain_.waitForLast();
+  mesh_.reset();
+  tryTo([&] {
+    if (session_) session_->endRecording();
+  });
+  session_ = std::move(session);
+  view_.mesh = false;
+  drag_ = Drag::none;
+  if (!session_) return;
+  session_->setForces(forcesOn_);
+  fitCamera();
+  window_.setTitle(std::filesystem::path(session_->file()).filename().string() + " - palpate");
+}
+
+void Viewer::fitCamera() {
+  const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1));
+  if (session_) camera_ = Camera::fitting(session_->bounds(), window.x / window.y);
+}
+
+void Viewer::followSession() {
+  while (!messages_.empty() && messages_.front().since.elapsed_s() > kMessage_s) messages_.pop_front();
+  if (!session_ || loader_.isRead()) return;
+  if (const auto failure = session_->follow()) say(*failure + "; what was done is kept and can be saved");
+  if (const auto saved = session_->takeSaved()) {
+    say(saved->failure.empty() ? saved->file + " is saved" : saved->failure);
+    if (std::exchange(isSavingForIt_, false)) {
+      const auto then = std::exchange(afterQuestion_, nullptr);
+      if (saved->failure.empty() && then) then();
+    }
+  }
+  updateMesh();
+}
+
+void Viewer::obey(const ViewWishes& wishes) {
+  if (wishes.discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
+  if (wishes.cancel) afterQuestion_ = nullptr;
+  if (!wishes.open.empty()) open(wishes.open);
+  if (wishes.quit) closes_ = true;
+  if (!session_) return;
+  const auto save = [&](const std::string& file) {
+    session_->save(file);
+    say("saving " + file);
+  };
+  tryTo([&] {
+    if (wishes.saveFirst) {
+      isSavingForIt_ = true;
+      save(session_->file());
+    }
+    if (wishes.undo) session_->undo();
+    if (wishes.redo) session_->redo();
+    if (wishes.save) save(session_->file());
+    if (!wishes.saveAs.empty()) save(wishes.saveAs);
+    if (!wishes.record.empty()) {
+      session_->record(wishes.record);
+      say("recording to " + wishes.record);
+    }
+    if (wishes.endRecording) session_->endRecording();
+    if (!wishes.play.empty()) session_->play(wishes.play);
+    if (wishes.endPlaying) session_->endPlaying();
+    if (wishes.exportTicks) exportTicks();
+    if (wishes.screenshot) screenshot("");
+  });
+  if (wishes.resetView) fitCamera();
+  if (wishes.axis) camera_ = alongAxis(camera_, *wishes.axis, true);
+}
+
+void Viewer::applySettings() {
+  gui_.setDark(view_.dark);
+  if (!session_ || gui_.isBusy()) return;  // not in the middle of a drag
+  session_->setForces(forcesOn_);
+  tryTo([&] {
+    const bool recorded = session_->isRecording();
+    session_->setTool(tool_);
+    session_->setFeel(feel_);
+    if (recorded && !session_->isRecording()) say("the recording has ended: a log has one tool");
+  });
+}
+
+void Viewer::exportTicks() {
+  const auto& rows = session_->history().rows();
+  Trace trace{.rows = {rows.begin(), rows.end()}, .virtualTime = false};
+  const std::string file = "palpate-ticks.csv";
+  writeTraceCsv(file, trace);
+  say(fmt::format("{} ticks are in {}", rows.size(), file));
+}
+
+void Viewer::writeState(const std::string& file) {
+  const auto vec = [](const DVec3& v) { return Json{v.x, v.y, v.z}; };
+  Json state{{"model", session_ ? Json(session_->file()) : Json(nullptr)},
+             {"points", 0},
+             {"camera", {{"eye", vec(camera_.eye)}, {"target", vec(camera_.target)}, {"up", vec(camera_.up)}}},
+             {"size", {swapchain_.size_px().x, swapchain_.size_px().y}},
+             {"tool", nullptr},
+             {"stylus", stylus_},
+             {"mesh_triangles", mesh_ ? mesh_->triangleCount() : 0},
+             {"fps", fps_},
+             {"pictures", pictures_},
+             {"picked_depth", picked_.depth},
+             {"last_message", lastMessage_}};
+  if (session_) {
+    const TickHistory& history = session_->history();
+    const TraceRow row = history.rows().empty() ? TraceRow{} : history.rows().back();
+    const Journal& journal = session_->journal();
+    const auto there = std::ranges::count_if(journal.points(), [](const PointState& point) { return !point.gone(); });
+    state["model"] = session_->file();
+    state["points"] = there;
+    state["tool"] = "feel";
+    for (const auto& [name, kind] : kBrushKinds)
+      if (session_->tool().brush == kind) state["tool"] = name;
+    state["tool_radius_mm"] = session_->tool().radius_mm;
+    state["strokes"] = journal.strokes();
+    state["undoable"] = journal.undoable();
+    state["edits"] = session_->edits();
+    state["changed"] = session_->isChanged();
+    state["hip"] = vec(row.hip);
+    state["proxy"] = vec(row.proxy);
+    state["contact"] = row.contact;
+    state["penetration_mm"] = row.penetration_mm;
+    state["force_N"] = vec(row.force_N);
+    double peak_N = 0;
+    for (const TraceRow& each : history.rows()) peak_N = std::max(peak_N, glm::length(each.force_N));
+    state["peak_force_N"] = peak_N;
+    state["ticks"] = history.ticks();
+    state["missed_ticks"] = history.missed();
+    state["step_us"] = {{"p50", history.step_us().quantile_us(0.5)}, {"p999", history.step_us().quantile_us(0.999)}};
+    state["forces_on"] = session_->forcesOn();
+    state["backend"] = session_->backendName();
+  }
+  AtomicFile out(file);
+  out.write(state.dump(2) + "\n");
+  out.commit();
+}
+
+}  // namespace palpate

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+
+#include "apps/view/gui.hpp"
+#include "apps/view/loader.hpp"
+#include "apps/view/panels.hpp"
+#include "apps/view/recent_files.hpp"
+#include "apps/view/script.hpp"
+#include "engine/gpu/swapchain.hpp"
+#include "engine/mesh/marching_cubes.hpp"
+#include "engine/render/frame.hpp"
+
+namespace palpate {
+
+struct ViewOptions {
+  std::vector<std::string> models;
+  SessionOptions session;  ///< the model's file is not looked at
+  ToolSettings tool;
+  FeelSettings feel;
+  UVec2 size_px{1280, 720};
+  std::vector<TimedAction> script;
+};
+
+/// The window: shows the models, takes what a person does, and lets the person feel, sculpt and save. The force goes
+/// its own way on the session's servo thread and waits for nothing here.
+class Viewer {
+ public:
+  Viewer(Context& context, Window& window, Device& sight, ViewOptions options);
+  ~Viewer();
+
+  /// Until the window is closed, or the script says so.
+  void run();
+
+ private:
+  // What the mouse does while a button is down.
+  enum class Drag { none, orbit, pan, press };
+
+  void step();
+  void playScript();
+  void act(const ScriptAction& action);
+  void handle(const WindowEvent& event);
+  void handleKey(const KeyEvent& event);
+  void handleMouse(const DVec2& place_px);
+  void handleButton(const ButtonEvent& event);
+  void handleWheel(const WheelEvent& event);
+  bool isDown(int left, int right) const;
+
+  void load();
+  void open(const std::string& file);
+  // Does it now, or after the person was asked about changes.
+  void leave(std::function<void()> then);
+  void install(std::unique_ptr<Session> session);
+  void fitCamera();
+  void obey(const ViewWishes& wishes);
+  void tryTo(const std::function<void()>& act);
+  void say(const std::string& message);
+
+  void followSession();
+  void moveStylus(double dt_s);
+  void holdStylus(bool on);
+  void useGamepad(double dt_s);
+  std::optional<DVec3> placeUnderCursor() const;
+  void applySettings();
+  void updateMesh();
+  void draw(double dt_s);
+  FrameOptions frameOptions() const;
+  void recordPicture(CommandList& list);
+  void takePick();
+  ViewStatus status();
+  void screenshot(const std::string& file);
+  void writeShown(const std::string& file, const UVec2& size_px);
+  void writeState(const std::string& file);
+  void exportTicks();
+
+  DVec2 size() const { return DVec2(swapchain_.size_px()); }
+
+  Context& context_;
+  Window& window_;
+  Device& sight_;
+  ViewOptions options_;
+  Gui gui_;
+  Panels panels_;
+  PanelPass panelPass_;
+  Swapchain swapchain_;
+  CommandList list_;
+  std::unique_ptr<Frame> frame_;
+  std::uint32_t shrink_ = 1;  // pixels of the window for one of the picture, along each side
+  Buffer shown_, pick_;
+  RecentFiles recent_;
+  Loader loader_;
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<MarchingCubes> mesh_;
+  std::uint32_t meshLattice_ = 0, frameSupersample_ = 0;
+  double meshTime_ms_ = 0;
+
+  ViewSettings view_;
+  ToolSettings tool_;
+  FeelSettings feel_;
+  bool forcesOn_ = true;
+  Camera camera_;
+  bool closes_ = false, isClosed_ = false;
+  std::function<void()> afterQuestion_;  // waits for the answer about changes
+  bool isSavingForIt_ = false;
+
+  std::array<bool, 512> keys_{};
+  DVec2 cursor_px_{0};
+  Drag drag_ = Drag::none;
+  DVec3 pivot_{0};
+  double dragDepth_ = 0;
+  Stopwatch sinceClick_;
+  DVec2 clicked_px_{-1e9};
+  bool stylus_ = false, stylusLocked_ = false, byGamepad_ = false;
+  bool pressing_ = false;
+  double hover_mm_ = 0, extraPress_mm_ = 0, planeDepth_ = 0, padPress_ = 0;
+
+  struct Pick {
+    DVec2 place_px{0};
+    double depth = 0;  // model units; 0: nothing is there
+  };
+  Pick asked_, picked_;
+  struct Message {
+    std::string text;
+    Stopwatch since;
+  };
+  std::deque<Message> messages_;
+  std::string lastMessage_;
+  std::deque<float> pictures_ms_;
+  std::uint64_t pictures_ = 0;
+  Stopwatch sinceStill_;
+  double fps_ = 0;
+  std::string pendingScreenshot_;
+
+  double scriptTime_s_ = 0;
+  std::size_t nextAction_ = 0;
+  bool impatient_ = false;
+};
+
+}  // namespace palpate

@@ -1,0 +1,219 @@
+// The part of Viewer that takes what a person does: camera, stylus, keys.
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "apps/view/viewer.hpp"
+#include "engine/render/camera_motion.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kZoomPerNotch = 0.85;     // of the distance that is left
+constexpr double kDepthPerNotch_mm = 0.5;  // of the stylus
+constexpr double kHover_mm = 4;            // before the surface
+constexpr double kDoubleClick_s = 0.35, kDoubleClick_px = 6;
+constexpr double kRadiusStep = 1.1;                // of the tool, for one press of [ or ]
+constexpr double kNearest = 1e-3, kFarthest = 50;  // of the eye from what it goes to, longest sides
+constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
+
+}  // namespace
+
+void Viewer::handle(const WindowEvent& event) {
+  gui_.feed(event);
+  if (const auto* key = std::get_if<KeyEvent>(&event)) handleKey(*key);
+  if (const auto* mouse = std::get_if<MouseEvent>(&event)) handleMouse(mouse->place_px);
+  if (const auto* button = std::get_if<ButtonEvent>(&event)) handleButton(*button);
+  if (const auto* wheel = std::get_if<WheelEvent>(&event)) handleWheel(*wheel);
+  if (const auto* drop = std::get_if<DropEvent>(&event); drop && !drop->files.empty()) {
+    for (const std::string& file : drop->files)
+      if (!std::ranges::count(options_.models, file)) options_.models.push_back(file);
+    open(drop->files.front());
+  }
+  if (std::holds_alternative<CloseEvent>(event)) closes_ = true;
+}
+
+bool Viewer::isDown(int left, int right) const {
+  return keys_[static_cast<std::size_t>(left)] || keys_[static_cast<std::size_t>(right)];
+}
+
+void Viewer::handleKey(const KeyEvent& event) {
+  if (event.key < 0 || static_cast<std::size_t>(event.key) >= keys_.size()) return;
+  const bool repeats = std::exchange(keys_[static_cast<std::size_t>(event.key)], event.down) == event.down;
+  if (gui_.wantsKeys()) return;
+  if (event.key == GLFW_KEY_SPACE) {
+    if (!repeats) holdStylus(event.down || stylusLocked_);
+    return;
+  }
+  if (!event.down) return;
+  const bool ctrl = isDown(GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+  const bool shift = isDown(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+  ViewWishes wishes;
+  if (ctrl) {
+    wishes.undo = event.key == GLFW_KEY_Z && !shift;
+    wishes.redo = (event.key == GLFW_KEY_Z && shift) || event.key == GLFW_KEY_Y;
+    wishes.save = event.key == GLFW_KEY_S;
+    wishes.quit = event.key == GLFW_KEY_Q;
+    return obey(wishes);
+  }
+  switch (event.key) {
+    case GLFW_KEY_X:
+    case GLFW_KEY_Y:
+    case GLFW_KEY_Z:
+      camera_ = alongAxis(camera_, event.key - GLFW_KEY_X, !shift);
+      break;
+    case GLFW_KEY_R:
+      fitCamera();
+      break;
+    case GLFW_KEY_H:
+      view_.help = !view_.help;
+      break;
+    case GLFW_KEY_C:
+      view_.plots = !view_.plots;
+      break;
+    case GLFW_KEY_M:
+      view_.mesh = !view_.mesh && session_ != nullptr;
+      break;
+    case GLFW_KEY_T:
+      stylusLocked_ = !stylusLocked_;
+      holdStylus(stylusLocked_);
+      break;
+    case GLFW_KEY_P:
+      wishes.screenshot = true;
+      break;
+    case GLFW_KEY_Q:
+      wishes.quit = true;
+      break;
+    case GLFW_KEY_BACKSPACE:
+      forcesOn_ = !forcesOn_;
+      say(forcesOn_ ? "forces on" : "forces off");
+      break;
+    case GLFW_KEY_LEFT_BRACKET:
+    case GLFW_KEY_RIGHT_BRACKET: {
+      constexpr double kLeast_mm = 0.5, kMost_mm = 30;
+      const double factor = event.key == GLFW_KEY_RIGHT_BRACKET ? kRadiusStep : 1 / kRadiusStep;
+      tool_.radius_mm = std::clamp(tool_.radius_mm * factor, kLeast_mm, kMost_mm);
+      break;
+    }
+    case GLFW_KEY_ESCAPE:
+      view_.help = false;
+      stylusLocked_ = false;
+      holdStylus(false);
+      break;
+    default:
+      if (event.key == GLFW_KEY_1) tool_.brush.reset();
+      if (event.key > GLFW_KEY_1 && event.key <= GLFW_KEY_1 + static_cast<int>(kBrushKinds.size()))
+        tool_.brush = kBrushKinds[static_cast<std::size_t>(event.key - GLFW_KEY_1 - 1)].second;
+  }
+  obey(wishes);
+}
+
+void Viewer::handleMouse(const DVec2& place_px) {
+  const DVec2 way_px = place_px - std::exchange(cursor_px_, place_px);
+  byGamepad_ = false;
+  if (drag_ == Drag::orbit) camera_ = orbited(camera_, pivot_, way_px, size());
+  if (drag_ == Drag::pan) camera_ = panned(camera_, dragDepth_, way_px, size());
+}
+
+std::optional<DVec3> Viewer::placeUnderCursor() const {
+  if (!(picked_.depth > 0)) return std::nullopt;
+  return camera_.unproject(cursor_px_, picked_.depth, size());
+}
+
+void Viewer::handleButton(const ButtonEvent& event) {
+  if (!event.down) {
+    drag_ = Drag::none;
+    if (event.button == MouseButton::left) pressing_ = false;
+    return;
+  }
+  if (!session_ || gui_.wantsMouse()) return;
+  const bool left = event.button == MouseButton::left;
+  if (stylus_ && left) {
+    pressing_ = true;
+    extraPress_mm_ = 0;
+    drag_ = Drag::press;
+    return;
+  }
+  const auto place = placeUnderCursor();
+  const bool again =
+      left && sinceClick_.elapsed_s() < kDoubleClick_s && glm::distance(clicked_px_, cursor_px_) < kDoubleClick_px;
+  clicked_px_ = cursor_px_;
+  sinceClick_ = Stopwatch();
+  if (again && place) {
+    camera_ = recentred(camera_, *place);
+    return;
+  }
+  pivot_ = place.value_or(camera_.target);
+  dragDepth_ = std::max(glm::dot(pivot_ - camera_.eye, camera_.axes().forward), camera_.nearDepth);
+  const bool pans = event.button == MouseButton::middle || (left && isDown(GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT));
+  drag_ = pans ? Drag::pan : Drag::orbit;
+}
+
+void Viewer::handleWheel(const WheelEvent& event) {
+  if (!session_ || gui_.wantsMouse()) return;
+  if (stylus_) {
+    double& depth_mm = pressing_ ? extraPress_mm_ : hover_mm_;
+    depth_mm += (pressing_ ? 1 : -1) * kDepthPerNotch_mm * event.away;
+    return;
+  }
+  if (event.right != 0)
+    camera_ = panned(camera_, glm::distance(camera_.eye, camera_.target), {-20 * event.right, 0}, size());
+  const double side = session_->longestSide();
+  camera_ = zoomed(camera_, placeUnderCursor().value_or(camera_.target), std::pow(kZoomPerNotch, event.away),
+                   kNearest * side, kFarthest * side);
+}
+
+void Viewer::holdStylus(bool on) {
+  on = on && session_ && session_->isTouching();
+  if (on == stylus_) return;
+  stylus_ = on;
+  pressing_ = false;
+  drag_ = Drag::none;
+  hover_mm_ = kHover_mm;
+  extraPress_mm_ = padPress_ = 0;
+  planeDepth_ = 0;
+  if (!on && session_) session_->lift();
+  window_.showCursor(!on);
+}
+
+void Viewer::useGamepad(double dt_s) {
+  const auto pad = window_.gamepad();
+  if (!pad || !session_) return;
+  const auto beyondDead = [](const DVec2& stick) { return glm::length(stick) > kStickDead ? stick : DVec2(0); };
+  const DVec2 move = beyondDead(pad->left), depth = beyondDead(pad->right);
+  if (pad->a && !stylus_) holdStylus(true);
+  if (pad->b && stylus_ && byGamepad_) holdStylus(stylusLocked_);
+  if (!stylus_) {
+    if (move != DVec2(0))
+      camera_ = orbited(camera_, camera_.target, kStick_px_per_s * dt_s * DVec2(move.x, -move.y), size());
+    return;
+  }
+  if (move == DVec2(0) && depth == DVec2(0) && pad->rightTrigger + pad->leftTrigger < kStickDead && !byGamepad_) return;
+  byGamepad_ = true;
+  cursor_px_ = glm::clamp(cursor_px_ + kStick_px_per_s * dt_s * DVec2(move.x, -move.y), DVec2(0), size() - 1.0);
+  hover_mm_ -= kStick_mm_per_s * dt_s * depth.y;
+  padPress_ = pad->rightTrigger - pad->leftTrigger;
+}
+
+void Viewer::moveStylus(double dt_s) {
+  useGamepad(dt_s);
+  if (!stylus_ || !session_ || session_->isPlaying()) return;
+  const ModelScale& scale = session_->model().scale;
+  // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
+  constexpr double kClose_px = 3;
+  const bool seen = picked_.depth > 0 && glm::distance(picked_.place_px, cursor_px_) < kClose_px;
+  if (seen && (view_.followsSurface || planeDepth_ == 0)) planeDepth_ = picked_.depth;
+  if (planeDepth_ == 0) planeDepth_ = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
+  double inward_mm = -hover_mm_;
+  if (pressing_) inward_mm = view_.press_mm + extraPress_mm_;
+  if (padPress_ != 0) inward_mm = -hover_mm_ + padPress_ * (hover_mm_ + view_.press_mm);
+  const DVec3 place = camera_.unproject(cursor_px_, planeDepth_, size());
+  const DVec3 along = glm::normalize(place - camera_.eye);
+  session_->aim(session_->model().cloud.origin + place + scale.toUnits(inward_mm) * along);
+}
+
+}  // namespace palpate

@@ -1,0 +1,195 @@
+// The part of Viewer that makes pictures.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "apps/mesh_options.hpp"
+#include "apps/picture.hpp"
+#include "apps/probe_overlays.hpp"
+#include "apps/view/viewer.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kSlow_ms = 90;   // a picture that takes longer is drawn smaller while things move
+constexpr double kStill_s = 0.4;  // without motion, and it is drawn in full
+constexpr std::uint32_t kDark = 0xff241f1cu, kLight = 0xfff2f0eeu;  // RGBA8, red lowest: where no model is
+constexpr std::array<std::uint8_t, 3> kLightBackground{236, 238, 240};
+
+}  // namespace
+
+FrameOptions Viewer::frameOptions() const {
+  FrameOptions options;
+  options.color = view_.color;
+  if (!view_.dark) options.background = kLightBackground;
+  const Model& model = session_->model();
+  if (view_.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view_.discRadius_mm);
+  const TickHistory& history = session_->history();
+  if ((stylus_ || session_->isPlaying()) && !history.rows().empty())
+    options.overlays =
+        overlaysOf(history.rows().back(), model.cloud.origin, session_->longestSide(), session_->brush());
+  if (view_.scaleBar)
+    options.overlays.scale = scaleBar(camera_, {swapchain_.size_px().x, swapchain_.size_px().y}, model.scale);
+  return options;
+}
+
+void Viewer::updateMesh() {
+  if (!view_.mesh) {
+    mesh_.reset();
+    return;
+  }
+  const Stopwatch watch;
+  try {
+    const Model& model = session_->model();
+    const auto lattice = static_cast<std::uint32_t>(view_.lattice);
+    if (!mesh_ || meshLattice_ != lattice) {
+      mesh_.reset();
+      const MeshPlan plan = planMesh(session_->bounds(), model.spacing, {.lattice = lattice, .room = 0.2});
+      const auto points = session_->journal().points();
+      const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
+      mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare));
+      meshLattice_ = lattice;
+      mesh_->build();
+      if (session_->edits() > 0) mesh_->update(points);
+    } else if (!session_->batch().points.empty()) {
+      mesh_->update(session_->batch().points);
+    } else {
+      return;
+    }
+    meshTime_ms_ = watch.elapsed_us() * 1e-3;
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const std::exception& error) {
+    view_.mesh = false;
+    mesh_.reset();
+    say(error.what());
+  }
+}
+
+void Viewer::recordPicture(CommandList& list) {
+  if (!session_) return;
+  camera_.setDepthRange(session_->bounds());
+  if (mesh_ && mesh_->triangleCount() > 0) {
+    const DrawnMesh drawn{.vertices = mesh_->vertices().address(),
+                          .triangles = mesh_->triangles().address(),
+                          .triangleCount = mesh_->triangleCount(),
+                          .hasColors = mesh_->hasColors(),
+                          .bounds = session_->bounds(),
+                          .cell = static_cast<double>(mesh_->plan().lattice.cell)};
+    frame_->record(list, drawn, camera_, frameOptions());
+  } else {
+    frame_->record(list, session_->drawn(), camera_, frameOptions());
+  }
+  const UVec2 at(glm::clamp(glm::floor(cursor_px_), DVec2(0), size() - 1.0) / double(shrink_));
+  asked_ = {.place_px = cursor_px_};
+  list.copy(frame_->depthImage(), pick_, sizeof(float), sizeof(float) * (std::uint64_t{at.y} * frame_->width() + at.x));
+}
+
+void Viewer::takePick() {
+  picked_ = asked_;
+  picked_.depth = static_cast<double>(pick_.mapped<float>()[0]);
+}
+
+void Viewer::draw(double dt_s) {
+  const UVec2 window_px = window_.size_px();
+  if (window_px != swapchain_.size_px() || view_.waitsForDisplay != swapchain_.waitsForDisplay())
+    swapchain_.change(window_px, view_.waitsForDisplay);
+  const UVec2 size_px = swapchain_.size_px();
+  if (size_px.x == 0 || size_px.y == 0) return;
+
+  gui_.begin(size_px, dt_s);
+  const ViewWishes wishes = panels_.draw(status(), view_, tool_, feel_, forcesOn_);
+  const PanelShapes shapes = gui_.end();
+  obey(wishes);
+  applySettings();
+  // What the last picture was made of is written anew from here on.
+  swapchain_.waitForLast();
+  if (frame_ && pictures_ > 0 && session_) takePick();
+  if (session_) session_->drawn().closeSurface();
+
+  const bool moves = drag_ != Drag::none || (session_ && !session_->batch().points.empty()) || stylus_;
+  if (moves) sinceStill_ = Stopwatch();
+  const bool still = sinceStill_.elapsed_s() > kStill_s;
+  const double last_ms = pictures_ms_.empty() ? 0.0 : double{pictures_ms_.back()};
+  if (still)
+    shrink_ = 1;
+  else if (last_ms > kSlow_ms && shrink_ < 3)
+    ++shrink_;
+  const UVec2 picture_px = (size_px + (shrink_ - 1)) / shrink_;
+  const std::uint32_t supersample = view_.smoothOutlines ? 2 : 1;
+  if (session_ && (!frame_ || frame_->width() != picture_px.x || frame_->height() != picture_px.y ||
+                   frameSupersample_ != supersample)) {
+    frame_.reset();
+    frame_ = std::make_unique<Frame>(sight_, picture_px.x, picture_px.y, supersample);
+    frameSupersample_ = supersample;
+  }
+  const std::uint64_t bytes = std::uint64_t{4} * size_px.x * size_px.y;
+  if (shown_.bytes() != bytes) shown_ = Buffer(sight_, bytes, Memory::device, "shown");
+  const bool hasPicture = session_ && frame_;
+  swapchain_.show(list_, shown_, [&] {
+    if (hasPicture) recordPicture(list_);
+    panelPass_.record(list_, hasPicture ? &frame_->image() : nullptr, shrink_, shapes, size_px, shown_,
+                      view_.dark ? kDark : kLight, swapchain_.blueFirst());
+  });
+  if (!pendingScreenshot_.empty()) {
+    const std::string file = std::exchange(pendingScreenshot_, {});
+    tryTo([&] { writeShown(file, size_px); });
+  }
+}
+
+void Viewer::writeShown(const std::string& file, const UVec2& size_px) {
+  swapchain_.waitForLast();
+  Image image{size_px.x, size_px.y, {}};
+  image.rgba.resize(std::size_t{size_px.x} * size_px.y);
+  const Buffer staging(sight_, shown_.bytes(), Memory::readback, "screenshot");
+  CommandList list(sight_, sight_.window(), "screenshot");
+  list.begin();
+  list.copy(shown_, staging, shown_.bytes());
+  list.end();
+  sight_.window().run(list);
+  std::memcpy(image.rgba.data(), staging.mapped<std::byte>().data(), shown_.bytes());
+  if (swapchain_.blueFirst())
+    for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
+  writePng(file, image);
+  say("the picture is in " + file);
+}
+
+void Viewer::screenshot(const std::string& file) {
+  if (!file.empty()) {
+    pendingScreenshot_ = file;
+    return;
+  }
+  const std::string stem = session_ ? std::filesystem::path(session_->file()).stem().string() : std::string("palpate");
+  for (int number = 1; number < 10'000; ++number) {
+    pendingScreenshot_ = fmt::format("{}-{}.png", stem, number);
+    if (!std::filesystem::exists(pendingScreenshot_)) return;
+  }
+}
+
+ViewStatus Viewer::status() {
+  ViewStatus status;
+  status.session = session_.get();
+  if (loader_.isLoading()) {
+    status.loading = loader_.progress();
+    status.loadingWhat = loader_.stage();
+  }
+  for (const Message& message : messages_) status.messages.push_back(message.text);
+  status.models = options_.models;
+  status.recent = recent_.files();
+  if (session_) status.model = session_->file();
+  status.asksAboutChanges = afterQuestion_ != nullptr && !isSavingForIt_;
+  status.stylus = stylus_;
+  status.gpu = sight_.name();
+  status.meshTime_ms = meshTime_ms_;
+  status.meshTriangles = mesh_ ? mesh_->triangleCount() : 0;
+  status.pictures_ms = &pictures_ms_;
+  status.fps = fps_;
+  if (pictures_ > 0 && swapchain_.size_px().x > 0) {
+    swapchain_.waitForLast();
+    status.passes = list_.passes();
+  }
+  return status;
+}
+
+}  // namespace palpate

@@ -1,0 +1,85 @@
+// palpate bench coexist: touch and pictures at once. What it counts, never how fast.
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A hundred ticks, slow enough for a software driver on busy cores.
+constexpr const char* kSmall = "bench coexist --sizes 20000 --size 160x120 --touched 100 --rate 50 --duration 2 ";
+
+void checkRow(const nlohmann::json& row) {
+  const std::string situation = row["situation"];
+  CAPTURE(row.dump());
+  CHECK(row["points"] == 20000);
+  CHECK(row["ticks"].get<int>() + row["missed_ticks"].get<int>() == 100);
+  CHECK(row["step_us"]["n"] == row["ticks"]);
+  CHECK(row["step_us"]["p50"] > 0);
+  CHECK(row["step_us"]["max"] >= row["step_us"]["p999"].get<double>());
+  CHECK(row["contact_ticks"] > 20);
+  const bool sculpts = situation.ends_with("sculpting");
+  CHECK((row["edits"] > 0) == sculpts);
+  CHECK((row["states_made"] > 0) == sculpts);
+  CHECK(row.contains("sight") == situation.starts_with("drawn"));
+  if (!row.contains("sight")) return;
+  const auto sight = row["sight"];
+  CHECK(sight["pictures"] > 0);
+  CHECK(sight["fps"] > 0);
+  CHECK(sight["picture_ms"]["n"] == sight["pictures"]);
+  CHECK(sight["states_seen"] == row["states_made"]);
+  CHECK((sight["changed_pixels"] > 0) == sculpts);
+}
+
+}  // namespace
+
+TEST_CASE("bench coexist counts ticks and pictures in every situation, and the pictures see the edits") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "c.json").string();
+  const Outcome outcome = palpate(kSmall + ("--queues separate,same --json " + json));
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto result = jsonOf(json)["coexist"];
+  CHECK(result["size"] == std::vector<int>{160, 120});
+  CHECK(result["samples"] == 1);
+  REQUIRE(result["rows"].size() == 2 * 4);
+  for (std::size_t i = 0; i < 8; ++i) {
+    CHECK(result["rows"][i]["queues"] == (i < 4 ? "separate" : "same"));
+    checkRow(result["rows"][i]);
+  }
+  for (const char* title : {"drawn-sculpting", "missed", "p99.9", "fps"})
+    CHECK(outcome.text.find(title) != std::string::npos);
+}
+
+TEST_CASE("bench coexist draws what another machine touches: edits get there through the host") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "c.json").string();
+  for (const char* elsewhere : {"--queues separate --sight-gpu 0 ", "--backend cpu "}) {
+    CAPTURE(elsewhere);
+    works(std::string(kSmall) + "--situations drawn-sculpting " + elsewhere + "--json " + json);
+    const auto rows = jsonOf(json)["coexist"]["rows"];
+    REQUIRE(rows.size() == 1);
+    checkRow(rows[0]);
+  }
+}
+
+TEST_CASE("bench coexist draws and touches under validation, on one GPU and on two") {
+  const std::string arguments =
+      "bench coexist --validate --sizes 2000 --size 64x48 --touched 50 --rate 10 --duration 1 --situations "
+      "drawn-sculpting --queues no-priority";
+  works(arguments);
+  works(arguments + " --sight-gpu 0");
+}
+
+TEST_CASE("bench coexist refuses what cannot be measured") {
+  CHECK(palpate("bench coexist --sizes 2000 --backend vulkan,cpu").code == 2);
+  CHECK(palpate("bench coexist --sizes 2000 --queues two").code == 2);
+  CHECK(palpate("bench coexist --sizes 2000 --situations asleep").code == 2);
+  CHECK(palpate("bench coexist --sizes 2000 --touched 10 100").code == 2);
+  CHECK(palpate("bench coexist --sizes 2000 --size 320").code == 2);
+  CHECK(palpate("bench coexist edit --sizes 2000").code == 2);
+  CHECK(palpate("bench coexist --sizes 2000 --plot c.png").code == 2);
+  const Outcome none = palpate("bench coexist --sizes 2000 --duration 0.1 --situations drawn --sight-gpu nowhere");
+  CHECK(none.code == 1);
+  CHECK(none.text.find("nowhere") != std::string::npos);
+}
+
+}  // namespace palpate

@@ -1,0 +1,142 @@
+#include "haptics/guided_touch.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "haptics/replay_device.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+
+namespace palpate {
+namespace {
+
+const DVec3 kParked(0, 0, 300);
+
+/// Counts how often touch began anew.
+class CountingContact final : public SphereContact {
+ public:
+  using SphereContact::SphereContact;
+  void beginAnew() noexcept override { ++begins; }
+  int begins = 0;
+};
+
+class Recorder final : public TickRecorder {
+ public:
+  void ticked(const TraceRow& row, const DVec3&) noexcept override {
+    if (count < rows.size()) rows[count] = row;
+    ++count;
+  }
+  std::vector<TraceRow> rows = std::vector<TraceRow>(10'000);
+  std::atomic<std::size_t> count = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a lifted stylus is parked, and is put down where the hand first aims") {
+  GuidedTouch device({}, kParked);
+  CHECK(glm::distance(device.read(0).position, kParked) < 0.01);
+  CHECK(!device.read(0.001).putDown);
+  device.aim({10, 20, 30});
+  const DeviceState down = device.read(0.002);
+  CHECK(down.putDown);
+  CHECK(glm::distance(down.position, DVec3(10, 20, 30)) < 0.01);
+  CHECK(!device.read(0.003).putDown);
+  device.aim({11, 20, 30});
+  CHECK(!device.read(0.004).putDown);  // that is a motion
+  device.lift();
+  const DeviceState lifted = device.read(0.005);
+  CHECK(lifted.putDown);
+  CHECK(glm::distance(lifted.position, kParked) < 0.01);
+}
+
+TEST_CASE("a stylus that is lifted and put down between two reads was lifted all the same") {
+  GuidedTouch device({}, kParked);
+  device.aim({0, 0, 10});
+  device.read(0);
+  device.lift();
+  device.aim({0, 50, 10});
+  const DeviceState state = device.read(0.001);
+  CHECK(state.putDown);
+  CHECK(glm::distance(state.position, DVec3(0, 50, 10)) < 0.01);
+}
+
+TEST_CASE("the hand glides to a far aim, no faster than a hand moves, and arrives") {
+  GuidedTouch device({}, kParked);
+  device.aim({0, 0, 0});
+  DVec3 last = device.read(0).position;
+  device.aim({100, 0, 0});
+  double fastest = 0;
+  for (int tick = 1; tick <= 1000; ++tick) {
+    const DVec3 now = device.read(tick * 1e-3).position;
+    fastest = std::max(fastest, glm::distance(now, last) * 1000);
+    last = now;
+  }
+  CHECK(fastest > 100);
+  CHECK(fastest < 1000);
+  CHECK(glm::distance(last, DVec3(100, 0, 0)) < 0.1);
+}
+
+TEST_CASE("the surface holds the stylus back while the aim sinks in") {
+  GuidedTouch device({}, kParked);
+  CountingContact sphere(50);
+  device.aim({0, 0, 55});
+  Recorder recorder;
+  std::atomic<bool> stop = false;
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 2.0, .recorder = &recorder});
+  // In virtual time the aim has to change while the loop runs: from the observer.
+  const ServoResult result = loop.run([&](const TraceRow& row) {
+    if (row.time_s > 0.5) device.aim({0, 0, 46});
+  });
+  const TraceRow& last = result.trace.rows.back();
+  CHECK(last.contact);
+  CHECK(last.hip.z > 47);  // aimed at 46
+  CHECK(last.hip.z < 49.5);
+  CHECK(last.force_N.z > 0.5);
+  CHECK(sphere.begins == 1);
+  CHECK(result.trace.rows.front().putDown);
+}
+
+TEST_CASE("an endless session goes on until it is stopped, keeps no trace, and begins at the time it was given") {
+  GuidedTouch device({}, kParked);
+  CountingContact sphere(50);
+  Recorder recorder;
+  std::atomic<bool> stop = false;
+  ServoLoop loop(device, sphere, ForceLaw({}, {}),
+                 {.begin_s = 12.5, .endless = true, .realtime = true, .stop = &stop, .recorder = &recorder});
+  std::jthread servo([&] {
+    const ServoResult result = loop.run();
+    CHECK(result.trace.rows.empty());
+    CHECK(!result.deviceFailed);
+  });
+  while (recorder.count < 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  stop = true;
+  servo.join();
+  CHECK(recorder.rows[0].time_s == doctest::Approx(12.5));
+  CHECK(recorder.rows[40].time_s >= doctest::Approx(12.54));
+  CHECK_THROWS_AS(ServoLoop(device, sphere, ForceLaw({}, {}), {.endless = true, .stop = &stop}), UsageError);
+  CHECK_THROWS_AS(ServoLoop(device, sphere, ForceLaw({}, {}), {.endless = true, .realtime = true}), UsageError);
+}
+
+TEST_CASE("an aim that is no number is no aim") {
+  GuidedTouch device({}, kParked);
+  device.aim({1, 2, 3});
+  device.read(0);
+  device.aim({NAN, 0, 0});
+  CHECK(glm::distance(device.read(0.001).position, DVec3(1, 2, 3)) < 0.01);
+}
+
+TEST_CASE("a replay puts the stylus down where the session did, once") {
+  ReplayDevice device({{.time_s = 0, .device = {0, 0, 60}},
+                       {.time_s = 0.001, .device = {0, 30, 60}, .flags = LoggedTick::kPutDown},
+                       {.time_s = 0.002, .device = {0, 31, 60}}},
+                      {});
+  CHECK(!device.read(0).putDown);
+  CHECK(device.read(0.001).putDown);
+  CHECK(!device.read(0.0015).putDown);
+  CHECK(!device.read(0.002).putDown);
+}
+
+}  // namespace palpate

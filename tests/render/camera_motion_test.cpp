@@ -1,0 +1,83 @@
+#include "engine/render/camera_motion.hpp"
+
+#include <doctest/doctest.h>
+
+namespace palpate {
+
+namespace {
+
+const DVec2 kSize_px(640, 480);
+
+Camera someCamera() { return {.eye = {3, 2, 10}, .target = {1, -1, 0.5}, .nearDepth = 1e-3}; }
+
+double offBy(const Camera& camera, const DVec3& point, const DVec2& place_px) {
+  const auto seen = camera.project(point, kSize_px);
+  REQUIRE(seen);
+  return glm::distance(DVec2(*seen), place_px);
+}
+
+}  // namespace
+
+TEST_CASE("the pivot of an orbit stays where it is on screen, and as far away") {
+  Camera camera = someCamera();
+  const DVec3 pivot(1.5, 0.3, 2);
+  const DVec2 before(*camera.project(pivot, kSize_px));
+  const double distance = glm::distance(camera.eye, pivot);
+  for (const DVec2 way : {DVec2(30, 0), DVec2(0, 20), DVec2(-70, -11), DVec2(1, 300), DVec2(500, -2000)}) {
+    camera = orbited(camera, pivot, way, kSize_px);
+    CHECK(offBy(camera, pivot, before) < 1e-6);
+    CHECK(glm::distance(camera.eye, pivot) == doctest::Approx(distance));
+    CHECK(isFinite(camera.axes().right));
+  }
+}
+
+TEST_CASE("an orbit never tips over, however far the hand goes") {
+  Camera camera = someCamera();
+  for (int i = 0; i < 50; ++i) camera = orbited(camera, camera.target, {3, 100}, kSize_px);
+  CHECK(camera.axes().up.y > 0);
+  CHECK(camera.axes().forward.y < -0.99);  // the hand goes down, the eye goes up
+  for (int i = 0; i < 50; ++i) camera = orbited(camera, camera.target, {0, -100}, kSize_px);
+  CHECK(camera.axes().up.y > 0);
+  CHECK(camera.axes().forward.y > 0.99);
+}
+
+TEST_CASE("what is grasped follows the hand when the view is moved") {
+  const Camera camera = someCamera();
+  const DVec3 grasped(2, 1, -1);
+  const auto seen = *camera.project(grasped, kSize_px);
+  const DVec2 way(37, -12);
+  CHECK(offBy(panned(camera, seen.z, way, kSize_px), grasped, DVec2(seen) + way) < 1e-6);
+}
+
+TEST_CASE("zooming goes to the point, which stays on screen, and not past the limits") {
+  Camera camera = someCamera();
+  const DVec3 point(2, 1, -1);
+  const DVec2 before(*camera.project(point, kSize_px));
+  camera = zoomed(camera, point, 0.5, 0.1, 100);
+  CHECK(offBy(camera, point, before) < 1e-6);
+  CHECK(glm::distance(camera.eye, point) == doctest::Approx(0.5 * glm::distance(someCamera().eye, point)));
+  for (int i = 0; i < 100; ++i) camera = zoomed(camera, point, 0.5, 0.1, 100);
+  CHECK(glm::distance(camera.eye, point) == doctest::Approx(0.1));
+  for (int i = 0; i < 100; ++i) camera = zoomed(camera, point, 3, 0.1, 100);
+  CHECK(glm::distance(camera.eye, point) == doctest::Approx(100));
+  camera.eye = point;
+  CHECK(zoomed(camera, point, 0.5, 0.1, 100).eye == point);  // there is no way to go
+}
+
+TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
+  const Camera camera = someCamera();
+  const Camera moved = recentred(camera, {5, 6, 7});
+  CHECK(moved.target == DVec3(5, 6, 7));
+  CHECK(glm::distance(moved.axes().forward, camera.axes().forward) < 1e-12);
+  const double distance = glm::distance(camera.eye, camera.target);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool above : {true, false}) {
+      const Camera along = alongAxis(camera, axis, above);
+      CHECK(along.target == camera.target);
+      CHECK(glm::distance(along.eye, along.target) == doctest::Approx(distance));
+      CHECK(along.axes().forward[axis] * (above ? -1 : 1) > 0.98);
+      CHECK(isFinite(along.axes().right));
+    }
+}
+
+}  // namespace palpate

@@ -1,0 +1,210 @@
+#include "engine/render/panel_pass.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "engine/gpu/transfer.hpp"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Color = std::array<double, 4>;
+
+Color unpacked(std::uint32_t color) {
+  Color result;
+  for (std::size_t k = 0; k < 4; ++k) result[k] = (color >> 8 * k & 0xffu) / 255.0;
+  return result;
+}
+
+struct Scene {
+  std::vector<shared::PanelVertex> vertices;
+  std::vector<shared::PanelTriangle> triangles;
+  std::vector<Vec4> clips;
+  std::vector<std::uint8_t> texture;
+  UVec2 texture_px{0};
+
+  PanelShapes shapes() const { return {vertices, triangles, clips}; }
+  void add(const Vec4& clip, std::array<shared::PanelVertex, 3> corners) {
+    const auto first = static_cast<std::uint32_t>(vertices.size());
+    triangles.push_back({{first, first + 1, first + 2}, static_cast<std::uint32_t>(clips.size())});
+    clips.push_back(clip);
+    vertices.insert(vertices.end(), corners.begin(), corners.end());
+  }
+};
+
+// Twice the signed area, in double precision.
+double area(const Vec2& a, const Vec2& b, const DVec2& p) {
+  return double(b.x - a.x) * (p.y - a.y) - double(b.y - a.y) * (p.x - a.x);
+}
+
+struct Reference {
+  std::vector<Color> pixels;
+  std::vector<bool> close;  // a pixel's middle lies so close to an edge that rounding decides
+};
+
+Reference reference(const Scene& scene, const UVec2& size_px, const std::vector<Color>& picture) {
+  Reference result{picture, std::vector<bool>(picture.size(), false)};
+  for (const shared::PanelTriangle& triangle : scene.triangles) {
+    const auto& a = scene.vertices[triangle.vertices.x];
+    const auto& b = scene.vertices[triangle.vertices.y];
+    const auto& c = scene.vertices[triangle.vertices.z];
+    const Vec4& clip = scene.clips[triangle.clip];
+    for (std::uint32_t y = 0; y < size_px.y; ++y)
+      for (std::uint32_t x = 0; x < size_px.x; ++x) {
+        const DVec2 p(x + 0.5, y + 0.5);
+        const std::size_t at = std::size_t{y} * size_px.x + x;
+        if (p.x < clip.x || p.y < clip.y || p.x >= clip.z || p.y >= clip.w) continue;
+        const DVec3 parts(area(b.place_px, c.place_px, p), area(c.place_px, a.place_px, p),
+                          area(a.place_px, b.place_px, p));
+        const double whole = parts.x + parts.y + parts.z;
+        if (whole == 0 || !std::isfinite(whole)) continue;
+        const DVec3 share = parts / whole;
+        const double least = std::min({share.x, share.y, share.z});
+        if (std::abs(least) < 1e-4) result.close[at] = true;
+        if (least < 0) continue;
+        Color color{};
+        for (std::size_t k = 0; k < 4; ++k)
+          color[k] = share.x * unpacked(a.color)[k] + share.y * unpacked(b.color)[k] + share.z * unpacked(c.color)[k];
+        const DVec2 uv = share.x * DVec2(a.uv) + share.y * DVec2(b.uv) + share.z * DVec2(c.uv);
+        const auto texel = [](double value, std::uint32_t count) {
+          return std::min(static_cast<std::uint32_t>(std::max(value, 0.0) * count), count - 1);
+        };
+        const std::size_t from =
+            std::size_t{texel(uv.y, scene.texture_px.y)} * scene.texture_px.x + texel(uv.x, scene.texture_px.x);
+        const double alpha = color[3] * scene.texture[from] / 255.0;
+        for (std::size_t k = 0; k < 3; ++k)
+          result.pixels[at][k] = (1 - alpha) * result.pixels[at][k] + alpha * color[k];
+      }
+  }
+  return result;
+}
+
+std::vector<std::uint32_t> drawn(Device& device, const Scene& scene, const UVec2& size_px,
+                                 const std::vector<std::uint32_t>& picture, std::uint32_t shrink, bool blueFirst,
+                                 std::uint32_t background) {
+  PanelPass pass(device, scene.texture, scene.texture_px);
+  const Buffer from = Buffer::of<std::uint32_t>(device, picture.size(), Memory::device, "picture");
+  upload(device, from, picture);
+  const std::uint64_t count = std::uint64_t{size_px.x} * size_px.y;
+  const Buffer shown = Buffer::of<std::uint32_t>(device, count, Memory::device, "shown");
+  CommandList list(device, device.sight(), "panels");
+  list.begin();
+  pass.record(list, picture.empty() ? nullptr : &from, shrink, scene.shapes(), size_px, shown, background, blueFirst);
+  list.end();
+  device.sight().run(list);
+  return download<std::uint32_t>(device, shown, count);
+}
+
+Scene randomScene(std::uint32_t seed, int triangles, const UVec2& size_px) {
+  std::mt19937 random(seed);
+  const auto number = [&](double low, double high) {
+    return static_cast<float>(std::uniform_real_distribution(low, high)(random));
+  };
+  Scene scene;
+  scene.texture_px = {1, 1};
+  scene.texture = {255};
+  for (int i = 0; i < triangles; ++i) {
+    std::array<shared::PanelVertex, 3> corners;
+    for (auto& corner : corners)
+      corner = {
+          {number(-10, size_px.x + 10.0), number(-10, size_px.y + 10.0)}, {0, 0}, static_cast<std::uint32_t>(random())};
+    const float left = number(-5, size_px.x), top = number(-5, size_px.y);
+    scene.add({left, top, left + number(1, size_px.x), top + number(1, size_px.y)}, corners);
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "panels are blended as double precision blends them, at awkward sizes") {
+  for (const UVec2 size_px : {UVec2(1, 1), UVec2(16, 16), UVec2(17, 15), UVec2(70, 33)}) {
+    CAPTURE(size_px.x);
+    const Scene scene = randomScene(size_px.x, 60, size_px);
+    std::vector<std::uint32_t> picture(std::size_t{size_px.x} * size_px.y);
+    std::vector<Color> before;
+    for (std::uint32_t i = 0; i < picture.size(); ++i) {
+      picture[i] = i * 2654435761u | 0xff000000u;
+      before.push_back(unpacked(picture[i]));
+    }
+    const Reference truth = reference(scene, size_px, before);
+    const auto got = drawn(device, scene, size_px, picture, 1, false, 0);
+    std::size_t looked = 0;
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      if (truth.close[i]) continue;
+      ++looked;
+      for (std::size_t k = 0; k < 3; ++k) CHECK(std::abs(unpacked(got[i])[k] - truth.pixels[i][k]) < 1.5 / 255);
+      CHECK_EQ(got[i] >> 24, 255u);
+    }
+    CHECK(looked > got.size() / 2);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "two triangles that share an edge leave no gap and cover no pixel twice") {
+  const UVec2 size_px(64, 64);
+  Scene scene;
+  scene.texture_px = {1, 1};
+  scene.texture = {255};
+  const std::uint32_t half = 0x80ffffffu;  // white, and what lies below by halves
+  const Vec4 all(0, 0, 64, 64);
+  // A fan about a pixel's middle: edges in all directions, some of them through the middles of pixels.
+  const Vec2 center(32.5f, 32.5f);
+  constexpr int kParts = 16;
+  const auto corner = [&](int i) {
+    const double angle = 2 * M_PI * (i % kParts) / kParts;
+    return Vec2(center.x + std::round(100 * std::cos(angle)), center.y + std::round(100 * std::sin(angle)));
+  };
+  for (int i = 0; i < kParts; ++i) {
+    std::array<shared::PanelVertex, 3> corners{
+        {{center, {0, 0}, half}, {corner(i), {0, 0}, half}, {corner(i + 1), {0, 0}, half}}};
+    if (i % 2 == 0) std::swap(corners[1], corners[2]);  // wound either way
+    scene.add(all, corners);
+  }
+  const auto got = drawn(device, scene, size_px, {}, 1, false, 0xff000000u);
+  for (const std::uint32_t pixel : got) CHECK_EQ(pixel & 0xff, 128u);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "glyphs come from the texture, texel by texel") {
+  Scene scene;
+  scene.texture_px = {5, 3};
+  for (int i = 0; i < 15; ++i) scene.texture.push_back(static_cast<std::uint8_t>(17 * i));
+  const Vec4 all(0, 0, 100, 100);
+  const auto vertex = [](float x, float y) { return shared::PanelVertex{{2 + x, 4 + y}, {x / 5, y / 3}, 0xffffffffu}; };
+  scene.add(all, {vertex(0, 0), vertex(5, 0), vertex(5, 3)});
+  scene.add(all, {vertex(0, 0), vertex(5, 3), vertex(0, 3)});
+  const auto got = drawn(device, scene, {20, 20}, {}, 1, false, 0xff000000u);
+  for (std::uint32_t y = 0; y < 3; ++y)
+    for (std::uint32_t x = 0; x < 5; ++x) CHECK_EQ(got[(4 + y) * 20 + 2 + x] & 0xff, 17 * (5 * y + x));
+  CHECK(got[0] == 0xff000000u);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is stretched, blue may come first, and there may be no panel at all") {
+  Scene none;
+  none.texture_px = {1, 1};
+  none.texture = {255};
+  const std::vector<std::uint32_t> picture{0xff0000ffu, 0xff00ff00u, 0xffff0000u, 0xff112233u};
+  const auto stretched = drawn(device, none, {3, 3}, picture, 2, false, 0);
+  CHECK(stretched == std::vector<std::uint32_t>{picture[0], picture[0], picture[1], picture[0], picture[0], picture[1],
+                                                picture[2], picture[2], picture[3]});
+  const auto swapped = drawn(device, none, {2, 2}, picture, 1, true, 0);
+  CHECK(swapped == std::vector<std::uint32_t>{0xffff0000u, 0xff00ff00u, 0xff0000ffu, 0xff332211u});
+}
+
+TEST_CASE("triangles without a place, without area or outside of their clip stand in no tile") {
+  Scene scene;
+  const auto vertex = [](float x, float y) { return shared::PanelVertex{{x, y}, {0, 0}, 0}; };
+  const Vec4 all(0, 0, 32, 32);
+  scene.add(all, {vertex(NAN, 0), vertex(5, 0), vertex(5, 5)});
+  scene.add(all, {vertex(3, 0), vertex(3, 8), vertex(3, 20)});
+  scene.add({40, 40, 50, 50}, {vertex(0, 0), vertex(5, 0), vertex(5, 5)});
+  scene.add({9, 9, 8, 8}, {vertex(0, 0), vertex(30, 0), vertex(30, 30)});
+  CHECK(tilesOf(scene.shapes(), {32, 32}).entries.empty());
+  scene.add(all, {vertex(0, 0), vertex(31, 0), vertex(31, 31)});
+  const PanelTiles tiles = tilesOf(scene.shapes(), {32, 32});
+  CHECK(tiles.entries == std::vector<std::uint32_t>{4, 4, 4, 4});
+  CHECK(tiles.starts == std::vector<std::uint32_t>{0, 1, 2, 3, 4});
+}
+
+}  // namespace palpate

@@ -1,0 +1,180 @@
+// Brush, surface and method that change while a cloud is touched, and a stylus that is lifted.
+#include <algorithm>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/edit/journal.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+BrushOptions brush(BrushKind kind, double toolRadius = 8) {
+  return {.kind = kind, .tau = 0.3, .beta = 0.2, .toolRadius = toolRadius, .strength = 0.5};
+}
+
+// Both back ends, with a brush that pushes at first and colours for one that paints later.
+std::unique_ptr<TouchBackend> backend(Device& device, const Scene& scene, bool gpu) {
+  if (gpu)
+    return std::make_unique<TouchSide>(
+        device, scene.cloud, TouchOptions{.radius = scene.radius, .brush = brush(BrushKind::push), .paintable = true});
+  return std::make_unique<CpuTouch>(scene.cloud,
+                                    CpuTouchOptions{.radius = scene.radius, .brush = brush(BrushKind::push)});
+}
+
+// Puts the stylus down above the sphere's surface in some direction, presses `depth` deep, and goes out again.
+Contact press(TouchBackend& touch, const DVec3& direction, double depth, int ticks = 60) {
+  Contact deepest;
+  touch.beginAnew();
+  for (int i = 0; i <= 2 * ticks; ++i) {
+    const double share = 1 - std::abs(i - ticks) / double(ticks);
+    const Contact contact = touch.query({.hip = (52 - (2 + depth) * share) * direction}, 0);
+    CHECK(contact.valid);
+    if (i == ticks) deepest = contact;
+  }
+  return deepest;
+}
+
+struct Told {
+  explicit Told(const Scene& scene) : journal(scene.cloud, 1 << 28) {}
+  Journal journal;
+  EditBatch batch;
+  void take(TouchBackend& touch) {
+    batch.clear();
+    touch.takeEdits(batch);
+    journal.follow(batch);
+  }
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "each brush does its own work after another, and all of it is told and undone") {
+  const Scene scene = makeScene("sphere", 8'000);
+  for (const bool gpu : {true, false}) {
+    CAPTURE(gpu);
+    const auto touch = backend(device, scene, gpu);
+    Told told(scene);
+    touch->keepEdits();
+    press(*touch, {0, 0, 1}, 3);
+    touch->setBrush(brush(BrushKind::paint, 10));
+    press(*touch, {0, 1, 0}, 2);
+    touch->setBrush(brush(BrushKind::inflate, 12));
+    press(*touch, {1, 0, 0}, 2);
+    touch->setBrush(std::nullopt);
+    press(*touch, {-1, 0, 0}, 3);
+    touch->finish();
+    told.take(*touch);
+    const auto gone = [&] { return std::ranges::count_if(told.journal.points(), &PointState::gone); };
+    const auto goneBefore = gone();
+    touch->setBrush(brush(BrushKind::carve, 5));
+    press(*touch, {0, -1, 0}, 3);
+    touch->finish();
+    told.take(*touch);
+    CHECK(gone() > goneBefore + 5);
+    CHECK(told.journal.strokes() == 4);  // feeling is none
+
+    double lowest = 100, highest = 0, behind = 100;
+    std::size_t red = 0;
+    for (const PointState& point : told.journal.points()) {
+      const DVec3 p(point.position);
+      if (point.gone()) continue;
+      const double r = glm::length(p);
+      if (p.z > 45) lowest = std::min(lowest, r);
+      if (p.x > 45) highest = std::max(highest, r);
+      if (p.x < -45) behind = std::min(behind, r);
+      red += p.y > 40 && point.color != 0 && (point.color & 0xff) > (point.color >> 8 & 0xff);
+    }
+    CHECK(lowest < 48.5);
+    CHECK(highest > 50.2);
+    CHECK(behind > 49.9);
+    CHECK(red > 20);
+
+    for (int stroke = 0; stroke < 4; ++stroke) {
+      touch->change(told.journal.undo());
+      told.take(*touch);
+    }
+    CHECK(changedPoints(scene.cloud, told.journal.points()) == 0);
+    PointCloud back = scene.cloud;
+    CHECK(touch->readBack(back) == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before") {
+  const Scene scene = makeScene("sphere", 8'000);
+  for (const bool gpu : {true, false}) {
+    CAPTURE(gpu);
+    const auto touch = backend(device, scene, gpu);
+    touch->setBrush(brush(BrushKind::inflate, 3));
+    Told told(scene);
+    touch->keepEdits();
+    const auto reach = [&](const DVec3& direction) {
+      press(*touch, direction, 2);
+      touch->finish();
+      told.take(*touch);
+      double widest = 0;
+      for (const PointState& point : told.batch.points)
+        if (!point.gone()) widest = std::max(widest, glm::length(glm::cross(DVec3(point.position), direction)));
+      return widest;
+    };
+    const double narrow = reach({0, 0, 1});
+    touch->setBrush(brush(BrushKind::inflate, 15));
+    const double wide = reach({0, 1, 0});
+    CHECK(narrow > 1);
+    CHECK(narrow < 8);
+    CHECK(wide > 10);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "surface, friction and method change, and the answers are those of a fresh start") {
+  const Scene scene = makeScene("sphere", 8'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
+  const Contact average = press(touch, {0, 0, 1}, 2);
+  CHECK(average.proxy.z < 49.98);  // it sinks into curvature
+  touch.setContact(SurfaceKind::sphere, 0, QueryMethod::fused);
+  const Contact sphere = press(touch, {0, 0, 1}, 2);
+  CHECK(std::abs(sphere.proxy.z - 50) < 0.01);
+  for (const auto& [name, method] : kQueryMethods) {
+    CAPTURE(name);
+    touch.setContact(SurfaceKind::sphere, 0, method);
+    CHECK(glm::distance(press(touch, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-4);
+  }
+  touch.setContact(SurfaceKind::average, 0, QueryMethod::fused);
+  CHECK(press(touch, {0, 0, 1}, 2).proxy == average.proxy);
+  CpuTouch cpu(scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
+  cpu.setContact(SurfaceKind::sphere, 0);
+  CHECK(glm::distance(press(cpu, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-3);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has not crossed it") {
+  const Scene scene = makeScene("sphere", 8'000);
+  for (const bool gpu : {true, false}) {
+    CAPTURE(gpu);
+    const auto touch = backend(device, scene, gpu);
+    CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
+    const Contact through = touch->query({.hip = {0, 0, 40}}, 0);
+    CHECK(through.touching);  // with a motion it has
+    touch->beginAnew();
+    CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
+    touch->beginAnew();
+    const Contact inside = touch->query({.hip = {0, 0, 40}}, 0);
+    CHECK(!inside.touching);
+    CHECK(glm::distance(inside.proxy, DVec3(0, 0, 40)) < 1e-5);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted says nothing about what comes after") {
+  const Scene scene = makeScene("sphere", 8'000);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius});
+  for (int i = 0; i < 30; ++i) touch.query({.time_s = i * 1e-3, .hip = {0, 0, 53 - 0.2 * i}}, 0);  // touches
+  // Asked, and not waited for.
+  touch.query({.time_s = 0.03, .hip = {0, 0, 47}}, 1e-3);
+  touch.beginAnew();
+  const Contact far = touch.query({.time_s = 0.031, .hip = {0, 80, 0}}, 0);
+  CHECK(!far.touching);
+  CHECK(glm::distance(far.proxy, DVec3(0, 80, 0)) < 1e-5);
+}
+
+}  // namespace palpate
