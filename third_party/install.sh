@@ -25,7 +25,8 @@ packages=(
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   doctest-dev                # tests
-  xvfb                       # a display for the tests of the window
+  xvfb                       # a display for the tests of the window, and
+  xauth                      # what its xvfb-run needs
   python3-matplotlib         # forces.png
 )
 

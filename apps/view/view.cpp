@@ -1,6 +1,7 @@
 // `palpate view`: the window.
 #include "apps/parse_list.hpp"
 #include "apps/view/viewer.hpp"
+#include "engine/core/thread_priority.hpp"
 
 namespace palpate {
 
@@ -34,6 +35,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   Device& touch = context.device();
   // A software driver draws with the cores that would answer; the CPU's own way is quicker there.
   view.session.backend.backend = options.backend != "auto" ? options.backend : touch.isCpu() ? "cpu" : "vulkan";
+  if (touch.isCpu()) letThreadsGiveWay("llvmpipe");
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
   Viewer(context, window, sight, std::move(view)).run();
 }

@@ -12,7 +12,6 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kUnpainted{255, 255, 255, 255};
 
 // The point of the file that a point has its other properties from.
 std::uint32_t ancestor(std::span<const PointState> points, std::uint32_t point, std::size_t inFile) {

@@ -25,7 +25,7 @@ std::size_t changedPoints(const PointCloud& file, std::span<const PointState> po
 /// The cloud with its points as `points` say (as for changedPoints()): those of the file that are still there in its
 /// order, then the new ones by id. A point that has not moved keeps the file's coordinates to the last bit, a new one
 /// has all that `points` does not say from its parent. Where the file has no colours and a point was given one, the
-/// others become white. Throws Error for a point without an ancestor in the file.
+/// others get kUnpainted. Throws Error for a point without an ancestor in the file.
 PointCloud editedCloud(const PointCloud& file, std::span<const PointState> points);
 
 }  // namespace palpate

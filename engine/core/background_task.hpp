@@ -1,15 +1,17 @@
 #pragma once
 
-#include <condition_variable>
+#include <semaphore.h>
+
+#include <atomic>
 #include <exception>
 #include <functional>
-#include <mutex>
 #include <thread>
 
 namespace palpate {
 
 /// One piece of work that is done again and again on a thread of its own. Starting it and waiting for it allocate
-/// nothing; both are for one thread.
+/// nothing and take no lock, so that a real-time thread may do both: the work may be put aside at any moment without
+/// holding it up past its budget. Both are for one thread.
 class BackgroundTask {
  public:
   explicit BackgroundTask(std::function<void()> work);
@@ -25,13 +27,27 @@ class BackgroundTask {
   bool finishedWithin(double budget_us);
 
  private:
+  // Posted by one thread, taken by the other.
+  class Signal {
+   public:
+    Signal() { sem_init(&semaphore_, 0, 0); }
+    ~Signal() { sem_destroy(&semaphore_); }
+    Signal(const Signal&) = delete;
+    Signal& operator=(const Signal&) = delete;
+    void post() { sem_post(&semaphore_); }
+    void take();
+    bool takeWithin(double budget_us);
+
+   private:
+    sem_t semaphore_;
+  };
   void serve();
 
   std::function<void()> work_;
-  std::mutex lock_;
-  std::condition_variable changed_;
-  bool running_ = false, stop_ = false;
-  std::exception_ptr failure_;
+  Signal begin_, end_;
+  bool running_ = false;  // as the thread that starts and waits knows it
+  std::atomic<bool> stop_ = false;
+  std::exception_ptr failure_;  // of the last run; between its end and the next begin for the one who waits
   std::jthread thread_;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "engine/core/vec.hpp"
@@ -22,6 +23,9 @@ struct PointState {
   std::uint32_t number() const { return id & ~kGone; }
   bool operator==(const PointState&) const = default;
 };
+
+/// RGBA8 that points without a colour are shown in, painted over from, and written with where others have one: clay.
+inline constexpr std::array<std::uint8_t, 4> kUnpainted{200, 170, 147, 255};
 
 /// From one state of a point to another; both have the same number.
 struct PointChange {

@@ -1,6 +1,7 @@
 #include "engine/core/worker_team.hpp"
 
 #include "engine/core/parallel.hpp"
+#include "engine/core/thread_priority.hpp"
 
 namespace palpate {
 
@@ -37,6 +38,7 @@ void WorkerTeam::run(std::size_t parts, Call call, void* context) {
 }
 
 void WorkerTeam::work() {
+  giveWay();  // a team has work that can wait
   std::size_t done = 0;
   std::unique_lock hold(lock_);
   while (true) {

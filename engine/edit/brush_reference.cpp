@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/core/check.hpp"
+#include "engine/core/point_state.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {
@@ -15,6 +16,8 @@ static_assert(static_cast<shared::uint>(BrushKind::inflate) == shared::kBrushInf
 static_assert(static_cast<shared::uint>(BrushKind::smooth) == shared::kBrushSmooth);
 static_assert(static_cast<shared::uint>(BrushKind::grab) == shared::kBrushGrab);
 static_assert(static_cast<shared::uint>(BrushKind::paint) == shared::kBrushPaint);
+
+static_assert(packedColor(kUnpainted) == shared::kUnpainted);
 
 double longestMove(double support) { return static_cast<double>(shared::kLongestMove) * support; }
 

@@ -157,6 +157,8 @@ std::optional<std::uint32_t> Swapchain::acquire() {
 void Swapchain::present(const CommandList& list, std::uint32_t image) {
   Queue& queue = device_.window();
   last_ = queue.submit(list, {.waits = acquired_, .signals = drawn_[image]});
+  // A software driver waits for the picture while it is presented, and with it would everybody who shares the queue.
+  if (device_.roles().shared()) waitForLast();
   if (queue.present(swapchain_, image, drawn_[image]) != VK_SUCCESS) stale_ = true;
 }
 

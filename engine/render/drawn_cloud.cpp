@@ -14,9 +14,6 @@ namespace palpate {
 
 namespace {
 
-// Points of a cloud without colours before they are painted (shared::kUnpainted).
-constexpr std::array<std::uint8_t, 4> kUnpainted{255, 255, 255, 255};
-
 // States that go up at a time; a power of two. A tick's edit mostly fits.
 constexpr std::uint64_t kPiece = 1 << 16;
 

@@ -9,6 +9,7 @@
 #include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
 #include "engine/core/processor.hpp"
+#include "engine/core/thread_priority.hpp"
 #include "shaders/shared/edit.h"
 
 namespace palpate {
@@ -37,7 +38,10 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
       pace_(kStalest_s) {
   if (!options.brush) return;
   editTimes_us_.reserve(kEditTimesKept);
-  edit_ = std::make_unique<BackgroundTask>([this] { edit(); });
+  edit_ = std::make_unique<BackgroundTask>([this] {
+    giveWay();  // to the thread that answers
+    edit();
+  });
 }
 
 SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {

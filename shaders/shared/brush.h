@@ -32,8 +32,8 @@ const float kCarveDepth = 2.0f;
 const float kInflateStep = 1e-3f;
 // Of the tool's radius: nearer than this to its centre there is no way out but the tip's.
 const float kAtCenter = 1e-6f;
-// RGBA8, what paint finds where a point has no colour (0) yet: white, as such points are written.
-const uint kUnpainted = 0xffffffffu;
+// RGBA8, what paint finds where a point has no colour (0) yet: kUnpainted of engine/core/point_state.hpp.
+const uint kUnpainted = 0xff93aac8u;
 
 struct Brush {
   uint kind;          // kBrush...

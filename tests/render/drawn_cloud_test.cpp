@@ -6,6 +6,7 @@
 
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "shaders/shared/brush.h"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
@@ -260,7 +261,7 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
   CHECK(std::isnan(positions[301].x));  // nobody has come there
   CHECK(Vec3(positions[302]) == place);
   CHECK(colors[302] == 0xff00ff00);
-  CHECK(colors[0] == 0xffffffff);
+  CHECK(colors[0] == shared::kUnpainted);
 }
 
 }  // namespace palpate

@@ -175,11 +175,11 @@ TEST_CASE("paint colours what the tool reaches and moves nothing") {
   REQUIRE(painted.cloud.hasColors());
   std::size_t colored = 0;
   for (std::size_t i = 0; i < painted.cloud.size(); ++i) {
-    const bool white = painted.cloud.colors[i] == std::array<std::uint8_t, 4>{255, 255, 255, 255};
+    const bool unpainted = painted.cloud.colors[i] == kUnpainted;
     const double distance = glm::distance(DVec3(painted.cloud.positions[i]), DVec3(0, 0, 50));
     if (distance < 4) CHECK(painted.cloud.colors[i] == options.color);
-    if (distance > 7) CHECK(white);
-    colored += !white;
+    if (distance > 7) CHECK(unpainted);
+    colored += !unpainted;
   }
   CHECK(colored == painted.changed);
   CHECK(colored > 20);

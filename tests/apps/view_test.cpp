@@ -1,0 +1,301 @@
+// The window as a person uses it, on a display without a screen (Xvfb).
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+#include <functional>
+
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+namespace {
+
+bool hasDisplay() {
+  if (std::system("command -v xvfb-run > /dev/null") == 0) return true;
+  MESSAGE("skipped: there is no xvfb-run on this machine (package xvfb)");
+  return false;
+}
+
+/// What the script saw goes into its folder: %/name stands for a file there.
+struct Played {
+  Outcome outcome;
+  ScratchFolder folder;
+  nlohmann::json state(const std::string& name) const { return jsonOf(folder.path() / name); }
+};
+
+std::string inFolder(std::string text, const std::filesystem::path& folder) {
+  for (std::size_t at; (at = text.find('%')) != std::string::npos;) text.replace(at, 1, folder.string());
+  return text;
+}
+
+// `arguments` and `script` may name files of the folder with %.
+std::unique_ptr<Played> play(const std::string& arguments, const std::string& script, const std::string& before = "",
+                             const std::function<void(const std::filesystem::path&)>& prepare = {}) {
+  auto played = std::make_unique<Played>();
+  const std::filesystem::path& folder = played->folder.path();
+  if (prepare) prepare(folder);
+  std::ofstream(folder / "script.txt") << inFolder(script, folder);
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
+  const std::string command =
+      inFolder("XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 300 ", folder) +
+      (elsewhere ? elsewhere : PALPATE_PROGRAM) + " " + before + " view " + inFolder(arguments, folder) +
+      inFolder(" --script %/script.txt", folder) + " 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
+    played->outcome.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  played->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return played;
+}
+
+void makeSphere(const std::filesystem::path& folder, int points = 8000) {
+  works("--quiet make sphere -n " + std::to_string(points) + " -o " + (folder / "sphere.ply").string());
+}
+
+struct Picture {
+  explicit Picture(const std::filesystem::path& file) {
+    stbi_uc* data = stbi_load(file.c_str(), &width, &height, nullptr, 3);
+    REQUIRE_MESSAGE(data, file.string());
+    rgb.assign(data, data + std::size_t(width) * std::size_t(height) * 3);
+    stbi_image_free(data);
+  }
+  std::array<int, 3> at(int x, int y) const {
+    const std::size_t place = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * 3;
+    return {rgb[place], rgb[place + 1], rgb[place + 2]};
+  }
+  int width = 0, height = 0;
+  std::vector<stbi_uc> rgb;
+};
+
+// Pixels of a square that satisfy a condition.
+int count(int x, int y, int reach, auto&& holds) {
+  int found = 0;
+  for (int j = y - reach; j <= y + reach; ++j)
+    for (int i = x - reach; i <= x + reach; ++i) found += holds(i, j) ? 1 : 0;
+  return found;
+}
+
+int differing(const Picture& a, const Picture& b, int x, int y, int reach) {
+  return count(x, y, reach, [&](int i, int j) {
+    const auto p = a.at(i, j), q = b.at(i, j);
+    return std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]) > 24;
+  });
+}
+
+// The tool's ring is the only thing that is yellow.
+int ringPixels(const Picture& picture, int x, int y) {
+  return count(x, y, 40, [&](int i, int j) {
+    const auto p = picture.at(i, j);
+    return p[0] > p[2] + 80 && p[1] > p[2] + 80;
+  });
+}
+
+constexpr const char* kBroken = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nend_header\n0\nnan\n";
+
+}  // namespace
+
+TEST_CASE("a script that is wrong is refused with its line before anything is opened") {
+  if (!hasDisplay()) return;
+  for (const auto& [line, complaint] : {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
+                                        {"0.2 key nose", "script.txt:2: key: 'nose' is not known"},
+                                        {"0.2 press", "script.txt:2: 'press' is none of key"},
+                                        {"0.2 button left", "script.txt:2: down or up is missing"},
+                                        {"0.05 quit", "script.txt:2: the time is before that of the line above"},
+                                        {"0.2 quit now", "script.txt:2: 'now' is more than this event takes"}}) {
+    const auto played = play("", std::string("0.1 mouse 1 2\n") + line + "\n");
+    CHECK(played->outcome.code == 1);
+    CHECK_MESSAGE(played->outcome.text.find(complaint) != std::string::npos, played->outcome.text);
+  }
+}
+
+TEST_CASE("a session in the window, from the first touch to the saved file") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
+0.1 mouse 400 300
+0.9 screenshot %/before.png
+0.9 state %/before.json
+1.0 key space down
+1.2 button left down
+1.6 wheel 6
+4.0 screenshot %/touch.png
+4.0 state %/touch.json
+4.1 button left up
+4.2 key space up
+5.0 screenshot %/dent.png
+5.0 state %/dent.json
+5.1 drop %/broken.ply
+5.4 state %/broken.json
+5.5 save %/saved.ply
+6.2 state %/saved.json
+6.3 key ctrl+z
+7.2 screenshot %/undone.png
+7.2 state %/undone.json
+7.3 key ctrl+shift+z
+7.5 state %/redone.json
+7.6 mouse 380 310
+7.7 button left down
+7.8 mouse 460 300
+7.9 button left up
+8.0 state %/turned.json
+8.1 resize 640 480
+8.4 state %/resized.json
+8.5 minimise
+8.7 restore
+8.9 key 3
+9.0 key ]
+9.2 state %/tool.json
+9.3 quit
+)",
+                           "", [](const std::filesystem::path& folder) {
+                             makeSphere(folder);
+                             std::ofstream(folder / "broken.ply") << kBroken;
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto before = played->state("before.json"), touch = played->state("touch.json");
+  CHECK(before["points"] == 8000);
+  CHECK(before["strokes"] == 0);
+  CHECK(before["tool"] == "push");
+  CHECK(before["size"] == nlohmann::json({800, 600}));
+  CHECK(touch["contact"] == true);
+  CHECK(touch["stylus"] == true);
+  CHECK(touch["penetration_mm"] > 0);
+  CHECK(touch["peak_force_N"] > 0.3);
+  CHECK(touch["edits"] > 20);
+  const auto dent = played->state("dent.json");
+  CHECK(dent["strokes"] >= 1);
+  CHECK(dent["contact"] == false);
+  CHECK(dent["changed"] == true);
+  CHECK(dent["ticks"] > touch["ticks"]);
+
+  const auto broken = played->state("broken.json");
+  CHECK(std::string(broken["last_message"]).find("broken.ply") != std::string::npos);
+  CHECK(broken["model"] == before["model"]);
+  CHECK(broken["edits"] == dent["edits"]);
+  CHECK(played->state("saved.json")["changed"] == false);
+  works("--quiet info " + (played->folder.path() / "saved.ply").string());
+  const auto undone = played->state("undone.json");
+  CHECK(undone["undoable"] == dent["undoable"].get<int>() - 1);
+  CHECK(played->state("redone.json")["undoable"] == dent["undoable"]);
+  CHECK(played->state("turned.json")["camera"]["eye"] != before["camera"]["eye"]);
+  CHECK(played->state("resized.json")["size"] == nlohmann::json({640, 480}));
+  CHECK(played->state("tool.json")["tool"] == "carve");
+  CHECK(played->state("tool.json")["tool_radius_mm"] > 6.1);
+
+  const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
+  const Picture first = picture("before.png"), touching = picture("touch.png"), dented = picture("dent.png");
+  CHECK(ringPixels(first, 400, 300) == 0);
+  CHECK(ringPixels(touching, 400, 300) > 30);
+  CHECK(ringPixels(dented, 400, 300) == 0);
+  CHECK(differing(first, dented, 400, 300, 40) > 100);  // the dent
+  if (dent["undoable"] == 1) CHECK(differing(first, picture("undone.png"), 400, 300, 60) < 10);
+  CHECK(differing(first, dented, 560, 480, 10) == 0);  // and nothing else
+  // The panel: darker than the background beside it.
+  CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
+}
+
+TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 320x240 --edit carve", R"(
+0.1 mouse 250 120
+0.2 key c
+0.3 key space down
+0.5 button left down
+1.2 state %/touch.json
+1.3 button left up
+1.4 key space up
+1.5 key ctrl+z
+1.6 key m
+1.9 state %/mesh.json
+2.0 resize 300 200
+2.2 screenshot %/last.png
+2.3 quit
+)",
+                           "--validate", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
+  CAPTURE(played->outcome.text);
+  CHECK(played->outcome.code == 0);
+  CHECK(played->state("mesh.json")["mesh_triangles"] > 1000);
+}
+
+TEST_CASE("the window closes while a model is loaded, and models follow one another") {
+  if (!hasDisplay()) return;
+  const auto prepare = [](const std::filesystem::path& folder) {
+    makeSphere(folder, 200'000);
+    works("--quiet make torus -n 3000 -o " + (folder / "torus.ply").string());
+  };
+  const auto closed = play("%/torus.ply --size 320x240", R"(
+0.1 impatient
+0.2 drop %/sphere.ply
+0.2 quit
+)",
+                           "", prepare);
+  CAPTURE(closed->outcome.text);
+  CHECK(closed->outcome.code == 0);
+  const auto changed = play("%/torus.ply %/sphere.ply --size 320x240", R"(
+0.2 state %/torus.json
+0.3 drop %/sphere.ply
+0.6 state %/sphere.json
+0.7 drop %/torus.ply
+0.9 state %/again.json
+1.0 quit
+)",
+                            "", prepare);
+  CAPTURE(changed->outcome.text);
+  REQUIRE(changed->outcome.code == 0);
+  CHECK(changed->state("torus.json")["points"] == 3000);
+  CHECK(changed->state("sphere.json")["points"] == 200'000);
+  CHECK(changed->state("again.json")["points"] == 3000);
+  CHECK(contentOf(changed->folder.path() / "state" / "palpate" / "recent")
+            .starts_with((changed->folder.path() / "torus.ply").string() + "\n"));
+}
+
+TEST_CASE("a session that was recorded in the window runs again, in the window and without one") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 600x400 --edit push", R"(
+0.1 mouse 300 190
+0.2 record %/session.log
+0.3 key space down
+0.6 button left down
+2.0 button left up
+2.1 key space up
+2.2 record
+2.3 state %/recorded.json
+2.4 key ctrl+z
+2.5 replay %/session.log
+8.0 state %/replayed.json
+8.1 record %/late.log
+8.2 state %/late.json
+8.3 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("recorded.json")["edits"] > 0);
+  CHECK(played->state("replayed.json")["edits"] > played->state("recorded.json")["edits"]);
+  CHECK(std::string(played->state("late.json")["last_message"]).find("begins with the model as its file") !=
+        std::string::npos);
+  const Outcome again = palpate("replay --tolerance 1e-9 " + (played->folder.path() / "session.log").string());
+  CAPTURE(again.text);
+  CHECK(again.code == 0);
+  CHECK(again.text.find("recorded edits        give the recorded points") != std::string::npos);
+}
+
+TEST_CASE("without a display the window says what it needs") {
+  if (std::getenv("PALPATE_PROGRAM")) return;
+  const char* program = PALPATE_PROGRAM;
+  std::FILE* pipe = ::popen((std::string("env -u DISPLAY -u WAYLAND_DISPLAY ") + program + " view 2>&1").c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 1024> text{};
+  const std::size_t size = std::fread(text.data(), 1, text.size() - 1, pipe);
+  CHECK(WEXITSTATUS(::pclose(pipe)) == 1);
+  CHECK(std::string(text.data(), size).find("needs a display") != std::string::npos);
+}
+
+}  // namespace palpate
