@@ -35,21 +35,23 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 
 void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
-  const shared::SplatArgs args{.frame = target.frame,
-                               .counts = counts_.address(),
-                               .picked = cloud.picked().address(),
-                               .shares = shares_.address(),
-                               .positions = cloud.positions().address(),
-                               .normals = cloud.normals().address(),
-                               .colors = cloud.colors().address(),
-                               .clips = cloud.clips().address(),
-                               .depth = target.depth,
-                               .normalSums = target.normalSums,
-                               .colorSums = target.colorSums};
+  shared::SplatArgs args{.frame = target.frame,
+                         .counts = counts_.address(),
+                         .picked = cloud.picked().address(),
+                         .shares = shares_.address(),
+                         .positions = cloud.positions().address(),
+                         .normals = cloud.normals().address(),
+                         .colors = cloud.colors().address(),
+                         .clips = cloud.clips().address(),
+                         .depth = target.depth,
+                         .normalSums = target.normalSums,
+                         .colorSums = target.colorSums};
   const auto walk = [&](const ComputePipeline& small, const ComputePipeline& large) {
-    const auto overlap = list.independent();
-    list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
-    list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
+    for (args.turn = 0; args.turn < shared::kSplatTurns; ++args.turn) {
+      const auto overlap = list.independent();
+      list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
+      list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
+    }
   };
   const auto section = list.section("splat");
   list.fill(counts_, 0, counts_.bytes());
