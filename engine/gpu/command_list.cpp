@@ -167,7 +167,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   PALPATE_CHECK_EQ(images != VK_NULL_HANDLE, pipeline.imageLayout() != VK_NULL_HANDLE);
   const std::uint64_t size = pipeline.workgroupSize(), groups = (threads + size - 1) / size;
   const std::uint32_t largestAxis = device_.properties().limits.maxComputeWorkGroupCount[0];
-  const std::uint64_t slice = std::max(kSliceThreads / size, (groups + kMostSlices - 1) / kMostSlices);
+  const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMostSlices - 1) / kMostSlices);
   const bool slices = givesWay_ && independent_ == Overlap::no && slice <= largestAxis;
   const GroupGrid grid = groupGrid(groups, slices ? static_cast<std::uint32_t>(slice) : largestAxis);
   orderAfterPrevious(Size::known);

@@ -127,9 +127,7 @@ class CommandList {
   std::vector<PassRecord> passes() const;
 
  private:
-  // A dispatch of a list that gives way goes in slices of so many invocations, one after another. An H200 takes about
-  // 30 us for one of the slower passes; the barrier between two takes it 2 us.
-  static constexpr std::uint64_t kSliceThreads = 1 << 19;
+  // Of one dispatch of a list that gives way, one after another.
   static constexpr std::uint64_t kMostSlices = 256;
 
   enum class Overlap { no, first, yes };

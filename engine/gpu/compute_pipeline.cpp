@@ -44,7 +44,10 @@ PipelineStore::Key keyOf(const ShaderCode& code, const PipelineOptions& options,
 }  // namespace
 
 ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
-    : name_(code.name), workgroupSize_(options.workgroupSize), pushBytes_(options.pushBytes) {
+    : name_(code.name),
+      workgroupSize_(options.workgroupSize),
+      sliceThreads_(options.sliceThreads),
+      pushBytes_(options.pushBytes) {
   PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
   PALPATE_CHECK_LE(workgroupSize_, device.properties().limits.maxComputeWorkGroupInvocations);

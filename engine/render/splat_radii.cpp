@@ -50,24 +50,25 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
 }
 
 void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool onlyChanged) {
-  const shared::SplatChangedArgs changedArgs{.cloud = hash_.view(ordered_, places_),
-                                             .reaches = reaches_.address(),
-                                             .changed = changed_.address(),
-                                             .list = list_.address(),
-                                             .counts = listed_.address(),
-                                             .splatsPerGroup = pass_.workgroupSize() / device_.subgroupSize(),
-                                             .unused = 0};
-  const shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
-                                     .normals = points.normals.address(),
-                                     .clips = clips.address(),
-                                     .reaches = reaches_.address(),
-                                     .list = list_.address(),
-                                     .counts = listed_.address(),
-                                     .largest = largest_.address(),
-                                     .spacing = static_cast<float>(spacing_),
-                                     .widest = static_cast<float>(widest_),
-                                     .onlyListed = onlyChanged ? 1u : 0u,
-                                     .unused = 0};
+  const shared::SplatChangedArgs changedArgs{
+      .cloud = hash_.view(ordered_, places_),
+      .reaches = reaches_.address(),
+      .changed = changed_.address(),
+      .list = list_.address(),
+      .counts = listed_.address(),
+      .splatsPerGroup = shared::kSplatRadiusTurns * pass_.workgroupSize() / device_.subgroupSize(),
+      .unused = 0};
+  shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
+                               .normals = points.normals.address(),
+                               .clips = clips.address(),
+                               .reaches = reaches_.address(),
+                               .list = list_.address(),
+                               .counts = listed_.address(),
+                               .largest = largest_.address(),
+                               .spacing = static_cast<float>(spacing_),
+                               .widest = static_cast<float>(widest_),
+                               .onlyListed = onlyChanged ? 1u : 0u,
+                               .turn = 0};
   CommandList list(device_, device_.sight(), "splat radii");
   SortMethod sort;
   do {  // again where a bucket was crowded, and its points may have stood in any order
@@ -78,8 +79,10 @@ void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool on
       list.fill(listed_, 0, listed_.bytes());
       list.fill(listed_, 1, sizeof(std::uint32_t), offsetof(shared::ChangedSplats, groups.z));
       list.dispatch(changedPass_, places_, changedArgs);
-      list.dispatchIndirect(pass_, listed_, args, offsetof(shared::ChangedSplats, groups));
+      for (args.turn = 0; args.turn < shared::kSplatRadiusTurns; ++args.turn)
+        list.dispatchIndirect(pass_, listed_, args, offsetof(shared::ChangedSplats, groups));
     } else {
+      args.turn = 0;
       list.dispatch(pass_, std::uint64_t{places_} * device_.subgroupSize(), args);
     }
     list.end();

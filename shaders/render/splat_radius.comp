@@ -131,9 +131,10 @@ float radiusInPlane(float usual, float open) {
 }
 
 void main() {
-  const uint turn = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
-  if (turn >= (args.onlyListed != 0 ? args.counts.count : args.cloud.slots)) return;
-  const uint slot = args.onlyListed != 0 ? args.list.at[turn] : turn;
+  const uint before = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y;  // workgroups
+  const uint splat = (before + workgroupIndex()) * gl_NumSubgroups + gl_SubgroupID;
+  if (splat >= (args.onlyListed != 0 ? args.counts.count : args.cloud.slots)) return;
+  const uint slot = args.onlyListed != 0 ? args.list.at[splat] : splat;
   const vec4 point = args.cloud.positions.at[slot];
   const uint id = floatBitsToUint(point.w);
   if (id == kEmptySlot) return;

@@ -55,9 +55,12 @@ const uint kSplatEdgeWorkBudget = 800;
 // Workgroups that every GPU takes along one axis.
 const uint kMostGroups = 65535;
 
+// Discs are measured again in so many turns, since touch may have to wait for the end of one.
+const uint kSplatRadiusTurns = 6;
+
 // Of the points whose discs are measured again.
 struct ChangedSplats {
-  uvec3 groups;  // workgroups that measure them
+  uvec3 groups;  // workgroups that measure them in one turn
   uint count;
 };
 PALPATE_SIZE(ChangedSplats, 16);
@@ -79,7 +82,7 @@ struct SplatChangedArgs {
   PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
   PALPATE_ADDRESS(Uints) list;        // gets the slots of the points, in any order
   PALPATE_ADDRESS(ChangedSplatsAt) counts;
-  uint splatsPerGroup;                // that one workgroup measures
+  uint splatsPerGroup;                // that one workgroup measures in all turns
   uint unused;
 };
 PALPATE_SIZE(SplatChangedArgs, 96);
@@ -94,8 +97,8 @@ struct SplatRadiusArgs {
   PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
   float spacing;                      // mean, model units
   float widest;                       // border that is believed, model units
-  uint onlyListed;                    // 0: measures all
-  uint unused;
+  uint onlyListed;                    // 0: measures all, in one turn
+  uint turn;
 };
 PALPATE_SIZE(SplatRadiusArgs, 120);
 
