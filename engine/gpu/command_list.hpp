@@ -43,8 +43,9 @@ struct DrawTargets {
 /// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
 /// once between begin() and end(), submit as often as wanted, but never while it is still running.
 ///
-/// On the sight queue it gives way: what touch asks for waits until a dispatch that is under way has handed out all of
-/// its workgroups, however short they live and whichever queue goes first (an H200 does so), and so none may last long.
+/// On the queues of sight and background it gives way: what touch asks for waits until a dispatch that is under way has
+/// handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does so), and so
+/// none may last long.
 class CommandList {
  public:
   /// What is timed: nothing; sections that stand in no other; every section and pass. Each holds the GPU up, by
