@@ -94,7 +94,7 @@ GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
 }
 
 CommandList::CommandList(Device& device, const Queue& queue, std::string name, Timing timing)
-    : device_(device), name_(std::move(name)), timing_(timing), givesWay_(&queue != &device.touch()) {
+    : device_(device), name_(std::move(name)), timing_(timing), givesWay_(&queue == &device.sight()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .pNext = nullptr,
                                          .flags = 0,

@@ -12,10 +12,8 @@ namespace palpate {
 namespace {
 
 // Buckets of a slice, each of which holds a few points. On a queue that touch shares a slice takes a part of a tick; on
-// one of its own it gives way in between, and more of them a submission end sooner.
+// one of its own its workgroups are short, and more of them a submission end sooner.
 constexpr std::uint32_t kSharedSlice = 1 << 11, kOwnSlice = 1 << 17;
-// An invocation copies a bucket: an H200 takes about 400 us for kOwnSlice of them.
-constexpr std::uint32_t kGivesWayAfter = 1 << 14;
 // Slots that a slice empties for each bucket that it may copy.
 constexpr std::uint32_t kSlotsPerBucket = 8;
 
@@ -33,10 +31,7 @@ HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const Li
       hash_(hash),
       live_(live),
       update_(update),
-      slicePass_(device, shader_code::spatial_compact_slice,
-                 {.workgroupSize = shared::kUpdateWorkgroup,
-                  .pushBytes = sizeof(shared::CompactionArgs),
-                  .sliceThreads = kGivesWayAfter}),
+      slicePass_(device, shader_code::spatial_compact_slice, pipeline(sizeof(shared::CompactionArgs))),
       plan_(device, shader_code::spatial_compact_plan, pipeline(sizeof(shared::CompactionArgs))),
       again_(device, shader_code::spatial_compact_again, pipeline(sizeof(shared::CompactionArgs))),
       finish_(device, shader_code::spatial_compact_finish, pipeline(sizeof(shared::CompactionArgs))),
