@@ -1,5 +1,7 @@
 #include "apps/coexistence.hpp"
 
+#include <algorithm>
+
 namespace palpate {
 
 void printCoexistences(std::FILE* out, const std::vector<Coexistence>& all) {
@@ -19,6 +21,8 @@ void printCoexistences(std::FILE* out, const std::vector<Coexistence>& all) {
     else
       fmt::print(out, "{:>9}{:>22}{:>20}\n", "–", "–", "–");
   }
+  if (!std::ranges::all_of(all, &Coexistence::realtimePriority))
+    fmt::print(out, "No real-time priority was granted: the scheduler may wake a tick late.\n");
 }
 
 Json toJson(const Coexistence& c) {
@@ -38,6 +42,7 @@ Json toJson(const Coexistence& c) {
             {"fresh_share", c.freshShare},
             {"step_us", summary(c.step_us)},
             {"late_us", {{"p999", c.lateP999_us}, {"max", c.lateMost_us}}},
+            {"realtime_priority", c.realtimePriority},
             {"edits", c.edits},
             {"edits_left_out", c.leftOut},
             {"states_made", c.statesMade},

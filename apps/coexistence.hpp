@@ -27,6 +27,7 @@ struct Coexistence {
   double freshShare = 0;                    ///< of the ticks: answered in time
   Summary step_us;                          ///< from pose to force
   double lateP999_us = 0, lateMost_us = 0;  ///< from when a tick was due to its begin
+  bool realtimePriority = false;            ///< granted to the thread that ticks
   std::uint64_t edits = 0, leftOut = 0;
   std::uint64_t statesMade = 0;  ///< of points, by the edits
   double toolRadius_mm = 0;      ///< 0 where nothing is edited

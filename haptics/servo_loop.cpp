@@ -92,7 +92,7 @@ std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
   std::optional<TickPacer> pacer;
   if (options_.realtime) {
     priority.emplace();
-    pacer.emplace(options_.rate_Hz);
+    pacer.emplace(options_.rate_Hz, priority->granted());
     result.realtimePriority = priority->granted();
   }
   const CrashStop crash(device_);

@@ -17,6 +17,8 @@ constexpr std::int64_t kSecond_ns = 1'000'000'000;
 /// longer spin only burns a core.
 constexpr double kSpin_ns = 50'000;
 constexpr double kMostOfPeriod = 0.5;  // at most this share is spun, so that the core is left to others every tick
+/// Without real-time priority a thread that sleeps at all is now and then woken a whole tick late.
+constexpr double kSpinWithoutPriority_ns = 1'000'000;
 /// With fewer cores the spin would take the time of the driver's threads, on whose answer the tick depends.
 constexpr int kCoresToSpin = 4;
 
@@ -50,9 +52,11 @@ RealtimePriority::~RealtimePriority() {
   if (oldSlack_ns_ > 0) ::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(oldSlack_ns_));
 }
 
-TickPacer::TickPacer(double rate_Hz) noexcept
+TickPacer::TickPacer(double rate_Hz, bool wakesInTime) noexcept
     : period_ns_(1e9 / rate_Hz),
-      spin_ns_(coresToUse() < kCoresToSpin ? 0 : std::llround(std::min(kSpin_ns, kMostOfPeriod * period_ns_))),
+      spin_ns_(coresToUse() < kCoresToSpin ? 0
+               : wakesInTime               ? std::llround(std::min(kSpin_ns, kMostOfPeriod * period_ns_))
+                                           : std::llround(std::min(kSpinWithoutPriority_ns, period_ns_))),
       start_ns_(now_ns()) {}
 
 std::int64_t TickPacer::due_ns(std::uint64_t index) const noexcept {

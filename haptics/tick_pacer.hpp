@@ -29,11 +29,13 @@ class RealtimePriority {
 /// Tick i is due exactly i periods after the pacer was made, however long the ticks before it took.
 class TickPacer {
  public:
-  explicit TickPacer(double rate_Hz) noexcept;
+  /// `wakesInTime`: the thread has real-time priority. Where it has none, the kernel may wake it hundreds of
+  /// microseconds late.
+  TickPacer(double rate_Hz, bool wakesInTime) noexcept;
 
-  /// Waits until tick `index` is due, asleep but for the last moment where cores are to spare, and returns the tick to
-  /// do now: `index`, or a later one when more than a whole period went by unused. Ticks between are lost; they are
-  /// never made up for in a burst.
+  /// Waits until tick `index` is due, asleep but for the last moment where cores are to spare (for the last millisecond
+  /// where it would not wake in time), and returns the tick to do now: `index`, or a later one when more than a whole
+  /// period went by unused. Ticks between are lost; they are never made up for in a burst.
   std::uint64_t waitFor(std::uint64_t index) const noexcept;
 
   /// Time until tick `index` is due; negative once it is.

@@ -103,7 +103,7 @@ GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
 }
 
 CommandList::CommandList(Device& device, const Queue& queue, std::string name, Timing timing)
-    : device_(device), name_(std::move(name)), timing_(timing) {
+    : device_(device), name_(std::move(name)), timing_(timing), givesWay_(&queue == &device.sight()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .pNext = nullptr,
                                          .flags = 0,
@@ -174,16 +174,22 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
                                 VkDescriptorSet images) {
   if (threads == 0) return;
   PALPATE_CHECK_EQ(images != VK_NULL_HANDLE, pipeline.imageLayout() != VK_NULL_HANDLE);
-  const std::uint64_t size = pipeline.workgroupSize();
-  const GroupGrid grid =
-      groupGrid((threads + size - 1) / size, device_.properties().limits.maxComputeWorkGroupCount[0]);
+  const std::uint64_t size = pipeline.workgroupSize(), groups = (threads + size - 1) / size;
+  const std::uint32_t largestAxis = device_.properties().limits.maxComputeWorkGroupCount[0];
+  const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMostSlices - 1) / kMostSlices);
+  const bool slices = givesWay_ && independent_ == Overlap::no && slice <= largestAxis;
+  const GroupGrid grid = groupGrid(groups, slices ? static_cast<std::uint32_t>(slice) : largestAxis);
   orderAfterPrevious(Size::known);
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
   if (images)
     device_.vk().vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0, 1, &images, 0,
                                          nullptr);
-  device_.vk().vkCmdDispatch(commands_, grid.x, grid.y, 1);
+  const std::uint32_t rows = slices ? 1 : grid.y;
+  for (std::uint32_t row = 0; row < grid.y; row += rows) {
+    if (row > 0) orderAfterPrevious(Size::known);
+    device_.vk().vkCmdDispatchBase(commands_, 0, row, 0, grid.x, rows, 1);
+  }
   closePass();
 }
 

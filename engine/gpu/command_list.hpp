@@ -42,6 +42,10 @@ struct DrawTargets {
 /// A command buffer that orders its commands by itself: each one sees all that came before it, in this list and in
 /// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
 /// once between begin() and end(), submit as often as wanted, but never while it is still running.
+///
+/// On the queues of sight and background it gives way: what touch asks for waits until a dispatch that is under way has
+/// handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does so), and so
+/// none may last long.
 class CommandList {
  public:
   /// What is timed: nothing; sections that stand in no other; every section and pass. Each holds the GPU up, by
@@ -127,6 +131,9 @@ class CommandList {
   std::vector<PassRecord> passes() const;
 
  private:
+  // Of one dispatch of a list that gives way, one after another.
+  static constexpr std::uint64_t kMostSlices = 256;
+
   enum class Overlap { no, first, yes };
   enum class Size { known, inMemory };  // of a pass, while it is recorded
 
@@ -147,6 +154,7 @@ class CommandList {
   Device& device_;
   std::string name_;
   Timing timing_;
+  bool givesWay_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   std::unique_ptr<GpuTimer> timer_;

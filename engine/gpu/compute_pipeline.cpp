@@ -21,7 +21,7 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
   const VkComputePipelineCreateInfo info{
       .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
       .pNext = nullptr,
-      .flags = 0,
+      .flags = VK_PIPELINE_CREATE_DISPATCH_BASE_BIT,  // CommandList gives way within a dispatch
       .stage = shader.info(VK_SHADER_STAGE_COMPUTE_BIT,
                            full ? VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT : 0),
       .layout = compiled.layout,
@@ -44,7 +44,10 @@ PipelineStore::Key keyOf(const ShaderCode& code, const PipelineOptions& options,
 }  // namespace
 
 ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
-    : name_(code.name), workgroupSize_(options.workgroupSize), pushBytes_(options.pushBytes) {
+    : name_(code.name),
+      workgroupSize_(options.workgroupSize),
+      sliceThreads_(options.sliceThreads),
+      pushBytes_(options.pushBytes) {
   PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
   PALPATE_CHECK_LE(workgroupSize_, device.properties().limits.maxComputeWorkGroupInvocations);

@@ -10,6 +10,8 @@ namespace {
 
 // Small workgroups: a workgroup lives as long as its largest splat, and the touch side may be waiting for its place.
 constexpr std::uint32_t kWorkgroup = 64;
+// Picking looks at every point, at most of them shortly.
+constexpr std::uint32_t kPickSlice = 1 << 21;
 
 ComputePipeline splatPass(Device& device, const ShaderCode& code, bool large) {
   return {device, code, {.workgroupSize = kWorkgroup, .pushBytes = sizeof(shared::SplatArgs), .constants = {large}}};
@@ -25,7 +27,9 @@ const ShaderCode& attributesCode(const Device& device, bool wideAtomics) {
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
     : device_(device),
       pick_(device, shader_code::render_splat_pick,
-            {.workgroupSize = shared::kPickWorkgroup, .pushBytes = sizeof(shared::SplatArgs)}),
+            {.workgroupSize = shared::kPickWorkgroup,
+             .pushBytes = sizeof(shared::SplatArgs),
+             .sliceThreads = kPickSlice}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
       smallDepth_(splatPass(device, shader_code::render_splat_depth, false)),
       largeDepth_(splatPass(device, shader_code::render_splat_depth, true)),
@@ -35,21 +39,23 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 
 void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
-  const shared::SplatArgs args{.frame = target.frame,
-                               .counts = counts_.address(),
-                               .picked = cloud.picked().address(),
-                               .shares = shares_.address(),
-                               .positions = cloud.positions().address(),
-                               .normals = cloud.normals().address(),
-                               .colors = cloud.colors().address(),
-                               .clips = cloud.clips().address(),
-                               .depth = target.depth,
-                               .normalSums = target.normalSums,
-                               .colorSums = target.colorSums};
+  shared::SplatArgs args{.frame = target.frame,
+                         .counts = counts_.address(),
+                         .picked = cloud.picked().address(),
+                         .shares = shares_.address(),
+                         .positions = cloud.positions().address(),
+                         .normals = cloud.normals().address(),
+                         .colors = cloud.colors().address(),
+                         .clips = cloud.clips().address(),
+                         .depth = target.depth,
+                         .normalSums = target.normalSums,
+                         .colorSums = target.colorSums};
   const auto walk = [&](const ComputePipeline& small, const ComputePipeline& large) {
-    const auto overlap = list.independent();
-    list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
-    list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
+    for (args.turn = 0; args.turn < shared::kSplatTurns; ++args.turn) {
+      const auto overlap = list.independent();
+      list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
+      list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
+    }
   };
   const auto section = list.section("splat");
   list.fill(counts_, 0, counts_.bytes());

@@ -34,8 +34,9 @@ class SplatRadii {
   double spacing_, widest_;
   SpatialHash hash_;
   LiveCloud::Side ordered_;  // the points in hash order
-  ComputePipeline pass_;
+  ComputePipeline pass_, changedPass_;
   Buffer reaches_, changed_, largest_, largestRead_;
+  Buffer list_, listed_;  // of the slots that are measured again
 };
 
 }  // namespace palpate

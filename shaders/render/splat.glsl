@@ -69,10 +69,11 @@ void goOn(inout Splat splat) {
 // The share of this invocation, in the pass over small or large splats; false when it has none. `view` is frame.view,
 // held in registers by the caller.
 bool loadSplat(RenderView view, bool large, out Splat splat) {
+  const uint thread = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x + threadIndex();
   uint tile = 0;
   bool crowded = false;
   if (large) {
-    const uint share = threadIndex() / kSplatWalkers;
+    const uint share = thread / kSplatWalkers;
     const uint shares = args.counts.at[0].shares;
     crowded = shares > kMaxShares;
     if (share >= (crowded ? args.counts.at[0].large : shares)) return false;
@@ -81,8 +82,8 @@ bool loadSplat(RenderView view, bool large, out Splat splat) {
     splat.point = entry.x;
     tile = entry.y;
   } else {
-    if (threadIndex() >= args.counts.at[0].small) return false;
-    splat.point = args.picked.at[threadIndex()];
+    if (thread >= args.counts.at[0].small) return false;
+    splat.point = args.picked.at[thread];
   }
   if (!loadDisc(view, splat.point, splat.disc)) return false;
   splat.box = splatBox(view, splat.disc);
@@ -94,7 +95,7 @@ bool loadSplat(RenderView view, bool large, out Splat splat) {
     splat.box.last = min(splat.box.last, splat.box.first + kTile - 1);
   }
   const int width = splat.box.last.x - splat.box.first.x + 1;
-  const int walkers = large ? int(kSplatWalkers) : 1, walker = int(threadIndex()) % walkers;
+  const int walkers = large ? int(kSplatWalkers) : 1, walker = int(thread % uint(walkers));
   splat.pixel = splat.box.first + ivec2(walker % width, walker / width);
   splat.stride = ivec2(walkers % width, walkers / width);
   return true;

@@ -7,8 +7,9 @@
 
 layout(push_constant, scalar) uniform Push { SplatPlanArgs args; };
 
+// Of one turn.
 uint rowsFor(uint splats, uint perGroup) {
-  const uint perRow = kSplatRow * perGroup;
+  const uint perRow = kSplatTurns * kSplatRow * perGroup;
   return splats / perRow + uint(splats % perRow != 0);
 }
 

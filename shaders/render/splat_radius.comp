@@ -94,18 +94,6 @@ vec2 clipLine(vec3 center, float radius) {
   return nearest * radius * vec2(subgroupShuffle(clipDirection.x, owner), subgroupShuffle(clipDirection.y, owner));
 }
 
-bool changedWithin(vec3 center, float radius) {
-  const ivec3 low = cellOf(args.cloud.grid, center - radius);
-  const uvec3 size = uvec3(cellOf(args.cloud.grid, center + radius) - low + 1);
-  bool changed = false;
-  for (uint c = gl_SubgroupInvocationID; c < size.x * size.y * size.z; c += gl_SubgroupSize) {
-    const ivec3 cell = low + ivec3(c % size.x, c / size.x % size.y, c / (size.x * size.y));
-    const uint bucket = bucketOf(args.cloud.grid, cell);
-    changed = changed || (args.changed.at[bucket / 32] >> bucket % 32 & 1) != 0;
-  }
-  return subgroupAny(changed);
-}
-
 float leastOf(vec3 v) { return min(min(v.x, v.y), v.z); }
 float mostOf(vec3 v) { return max(max(v.x, v.y), v.z); }
 
@@ -143,12 +131,13 @@ float radiusInPlane(float usual, float open) {
 }
 
 void main() {
-  const uint slot = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
-  if (slot >= args.cloud.slots) return;
+  const uint before = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y;  // workgroups
+  const uint splat = (before + workgroupIndex()) * gl_NumSubgroups + gl_SubgroupID;
+  if (splat >= (args.onlyListed != 0 ? args.counts.count : args.cloud.slots)) return;
+  const uint slot = args.onlyListed != 0 ? args.list.at[splat] : splat;
   const vec4 point = args.cloud.positions.at[slot];
   const uint id = floatBitsToUint(point.w);
   if (id == kEmptySlot) return;
-  if (args.onlyChanged != 0 && !changedWithin(point.xyz, uintBitsToFloat(args.reaches.at[id]))) return;
 
   selfNormal = args.cloud.normals.at[slot].xyz;
   hasPlane = dot(selfNormal, selfNormal) > 0.25;

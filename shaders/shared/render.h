@@ -23,6 +23,8 @@ const uint kCrowdedSplat = 64;
 const uint kPickWorkgroup = 512;
 // Workgroups in a row of a splat pass: one axis holds too few for all points.
 const uint kSplatRow = 256;
+// Splats are walked in so many turns, since touch may have to wait for the end of one. Each costs a few us.
+const uint kSplatTurns = 6;
 // Samples. Discs never have a smaller radius in the picture; where theirs is, a share of the points is drawn that falls
 // with its square. Larger blurs, smaller draws points that nobody can tell apart.
 const float kFinestSplat = 1;
@@ -149,7 +151,7 @@ struct SplatCounts {
   uint small, large;
   uint shares;  // may exceed kMaxShares; the list ends there
   float sumScale;  // fixed-point unit of their sums
-  uint smallGroups[3], largeGroups[3];  // workgroups that walk them
+  uint smallGroups[3], largeGroups[3];  // workgroups that walk them, in each of kSplatTurns turns
 };
 PALPATE_SIZE(SplatCounts, 40);
 
@@ -169,8 +171,10 @@ struct SplatArgs {
   PALPATE_ADDRESS(Uints) depth;       // one per sample: bits of the nearest depth
   PALPATE_ADDRESS(Uints) normalSums;  // four per sample (shaders/render/sums.glsl)
   PALPATE_ADDRESS(Uints) colorSums;   // three per sample
+  uint turn;                          // of those that walk splats
+  uint unused;
 };
-PALPATE_SIZE(SplatArgs, 88);
+PALPATE_SIZE(SplatArgs, 96);
 
 struct SplatPlanArgs {
   PALPATE_ADDRESS(SplatCountsAt) counts;

@@ -52,19 +52,55 @@ const float kSplatEdgeReach = 2.0f;
 const uint kSplatWorkBudget = 1000;
 const uint kSplatEdgeWorkBudget = 800;
 
+// Workgroups that every GPU takes along one axis.
+const uint kMostGroups = 65535;
+
+// Discs are measured again in so many turns, since touch may have to wait for the end of one.
+const uint kSplatRadiusTurns = 6;
+
+// Of the points whose discs are measured again.
+struct ChangedSplats {
+  uvec3 groups;  // workgroups that measure them in one turn
+  uint count;
+};
+PALPATE_SIZE(ChangedSplats, 16);
+
+PALPATE_SHARED_END
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ChangedSplatsAt {
+  uvec3 groups;
+  uint count;
+};
+#endif
+
+PALPATE_SHARED_BEGIN
+
+struct SplatChangedArgs {
+  CloudView cloud;                    // the points in hash order
+  PALPATE_ADDRESS(Uints) reaches;     // as below
+  PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
+  PALPATE_ADDRESS(Uints) list;        // gets the slots of the points, in any order
+  PALPATE_ADDRESS(ChangedSplatsAt) counts;
+  uint splatsPerGroup;                // that one workgroup measures in all turns
+  uint unused;
+};
+PALPATE_SIZE(SplatChangedArgs, 96);
+
 struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order
   PALPATE_ADDRESS(Vec4s) normals;     // by id; the radius goes into w
   PALPATE_ADDRESS(Uints) clips;       // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
   PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last look went, model units
-  PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
+  PALPATE_ADDRESS(Uints) list;        // slots of the points to measure, where `onlyListed` is set
+  PALPATE_ADDRESS(ChangedSplatsAt) counts;
   PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
   float spacing;                      // mean, model units
   float widest;                       // border that is believed, model units
-  uint onlyChanged;                   // not 0: leaves points alone about which nothing has changed
-  uint unused;
+  uint onlyListed;                    // 0: measures all, in one turn
+  uint turn;
 };
-PALPATE_SIZE(SplatRadiusArgs, 112);
+PALPATE_SIZE(SplatRadiusArgs, 120);
 
 PALPATE_SHARED_END
 #endif

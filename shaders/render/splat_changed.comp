@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_KHR_shader_subgroup_ballot : require
+// Lists the points whose discs have to be measured again: those that looked at a bucket in which something has changed.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/splat_radius.h"
+
+layout(push_constant, scalar) uniform Push { SplatChangedArgs args; };
+
+bool changedWithin(vec3 center, float radius) {
+  const ivec3 low = cellOf(args.cloud.grid, center - radius), high = cellOf(args.cloud.grid, center + radius);
+  for (int z = low.z; z <= high.z; ++z)
+    for (int y = low.y; y <= high.y; ++y)
+      for (int x = low.x; x <= high.x; ++x) {
+        const uint bucket = bucketOf(args.cloud.grid, ivec3(x, y, z));
+        if ((args.changed.at[bucket / 32] >> bucket % 32 & 1) != 0) return true;
+      }
+  return false;
+}
+
+void main() {
+  const uint slot = threadIndex();
+  bool listed = false;
+  if (slot < args.cloud.slots) {
+    const vec4 point = args.cloud.positions.at[slot];
+    const uint id = floatBitsToUint(point.w);
+    if (id != kEmptySlot) listed = changedWithin(point.xyz, uintBitsToFloat(args.reaches.at[id]));
+  }
+  const uvec4 ballot = subgroupBallot(listed);
+  const uint here = subgroupBallotBitCount(ballot);
+  if (here == 0) return;
+  uint first = 0;
+  if (subgroupElect()) {
+    first = atomicAdd(args.counts.count, here);
+    const uint groups = (first + here + args.splatsPerGroup - 1) / args.splatsPerGroup;
+    atomicMax(args.counts.groups.x, min(groups, kMostGroups));
+    atomicMax(args.counts.groups.y, (groups + kMostGroups - 1) / kMostGroups);
+  }
+  first = subgroupBroadcastFirst(first);
+  if (listed) args.list.at[first + subgroupBallotExclusiveBitCount(ballot)] = slot;
+}
