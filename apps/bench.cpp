@@ -9,6 +9,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "engine/mesh/mesh_plan.hpp"
 #include "shaders/shared/render.h"
 
 namespace palpate {
@@ -246,6 +247,12 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--raster", options->rasters, "splat: who draws the discs, as in render; several are compared")
       ->delimiter(',')
       ->capture_default_str();
+  sub->add_option("--mesh", options->meshes,
+                  "splat: draws marching cubes, too, with so many cells along the longest side, from the same clouds "
+                  "and cameras; one table of all ways")
+      ->check(between(1, kFinestLattice))
+      ->delimiter(',')
+      ->type_name("N,...");
   sub->add_option("--plot", options->plotFile, "draw times against points, a line for each way (needs matplotlib)")
       ->type_name("IMG.png");
   addIndexOptions(*sub, options->backend);

@@ -56,6 +56,7 @@ struct BenchOptions {
   std::uint32_t samples = 4;                    ///< of a pixel, for splat
   std::vector<std::uint32_t> smooths_px{0};     ///< of splat (FrameOptions::smooth_px)
   std::vector<std::string> rasters{"compute"};  ///< of splat (FrameOptions::raster)
+  std::vector<std::int64_t> meshes;             ///< lattices of the meshes that splat compares
   BackendOptions backend;
   TouchBenchOptions touch;
   EditBenchOptions edit;

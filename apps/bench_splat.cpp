@@ -4,6 +4,7 @@
 #include "apps/bench.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/picture_judge.hpp"
+#include "apps/picture_way.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "engine/gpu/workgroup_watch.hpp"
@@ -23,10 +24,13 @@ struct SplatCost {
   std::string subject, raster;
   std::size_t points = 0;
   FrameTimes times;
-  std::uint64_t bytes = 0;                  ///< of the drawn cloud and the frame's images
+  Summary made_ms;                          ///< on the GPU, of a mesh
+  std::uint64_t bytes = 0;                  ///< of what is drawn and the frame's images
   std::vector<WorkgroupWatch::Life> lives;  ///< of its workgroups, by pass; none where the GPU has no clock
 
   double fps() const { return times.wall_ms.p50 > 0 ? 1000 / times.wall_ms.p50 : 0; }
+  /// Where the points move, a mesh comes anew with each picture.
+  double fpsMadeAnew() const { return fps() > 0 ? 1000 / (times.wall_ms.p50 + made_ms.p50) : 0; }
 };
 
 struct SplatQuality {
@@ -35,6 +39,7 @@ struct SplatQuality {
   std::size_t points = 0;
   double spacing = 0;
   PictureJudgement picture;
+  std::optional<SplatCost> cost;  ///< of the same picture, shaded; where meshes are compared
 };
 
 struct Condition {
@@ -43,12 +48,12 @@ struct Condition {
 };
 constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
 
-FrameTimes measureFrames(Device& device, Frame& frame, const DrawnCloud& drawn, const Camera& camera, Raster raster,
+FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, const Camera& camera,
                          const BenchOptions& options) {
   FrameTimes times;
   CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
   list.begin();
-  frame.record(list, drawn, camera, {.raster = raster});
+  way.record(frame, list, camera, {});
   list.end();
   device.sight().run(list);  // pipelines are made ready at their first use
   std::vector<std::string> names;
@@ -89,30 +94,48 @@ std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& draw
   return watch.longest();
 }
 
-SplatCost costOf(Context& context, const Subject& subject, const UVec2& size, const std::string& raster,
-                 const BenchOptions& options) {
+SplatCost costOf(Context& context, const std::string& subject, const Model& model, const PictureWay& way,
+                 const Camera& camera, const UVec2& size, const BenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
-  const DrawnCloud drawn(device, subject.model.cloud, {.spacing = subject.model.spacing});
   const std::uint32_t supersample = options.samples > 1 ? 2 : 1;
   Frame frame(device, size.x, size.y, supersample);
-  SplatCost cost{.subject = subject.name, .raster = raster, .points = subject.model.cloud.size()};
-  const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
-  cost.times = measureFrames(device, frame, drawn, camera, rasterNamed(raster), options);
-  cost.bytes = device.allocatedBytes() - before;
-  if (rasterNamed(raster) == Raster::compute) cost.lives = livesOf(device, drawn, camera, size, supersample);
+  SplatCost cost{.subject = subject, .raster = way.name, .points = model.cloud.size(), .made_ms = way.made_ms};
+  cost.times = measureFrames(device, frame, way, camera, options);
+  cost.bytes = way.bytes + device.allocatedBytes() - before;
+  if (way.name == "compute") cost.lives = livesOf(device, *way.discs, camera, size, supersample);
   return cost;
 }
 
-PictureJudgement judge(Device& device, const PictureTruth& truth, const DrawnCloud& drawn, std::uint32_t smooth_px,
-                       Raster raster) {
+PictureJudgement judge(Device& device, const PictureTruth& truth, const PictureWay& way, double spacing,
+                       std::uint32_t smooth_px) {
   Frame frame(device, truth.width, truth.height, 1);
   CommandList list(device, device.sight(), "judged frame");
   list.begin();
-  frame.record(list, drawn, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px, .raster = raster});
+  way.record(frame, list, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px});
   list.end();
   device.sight().run(list);
-  return judgePicture(truth, frame.readDepth(), frame.readColor(), drawn.spacing());
+  return judgePicture(truth, frame.readDepth(), frame.readColor(), spacing);
+}
+
+// One cloud, drawn in each way and held against the truth. Where discs and meshes are compared, times of the same
+// pictures stand beside that.
+void judgeWays(Context& context, const std::string& shape, const std::string& condition, const Model& model,
+               const PictureTruth& truth, const BenchOptions& options, std::vector<SplatQuality>& results) {
+  forEachWay(context, model, options, [&](const PictureWay& way) {
+    std::optional<SplatCost> cost;
+    if (!options.meshes.empty())
+      cost = costOf(context, shape, model, way, truth.camera, {truth.width, truth.height}, options);
+    for (const std::uint32_t smooth_px : options.smooths_px)
+      results.push_back({.shape = shape,
+                         .condition = condition,
+                         .raster = way.name,
+                         .smooth_px = smooth_px,
+                         .points = model.cloud.size(),
+                         .spacing = model.spacing,
+                         .picture = judge(context.device(), truth, way, model.spacing, smooth_px),
+                         .cost = cost});
+  });
 }
 
 void judgeShapes(Context& context, const UVec2& size, const BenchOptions& options, std::vector<SplatQuality>& results) {
@@ -131,17 +154,9 @@ void judgeShapes(Context& context, const UVec2& size, const BenchOptions& option
       // Without a closed formula a ray takes a hundred times as long.
       const std::uint32_t stride = name == "bumpy-sphere" ? 4 : 1;
       if (!truth) truth = pictureTruth(traced(*shape), cloud, size.x, size.y, stride, context.threads());
-      const double spacing = meanSpacing(cloud, context.threads());
-      const DrawnCloud seen(context.device(), cloud, {.spacing = spacing});
-      for (const std::string& raster : options.rasters)
-        for (const std::uint32_t smooth_px : options.smooths_px)
-          results.push_back({.shape = std::string(name),
-                             .condition = std::string(condition.name),
-                             .raster = raster,
-                             .smooth_px = smooth_px,
-                             .points = cloud.size(),
-                             .spacing = spacing,
-                             .picture = judge(context.device(), *truth, seen, smooth_px, rasterNamed(raster))});
+      Model model{.cloud = std::move(cloud), .scale = {1}};
+      model.spacing = meanSpacing(model.cloud, context.threads());
+      judgeWays(context, std::string(name), std::string(condition.name), model, *truth, options, results);
     }
   }
 }
@@ -157,16 +172,7 @@ void judgeScan(Context& context, const Subject& subject, const UVec2& size, cons
   bounds.min += cloud.origin;
   bounds.max += cloud.origin;
   const PictureTruth truth = pictureTruth(traced(mesh, bounds), cloud, size.x, size.y, kStride, context.threads());
-  const DrawnCloud seen(context.device(), cloud, {.spacing = subject.model.spacing});
-  for (const std::string& raster : options.rasters)
-    for (const std::uint32_t smooth_px : options.smooths_px)
-      results.push_back({.shape = subject.name,
-                         .condition = "scan",
-                         .raster = raster,
-                         .smooth_px = smooth_px,
-                         .points = cloud.size(),
-                         .spacing = subject.model.spacing,
-                         .picture = judge(context.device(), truth, seen, smooth_px, rasterNamed(raster))});
+  judgeWays(context, subject.name, "scan", subject.model, truth, options, results);
 }
 
 std::string shortName(std::string name) {
@@ -200,6 +206,22 @@ void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
     fmt::print(out, "{:<20}{:<16}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.raster, cost.points,
                cell(cost.times.gpu_ms), cell(cost.times.wall_ms), cost.fps(),
                static_cast<double>(cost.bytes) / (1 << 20));
+}
+
+// As in the thesis's Tables 3.1 and 3.2: discs beside meshes, what they cost and what they are worth.
+void printWays(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size, std::uint32_t samples) {
+  fmt::print(out, "\nsplat and mesh, {} x {}, samples of a pixel: {}; against truth with one\n", size.x, size.y,
+             samples);
+  fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8}{:>16}{:>8}{:>8}{:>12}{:>22}{:>22}\n", "shape",
+             "cloud", "way", "smooth", "points", "mesh made, ms", "picture, ms", "fps", "fps, made anew", "MiB",
+             "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  for (const SplatQuality& q : qualities)
+    fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8.0f}{:>16.0f}{:>8.0f}{:>8}{:>12.2f}{:>22.3f}{:>22}\n",
+               q.shape, q.condition, q.raster, q.smooth_px, q.points,
+               q.cost->made_ms.count > 0 ? cell(q.cost->made_ms) : "", cell(q.cost->times.gpu_ms), q.cost->fps(),
+               q.cost->fpsMadeAnew(), static_cast<double>(q.cost->bytes) / (1 << 20), q.picture.holes,
+               q.picture.overlap, q.picture.depthRms,
+               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
 }
 
 void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
@@ -245,22 +267,26 @@ Json toJson(const SplatCost& cost) {
           {"gpu_ms", toJson(cost.times.gpu_ms)},
           {"picture_ms", toJson(cost.times.wall_ms)},
           {"fps", cost.fps()},
+          {"made_ms", toJson(cost.made_ms)},
+          {"fps_made_anew", cost.fpsMadeAnew()},
           {"longest_workgroup_us", lives},
           {"bytes", cost.bytes}};
 }
 
 Json toJson(const SplatQuality& q) {
-  return {{"shape", q.shape},
-          {"condition", q.condition},
-          {"raster", q.raster},
-          {"smooth_px", q.smooth_px},
-          {"points", q.points},
-          {"spacing", q.spacing},
-          {"pixels", q.picture.pixels},
-          {"hole_pixels", q.picture.holes},
-          {"overlap_percent", q.picture.overlap},
-          {"depth_rms_spacings", q.picture.depthRms},
-          {"normal_deg", {{"mean", q.picture.normalMean_deg}, {"p95", q.picture.normalP95_deg}}}};
+  Json quality{{"shape", q.shape},
+               {"condition", q.condition},
+               {"raster", q.raster},
+               {"smooth_px", q.smooth_px},
+               {"points", q.points},
+               {"spacing", q.spacing},
+               {"pixels", q.picture.pixels},
+               {"hole_pixels", q.picture.holes},
+               {"overlap_percent", q.picture.overlap},
+               {"depth_rms_spacings", q.picture.depthRms},
+               {"normal_deg", {{"mean", q.picture.normalMean_deg}, {"p95", q.picture.normalP95_deg}}}};
+  if (q.cost) quality["cost"] = toJson(*q.cost);
+  return quality;
 }
 
 }  // namespace
@@ -278,16 +304,24 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    for (const std::string& raster : options.rasters) costs.push_back(costOf(context, subject, size, raster, options));
+    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
+    forEachWay(context, subject.model, options, [&](const PictureWay& way) {
+      costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
+    });
     if (scan) judgeScan(context, subject, size, options, qualities);
   }
   std::ranges::stable_sort(costs, {}, &SplatCost::points);
   if (!options.touch.quick && !scan) judgeShapes(context, size, options, qualities);
-  for (const std::string& raster : options.rasters)
-    printPassCosts(context.tables(), costs, raster, size, options.samples);
+  std::vector<std::string> ways;
+  for (const SplatCost& cost : costs)
+    if (std::ranges::find(ways, cost.raster) == ways.end()) ways.push_back(cost.raster);
+  for (const std::string& way : ways) printPassCosts(context.tables(), costs, way, size, options.samples);
   printCosts(context.tables(), costs);
   printLives(context.tables(), costs);
-  printQualities(context.tables(), qualities, size);
+  if (options.meshes.empty())
+    printQualities(context.tables(), qualities, size);
+  else if (!qualities.empty())
+    printWays(context.tables(), qualities, size, options.samples);
   Json result{
       {"size", {width, height}}, {"samples", options.samples}, {"costs", Json::array()}, {"qualities", Json::array()}};
   for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));

@@ -1,5 +1,6 @@
 #include "apps/mesh_options.hpp"
 #include "apps/picture.hpp"
+#include "apps/picture_way.hpp"
 
 namespace palpate {
 
@@ -13,16 +14,9 @@ struct RenderOptions {
 };
 
 void drawMesh(Context& context, const Model& model, const RenderOptions& options) {
-  const MeshPlan plan = planFor(model, options.mesh);
-  MarchingCubes cubes = makeCubes(context, model, plan);
+  MarchingCubes cubes = makeCubes(context, model, planFor(model, options.mesh));
   cubes.build();
-  const DrawnMesh drawn{.vertices = cubes.vertices().address(),
-                        .triangles = cubes.triangles().address(),
-                        .triangleCount = cubes.triangleCount(),
-                        .hasColors = cubes.hasColors(),
-                        .bounds = boundsOf(model.cloud),
-                        .cell = static_cast<double>(plan.lattice.cell)};
-  takePicture(context, model, drawn, options.picture, {}, options.output);
+  takePicture(context, model, drawnMesh(cubes, model), options.picture, {}, options.output);
 }
 
 void render(Context& context, const RenderOptions& options) {

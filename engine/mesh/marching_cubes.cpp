@@ -94,14 +94,14 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
       list_(device, shader_code::mesh_list, {.pushBytes = sizeof(shared::MeshArgs)}),
       touch_(device, shader_code::mesh_touch_blocks, {.pushBytes = sizeof(shared::MeshArgs)}),
       field_(device, shader_code::mesh_field,
-             {.workgroupSize = shared::kMeshWorkgroup,
+             {.workgroupSize = shared::kMeshFieldWorkgroup,
               .pushBytes = sizeof(shared::MeshArgs),
               .constants = {static_cast<std::uint32_t>(plan.surface)}}),
       classify_(device, shader_code::mesh_classify,
                 {.workgroupSize = shared::kMeshWorkgroup, .pushBytes = sizeof(shared::MeshArgs)}),
       count_(device, shader_code::mesh_count, {.pushBytes = sizeof(shared::MeshArgs)}),
       vertices_(device, shader_code::mesh_vertices,
-                {.workgroupSize = shared::kMeshWorkgroup,
+                {.workgroupSize = shared::kMeshVertexWorkgroup,
                  .pushBytes = sizeof(shared::MeshArgs),
                  .constants = {static_cast<std::uint32_t>(plan.surface), colored_ ? 1u : 0u}}),
       writeTriangles_(device, shader_code::mesh_triangles,
@@ -263,7 +263,7 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   }
   {
     const auto section = list.section("field");
-    list.dispatch(field_, slots * shared::kMeshWorkgroup, args(slots, update));
+    list.dispatch(field_, slots * shared::kMeshFieldParts * shared::kMeshFieldWorkgroup, args(slots, update));
   }
   {
     const auto section = list.section("classify");
@@ -303,7 +303,7 @@ void MarchingCubes::writeTriangles(MeshStep& step, bool update) {
   {
     const auto section = list.section("vertices");
     if (vertexCount_ > 0)
-      list.dispatch(vertices_, std::uint64_t{slots_} * shared::kMeshWorkgroup, args(slots_, update));
+      list.dispatch(vertices_, std::uint64_t{slots_} * shared::kMeshVertexWorkgroup, args(slots_, update));
   }
   {
     const auto section = list.section("triangles");

@@ -1,15 +1,30 @@
-// The surface at many places of a box: a workgroup fetches the points that any of them may see, piece by piece, into
-// shared memory, and each invocation sums over them for its own place. A place sees its points in the order of
-// the hash cells, and then of the points, whatever else is near; so what comes out depends on those points alone.
+// The surface at many places of a box. A workgroup fetches the points that any of them may see, piece by piece, into
+// shared memory; every brick of neighbouring places notes which of them may be seen from there, a bit for each, and a
+// few invocations share the points of each place. What a place does not see adds zero, and the others are summed in an
+// order that follows from the points within a support radius of the box: so what comes out depends on those alone.
+// Who includes this says how many invocations a workgroup has, kLanes, a multiple of 32, and how many of them share a
+// place, kSharers, a power of two up to 4.
 #ifndef PALPATE_MESH_BLOCK_SURFACE_GLSL
 #define PALPATE_MESH_BLOCK_SURFACE_GLSL
+
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
 
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/mesh/field.glsl"
 
 layout(constant_id = 2) const bool kMeshColored = false;
 
-const uint kPiece = 2 * kMeshWorkgroup;  // points in shared memory; a round adds kMeshWorkgroup at most
+const uint kPlaces = kLanes / kSharers;
+const uint kBrick = 32;  // invocations in a row whose places are looked at as one box; bits of a word
+const uint kBricks = kLanes / kBrick;
+// Of the points in a word, those that an invocation takes.
+const uint kShare = kSharers == 1 ? 0xffffffffu : kSharers == 2 ? 0x55555555u : 0x11111111u;
+// Points in shared memory. More leave room for fewer workgroups at a time, fewer cost more looks of the bricks.
+const uint kPiece = max(512, kLanes);
+const uint kPieceWords = kPiece / kBrick;
+// What rounding may add to the square of a distance, support radii: a brick must not miss a point.
+const float kSlack = 1e-4;
 
 struct Answer {
   Surface surface;
@@ -19,15 +34,18 @@ struct Answer {
 // Of the place of this invocation.
 FieldSums placeSums;
 vec4 colorSums;
-shared uint cellStart[kMeshWorkgroup];  // candidates before this cell's, in this round
-shared uint cellFirst[kMeshWorkgroup];  // its first point
-shared vec3 piecePositions[kPiece];
-shared vec3 pieceNormals[kPiece];
-shared uint pieceColors[kPiece];
+shared uint cellStart[kLanes];  // candidates before this cell's, in this round
+shared uint cellFirst[kLanes];  // its first point
+// Place in the box, support radii, and normal: two wide loads for a point.
+shared vec4 piecePlaces[kPiece];  // and the normal's x
+shared vec2 pieceNormals[kPiece];
+shared uint pieceColors[kMeshColored ? kPiece : 1];
+shared uint seenByBrick[kBricks * kPieceWords];
 uint pieceCount = 0;
 
 struct Box {
   vec3 low, high;  // around the places, model units
+  vec3 middle;
   ivec3 firstCell;
   uvec3 size;
   uint cells;
@@ -38,95 +56,152 @@ Box boxAround(vec3 low, vec3 high) {
   Box box;
   box.low = low;
   box.high = high;
+  box.middle = 0.5 * (low + high);
   box.firstCell = cellOf(args.cloud.grid, low - margin);
   box.size = uvec3(cellOf(args.cloud.grid, high + margin) - box.firstCell + 1);
   box.cells = box.size.x * box.size.y * box.size.z;
   return box;
 }
 
-ivec3 cellAt(Box box, uint c) {
-  return box.firstCell + ivec3(c % box.size.x, c / box.size.x % box.size.y, c / (box.size.x * box.size.y));
+uvec2 rangeOf(Box box, uint c) {
+  if (c >= box.cells) return uvec2(0);
+  const uint row = c / box.size.x;
+  const ivec3 cell = box.firstCell + ivec3(c % box.size.x, row % box.size.y, row / box.size.y);
+  return args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
 }
 
-uvec2 rangeOf(Box box, uint c) {
-  return c < box.cells ? args.cloud.ranges.at[bucketOf(args.cloud.grid, cellAt(box, c))] : uvec2(0);
+bool isInCell(Box box, vec3 point, uint c) {
+  const uvec3 cell = uvec3(cellOf(args.cloud.grid, point) - box.firstCell);
+  return all(lessThan(cell, box.size)) && (cell.z * box.size.y + cell.y) * box.size.x + cell.x == c;
 }
 
 // Of the round's cells the last whose candidates begin at or before `candidate`.
 uint cellOfCandidate(uint candidate) {
   uint cell = 0;
-  for (uint step = kMeshWorkgroup / 2; step > 0; step /= 2)
+  for (uint step = kLanes / 2; step > 0; step /= 2)
     if (cellStart[cell + step] <= candidate) cell += step;
   return cell;
 }
 
-void sumPiece(vec3 place, bool wanted, Surface before) {
+// Of the box, support radii.
+vec3 placeInBox(Box box, vec3 place) { return (place - box.middle) / args.lattice.radius; }
+
+// The box around the places of a brick, as placeInBox().
+struct Brick {
+  vec3 low, high;
+};
+
+// Each invocation holds a point of a word against its own brick.
+void findSeen(Brick brick) {
+  const uint lane = scanIndex();
+  for (uint i = lane; i < kBricks * kPieceWords; i += kLanes) seenByBrick[i] = 0;
   barrier();
-  const float scale = 1.0 / args.lattice.radius;
-  for (uint i = 0; i < pieceCount && wanted; ++i) {
-    const vec3 d = (piecePositions[i] - place) * scale;
-    if (dot(d, d) >= 1.0) continue;
-    const float w = addPoint(placeSums, d, pieceNormals[i], before);
-    if (kMeshColored) colorSums += w * vec4(unpackUnorm4x8(pieceColors[i]).rgb, 1.0);
+  for (uint word = 0; word * kBrick < pieceCount; ++word) {
+    const uint i = word * kBrick + lane % kBrick;
+    const vec3 place = piecePlaces[i].xyz;
+    const vec3 away = place - clamp(place, brick.low, brick.high);
+    const uvec4 seen = subgroupBallot(i < pieceCount && dot(away, away) < 1.0 + kSlack);
+    // Subgroups may be smaller than a brick or larger.
+    if (gl_SubgroupInvocationID % kBrick == 0)
+      atomicOr(seenByBrick[lane / kBrick * kPieceWords + word],
+               seen[gl_SubgroupInvocationID / kBrick] << (lane % kBrick));
   }
-  pieceCount = 0;
   barrier();
 }
 
-// One look at all points that the box sees, of which every `stride`th is taken.
-void sumBox(Box box, uint stride, vec3 place, bool wanted, Surface before) {
+void sumPiece(vec3 place, Brick brick, bool wanted, Surface before) {
+  findSeen(brick);
+  const uint firstWord = scanIndex() / kBrick * kPieceWords;
+  const uint share = kShare << scanIndex() % kSharers;
+  for (uint word = 0; word * kBrick < pieceCount && wanted; ++word)
+    for (uint bits = seenByBrick[firstWord + word] & share; bits != 0; bits &= bits - 1) {
+      const uint i = word * kBrick + findLSB(bits);
+      const vec4 point = piecePlaces[i];
+      const float w = addPoint(placeSums, point.xyz - place, vec3(point.w, pieceNormals[i]), before);
+      if (kMeshColored) colorSums += w * vec4(unpackUnorm4x8(pieceColors[i]).rgb, 1.0);
+    }
+  barrier();
+}
+
+void putInPiece(uint at, Box box, vec3 position, vec3 normal, uint id) {
+  piecePlaces[at] = vec4(placeInBox(box, position), normal.x);
+  pieceNormals[at] = normal.yz;
+  if (kMeshColored) pieceColors[at] = args.buffers.at[0].colors.at[id];
+}
+
+// One look at all points that the box sees, of which every `stride`th is taken. `firstRange`: rangeOf() the cell of
+// this invocation's number.
+void sumBox(Box box, uvec2 firstRange, uint stride, vec3 place, Brick brick, bool wanted, Surface before) {
   const uint lane = scanIndex();
   const float radius = 1.0001 * args.lattice.radius;
-  for (uint firstCell = 0; firstCell < box.cells; firstCell += kMeshWorkgroup) {
-    const uvec2 range = rangeOf(box, firstCell + lane);
+  pieceCount = 0;
+  for (uint firstCell = 0; firstCell < box.cells; firstCell += kLanes) {
+    const uvec2 range = firstCell == 0 ? firstRange : rangeOf(box, firstCell + lane);
     uint total;
     cellStart[lane] = workgroupExclusiveScan(range.y - range.x, total);
     cellFirst[lane] = range.x;
     barrier();
-    for (uint base = 0; base < total; base += kMeshWorkgroup * stride) {
+    for (uint base = 0; base < total; base += kLanes * stride) {
       const uint candidate = base + lane * stride;
       bool near = false;
-      uint slot = 0;
-      vec4 point;
+      vec4 point = vec4(0.0);
+      vec3 normal = vec3(0.0);
       if (candidate < total) {
         const uint owner = cellOfCandidate(candidate);
-        slot = cellFirst[owner] + candidate - cellStart[owner];
+        const uint slot = cellFirst[owner] + candidate - cellStart[owner];
         point = args.cloud.positions.at[slot];
         const vec3 away = point.xyz - clamp(point.xyz, box.low, box.high);
         // Another cell of the box may share the bucket: its points are taken as that one's.
-        near = dot(away, away) < radius * radius &&
-               cellOf(args.cloud.grid, point.xyz) == cellAt(box, firstCell + owner);
+        near = dot(away, away) < radius * radius && isInCell(box, point.xyz, firstCell + owner);
+        if (near) normal = args.cloud.normals.at[slot].xyz;
       }
       uint found;
       const uint at = pieceCount + workgroupExclusiveScan(near ? 1 : 0, found);
-      if (near) {
-        piecePositions[at] = point.xyz;
-        pieceNormals[at] = args.cloud.normals.at[slot].xyz;
-        if (kMeshColored) pieceColors[at] = args.buffers.at[0].colors.at[floatBitsToUint(point.w)];
-      }
+      if (near && at < kPiece) putInPiece(at, box, point.xyz, normal, floatBitsToUint(point.w));
       pieceCount += found;
-      if (pieceCount > kPiece - kMeshWorkgroup) sumPiece(place, wanted, before);
+      if (pieceCount < kPiece) continue;
+      const uint rest = pieceCount - kPiece;
+      pieceCount = kPiece;
+      sumPiece(place, brick, wanted, before);
+      if (near && at >= kPiece) putInPiece(at - kPiece, box, point.xyz, normal, floatBitsToUint(point.w));
+      pieceCount = rest;
     }
     barrier();
   }
-  sumPiece(place, wanted, before);
+  sumPiece(place, brick, wanted, before);
 }
 
-// The surface at `place`, if it is wanted; all places lie in the box from `low` to `high`. The whole workgroup calls it
-// together.
-Answer findSurface(vec3 low, vec3 high, vec3 place, bool wanted) {
-  const Box box = boxAround(low, high);
+// Sharers add up alike, so that all of them have the same sums.
+void joinShares() {
+  for (uint step = 1; step < kSharers; step *= 2) {
+    placeSums.surface.offsets += subgroupShuffleXor(placeSums.surface.offsets, step);
+    placeSums.surface.normals += subgroupShuffleXor(placeSums.surface.normals, step);
+    placeSums.surface.products += subgroupShuffleXor(placeSums.surface.products, step);
+    if (kMeshSurface == kSurfaceDensity) placeSums.slope += subgroupShuffleXor(placeSums.slope, step);
+    if (kMeshColored) colorSums += subgroupShuffleXor(colorSums, step);
+  }
+}
+
+// The number among the workgroup's places of that of this invocation.
+uint placeIndex() { return scanIndex() / kSharers; }
+bool isFirstSharer() { return scanIndex() % kSharers == 0; }
+
+// The surface at `place`, as placeInBox(), if it is wanted; all places lie in the box, those of a brick in that. The
+// whole workgroup calls it together.
+Answer findSurface(Box box, Brick brick, vec3 place, bool wanted) {
+  const uvec2 firstRange = rangeOf(box, scanIndex());
   uint own = 0, candidates;
-  for (uint c = scanIndex(); c < box.cells; c += kMeshWorkgroup) {
-    const uvec2 range = rangeOf(box, c);
-    own += min(range.y - range.x, 1u << 24);
+  for (uint c = scanIndex(); c < box.cells; c += kLanes) {
+    const uvec2 range = c < kLanes ? firstRange : rangeOf(box, c);
+    own += min(range.y - range.x, 1u << 22);
   }
   workgroupExclusiveScan(own, candidates);
   Surface surface = kNoSurface;
   for (uint pass = 0; pass < kFieldPasses; ++pass) {
     placeSums = noSums();
     colorSums = vec4(0.0);
-    sumBox(box, strideFor(candidates), place, wanted, surface);
+    sumBox(box, firstRange, strideFor(candidates), place, brick, wanted, surface);
+    joinShares();
     const Surface next = surfaceOf(placeSums);
     if (next.defined) surface = next;
   }

@@ -27,16 +27,16 @@ float robust(Surface before, vec3 d, vec3 n) {
   return exp(-dot(turn, turn) - height * height);
 }
 
-// Adds a point that is `d` support radii away, less than one, and gives its weight. `before`: what the pass before this
-// one has found; of the first pass nothing.
+// Adds a point that is `d` support radii away, and gives its weight: zero where that is one or more, and then nothing
+// changes. `before`: what the pass before this one has found; of the first pass nothing.
 float addPoint(inout FieldSums sums, vec3 d, vec3 n, Surface before) {
-  const float r = length(d);
+  const float squared = dot(d, d);
+  const float r = min(sqrt(squared), 1.0);
   float w = wendland(r);
   if (before.defined) w *= robust(before, d, n);
-  if (w <= 0.0) return 0.0;
   sums.surface.offsets += w * vec4(d, 1.0);
-  sums.surface.normals += vec4(w * n, 1.0);
-  sums.surface.products += w * vec2(r * r, dot(d, n));
+  sums.surface.normals += vec4(w * n, w > 0.0 ? 1.0 : 0.0);
+  sums.surface.products += w * vec2(squared, dot(d, n));
   if (kMeshSurface == kSurfaceDensity) sums.slope += (1.0 - r) * (1.0 - r) * (1.0 - r) * d;
   return w;
 }

@@ -1,7 +1,37 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Places every vertex on its edge. A workgroup treats those of a block.
+#include "shaders/mesh/lattice.glsl"
+const uint kLanes = kMeshVertexWorkgroup;
+const uint kSharers = kMeshVertexSharers;
 #include "shaders/mesh/block_surface.glsl"
+
+// Of the places of each brick, as placeInBox() and raised above zero, where the bits of floats order like the floats.
+shared uint brickLow[3 * kBricks], brickHigh[3 * kBricks];
+const float kRaise = 64.0;
+
+Brick brickAround(vec3 place, bool wanted) {
+  const uint first = scanIndex() / kBrick * 3, inBrick = scanIndex() % kBrick;
+  if (inBrick < 3) {
+    brickLow[first + inBrick] = 0xffffffffu;
+    brickHigh[first + inBrick] = 0;
+  }
+  barrier();
+  Brick brick;
+  for (uint k = 0; k < 3; ++k) {
+    const uint raised = floatBitsToUint(place[k] + kRaise);
+    const uint low = subgroupMin(wanted ? raised : 0xffffffffu), high = subgroupMax(wanted ? raised : 0);
+    if (gl_SubgroupInvocationID % kBrick != 0) continue;
+    atomicMin(brickLow[first + k], low);
+    atomicMax(brickHigh[first + k], high);
+  }
+  barrier();
+  for (uint k = 0; k < 3; ++k) {
+    brick.low[k] = uintBitsToFloat(brickLow[first + k]) - kRaise;
+    brick.high[k] = uintBitsToFloat(brickHigh[first + k]) - kRaise;
+  }
+  return brick;
+}
 
 float valueAt(uvec3 node) {
   const NodeSlot at = nodeSlot(args.buffers.at[0].now.table, node);
@@ -43,7 +73,7 @@ void copyOld(uvec3 block, uint first, uint count) {
   const uint from = args.buffers.at[0].old.vertexStarts.at[before];
   MeshVertices vertices = args.buffers.at[0].now.vertices;
   MeshVertices old = args.buffers.at[0].old.vertices;
-  for (uint i = scanIndex(); i < count; i += kMeshWorkgroup) {
+  for (uint i = scanIndex(); i < count; i += kLanes) {
     vertices.at[first + i].position = old.at[from + i].position;
     vertices.at[first + i].normal = old.at[from + i].normal;
     vertices.at[first + i].color = old.at[from + i].color;
@@ -77,13 +107,14 @@ void main() {
     copyOld(block, first, count);
     return;
   }
-  for (uint base = 0; base < count; base += kMeshWorkgroup) {
-    const uint local = base + scanIndex();
+  const Box box = boxAround(nodePlace(args.lattice, block * kMeshBlockSide),
+                            nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide));
+  for (uint base = 0; base < count; base += kPlaces) {
+    const uint local = base + placeIndex();
     const bool wanted = local < count;
     const CutEdge edge = edgeOf(slot, block, min(local, count - 1));
-    const Answer there = findSurface(nodePlace(args.lattice, block * kMeshBlockSide),
-                                     nodePlace(args.lattice, block * kMeshBlockSide + kMeshBlockSide),
-                                     alongEdge(edge, crossing(0.0, edge.low, 1.0, edge.high)), wanted);
-    if (wanted) writeVertex(first + local, edge, there);
+    const vec3 place = placeInBox(box, alongEdge(edge, crossing(0.0, edge.low, 1.0, edge.high)));
+    const Answer there = findSurface(box, brickAround(place, wanted), place, wanted);
+    if (wanted && isFirstSharer()) writeVertex(first + local, edge, there);
   }
 }

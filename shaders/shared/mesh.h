@@ -24,6 +24,14 @@ const uint kMeshCellsPerWord = 4;
 const uint kMeshCaseWords = kMeshBlockNodes / kMeshCellsPerWord;
 // Invocations that work on one block together: one for each word of cases.
 const uint kMeshWorkgroup = kMeshCaseWords;
+// Invocations that sum together over the points for the nodes of a part of a block, and how many share those of one
+// node. Sharers see fewer points in vain, and fetch more of them.
+const uint kMeshFieldWorkgroup = 512;
+const uint kMeshFieldSharers = 2;
+const uint kMeshFieldParts = kMeshBlockNodes * kMeshFieldSharers / kMeshFieldWorkgroup;
+// The same for the vertices of a block.
+const uint kMeshVertexWorkgroup = 512;
+const uint kMeshVertexSharers = 2;
 
 // The value of a node that no surface is known about. A number, since shaders may take not-a-number for one.
 const float kMeshUndefined = 3.0e38f;
@@ -36,9 +44,9 @@ const uint kSurfaceDensity = 3;
 const float kMeshIsoDensity = 0.5f;
 
 // Candidates that one box of places looks at; where its cells hold more it takes every so-manyth. Few enough that an
-// invocation, which sums over them for four places up to three times, stays below the 65,535 loop rounds after which
-// one software driver stops a shader; several times what an even cloud needs.
-const uint kMeshMostCandidates = 4096;
+// invocation, which sums over them up to three times, stays below the 65,535 loop rounds after which one software
+// driver stops a shader; several times what an even cloud needs.
+const uint kMeshMostCandidates = 8192;
 
 // Blocks are numbered x fastest; node (0, 0, 0) of block (0, 0, 0) is at `origin`.
 struct MeshLattice {

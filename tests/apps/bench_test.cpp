@@ -264,4 +264,32 @@ TEST_CASE("bench splat times every pass, and its pictures are true to the shapes
   CHECK(palpate("bench splat build").code == 2);
 }
 
+TEST_CASE("bench splat holds discs and marching cubes against the same truth, in one table") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "w.json").string();
+  const Outcome outcome = palpate(
+      "bench splat --sizes 20000 --shapes sphere --size 320x180 --repeat 5 --samples 1 --mesh 24,48 --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto splat = jsonOf(json)["splat"];
+  CHECK(splat["costs"].size() == 3);
+  const std::string ways[] = {"compute", "mesh 24", "mesh 48"};
+  REQUIRE(splat["qualities"].size() == 2 * std::size(ways));  // conditions and ways
+  for (std::size_t i = 0; i < splat["qualities"].size(); ++i) {
+    const auto quality = splat["qualities"][i];
+    CAPTURE(quality.dump());
+    CHECK(quality["raster"] == ways[i % std::size(ways)]);
+    CHECK(quality["hole_pixels"] == 0);
+    CHECK(quality["overlap_percent"] > 98);
+    CHECK(quality["normal_deg"]["mean"] < 1);
+    const auto cost = quality["cost"];
+    CHECK(cost["fps"] >= cost["fps_made_anew"]);
+    CHECK(cost["fps_made_anew"] > 0);
+    CHECK(cost["bytes"] > 0);
+    CHECK(cost["made_ms"]["n"] == (quality["raster"] == "compute" ? 0 : 5));
+  }
+  for (const char* title : {"splat and mesh", "mesh made, ms", "fps, made anew", "holes"})
+    CHECK(outcome.text.find(title) != std::string::npos);
+  CHECK(palpate("bench splat --mesh 0").code == 2);
+}
+
 }  // namespace palpate
