@@ -48,7 +48,7 @@ void Viewer::updateMesh() {
       const MeshPlan plan = planMesh(session_->bounds(), model.spacing, {.lattice = lattice, .room = 0.2});
       const auto points = session_->journal().points();
       const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
-      mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare));
+      mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
       meshLattice_ = lattice;
       mesh_->build();
       if (session_->edits() > 0) mesh_->update(points);

@@ -79,15 +79,16 @@ std::uint64_t threadsFor(std::uint64_t places, std::uint64_t rows) {
 
 }  // namespace
 
-MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare)
+MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare,
+                             bool painted)
     : device_(device),
       plan_(plan),
-      colored_(cloud.hasColors()),
+      colored_(cloud.hasColors() || painted),
       placeOf_(placesIn(plan, cloud.size() + spare, kNoPlace)),
       origin_(cloud.origin),
-      live_(device, partOf(cloud, plan), plan.share < 1 ? spareIn(plan, cloud.size(), spare) : spare),
+      live_(device, partOf(cloud, plan), plan.share < 1 ? spareIn(plan, cloud.size(), spare) : spare, &device.sight()),
       hash_(device, makeHashGrid(plan.lattice.origin, static_cast<double>(plan.lattice.radius), live_.slots()),
-            live_.slots(), kDefaultSort, BucketOrder::stable, Slots::spare),
+            live_.slots(), kDefaultSort, BucketOrder::stable, Slots::spare, &device.sight()),
       scan_(device),
       movePoints_(device, shader_code::mesh_move_points, {.pushBytes = sizeof(shared::MeshMoveArgs)}),
       mark_(device, shader_code::mesh_mark, {.pushBytes = sizeof(shared::MeshArgs)}),
@@ -119,12 +120,12 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
       touched_(words(device, 0, "mesh touched blocks")),
       triangles_(words(device, 0, "mesh triangles")),
       moves_(words(device, 0, "mesh moves")) {
-  upload(device, cellCases_, packedCases());
+  upload(device, device.sight(), cellCases_, packedCases());
   if (!colored_) return;
-  std::vector<std::uint32_t> colors(live_.slots(), 0);
+  std::vector<std::uint32_t> colors(live_.slots(), packed(kUnpainted));
   for (std::uint32_t i = 0, place = 0; i < cloud.size(); ++i)
-    if (plan.looksAt(i)) colors[place++] = packed(cloud.colors[i]);
-  upload(device, colors_, colors);
+    if (plan.looksAt(i) && cloud.hasColors()) colors[place++] = packed(cloud.colors[i]);
+  upload(device, device.sight(), colors_, colors);
 }
 
 MarchingCubes::State MarchingCubes::makeState() const {
@@ -160,7 +161,7 @@ MeshStep MarchingCubes::update(std::span<const PointState> edits) {
                                 .to = edit.gone() ? Vec3(kNowhere) : edit.position,
                                 .normal = edit.normal,
                                 .id = place,
-                                .color = edit.color};
+                                .color = edit.color != 0 ? edit.color : packed(kUnpainted)};
     const auto [entry, isNew] = lastOf.try_emplace(place, moves.size());
     if (isNew)
       moves.push_back(move);
@@ -170,7 +171,7 @@ MeshStep MarchingCubes::update(std::span<const PointState> edits) {
   if (moves.empty() && slots_ > 0) return {.blocks = slots_};
   moveCount_ = static_cast<std::uint32_t>(moves.size());
   grow(moves_, moves.size() * sizeof(shared::MeshMove));
-  uploadBytes(device_, device_.touch(), moves_, std::as_bytes(std::span(moves)));
+  uploadBytes(device_, device_.sight(), moves_, std::as_bytes(std::span(moves)));
   CommandList list(device_, device_.sight(), "move points");
   list.begin();
   list.dispatch(movePoints_, moveCount_,
@@ -290,8 +291,9 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   triangleCount_ = totals.mapped<std::uint32_t>()[1];
   step.treated = slots_;
   if (update && slots > 0)
-    step.treated = static_cast<std::uint32_t>(std::ranges::count_if(
-        palpate::download<std::uint32_t>(device_, touched_, slots), [](auto word) { return word != 0; }));
+    step.treated = static_cast<std::uint32_t>(
+        std::ranges::count_if(palpate::download<std::uint32_t>(device_, device_.sight(), touched_, slots),
+                              [](auto word) { return word != 0; }));
 }
 
 void MarchingCubes::writeTriangles(MeshStep& step, bool update) {
@@ -350,12 +352,14 @@ shared::MeshArgs MarchingCubes::args(std::uint64_t count, bool update) const {
 Mesh MarchingCubes::download() const {
   Mesh mesh;
   mesh.vertices.origin = origin_;
-  for (const auto& vertex : palpate::download<shared::MeshVertex>(device_, now().vertices, vertexCount_)) {
+  for (const auto& vertex :
+       palpate::download<shared::MeshVertex>(device_, device_.sight(), now().vertices, vertexCount_)) {
     mesh.vertices.positions.push_back(vertex.position);
     mesh.vertices.normals.push_back(vertex.normal);
     if (colored_) mesh.vertices.colors.push_back(std::bit_cast<std::array<std::uint8_t, 4>>(vertex.color));
   }
-  mesh.triangles = palpate::download<std::array<std::uint32_t, 3>>(device_, triangles_, triangleCount_);
+  mesh.triangles =
+      palpate::download<std::array<std::uint32_t, 3>>(device_, device_.sight(), triangles_, triangleCount_);
   return mesh;
 }
 

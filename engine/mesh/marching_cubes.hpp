@@ -39,8 +39,10 @@ struct MeshStep {
 /// kMeshMostCandidates points crowd are the exception.) Belongs to the sight side.
 class MarchingCubes {
  public:
-  /// `cloud` must have normals. `spare`: points that edits may add. Uploads the cloud. Throws OutOfGpuMemory.
-  MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare = 0);
+  /// `cloud` must have normals. `spare`: points that edits may add. `painted`: edits may give colours
+  /// where the cloud has none. Uploads the cloud. Throws OutOfGpuMemory.
+  MarchingCubes(Device& device, const PointCloud& cloud, const MeshPlan& plan, std::uint32_t spare = 0,
+                bool painted = false);
 
   /// Meshes the whole cloud, and waits. Throws OutOfGpuMemory.
   MeshStep build();

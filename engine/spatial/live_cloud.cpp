@@ -33,17 +33,18 @@ LiveCloud::Side makeSide(Device& device, std::uint32_t slots, std::uint32_t pari
 
 }  // namespace
 
-LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare)
+LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare, Queue* queue)
     : device_(device),
       count_(checkedCount(device, cloud)),
       slots_(checkedSlots(device, count_, spare)),
       sides_{makeSide(device, slots_, 0), makeSide(device, slots_, 1)} {
   std::vector<Vec4> packed(slots_, Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
-  upload(device, sides_[0].positions, packed);
+  Queue& way = queue ? *queue : touchQueueOf(device);
+  upload(device, way, sides_[0].positions, packed);
   std::ranges::fill(packed, Vec4(0));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
-  upload(device, sides_[0].normals, packed);
+  upload(device, way, sides_[0].normals, packed);
 }
 
 std::vector<PointState> LiveCloud::points() const {

@@ -6,6 +6,8 @@
 
 namespace palpate {
 
+class Queue;
+
 /// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its
 /// id (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `side()` is
 /// the one that counts. A slot holds a point or is empty (id kEmptySlot); spare slots let an index grow where points
@@ -19,7 +21,8 @@ class LiveCloud {
   };
 
   /// `cloud` must have normals. `spare`: empty slots behind its points. Throws OutOfGpuMemory.
-  LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare = 0);
+  /// `queue`: on which it is uploaded; that of touch unless given.
+  LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare = 0, Queue* queue = nullptr);
 
   /// Points as the cloud was loaded.
   std::uint32_t count() const { return count_; }
