@@ -103,7 +103,10 @@ GroupGrid groupGrid(std::uint64_t groups, std::uint32_t largestAxis) {
 }
 
 CommandList::CommandList(Device& device, const Queue& queue, std::string name, Timing timing)
-    : device_(device), name_(std::move(name)), timing_(timing), givesWay_(&queue == &device.sight()) {
+    : device_(device),
+      name_(std::move(name)),
+      timing_(timing),
+      givesWay_(&queue == &device.sight() && !device.instance().validates()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .pNext = nullptr,
                                          .flags = 0,
@@ -177,18 +180,20 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   const std::uint64_t size = pipeline.workgroupSize(), groups = (threads + size - 1) / size;
   const std::uint32_t largestAxis = device_.properties().limits.maxComputeWorkGroupCount[0];
   const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMostSlices - 1) / kMostSlices);
-  const bool slices = givesWay_ && independent_ == Overlap::no && slice <= largestAxis;
-  const GroupGrid grid = groupGrid(groups, slices ? static_cast<std::uint32_t>(slice) : largestAxis);
+  const bool slices = givesWay_ && independent_ == Overlap::no && groups > slice && slice <= largestAxis;
+  const GroupGrid grid =
+      slices ? GroupGrid{static_cast<std::uint32_t>(slice), static_cast<std::uint32_t>((groups + slice - 1) / slice)}
+             : groupGrid(groups, largestAxis);
   orderAfterPrevious(Size::known);
   openPass(pipeline.name(), threads, args.size());
   bind(pipeline, args);
   if (images)
     device_.vk().vkCmdBindDescriptorSets(commands_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.layout(), 0, 1, &images, 0,
                                          nullptr);
-  const std::uint32_t rows = slices ? 1 : grid.y;
-  for (std::uint32_t row = 0; row < grid.y; row += rows) {
-    if (row > 0) orderAfterPrevious(Size::known);
-    device_.vk().vkCmdDispatchBase(commands_, 0, row, 0, grid.x, rows, 1);
+  device_.vk().vkCmdDispatch(commands_, grid.x, slices ? 1 : grid.y, 1);
+  for (std::uint32_t row = 1; slices && row < grid.y; ++row) {
+    orderAfterPrevious(Size::known);
+    device_.vk().vkCmdDispatchBase(commands_, 0, row, 0, grid.x, 1, 1);
   }
   closePass();
 }

@@ -78,10 +78,10 @@ std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> 
   const QueueChoice touch = apart ? QueueChoice{*computeOnly, 0} : QueueChoice{sight.family, ofSight > 1 ? 1u : 0u};
   const std::uint32_t next = apart ? 1 : 2;
   QueueChoice background = sight;
-  if (ofSight > next)
-    background = {sight.family, next};
-  else if (apart && families[touch.family].queueCount > 1)
+  if (apart && families[touch.family].queueCount > 1)
     background = {touch.family, 1};
+  else if (ofSight > next)
+    background = {sight.family, next};
   return QueueRoles{touch, sight, background, graphics.has_value()};
 }
 

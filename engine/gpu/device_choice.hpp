@@ -44,8 +44,9 @@ struct QueueChoice {
   bool operator==(const QueueChoice&) const = default;
 };
 /// Touch gets a compute-only family where there is one, else a second queue of the sight family, else the same queue.
-/// Background work gets a queue of its own where there is one more: of the sight family first, so that touch stays
-/// alone in a family of high priority. Else it shares that of sight.
+/// Background work gets a queue of its own where there is one more: of touch's compute-only family first, since work on
+/// a second queue of the graphics family, however short, holds touch up for 400 us while sight draws (an H200 does so).
+/// Else it shares that of sight.
 struct QueueRoles {
   QueueChoice touch, sight, background;
   bool draws = false;  ///< sight's queue has the graphics pipeline

@@ -73,7 +73,8 @@ TEST_CASE("background work has a queue of its own where there is one more, and n
     QueueChoice background;
     bool shares;
   };
-  const std::array cases{Case{{family(kGraphics, 16), family(kCompute, 8)}, {0, 1}, false},
+  const std::array cases{Case{{family(kGraphics, 16), family(kCompute, 8)}, {1, 1}, false},
+                         Case{{family(kGraphics, 16), family(kCompute, 1)}, {0, 1}, false},
                          Case{{family(kGraphics, 1), family(kCompute, 8)}, {1, 1}, false},
                          Case{{family(kGraphics, 1), family(kCompute, 1)}, {0, 0}, true},
                          Case{{family(kGraphics, 3)}, {0, 2}, false},
@@ -115,8 +116,8 @@ TEST_CASE("touch's queue goes first, also against other programs where its famil
   };
   const VkQueueFamilyProperties graphics = family(kGraphics, 16), compute = family(kCompute, 8);
   const std::array cases{
-      Case{{graphics, compute}, QueueArrangement::separate, {{0, {0.5f, 0.0f}, false}, {1, {1.0f}, true}}},
-      Case{{graphics, compute}, QueueArrangement::noPriority, {{0, {0.5f, 0.5f}, false}, {1, {0.5f}, false}}},
+      Case{{graphics, compute}, QueueArrangement::separate, {{0, {0.5f}, false}, {1, {1.0f, 0.0f}, true}}},
+      Case{{graphics, compute}, QueueArrangement::noPriority, {{0, {0.5f}, false}, {1, {0.5f, 0.5f}, false}}},
       Case{{graphics, compute}, QueueArrangement::same, {{0, {0.5f}, false}}},
       Case{{graphics}, QueueArrangement::separate, {{0, {0.5f, 1.0f, 0.0f}, false}}},
       Case{{graphics}, QueueArrangement::noPriority, {{0, {0.5f, 0.5f, 0.5f}, false}}},
