@@ -67,6 +67,11 @@ class Device {
   std::uint64_t ownMemory() const;
   /// Bytes of memory that buffers hold at present, of every kind.
   std::uint64_t allocatedBytes() const { return allocated_.load(std::memory_order_relaxed); }
+  /// Whether somebody touches with it: work of the other queues then gives way (CommandList).
+  bool isTouched() const { return touches_.load(std::memory_order_relaxed) > 0; }
+  /// Told by touch sides as they come (1) and go (-1).
+  void noteTouch(int change) { touches_.fetch_add(change, std::memory_order_relaxed); }
+  bool shows() const { return shows_; }
   /// Told by buffers as they come and go.
   void noteAllocation(std::uint64_t bytes) { allocated_.fetch_add(bytes, std::memory_order_relaxed); }
   void noteRelease(std::uint64_t bytes) { allocated_.fetch_sub(bytes, std::memory_order_relaxed); }
@@ -98,6 +103,7 @@ class Device {
   PipelineStore pipelines_;
   std::unique_ptr<Queue> touch_, sight_, background_, window_;
   std::atomic<std::uint64_t> allocated_ = 0;
+  std::atomic<int> touches_ = 0;
 };
 
 /// The GPUs of this machine, in the loader's order.

@@ -39,6 +39,7 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 
 void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
+  const std::uint32_t turns = device_.isTouched() ? shared::kSplatTurns : 1;
   shared::SplatArgs args{.frame = target.frame,
                          .counts = counts_.address(),
                          .picked = cloud.picked().address(),
@@ -51,7 +52,7 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
                          .normalSums = target.normalSums,
                          .colorSums = target.colorSums};
   const auto walk = [&](const ComputePipeline& small, const ComputePipeline& large) {
-    for (args.turn = 0; args.turn < shared::kSplatTurns; ++args.turn) {
+    for (args.turn = 0; args.turn < turns; ++args.turn) {
       const auto overlap = list.independent();
       list.dispatchIndirect(small, counts_, args, offsetof(shared::SplatCounts, smallGroups));
       list.dispatchIndirect(large, counts_, args, offsetof(shared::SplatCounts, largeGroups));
@@ -63,7 +64,9 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
   list.dispatch(plan_, 1,
                 shared::SplatPlanArgs{.counts = counts_.address(),
                                       .smallsPerGroup = kWorkgroup,
-                                      .largesPerGroup = kWorkgroup / shared::kSplatWalkers});
+                                      .largesPerGroup = kWorkgroup / shared::kSplatWalkers,
+                                      .turns = turns,
+                                      .unused = 0});
   walk(smallDepth_, largeDepth_);
   walk(smallAttributes_, largeAttributes_);
 }

@@ -111,9 +111,11 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
     compaction_.emplace(device, hash_, live_, edit_->update(), options.compaction);
   const bool mayAskAhead = wait_ == Wait::spin && mayHearTheHost(device);
   ahead_ = contact_.canWait() && options.ahead.value_or(mayAskAhead && hearsTheHost());
+  device_.noteTouch(1);
 }
 
 TouchSide::~TouchSide() {
+  device_.noteTouch(-1);
   try {
     withdraw();
     device_.waitIdle();

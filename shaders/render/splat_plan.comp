@@ -9,7 +9,7 @@ layout(push_constant, scalar) uniform Push { SplatPlanArgs args; };
 
 // Of one turn.
 uint rowsFor(uint splats, uint perGroup) {
-  const uint perRow = kSplatTurns * kSplatRow * perGroup;
+  const uint perRow = args.turns * kSplatRow * perGroup;
   return splats / perRow + uint(splats % perRow != 0);
 }
 

@@ -23,7 +23,8 @@ const uint kCrowdedSplat = 64;
 const uint kPickWorkgroup = 512;
 // Workgroups in a row of a splat pass: one axis holds too few for all points.
 const uint kSplatRow = 256;
-// Splats are walked in so many turns, since touch may have to wait for the end of one. Each costs a few us.
+// Splats are walked in so many turns while somebody touches, who may have to wait for the end of one. Each costs a few
+// us.
 const uint kSplatTurns = 6;
 // Samples. Discs never have a smaller radius in the picture; where theirs is, a share of the points is drawn that falls
 // with its square. Larger blurs, smaller draws points that nobody can tell apart.
@@ -151,7 +152,7 @@ struct SplatCounts {
   uint small, large;
   uint shares;  // may exceed kMaxShares; the list ends there
   float sumScale;  // fixed-point unit of their sums
-  uint smallGroups[3], largeGroups[3];  // workgroups that walk them, in each of kSplatTurns turns
+  uint smallGroups[3], largeGroups[3];  // workgroups that walk them, in each turn
 };
 PALPATE_SIZE(SplatCounts, 40);
 
@@ -179,8 +180,10 @@ PALPATE_SIZE(SplatArgs, 96);
 struct SplatPlanArgs {
   PALPATE_ADDRESS(SplatCountsAt) counts;
   uint smallsPerGroup, largesPerGroup;  // splats that a workgroup walks
+  uint turns;
+  uint unused;
 };
-PALPATE_SIZE(SplatPlanArgs, 16);
+PALPATE_SIZE(SplatPlanArgs, 24);
 
 // Triangles are drawn by tiles as splats are; one that is larger than its tiles is walked in more rounds.
 struct TriangleArgs {

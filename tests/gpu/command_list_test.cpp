@@ -44,7 +44,8 @@ TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, wi
 }
 
 TEST_CASE("a pass that gives way in between does all its work, and once") {
-  Device device({.gpu = "", .validate = false});  // none does under validation
+  Device device({.gpu = "", .validate = false});  // none does under validation, and
+  device.noteTouch(1);                            // none where nobody touches
   const ComputePipeline sliced{device,
                                shader_code::gpu_add_one,
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs), .sliceThreads = 256}};
