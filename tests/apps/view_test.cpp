@@ -287,6 +287,29 @@ TEST_CASE("a session that was recorded in the window runs again, in the window a
   CHECK(again.text.find("recorded edits        give the recorded points") != std::string::npos);
 }
 
+TEST_CASE("another device draws what this one touches: edits cross through the host") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 600x400 --edit push --backend vulkan --sight-gpu 0", R"(
+0.1 mouse 300 190
+0.6 screenshot %/before.png
+0.7 key space down
+1.0 button left down
+3.0 button left up
+3.1 key space up
+4.0 screenshot %/dent.png
+4.0 state %/dent.json
+4.1 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto dent = played->state("dent.json");
+  CHECK(dent["backend"] == "vulkan");
+  CHECK(dent["edits"] > 0);
+  const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "dent.png");
+  CHECK(differing(before, after, 300, 190, 30) > 20);
+}
+
 TEST_CASE("without a display the window says what it needs") {
   if (std::getenv("PALPATE_PROGRAM")) return;
   const char* program = PALPATE_PROGRAM;
