@@ -40,23 +40,22 @@ GuidedTouch::GuidedTouch(const WorkspaceMap& map, const DVec3& parked)
 }
 
 void GuidedTouch::tell(const Aim& aim) noexcept {
-  // A sequence lock: the version is odd while the aim is being written.
+  // A sequence lock: the version is odd while the aim is being written. Who sees a part of a new aim sees an odd
+  // version or a later one, since each part is released after the version was changed.
   const std::uint32_t version = version_.load(std::memory_order_relaxed);
   version_.store(version + 1, std::memory_order_relaxed);
-  std::atomic_thread_fence(std::memory_order_release);
-  for (int k = 0; k < 3; ++k) place_[static_cast<std::size_t>(k)].store(aim.place[k], std::memory_order_relaxed);
-  lifted_.store(aim.lifted, std::memory_order_relaxed);
-  putDowns_.store(aim.putDowns, std::memory_order_relaxed);
+  for (int k = 0; k < 3; ++k) place_[static_cast<std::size_t>(k)].store(aim.place[k], std::memory_order_release);
+  lifted_.store(aim.lifted, std::memory_order_release);
+  putDowns_.store(aim.putDowns, std::memory_order_release);
   version_.store(version + 2, std::memory_order_release);
 }
 
 GuidedTouch::Aim GuidedTouch::told() noexcept {
   const std::uint32_t before = version_.load(std::memory_order_acquire);
   Aim aim;
-  for (int k = 0; k < 3; ++k) aim.place[k] = place_[static_cast<std::size_t>(k)].load(std::memory_order_relaxed);
-  aim.lifted = lifted_.load(std::memory_order_relaxed);
-  aim.putDowns = putDowns_.load(std::memory_order_relaxed);
-  std::atomic_thread_fence(std::memory_order_acquire);
+  for (int k = 0; k < 3; ++k) aim.place[k] = place_[static_cast<std::size_t>(k)].load(std::memory_order_acquire);
+  aim.lifted = lifted_.load(std::memory_order_acquire);
+  aim.putDowns = putDowns_.load(std::memory_order_acquire);
   const bool whole = before % 2 == 0 && before != 0 && version_.load(std::memory_order_relaxed) == before;
   return whole ? aim : last_;
 }
