@@ -89,7 +89,7 @@ TEST_CASE("paint on a cloud without colours gives it some; on one with colours i
   CHECK(changedPoints(cloud, points) == 1);
   const PointCloud painted = editedCloud(cloud, points);
   REQUIRE(painted.hasColors());
-  CHECK(painted.colors[0] == std::array<std::uint8_t, 4>{255, 255, 255, 255});
+  CHECK(painted.colors[0] == kUnpainted);
   CHECK(painted.colors[1] == std::array<std::uint8_t, 4>{255, 0, 0, 255});
 
   cloud.colors.assign(cloud.size(), {1, 2, 3, 4});
