@@ -114,7 +114,9 @@ class Viewer {
   DVec2 clicked_px_{-1e9};
   bool stylus_ = false, stylusLocked_ = false, byGamepad_ = false;
   bool pressing_ = false;
-  double hover_mm_ = 0, extraPress_mm_ = 0, planeDepth_ = 0, padPress_ = 0;
+  double hover_mm_ = 0, extraPress_mm_ = 0, padPress_ = 0;
+  double planeDepth_ = 0;   // of the surface that the stylus goes by, and
+  DVec2 planePlace_px_{0};  // where it was seen
 
   struct Pick {
     DVec2 place_px{0};

@@ -206,7 +206,12 @@ void Viewer::moveStylus(double dt_s) {
   // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
   constexpr double kClose_px = 3;
   const bool seen = picked_.depth > 0 && glm::distance(picked_.place_px, cursor_px_) < kClose_px;
-  if (seen && (view_.followsSurface || planeDepth_ == 0)) planeDepth_ = picked_.depth;
+  // A hand that presses in one place goes no deeper because the surface gives way.
+  const bool rests = (pressing_ || padPress_ != 0) && glm::distance(picked_.place_px, planePlace_px_) < kClose_px;
+  if (seen && (planeDepth_ == 0 || (view_.followsSurface && !rests))) {
+    planeDepth_ = picked_.depth;
+    planePlace_px_ = picked_.place_px;
+  }
   if (planeDepth_ == 0) planeDepth_ = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
   double inward_mm = -hover_mm_;
   if (pressing_) inward_mm = view_.press_mm + extraPress_mm_;

@@ -39,7 +39,10 @@ std::optional<MouseButton> buttonOf(int number) {
 }
 
 void listen(GLFWwindow* window) {
-  glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int, int action, int) {
+  glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int scanCode, int action, int) {
+    // Letters as they stand on the person's keyboard, not on an American one.
+    const char* name = glfwGetKeyName(key, scanCode);
+    if (name && name[0] >= 'a' && name[0] <= 'z' && name[1] == 0) key = GLFW_KEY_A + (name[0] - 'a');
     if (key >= 0) eventsOf(from).push_back(KeyEvent{key, action != GLFW_RELEASE});
   });
   glfwSetCharCallback(window, [](GLFWwindow* from, unsigned character) {

@@ -294,11 +294,12 @@ TEST_CASE("another device draws what this one touches: edits cross through the h
 0.6 screenshot %/before.png
 0.7 key space down
 1.0 button left down
-3.0 button left up
-3.1 key space up
-4.0 screenshot %/dent.png
-4.0 state %/dent.json
-4.1 quit
+1.3 wheel 8
+4.0 button left up
+4.1 key space up
+5.0 screenshot %/dent.png
+5.0 state %/dent.json
+5.1 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder); });
   CAPTURE(played->outcome.text);
