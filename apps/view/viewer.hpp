@@ -134,6 +134,7 @@ class Viewer {
   Stopwatch sinceStill_;
   double fps_ = 0;
   std::string pendingScreenshot_;
+  bool tellsOfScreenshot_ = true;
 
   double scriptTime_s_ = 0;
   std::size_t nextAction_ = 0;

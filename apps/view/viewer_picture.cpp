@@ -134,7 +134,10 @@ void Viewer::draw(double dt_s) {
   });
   if (!pendingScreenshot_.empty()) {
     const std::string file = std::exchange(pendingScreenshot_, {});
-    tryTo([&] { writeShown(file, size_px); });
+    tryTo([&] {
+      writeShown(file, size_px);
+      if (tellsOfScreenshot_) say("the picture is in " + file);
+    });
   }
 }
 
@@ -152,10 +155,10 @@ void Viewer::writeShown(const std::string& file, const UVec2& size_px) {
   if (swapchain_.blueFirst())
     for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
   writePng(file, image);
-  say("the picture is in " + file);
 }
 
 void Viewer::screenshot(const std::string& file) {
+  tellsOfScreenshot_ = file.empty();  // a script knows where it is
   if (!file.empty()) {
     pendingScreenshot_ = file;
     return;
