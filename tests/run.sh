@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds with validation and warnings as errors, and runs every test headless: on lavapipe,
 # or on the GPU that PALPATE_GPU names. What runs on the CPU alone runs again under AddressSanitizer and UBSan, the
-# servo loop under ThreadSanitizer, and on lavapipe the GPU tests again with one driver thread, which orders atomics
+# servo loop under ThreadSanitizer, and on lavapipe the rooms' GPU tests with one driver thread, which orders atomics
 # differently. Ends with ctest's summary.
 set -euo pipefail
 cd "$(dirname "$0")/.."
