@@ -15,8 +15,10 @@ namespace {
 Error failure(const char* what) {
   const char* reason = nullptr;
   glfwGetError(&reason);
+  std::string why = reason ? reason : "no reason given";
+  while (why.ends_with(' ')) why.pop_back();
   return Error("{}: {}; a window needs a display (DISPLAY or WAYLAND_DISPLAY), and without one there is palpate render",
-               what, reason ? reason : "no reason given");
+               what, why);
 }
 
 std::vector<WindowEvent>& eventsOf(GLFWwindow* window) {
