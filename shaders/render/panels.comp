@@ -9,8 +9,8 @@
 
 layout(push_constant, scalar) uniform Push { PanelArgs args; };
 
-// Twice the area of the triangle that `p` makes with an edge, and whether the edge runs as it is computed. That is always
-// in the same direction, so that two triangles see the same edge.
+// Twice the area of the triangle that `p` makes with an edge, and whether the edge runs as it is computed. That is
+// always in the same direction, so that two triangles see the same edge.
 struct Side {
   float area;
   bool forward;
