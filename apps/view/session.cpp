@@ -156,7 +156,6 @@ void Session::takeIn() {
 }
 
 std::optional<std::string> Session::follow() {
-  batch_.clear();
   if (lost_) return std::nullopt;
   std::string failure;
   try {

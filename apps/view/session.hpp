@@ -4,6 +4,7 @@
 #include <future>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "apps/backend.hpp"
 #include "apps/followers.hpp"
@@ -62,8 +63,8 @@ class Session {
   /// wrong since the last time; the session ends with it.
   std::optional<std::string> follow();
   const TickHistory& history() const { return history_; }
-  /// What was done to the points since the last follow().
-  const EditBatch& batch() const { return batch_; }
+  /// What was done to the points since the last call, by whatever: for one who follows with a picture of his own.
+  EditBatch takeBatch() { return std::exchange(batch_, {}); }
   std::uint64_t edits() const { return edits_; }  ///< states of points so far
   bool isTouching() const { return !lost_; }
 

@@ -176,7 +176,9 @@ void Viewer::fitCamera() {
 void Viewer::followSession() {
   while (!messages_.empty() && messages_.front().since.elapsed_s() > kMessage_s) messages_.pop_front();
   if (!session_ || loader_.isRead()) return;
-  if (const auto failure = session_->follow()) say(*failure + "; what was done is kept and can be saved");
+  const auto failure = session_->follow();
+  edited_ = session_->takeBatch();
+  if (failure) say(*failure + "; what was done is kept and can be saved");
   if (const auto saved = session_->takeSaved()) {
     say(saved->failure.empty() ? saved->file + " is saved" : saved->failure);
     if (std::exchange(isSavingForIt_, false)) {

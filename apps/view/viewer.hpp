@@ -92,6 +92,7 @@ class Viewer {
   RecentFiles recent_;
   Loader loader_;
   std::unique_ptr<Session> session_;
+  EditBatch edited_;  // since the last picture
   std::unique_ptr<MarchingCubes> mesh_;
   std::uint32_t meshLattice_ = 0, frameSupersample_ = 0;
   double meshTime_ms_ = 0;

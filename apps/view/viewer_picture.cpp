@@ -52,8 +52,8 @@ void Viewer::updateMesh() {
       meshLattice_ = lattice;
       mesh_->build();
       if (session_->edits() > 0) mesh_->update(points);
-    } else if (!session_->batch().points.empty()) {
-      mesh_->update(session_->batch().points);
+    } else if (!edited_.points.empty()) {
+      mesh_->update(edited_.points);
     } else {
       return;
     }
@@ -108,7 +108,7 @@ void Viewer::draw(double dt_s) {
   if (frame_ && pictures_ > 0 && session_) takePick();
   if (session_) session_->drawn().closeSurface();
 
-  const bool moves = drag_ != Drag::none || (session_ && !session_->batch().points.empty()) || stylus_;
+  const bool moves = drag_ != Drag::none || (session_ && !edited_.points.empty()) || stylus_;
   if (moves) sinceStill_ = Stopwatch();
   const bool still = sinceStill_.elapsed_s() > kStill_s;
   const double last_ms = pictures_ms_.empty() ? 0.0 : double{pictures_ms_.back()};

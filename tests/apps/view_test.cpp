@@ -203,25 +203,32 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 320x240 --edit carve", R"(
-0.1 mouse 250 120
+  const auto played = play("%/sphere.ply --size 480x240 --edit carve", R"(
+0.1 mouse 300 120
 0.2 key c
-0.3 key space down
-0.5 button left down
-1.2 state %/touch.json
-1.3 button left up
-1.4 key space up
-1.5 key ctrl+z
-1.6 key m
-1.9 state %/mesh.json
-2.0 resize 300 200
-2.2 screenshot %/last.png
-2.3 quit
+0.3 key m
+0.6 state %/mesh.json
+0.7 key space down
+0.9 button left down
+1.1 wheel 4
+2.2 button left up
+2.3 key space up
+2.6 state %/carved.json
+2.7 key ctrl+z
+3.0 state %/undone.json
+3.1 resize 420 200
+3.3 screenshot %/last.png
+3.4 quit
 )",
                            "--validate", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
   CAPTURE(played->outcome.text);
   CHECK(played->outcome.code == 0);
-  CHECK(played->state("mesh.json")["mesh_triangles"] > 1000);
+  const auto mesh = played->state("mesh.json"), undone = played->state("undone.json");
+  CHECK(mesh["mesh_triangles"] > 1000);
+  CHECK(played->state("carved.json")["edits"] > 0);
+  CHECK(played->state("carved.json")["mesh_triangles"] != mesh["mesh_triangles"]);
+  CHECK(undone["undoable"] == 0);
+  CHECK(undone["mesh_triangles"] == mesh["mesh_triangles"]);  // it follows what is taken back
 }
 
 TEST_CASE("the window closes while a model is loaded, and models follow one another") {
