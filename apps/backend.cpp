@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "apps/cuda_backend.hpp"
+#include "apps/parse_list.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/core/processor.hpp"
 #include "engine/touch/cpu_touch.hpp"
@@ -29,7 +30,10 @@ TouchOptions touchOptions(const Model& model, const BackendOptions& options, con
                      .cell = cellFor(model, options),
                      .surface = surface.kind,
                      .localRadius = surface.localRadius,
+                     .widening = surface.widening,
                      .friction = options.friction,
+                     .tool = toolShape(options, model.scale),
+                     .secondHand = options.secondHand,
                      .brush = push,
                      .paintable = options.paintable,
                      .spareSlots = options.spareSlots};
@@ -94,13 +98,53 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
          "submit each question before the hand has moved, so that it waits on the GPU for the place: auto (where the "
          "driver is known for it), on or off");
   sub.add_option("--radius", options.radius,
-                 "support radius of the surface, mm, or auto (4 spacings, place by place where they differ)")
+                 "support radius of the surface, mm, or auto (4 spacings, place by place where they differ; up to 8 on "
+                 "flat places of clouds whose points are noisier than an eighth of a spacing, as info measures it)")
       ->capture_default_str();
   auto* cell = sub.add_option("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
                    ->check(positive());
   sub.add_option("--grid", options.grid, "hash cells along the longest side, instead of --cell")
       ->check(positive())
       ->excludes(cell);
+}
+
+void addToolOptions(CLI::App& sub, BackendOptions& options) {
+  std::vector<std::string> tools;
+  for (const auto& [name, kind] : kToolKinds) tools.emplace_back(name);
+  sub.add_option("--tool", options.tool,
+                 "what touches: point; or with many points that share the stiffness, pad, round like a fingertip; "
+                 "ball; spatula, flat and half as wide as long; each point has its own proxy and friction (vulkan with "
+                 "the method fused, and cpu)")
+      ->check(CLI::IsMember(std::move(tools)))
+      ->capture_default_str();
+  sub.add_option("--tool-points", options.toolPoints,
+                 fmt::format("of a pad, ball or spatula (default {})", kUsualToolPoints))
+      ->check(between(1, static_cast<double>(kMostToolPoints)))
+      ->type_name("N");
+  sub.add_option("--tool-size", options.toolSize_mm,
+                 fmt::format("diameter of a pad or ball, length of a spatula, mm (default {})", kUsualToolSize_mm))
+      ->check(positive());
+  sub.add_option("--tool-axis", options.toolAxis,
+                 "where the face of a pad or spatula looks while the stylus is not turned, X,Y,Z in the model's axes "
+                 "(default 0,0,-1)")
+      ->type_name("X,Y,Z");
+}
+
+ToolShape toolShape(const BackendOptions& options, const ModelScale& scale) {
+  ToolKind kind = ToolKind::point;
+  for (const auto& [name, known] : kToolKinds)
+    if (options.tool == name) kind = known;
+  if (kind == ToolKind::point) {
+    if (options.toolPoints > 1) throw UsageError("--tool-points: a point is one; take --tool pad, ball or spatula");
+    return {};
+  }
+  const double size_mm = options.toolSize_mm > 0 ? options.toolSize_mm : kUsualToolSize_mm;
+  ToolShape tool =
+      makeTool(kind, options.toolPoints > 0 ? options.toolPoints : kUsualToolPoints, scale.toUnits(size_mm));
+  if (tool.points.size() == 1) return {};
+  if (options.toolAxis.empty()) return tool;
+  const auto axis = parseList<double, 3>(options.toolAxis, ',', "--tool-axis", "X,Y,Z");
+  return facing(std::move(tool), {axis[0], axis[1], axis[2]});
 }
 
 std::vector<std::string> backendChoices() { return {"vulkan", "cuda", "cpu"}; }
@@ -128,6 +172,13 @@ void checkBackendOptions(const BackendOptions& options) {
     throw UsageError("--surface: --backend cuda has only average; take vulkan or cpu for {}", options.surface);
   if (options.backend == "cuda" && options.friction > 0)
     throw UsageError("--friction: --backend cuda has none; take vulkan or cpu");
+  if (!toolShape(options, {}).points.empty()) {
+    if (options.backend == "cuda")
+      throw UsageError("--tool: --backend cuda has only point; take vulkan or cpu for {}", options.tool);
+    if (methodName(options) != "fused" && options.backend == "vulkan")
+      throw UsageError("--tool: --method {} has only point; take fused for {}", options.method, options.tool);
+    if (options.ahead == "on") throw UsageError("--ahead: a {} is not asked ahead; leave it out", options.tool);
+  }
   if (options.backend == "vulkan") return;
   if (options.ahead != "auto") throw UsageError("--ahead: only --backend vulkan can be asked ahead");
   if (!options.wait.empty()) throw UsageError("--wait: only --backend vulkan can be told how to wait");
@@ -147,12 +198,14 @@ SurfaceOptions surfaceOptions(const Model& model, const BackendOptions& options)
   // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
   // large.
   constexpr double kUneven = 1.4, kWidest = 4;
-  const bool cuda = options.backend == "cuda";
+  const bool adapts = options.radius == "auto" && options.backend != "cuda";
   SurfaceOptions surface{.radius = supportRadius(options.radius, model)};
   for (const auto& [name, kind] : kSurfaceKinds)
     if (options.surface == name) surface.kind = kind;
-  surface.localRadius = options.radius == "auto" && !cuda && model.wideSpacing > kUneven * model.spacing;
-  if (surface.localRadius) surface.radius *= std::min(kWidest, model.wideSpacing / model.spacing);
+  if (adapts) surface.widening = wideningFor(model.noise);
+  surface.localRadius = adapts && model.wideSpacing > kUneven * model.spacing;
+  if (surface.localRadius) surface.radius *= std::min(kWidest / surface.widening, model.wideSpacing / model.spacing);
+  surface.radius *= surface.widening;
   return surface;
 }
 
@@ -178,7 +231,9 @@ std::unique_ptr<TouchBackend> makeBackend(Context& context, const Model& model, 
                                                                    .bucketKey = bucketKey(options),
                                                                    .surface = surface.kind,
                                                                    .localRadius = surface.localRadius,
+                                                                   .widening = surface.widening,
                                                                    .friction = options.friction,
+                                                                   .tool = toolShape(options, model.scale),
                                                                    .brush = push,
                                                                    .threads = context.threads()});
   }

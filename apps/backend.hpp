@@ -14,11 +14,21 @@ struct BackendOptions {
   std::string radius = "auto";
   double cell_mm = 0, grid = 0;
   double friction = 0;
+  std::string tool = "point", toolAxis;  ///< what touches; the axis empty: -z
+  std::size_t toolPoints = 0;            ///< 0: kUsualToolPoints where the tool has many
+  double toolSize_mm = 0;                ///< 0: kUsualToolSize_mm
   bool timePasses = false;
+  bool secondHand = false;                  ///< is felt for as well; no option of its own
   bool paintable = false;                   ///< keeps colours for a brush that comes later; no option of a session
   std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; no option of a session
 };
 void addBackendOptions(CLI::App& command, BackendOptions& options);
+/// What touches: --tool and what it looks like. addBackendOptions() does not add them.
+void addToolOptions(CLI::App& command, BackendOptions& options);
+inline constexpr std::size_t kUsualToolPoints = 16;
+inline constexpr double kUsualToolSize_mm = 10;
+/// The tool that the options ask for, model units; without points where it is a single one. Throws UsageError.
+ToolShape toolShape(const BackendOptions& options, const ModelScale& scale);
 /// Those of them that say how the index is laid out and built, and how the GPU is waited for.
 void addIndexOptions(CLI::App& command, BackendOptions& options);
 /// The back ends and the surfaces that this program has, and the methods of one back end.

@@ -19,6 +19,7 @@ namespace {
 Subject loadSubject(Context& context, const std::string& file, EstimateOn where) {
   Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file}, where)};
   subject.model.wideSpacing = subject.model.spacing;  // every back end gets the same radius
+  subject.model.noise = 0;
   return subject;
 }
 
@@ -223,6 +224,17 @@ void addBench(CLI::App& app, Context& context, Command& command) {
                               ->capture_default_str();
   sub->add_option("--method", options->methods, "query methods of query and step (default: all) and edit (fused)")
       ->delimiter(',');
+  sub->add_option("--tool-points", options->toolPoints,
+                  "step: at rest with tools of so many points, too, by the method fused and the CPU")
+      ->check(between(1, static_cast<double>(kMostToolPoints)))
+      ->delimiter(',')
+      ->type_name("N,...");
+  sub->add_option("--tool", options->tool, "step: which tool")
+      ->check(CLI::IsMember({"pad", "ball", "spatula"}))
+      ->capture_default_str();
+  sub->add_option("--tool-size", options->toolSize_mm, "step: as in touch, mm")
+      ->check(positive())
+      ->capture_default_str();
   sub->add_option("--repeat", options->repeat, "repetitions of each measurement")
       ->check(between(1, 1e9))
       ->capture_default_str();
@@ -285,8 +297,9 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "that reaches 1000 points and 10 s each, unless --sizes, --models, --size, --samples, --touched and --duration "
       "say otherwise. Tables of us from pose to force, missed ticks, pictures per second and ms that a picture takes.\n"
       "touch: slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and "
-      "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, M5 "
-      "pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the air, M10 "
+      "true normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, "
+      "in all and off edges, M5 pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 "
+      "force in the air, M10 "
       "tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same path "
       "twice, and the CPU against the back end.\n");
   sub->callback([&, options, backends, sub] {

@@ -47,6 +47,9 @@ struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::string> surfaces{"average"};  ///< of query and step; every back end has the average
   std::vector<std::int64_t> sizes;
+  std::vector<std::int64_t> toolPoints;  ///< of step: a tool of so many points is measured, too, for each
+  std::string tool = "pad";
+  double toolSize_mm = kUsualToolSize_mm;
   std::int64_t repeat = 200;
   double limit_s = 5;
   double rate_Hz = 1e6;

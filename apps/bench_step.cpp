@@ -94,10 +94,32 @@ void forEachMethod(const BenchOptions& options, Measure&& measure) {
       }
 }
 
+// The way itself, and by the same way each tool that is wanted, with its face along `down`.
+std::vector<BackendOptions> withTools(const BackendOptions& way, const BenchOptions& options, const DVec3& down) {
+  std::vector<BackendOptions> ways{way};
+  if (way.backend == "cuda" || (way.backend == "vulkan" && way.method != "fused")) return ways;
+  for (const std::int64_t points : options.toolPoints) {
+    BackendOptions one = way;
+    one.tool = options.tool;
+    one.toolPoints = static_cast<std::size_t>(points);
+    one.toolSize_mm = options.toolSize_mm;
+    one.toolAxis = fmt::format("{},{},{}", down.x, down.y, down.z);
+    ways.push_back(one);
+  }
+  return ways;
+}
+
+std::string nameOf(const BackendOptions& way) {
+  std::string name = way.method;
+  if (!way.surface.empty() && way.surface != "average") name += " " + way.surface;
+  if (way.toolPoints > 0) name += fmt::format(", {} of {}", way.tool, way.toolPoints);
+  return name;
+}
+
 BenchRecord recordOf(const char* bench, const BackendOptions& way, const char* input, const Subject& subject) {
   return {.bench = bench,
           .backend = way.backend,
-          .way = way.surface.empty() || way.surface == "average" ? way.method : way.method + " " + way.surface,
+          .way = nameOf(way),
           .input = input,
           .subject = subject.name,
           .points = subject.model.cloud.size(),
@@ -145,11 +167,13 @@ void benchStep(Context& context, const Subject& subject, const BenchOptions& opt
   const Model& model = subject.model;
   const auto press = pressOn(model);
   forEachMethod(options, [&](const BackendOptions& way) {
-    const auto still = makeBackend(context, model, way, std::nullopt);
-    const StepTimes times = measureAt(*still, press, options);
-    records.push_back(recordOf("step", way, "static", subject));
-    records.back().gpu_us = times.gpu_us;
-    records.back().wall_us = times.wall_us;
+    for (const BackendOptions& one : withTools(way, options, press.back() - press.front())) {
+      const auto still = makeBackend(context, model, one, std::nullopt);
+      const StepTimes times = measureAt(*still, press, options);
+      records.push_back(recordOf("step", one, "static", subject));
+      records.back().gpu_us = times.gpu_us;
+      records.back().wall_us = times.wall_us;
+    }
   });
   const BrushOptions push{.tau = model.scale.toUnits(0.1), .beta = 1e-4, .toolRadius = model.scale.toUnits(6)};
   forEachMethod(options, [&](const BackendOptions& way) {

@@ -49,6 +49,7 @@ JudgeSubject shapeSubject(const std::string& name, const Condition& condition, s
   const SpacingRange spacings = spacingRange(cloud, threads);
   subject.model.spacing = spacings.mean;
   subject.model.wideSpacing = spacings.wide;
+  subject.model.noise = spacings.noise;
   subject.model.cloud = std::move(cloud);
   const AreaMap place = shape->areaMap(threads);
   for (const DVec2& start : kStarts) {

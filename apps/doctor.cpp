@@ -1,4 +1,9 @@
 #include "apps/context.hpp"
+#include "apps/tick_times.hpp"
+#include "haptics/devices/driver_survey.hpp"
+#include "haptics/devices/hid_choice.hpp"
+#include "haptics/pace_check.hpp"
+#include "haptics/tick_pacer.hpp"
 
 namespace palpate {
 
@@ -73,22 +78,148 @@ Json describe(std::FILE* out, std::size_t number, VkPhysicalDevice device) {
           {"features", features}, {"memory_bytes", local},          {"usable", usable}};
 }
 
-void doctor(Context& context) {
+Json toJson(const DVec3& v) { return {v.x, v.y, v.z}; }
+
+Json describe(std::FILE* out, const DriverFinding& driver) {
+  fmt::print(out, "--device {}: {}\n", driver.option, driver.product);
+  Json attempts = Json::array();
+  for (const VendorLibrary::Attempt& attempt : driver.attempts) {
+    // The loader begins with the name where it has nothing better to say.
+    fmt::print(out, "  {}\n",
+               attempt.error.starts_with(attempt.name) ? attempt.error : attempt.name + ": " + attempt.error);
+    attempts.push_back({{"name", attempt.name}, {"error", attempt.error}});
+  }
+  if (!driver.file.empty()) fmt::print(out, "  loaded {}\n", driver.file);
+  Json json{{"option", driver.option},
+            {"library", driver.file},
+            {"attempts", attempts},
+            {"missing", driver.missing},
+            {"usable", driver.device.has_value()},
+            {"problem", driver.problem},
+            {"device", nullptr}};
+  if (driver.device) {
+    const HapticDeviceFacts& facts = *driver.device;
+    const DVec3 size_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
+    fmt::print(out, "  {}, serial number {}, driver {}\n", facts.model,
+               facts.serial.empty() ? "not told" : facts.serial, facts.driver.empty() ? "not told" : facts.driver);
+    fmt::print(out, "  workspace {:.0f} x {:.0f} x {:.0f} mm, peak force {:.3g} N, {:.3g} N for long, ready\n",
+               size_mm.x, size_mm.y, size_mm.z, driver.limits.peakForce_N, driver.limits.continuousForce_N);
+    json["device"] = {{"model", facts.model},
+                      {"serial", facts.serial},
+                      {"driver", facts.driver},
+                      {"workspace_min_mm", toJson(facts.workspaceMin_mm)},
+                      {"workspace_max_mm", toJson(facts.workspaceMax_mm)},
+                      {"peak_force_N", driver.limits.peakForce_N},
+                      {"continuous_force_N", driver.limits.continuousForce_N}};
+  } else {
+    fmt::print(out, "  not usable: {}\n", driver.problem);
+  }
+  return json;
+}
+
+/// A command for each permission that is missing, once.
+class Mending {
+ public:
+  void add(const std::string& command) {
+    if (!command.empty() && std::ranges::find(commands_, command) == commands_.end()) commands_.push_back(command);
+  }
+  Json print(std::FILE* out) const {
+    if (!commands_.empty()) fmt::print(out, "To mend what is missing:\n");
+    for (const std::string& command : commands_) fmt::print(out, "  {}\n", command);
+    return commands_;
+  }
+
+ private:
+  std::vector<std::string> commands_;
+};
+
+Json hapticDevices(std::FILE* out) {
+  Mending mending;
+  Json json{{"drivers", Json::array()}, {"nodes", Json::array()}};
+  for (const DriverFinding& driver : {surveyOpenHaptics(), surveyForceDimension()})
+    json["drivers"].push_back(describe(out, driver));
+  const std::vector<NodeFinding> nodes = surveySerialPorts();
+  for (const NodeFinding& node : nodes) {
+    fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "not for this user");
+    json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"mend", node.mend}});
+    mending.add(node.mend);
+  }
+  const auto transport = hidapiTransport();
+  const auto candidates = hidCandidates(*transport);
+  if (candidates.empty()) fmt::print(out, "--device hid: no 3D mouse and no DualSense is plugged in\n");
+  json["hid"] = Json::array();
+  for (const HidCandidate& hid : candidates) {
+    fmt::print(out, "--device hid: {} at {}, {}\n", hid.name, hid.info.path, hid.usable ? "ready" : hid.whyNot);
+    json["hid"].push_back({{"name", hid.name},
+                           {"path", hid.info.path},
+                           {"vendor", hid.info.vendorId},
+                           {"product", hid.info.productId},
+                           {"usable", hid.usable},
+                           {"why_not", hid.whyNot},
+                           {"mend", hid.mend}});
+    mending.add(hid.mend);
+  }
+  json["troubles"] = surveySurroundings();
+  for (const auto& trouble : json["troubles"]) fmt::print(out, "{}\n", trouble.get<std::string>());
+  const bool priority = RealtimePriority().granted();
+  fmt::print(out, "Real-time priority for the servo loop: {}\n",
+             priority ? "granted" : "not for this user; ticks come as the scheduler likes");
+  json["realtime_priority"] = priority;
+  if (!priority)
+    mending.add("echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again");
+  json["mend"] = mending.print(out);
+  return json;
+}
+
+struct DoctorOptions {
+  double servo_s = 0, rate_Hz = 1000;
+};
+
+Json servoPace(std::FILE* out, const DoctorOptions& options) {
+  const PaceCheck check = checkPace(options.rate_Hz, options.servo_s);
+  fmt::print(out, "Servo loop with nothing to do, {:g} s at {:g} Hz: {} of {} ticks missed{}\n", options.servo_s,
+             options.rate_Hz, check.missed, check.ticks + check.missed,
+             check.realtimePriority ? "" : " (no real-time priority was granted)");
+  fmt::print(out, "  woken late by     {}\n  core taken away   {}\n", inWords(check.late_us), inWords(check.toll));
+  return {{"rate_Hz", options.rate_Hz},
+          {"ticks", check.ticks},
+          {"missed_ticks", check.missed},
+          {"realtime_priority", check.realtimePriority},
+          {"late_histogram_us", toJson(check.late_us)},
+          {"servo_thread", toJson(check.toll)}};
+}
+
+void doctor(Context& context, const DoctorOptions& options) {
   const Instance instance(false);
   const auto devices = instance.physicalDevices();
   Json gpus = Json::array();
   for (std::size_t i = 0; i < devices.size(); ++i) gpus.push_back(describe(context.tables(), i, devices[i]));
+  const Json haptics = hapticDevices(context.tables());
   Device& device = context.device();  // says what is wrong when none will do
-  fmt::print(context.tables(), "In use: {}\n", device.name());
-  context.writeJson({{"gpus", gpus}, {"in_use", device.name()}});
+  fmt::print(context.tables(), "GPU in use: {}. palpate can run here.\n", device.name());
+  Json result{{"gpus", gpus}, {"in_use", device.name()}, {"haptics", haptics}};
+  if (options.servo_s > 0) result["servo"] = servoPace(context.tables(), options);
+  context.writeJson(result);
 }
 
 }  // namespace
 
 void addDoctor(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
-      "doctor", "the GPUs of this machine, and which of their queues serve touch, sight and background");
-  sub->callback([&] { command = [&context] { doctor(context); }; });
+      "doctor",
+      "the GPUs of this machine and which of their queues serve touch, sight and background; the haptic libraries and "
+      "devices that were found, and what is missing");
+  auto options = std::make_shared<DoctorOptions>();
+  CLI::Option* servo =
+      sub->add_option("--servo", options->servo_s,
+                      "run the servo loop for so many seconds with nothing to do, and say how many ticks this machine "
+                      "misses by itself")
+          ->check(positive());
+  sub->add_option("--rate", options->rate_Hz, "ticks per second of --servo")
+      ->check(between(1, 100'000))
+      ->needs(servo)
+      ->capture_default_str();
+  sub->callback([&, options] { command = [&context, options] { doctor(context, *options); }; });
 }
 
 }  // namespace palpate

@@ -15,7 +15,8 @@ void info(Context& context, const std::string& file) {
   const PlyInfo header = readPlyInfo(file);
   const PointCloud cloud = readPly(file);
   const Bounds bounds = boundsOf(cloud);
-  const double spacing = meanSpacing(cloud, context.threads());
+  const SpacingRange spacings = spacingRange(cloud, context.threads());
+  const double spacing = spacings.mean;
   const ModelScale scale = ModelScale::fitting(bounds.longestSide());
   const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
   const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
@@ -34,6 +35,7 @@ void info(Context& context, const std::string& file) {
   fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
   fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,
              scale.toMm(spacing), kDefaultLongestSide_mm);
+  fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
   fmt::print(
       out,
       "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
@@ -49,6 +51,7 @@ void info(Context& context, const std::string& file) {
                      {"attributes", attributes},
                      {"bounds", {{"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}}},
                      {"mean_spacing", spacing},
+                     {"noise_spacings", spacings.noise},
                      {"mm_per_unit", scale.mm_per_unit},
                      {"gpu_bytes",
                       {{"live_cloud", memory.liveCloud},

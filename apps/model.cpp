@@ -59,6 +59,7 @@ Model loadModel(Context& context, const ModelOptions& options, EstimateOn where)
   const SpacingRange spacing = spacingRange(cloud, context.threads());
   model.spacing = spacing.mean;
   model.wideSpacing = spacing.wide;
+  model.noise = spacing.noise;
   return model;
 }
 

@@ -19,6 +19,7 @@ struct Model {
   ModelScale scale;
   double spacing = 0;      ///< model units
   double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
+  double noise = 0;        ///< of the positions, off their surface (SpacingRange), spacings
 };
 /// Where normals are estimated: on the GPU where one is going to be opened anyway; the CPU steps in for a software
 /// driver, which takes twice as long for the same.

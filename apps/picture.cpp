@@ -46,8 +46,8 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   return frame;
 }
 
-/// The longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target, at the
-/// lower left.
+}  // namespace
+
 double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
   const double depth = glm::distance(camera.eye, camera.target);
   const double widest_mm = scale.toMm(0.2 * size.width * depth / camera.focal_px(size.height));
@@ -56,8 +56,6 @@ double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const Mo
     if (factor * length_mm <= widest_mm) return factor * length_mm;
   return length_mm;
 }
-
-}  // namespace
 
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
   const double depth = glm::distance(camera.eye, camera.target);

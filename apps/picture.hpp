@@ -18,8 +18,9 @@ void addPictureOptions(CLI::App& command, PictureOptions& options);
 struct PictureSize {
   std::uint32_t width, height;
 };
-/// A bar of the longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target, at
-/// the lower left.
+/// The longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target.
+double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const ModelScale& scale);
+/// A bar of that length at the lower left.
 Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale);
 
 /// --samples: 1 or 4.

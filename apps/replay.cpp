@@ -3,7 +3,7 @@
 #include "apps/session_text.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/ply_writer.hpp"
-#include "haptics/replay_device.hpp"
+#include "haptics/devices/replay_device.hpp"
 
 namespace palpate {
 

@@ -4,7 +4,7 @@
 #include "apps/model.hpp"
 #include "engine/core/brush.hpp"
 #include "engine/core/contact_query.hpp"
-#include "haptics/haptic_device.hpp"
+#include "haptics/devices/haptic_device.hpp"
 #include "haptics/surface_walk.hpp"
 
 namespace palpate {

@@ -13,8 +13,10 @@ namespace {
 
 // What a session wrote, and where its poses came from, is not needed to run it again.
 std::set<std::string> namesLeftOut() {
-  std::set<std::string> names{"model",  "--help", "--path",    "--penetration", "--trace",
-                              "--save", "--log",  "--picture", "--print-tick",  "--duration"};
+  std::set<std::string> names{"model",          "--help",      "--path",          "--penetration", "--trace",
+                              "--save",         "--log",       "--picture",       "--print-tick",  "--duration",
+                              "--trajectory",   "--device",    "--scheduler",     "--map",         "--hand-stiffness",
+                              "--hand-damping", "--passivity", "--second-device", "--second-path", "--second-trace"};
   CLI::App scratch;
   PictureOptions picture;
   addPictureOptions(scratch, picture);
@@ -69,8 +71,10 @@ Json deviceOf(const RecordedSession& session) {
               {"continuous_force_N", limit(session.limits.continuousForce_N)},
               {"fastest_mm_per_s", limit(session.limits.fastest_mm_per_s)},
               {"most_damping_N_s_per_mm", limit(session.limits.mostDamping_N_s_per_mm)},
+              {"most_stiffness_N_per_mm", limit(session.limits.mostStiffness_N_per_mm)},
               {"force_delay_ticks", session.limits.forceDelay_ticks},
               {"hand_held", session.limits.handHeld},
+              {"buttons", session.limits.buttons},
               {"map_scale", session.map.scale},
               {"map_offset", {session.map.offset.x, session.map.offset.y, session.map.offset.z}},
               {"passivity", nullptr}};
@@ -84,8 +88,10 @@ void readDevice(const Json& device, RecordedSession& session) {
                     .continuousForce_N = limit(device.at("continuous_force_N")),
                     .fastest_mm_per_s = limit(device.at("fastest_mm_per_s")),
                     .mostDamping_N_s_per_mm = limit(device.at("most_damping_N_s_per_mm")),
+                    .mostStiffness_N_per_mm = limit(device.value("most_stiffness_N_per_mm", Json(nullptr))),
                     .forceDelay_ticks = device.at("force_delay_ticks").get<int>(),
-                    .handHeld = device.at("hand_held").get<bool>()};
+                    .handHeld = device.at("hand_held").get<bool>(),
+                    .buttons = device.value("buttons", 0)};
   const Json& offset = device.at("map_offset");
   session.map = {.scale = device.at("map_scale").get<double>(),
                  .offset = {offset.at(0).get<double>(), offset.at(1).get<double>(), offset.at(2).get<double>()}};
@@ -128,19 +134,21 @@ RecordedSession parseSessionText(const std::filesystem::path& log, const std::st
   }
 }
 
-void TickTap::ticked(const TraceRow& row, const DVec3& device) noexcept {
+void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
   const TouchShortfalls& shortfalls = backend_.shortfalls();
   const std::uint64_t leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
   const bool leavesOut = std::exchange(leftOut_, leftOut) != leftOut;
   sink_({.time_s = row.time_s,
-         .device = device,
+         .device = device.position,
+         .turn = device.turn,
          .proxy = row.proxy,
          .force_N = row.force_N,
          .edits = backend_.editsAnswered(),
          .neighbours = row.neighbours,
          .flags = (row.contact ? LoggedTick::kContact : 0u) | (row.fresh ? LoggedTick::kFresh : 0u) |
                   (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
-                  (leavesOut ? LoggedTick::kEditLeftOut : 0u)});
+                  (device.rendersForce ? 0u : LoggedTick::kForceless) | (leavesOut ? LoggedTick::kEditLeftOut : 0u) |
+                  LoggedTick::flagsOf(device.buttons)});
 }
 
 }  // namespace palpate

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "apps/touch.hpp"
-#include "haptics/haptic_device.hpp"
+#include "haptics/devices/haptic_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session_log.hpp"
 
@@ -34,7 +34,7 @@ class TickTap final : public TickRecorder {
   /// `sink` runs on the servo thread, as part of the tick.
   TickTap(const TouchBackend& backend, std::function<void(const LoggedTick&)> sink)
       : backend_(backend), sink_(std::move(sink)) {}
-  void ticked(const TraceRow& row, const DVec3& device) noexcept override;
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
 
  private:
   const TouchBackend& backend_;

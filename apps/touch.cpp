@@ -17,11 +17,11 @@ namespace {
 
 std::atomic<bool> stopRequested = false;  // what a signal handler may touch
 
-Path pathFor(const TouchCommandOptions& options, const Model& model) {
+Path pathFor(const std::string& path, const TouchCommandOptions& options, const Model& model) {
   constexpr std::string_view kBuiltin = "builtin:";
-  if (options.path.starts_with(kBuiltin))
-    return builtinPath(options.path.substr(kBuiltin.size()), model.cloud, model.scale, options.penetration_mm);
-  return readPathCsv(options.path);
+  if (path.starts_with(kBuiltin))
+    return builtinPath(path.substr(kBuiltin.size()), model.cloud, model.scale, options.penetration_mm);
+  return readPathCsv(path);
 }
 
 /// The log of a session, where one is asked for, and what writes each tick into it.
@@ -76,26 +76,59 @@ Sculpted sculpted(const Model& model, const TouchBackend& backend, const Journal
   throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
 }
 
+/// While it lives, SIGINT and SIGTERM ask for an end.
+class StopBySignal {
+ public:
+  StopBySignal() {
+    handle([](int) { stopRequested = true; });
+  }
+  ~StopBySignal() { handle(SIG_DFL); }
+  StopBySignal(const StopBySignal&) = delete;
+  StopBySignal& operator=(const StopBySignal&) = delete;
+
+ private:
+  static void handle(void (*handler)(int)) {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, handler);
+  }
+};
+
+Stylus stylusFor(Context& context, const Model& model, const TouchCommandOptions& options, const StylusOptions& stylus,
+                 const std::string& path) {
+  const StopBySignal stop;  // a person may be asked to calibrate the device
+  return makeStylus(stylus, {.model = model,
+                             .path = [&] { return pathFor(path, options, model); },
+                             .rate_Hz = options.rate_Hz,
+                             .log = context.log(),
+                             .stop = &stopRequested});
+}
+
+SecondHandReport secondReport(const std::string& device, const SecondResult& result) {
+  return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
+}
+
 ServoResult play(ServoLoop& loop, Followers& followers, const TouchCommandOptions& options) {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stopRequested = true; });
-  ServoResult result = loop.run(followers.begin(options.rate_Hz, options.realtime));
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, SIG_DFL);
-  return result;
+  const StopBySignal stop;
+  return loop.run(followers.begin(options.rate_Hz, options.realtime));
 }
 
 void touch(Context& context, const CLI::App& command, const TouchCommandOptions& options) {
   checkTouchOptions(options);
-  for (const std::string* file : {&options.traceFile, &options.saveFile, &options.pictureFile, &options.logFile})
+  for (const std::string* file : {&options.traceFile, &options.secondTraceFile, &options.trajectoryFile,
+                                  &options.saveFile, &options.pictureFile, &options.logFile})
     Context::checkWritable(*file);
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
     throw UsageError("--log: {} is the model itself", options.logFile);
   const Model model = loadModel(context, options.model, estimateOn(options.backend));
-  const Stylus stylus = makeStylus(options.stylus, pathFor(options, model), model.scale);
+  const Stylus stylus = stylusFor(context, model, options, options.stylus, options.path);
+  std::optional<Stylus> second;
+  if (!options.secondDevice.empty())
+    second = stylusFor(context, model, options, secondStylus(options.stylus, options.secondDevice), options.secondPath);
   const auto brush = brushOptions(options, model.scale);
   const SurfaceOptions surface = surfaceOptions(model, options.backend);
   BackendOptions backendOptions = options.backend;
   backendOptions.realtime = options.realtime;
+  backendOptions.secondHand = second.has_value();
   const auto backend = makeBackend(context, model, backendOptions, brush);
   auto* touchSide = dynamic_cast<TouchSide*>(backend.get());
   std::optional<Recording> recording;
@@ -107,16 +140,25 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                        .undo_bytes = undoBytes(options),
                        .log = recording ? &recording->writer() : nullptr});
 
+  std::optional<SecondHand> secondHand;
+  if (second)
+    secondHand.emplace(SecondHand{.device = *second->device,
+                                  .law = ForceLaw(options.force, model.scale),
+                                  .options = {.map = second->map, .passivity = second->passivity}});
+  const double duration_s = std::max(stylus.duration_s, second ? second->duration_s : 0);
   ServoLoop loop(*stylus.device, *backend, ForceLaw(options.force, model.scale),
                  {.rate_Hz = options.rate_Hz,
-                  .duration_s = stylus.duration_s + 1 / options.rate_Hz,  // the path's end is a tick too
+                  .duration_s = duration_s + 1 / options.rate_Hz,  // the path's end is a tick too
                   .realtime = options.realtime,
                   .map = stylus.map,
                   .passivity = stylus.passivity,
                   .stop = &stopRequested,
-                  .recorder = recording ? &recording->tap() : nullptr});
+                  .recorder = recording ? &recording->tap() : nullptr},
+                 secondHand);
   const ServoResult result = play(loop, followers, options);
   if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
+  if (!options.secondTraceFile.empty()) writeTraceCsv(options.secondTraceFile, result.second->trace);
+  if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace);
   std::optional<StrokesTakenBack> back;
   try {
     backend->finish();
@@ -146,15 +188,23 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                      .compactions = backend->compactions(),
                      .movedPoints = end.edited,
                      .realtimePriority = result.realtimePriority,
+                     .pacedByDevice = result.pacedByDevice,
                      .realtime = options.realtime,
                      .interrupted = stopRequested,
                      .edits = brush.has_value(),
                      .radius_mm = model.scale.toMm(surface.radius),
                      .cell_mm = model.scale.toMm(backend->cell()),
                      .spacing_mm = model.scale.toMm(model.spacing),
+                     .noise_spacings = model.noise,
                      .mm_per_unit = model.scale.mm_per_unit,
-                     .error = contactError(result.trace, model, surface, backend->firstEditTime_s()),
+                     .tool = options.backend.tool,
+                     .toolPoints = backend->points().size(),
+                     .error = backend->points().empty()
+                                  ? contactError(result.trace, model, surface, backend->firstEditTime_s())
+                                  : ContactError{},  // a proxy that stands for many lies nowhere
                      .back = back};
+  if (result.second) report.second = secondReport(options.secondDevice, *result.second);
+  if (stylus.recorded) report.recorded = compareForces(result.trace, *stylus.recorded);
   if (recording)
     report.log =
         LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
@@ -176,8 +226,8 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   if (!logFault.empty()) throw Error("{}", logFault);
   if (result.deviceFailed) throw Error("{}", result.fault);
   if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
-  if (report.trace.faultTicks)
-    throw Error("{} ticks had no valid answer; their force was zero", report.trace.faultTicks);
+  const std::uint64_t faults = std::max(report.trace.faultTicks, report.second ? report.second->trace.faultTicks : 0);
+  if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
 }
 
 }  // namespace
@@ -189,7 +239,9 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
   sub->footer(
       "The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, "
       "contact, "
-      "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time).\n");
+      "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time). For a tool of many points, "
+      "proxy - hip is the sum of the ways from the points to their proxies, each times its share of the stiffness; "
+      "normal is their mean by force; and torque (x, y, z; about the HIP, mN m) follows.\n");
   sub->callback([&, sub, options] { command = [&context, sub, options] { touch(context, *sub, *options); }; });
 }
 

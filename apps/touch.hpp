@@ -13,8 +13,9 @@ struct TouchCommandOptions {
   BackendOptions backend;
   PictureOptions picture;
   StylusOptions stylus;
+  std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
   std::string path = "builtin:press", edit = "none";
-  std::string traceFile, saveFile, pictureFile, logFile;
+  std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;
   double penetration_mm = 2, rate_Hz = 1000;
   double tau_mm = 0.5, beta = 0.1, toolRadius_mm = 6, strength = 0.5;
   std::uint32_t falloff = 1;

@@ -75,7 +75,7 @@ Trace feel(Context& context, const Model& model, const JudgePath& way, const Bac
 }
 
 SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm_per_s, const JudgeOptions& options,
-                           const ModelScale& scale) {
+                           const ModelScale& scale, double spacing) {
   std::vector<JudgedTick> all;
   for (const JudgedTicks& way : ways) all.insert(all.end(), way.begin(), way.end());
   SlideJudgement result{.speed_mm_per_s = speed_mm_per_s,
@@ -86,13 +86,16 @@ SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm
                         .tangentialShare = tangentialShare(all)};
   // These look from tick to tick, so each way is judged alone.
   const double share = 1 / static_cast<double>(ways.size());
-  double roughPower = 0;
+  double roughPower = 0, roughPowerOffEdges = 0, powerOffEdges = 0;
   for (const JudgedTicks& way : ways) {
-    const Continuity steady = continuity(way, kRate_Hz);
+    const Continuity steady = continuity(way, kRate_Hz, spacing);
     result.continuity.p99_N_per_s += share * steady.p99_N_per_s;
     result.continuity.max_N_per_s = std::max(result.continuity.max_N_per_s, steady.max_N_per_s);
     result.continuity.power += steady.power;
     roughPower += steady.roughShare * steady.power;
+    const Continuity offEdges = continuityOffEdges(way, kRate_Hz);
+    powerOffEdges += offEdges.power;
+    roughPowerOffEdges += offEdges.roughShare * offEdges.power;
     const Lag lag = lagBehind(way, scale);
     result.lag.count += lag.count;
     result.lag.mean_mm += share * lag.mean_mm;
@@ -100,6 +103,7 @@ SlideJudgement judgeSlides(const std::vector<JudgedTicks>& ways, double speed_mm
     result.lag.delay_ms += share * lag.delay_ms;
   }
   if (result.continuity.power > 0) result.continuity.roughShare = roughPower / result.continuity.power;
+  if (powerOffEdges > 0) result.roughOffEdges = roughPowerOffEdges / powerOffEdges;
   return result;
 }
 
@@ -144,7 +148,8 @@ JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRa
   WorkerTeam team(context.threads());
   team.forEach(plan.ways.size(), [&](std::size_t k) {
     const Path& path = plan.ways[k].path.path;
-    plan.ways[k].ideal = followTruth(hipsAlong(path, path.duration_s()), subject.truth, scale.toUnits(kIdealStep_mm));
+    plan.ways[k].ideal =
+        followTruth(hipsAlong(path, path.duration_s()), subject.truth, scale.toUnits(kIdealStep_mm), widestRadius);
   });
   return plan;
 }
@@ -159,6 +164,7 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
                    .points = subject.model.cloud.size(),
                    .spacing_mm = scale.toMm(subject.model.spacing),
                    .radius_mm = scale.toMm(surfaceOptions(subject.model, backend).radius),
+                   .noise_spacings = subject.model.noise,
                    .friction = backend.friction};
   // First everything is felt, one after the other, since ticks are timed; then it is judged on all cores.
   std::vector<Trace> traces;
@@ -177,7 +183,7 @@ Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgeP
     const std::size_t first = next;
     std::vector<JudgedTicks> windows;
     while (windows.size() < subject.starts.size()) windows.push_back(window(next++));
-    result.slides.push_back(judgeSlides(windows, speed, options, scale));
+    result.slides.push_back(judgeSlides(windows, speed, options, scale, subject.model.spacing));
     if (speed != options.mainSpeed_mm_per_s) continue;
     result.force_N = forces(windows.front(), options.stiffness_N_per_mm, scale);
     const auto again = [&](const BackendOptions& on) {

@@ -36,6 +36,7 @@ struct SlideJudgement {
   HeightError height;          // M2
   double forceError = 0;       // M3
   Continuity continuity;       // M4: largest of all, mean of p99, share in the power of all
+  double roughOffEdges = 0;    // M4: the same share, where no edge is in reach of the widest support radius
   Lag lag;                     // M6: means; largest of all
   double tangentialShare = 0;  // M10
 };
@@ -49,17 +50,18 @@ struct EditJudgement {
 struct Judgement {
   std::string backend, surface, subject, condition;
   std::size_t points = 0;
-  double spacing_mm = 0, radius_mm = 0;
-  double friction = 0;                 ///< coefficient that was asked for
-  std::vector<SlideJudgement> slides;  ///< by speed
-  Summary step_us;                     // M7
-  double lateShare = 0;                // M7: of ticks beyond their millisecond
-  std::optional<double> free_N;        // M8
-  double drift_mm = 0;                 // M10
-  std::optional<EditJudgement> edit;   // M11
-  bool identical = false;              // M12
-  std::optional<double> fromCpu_N;     // M12: nothing for the CPU itself
-  std::vector<DVec2> force_N;          ///< along the first slide at the main speed: felt and true size, tick by tick
+  double spacing_mm = 0, radius_mm = 0;  ///< the largest radius
+  double noise_spacings = 0;             ///< of the positions, as it was measured
+  double friction = 0;                   ///< coefficient that was asked for
+  std::vector<SlideJudgement> slides;    ///< by speed
+  Summary step_us;                       // M7
+  double lateShare = 0;                  // M7: of ticks beyond their millisecond
+  std::optional<double> free_N;          // M8
+  double drift_mm = 0;                   // M10
+  std::optional<EditJudgement> edit;     // M11
+  bool identical = false;                // M12
+  std::optional<double> fromCpu_N;       // M12: nothing for the CPU itself
+  std::vector<DVec2> force_N;            ///< along the first slide at the main speed: felt and true size, tick by tick
 };
 
 /// A path over a subject, with what a god-object feels on it.

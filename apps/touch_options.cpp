@@ -71,6 +71,44 @@ std::array<std::uint8_t, 4> paintColor(const TouchCommandOptions& options) {
   return {rgb[0], rgb[1], rgb[2], 255};
 }
 
+void addSecondOptions(CLI::App& sub, TouchCommandOptions& options) {
+  sub.add_option("--second-device", options.secondDevice,
+                 "what moves a second HIP over the same model, in another hand, which only feels: as --device has it, "
+                 "with the same --map, --passivity and force (vulkan with the method fused, and cpu; a --tool is the "
+                 "first hand's)")
+      ->check(deviceValidator());
+  sub.add_option("--second-path", options.secondPath, "of --second-device path and sim; as --path has it")
+      ->type_name("PATH");
+  sub.add_option("--second-trace", options.secondTraceFile, "one row per tick of the second hand, as in --trace")
+      ->type_name("FILE.csv");
+}
+
+void checkSecondOptions(const TouchCommandOptions& options) {
+  const std::string& device = options.secondDevice;
+  if (device.empty()) {
+    if (!options.secondPath.empty()) throw UsageError("--second-path: there is no second hand; add --second-device");
+    if (!options.secondTraceFile.empty())
+      throw UsageError("--second-trace: there is no second hand; add --second-device");
+    return;
+  }
+  checkStylusOptions(secondStylus(options.stylus, device), options.realtime);
+  if (isHeldDevice(device) && device == options.stylus.device)
+    throw UsageError("--second-device: {} is in the first hand; name another one, as in openhaptics:NAME", device);
+  const bool followsPath = device == "path" || device == "sim";
+  if (followsPath && options.secondPath.empty())
+    throw UsageError("--second-device {}: say where it goes with --second-path", device);
+  if (!followsPath && !options.secondPath.empty())
+    throw UsageError("--second-path: {} follows none; it is for path and sim", device);
+  if (!options.logFile.empty())
+    throw UsageError(
+        "--log: a session log has one hand; leave it or --second-device out (--second-trace keeps a trace)");
+  if (options.backend.backend == "cuda")
+    throw UsageError("--second-device: --backend cuda feels with one hand; take vulkan or cpu");
+  if (options.backend.backend == "vulkan" && methodName(options.backend) != "fused")
+    throw UsageError("--second-device: --method {} feels with one hand; take fused", options.backend.method);
+  if (options.backend.ahead == "on") throw UsageError("--ahead: two hands are not asked ahead; leave it out");
+}
+
 }  // namespace
 
 void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
@@ -88,12 +126,19 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
   command.add_flag("--realtime", options.realtime,
                    "against the wall clock (default: virtual time, as fast as it goes)");
   addStylusOptions(command, options.stylus);
+  addSecondOptions(command, options);
   addBackendOptions(command, options.backend);
+  addToolOptions(command, options.backend);
   addForceOptions(command, options.force);
   addEditOptions(command, options);
   command
       .add_option("--trace", options.traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
       ->type_name("FILE.csv");
+  command
+      .add_option("--trajectory", options.trajectoryFile,
+                  "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
+                  "blanks and without names in any other file")
+      ->type_name("FILE");
   command.add_option("--picture", options.pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
       ->type_name("IMG.png");
   addPictureOptions(command, options.picture);
@@ -112,6 +157,8 @@ void checkTouchOptions(const TouchCommandOptions& options) {
   if (options.edit != "none" && options.edit != "push" && options.backend.backend == "cuda")
     throw UsageError("--edit: --backend cuda has only push; take vulkan or cpu for {}", options.edit);
   checkPictureOptions(options.picture);
+  checkStylusOptions(options.stylus, options.realtime);
+  checkSecondOptions(options);
   if (options.edit == "none") {
     if (!options.saveFile.empty()) throw UsageError("--save: nothing changes with --edit none");
     if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "apps/tick_times.hpp"
 #include "engine/contact/contact_reference.hpp"
 
 namespace palpate {
@@ -33,26 +34,25 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
 ServoReport servoReport(const ServoResult& result) {
   return {.step_us = result.step_us,
           .late_us = result.late_us,
+          .toll = result.toll,
           .withheld = result.withheld,
           .leastEnergy_mJ = result.leastEnergy_mJ};
 }
 
 namespace {
 
-std::string compact(const TickHistogram& times) {
-  return fmt::format("50 % within {:.0f}, 99 % {:.0f}, 99.9 % {:.0f}, all {:.0f} us", times.quantile_us(0.5),
-                     times.quantile_us(0.99), times.quantile_us(0.999), times.max_us());
+Json toJson(const GateCounts& withheld) {
+  return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"hot_ticks", withheld.hot}};
 }
 
-/// Of the bins that hold something: where each begins, and how many ticks it holds.
-Json toJson(const TickHistogram& times) {
-  Json from_us = Json::array(), ticks = Json::array();
-  for (std::size_t bin = 0; bin < TickHistogram::kBins; ++bin) {
-    if (times[bin] == 0) continue;
-    from_us.push_back(TickHistogram::from_us(bin));
-    ticks.push_back(times[bin]);
-  }
-  return {{"from", from_us}, {"ticks", ticks}, {"bins_per_octave", TickHistogram::kBinsPerOctave}};
+Json toJson(const SecondHandReport& second) {
+  return {{"device", second.device},
+          {"ticks", second.trace.ticks},
+          {"contact_ticks", second.trace.contactTicks},
+          {"fresh_fraction", second.trace.freshFraction},
+          {"peak_force_N", second.trace.peakForce_N},
+          {"passivity_energy_mJ", second.counts.leastEnergy_mJ ? Json(*second.counts.leastEnergy_mJ) : Json(nullptr)},
+          {"safety", toJson(second.counts.withheld)}};
 }
 
 }  // namespace
@@ -61,8 +61,8 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
-  row("points", fmt::format("{}, spacing {:.3g} mm, support radius {:.3g} mm", report.points, report.spacing_mm,
-                            report.radius_mm));
+  row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
+                            report.spacing_mm, report.noise_spacings, report.radius_mm));
   row("machine", report.machine);
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
@@ -83,13 +83,26 @@ void printReport(std::FILE* out, const TouchReport& report) {
                     report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
                                            : std::string()));
   row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
+  if (report.toolPoints)
+    row("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,
+                                   report.tool, report.toolPoints));
+  if (report.second) {
+    const TraceSummary& second = report.second->trace;
+    row("second hand",
+        fmt::format("{}: {} ticks in contact, peak force {:.3f} N{}", report.second->device, second.contactTicks,
+                    second.peakForce_N,
+                    report.realtime ? fmt::format(", {:.1f} % of answers in time", 100 * second.freshFraction) : ""));
+  }
   if (report.realtime)
     row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,
-                                    report.realtimePriority ? "" : " (no real-time priority was granted)"));
+                                    report.pacedByDevice      ? " (at the device's own pace)"
+                                    : report.realtimePriority ? ""
+                                                              : " (no real-time priority was granted)"));
   if (report.realtime) {
-    row("tick times", compact(report.servo.step_us));
-    row("woken late by", compact(report.servo.late_us));
+    row("tick times", inWords(report.servo.step_us));
+    row("woken late by", inWords(report.servo.late_us));
   }
+  if (report.realtime && !report.pacedByDevice) row("core taken away", inWords(report.servo.toll));
   if (report.servo.leastEnergy_mJ)
     row("passivity", fmt::format("{:.3g} mJ at the least (below 0: made by the loop)", *report.servo.leastEnergy_mJ));
   const GateCounts& withheld = report.servo.withheld;
@@ -108,6 +121,9 @@ void printReport(std::FILE* out, const TouchReport& report) {
           fmt::format("{}, for --undo-memory{}", back.dropped,
                       back.tooLarge ? fmt::format("; {} larger than all of it", back.tooLarge) : std::string()));
   }
+  if (report.recorded)
+    row("recorded forces", fmt::format("differ by {:.3g} N rms, {:.3g} N at worst, over {} ticks",
+                                       report.recorded->rms_N, report.recorded->worst_N, report.recorded->ticks));
   if (report.log) {
     const LogReport& log = *report.log;
     row("session log",
@@ -159,11 +175,9 @@ Json toJson(const TouchReport& report) {
       {"missed_ticks", trace.missedTicks},
       {"tick_histogram_us", toJson(report.servo.step_us)},
       {"late_histogram_us", toJson(report.servo.late_us)},
+      {"servo_thread", toJson(report.servo.toll)},
       {"passivity_energy_mJ", report.servo.leastEnergy_mJ ? Json(*report.servo.leastEnergy_mJ) : Json(nullptr)},
-      {"safety",
-       {{"errors", report.servo.withheld.errors},
-        {"stale_ticks", report.servo.withheld.stale},
-        {"hot_ticks", report.servo.withheld.hot}}},
+      {"safety", toJson(report.servo.withheld)},
       {"interrupted", report.interrupted},
       {"skipped_edits",
        report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow + report.shortfalls.editsHeldUp},
@@ -175,7 +189,14 @@ Json toJson(const TouchReport& report) {
       {"radius_mm", report.radius_mm},
       {"cell_mm", report.cell_mm},
       {"spacing_mm", report.spacing_mm},
+      {"noise_spacings", report.noise_spacings},
       {"mm_per_unit", report.mm_per_unit}};
+  if (report.toolPoints) {
+    json["tool"] = report.tool;
+    json["tool_points"] = report.toolPoints;
+    json["peak_torque_mNm"] = trace.peakTorque_mNm;
+  }
+  if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
   if (report.back)
     json["undo"] = {{"strokes", report.back->strokes},
@@ -183,6 +204,9 @@ Json toJson(const TouchReport& report) {
                     {"redone", report.back->redone},
                     {"forgotten", report.back->dropped},
                     {"too_large", report.back->tooLarge}};
+  if (report.recorded)
+    json["recorded_forces"] = {
+        {"ticks", report.recorded->ticks}, {"rms_N", report.recorded->rms_N}, {"worst_N", report.recorded->worst_N}};
   if (report.log)
     json["log"] = {
         {"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}, {"merged_edits", report.log->mergedEdits}};

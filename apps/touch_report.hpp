@@ -5,6 +5,7 @@
 #include "engine/contact/surface_reference.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "haptics/servo_loop.hpp"
+#include "haptics/trajectory.hpp"
 
 namespace palpate {
 
@@ -21,6 +22,7 @@ ContactError contactError(const Trace& trace, const Model& model, const SurfaceO
 /// What the servo loop counted besides the trace.
 struct ServoReport {
   TickHistogram step_us, late_us;
+  ThreadToll toll;
   GateCounts withheld;
   std::optional<double> leastEnergy_mJ;
 };
@@ -29,6 +31,13 @@ ServoReport servoReport(const ServoResult& result);
 /// The session log, as it ended.
 struct LogReport {
   std::uint64_t bytes = 0, lostTicks = 0, mergedEdits = 0;
+};
+
+/// What the second hand's part of a session came to.
+struct SecondHandReport {
+  std::string device;
+  TraceSummary trace;
+  HandCounts counts;
 };
 
 /// What a touch session came to.
@@ -43,13 +52,18 @@ struct TouchReport {
   std::uint64_t compactions = 0;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;
+  bool pacedByDevice = false;
   bool realtime = false;
   bool interrupted = false;
   bool edits = false;
-  double radius_mm = 0, cell_mm = 0, spacing_mm = 0, mm_per_unit = 0;
+  double radius_mm = 0, cell_mm = 0, spacing_mm = 0, noise_spacings = 0, mm_per_unit = 0;
+  std::string tool;
+  std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
   ContactError error;
   std::optional<StrokesTakenBack> back;  ///< where undo was asked for
   std::optional<LogReport> log;
+  std::optional<SecondHandReport> second;   ///< where there was one
+  std::optional<ForceDifference> recorded;  ///< from the forces of the trajectory that was replayed
 };
 
 void printReport(std::FILE* out, const TouchReport& report);

@@ -36,9 +36,9 @@ std::string brief(double value) {
 }
 
 void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_per_s) {
-  const std::vector<Column> columns{{"held %", 7}, {"M1 mean", 9}, {"p95", 7},  {"max", 7},    {"M2 bias", 9},
-                                    {"RMS", 7},    {"spac.", 8},   {"M3 %", 7}, {"M4 p99", 9}, {"max", 7},
-                                    {"rough%", 8}, {"M6 mean", 9}, {"max", 7},  {"ms", 8}};
+  const std::vector<Column> columns{{"held %", 7}, {"M1 mean", 9},    {"p95", 7},     {"max", 7},    {"M2 bias", 9},
+                                    {"RMS", 7},    {"spac.", 8},      {"M3 %", 7},    {"M4 p99", 9}, {"max", 7},
+                                    {"rough%", 8}, {"off edges", 10}, {"M6 mean", 9}, {"max", 7},    {"ms", 8}};
   printHead(out,
             fmt::format("slides 1 mm deep at {:g} mm/s: M1 in degrees, M2 in um and in spacings, M4 in N/s, M6 in um",
                         speed_mm_per_s),
@@ -50,8 +50,8 @@ void printSlides(std::FILE* out, const TouchResults& results, double speed_mm_pe
                  {brief(100 * s.heldShare), brief(s.angle.mean_deg), brief(s.angle.p95_deg), brief(s.angle.max_deg),
                   brief(1e3 * s.height.bias_mm), brief(1e3 * s.height.rms_mm), brief(s.height.rms_mm / j.spacing_mm),
                   brief(100 * s.forceError), brief(s.continuity.p99_N_per_s), brief(s.continuity.max_N_per_s),
-                  brief(100 * s.continuity.roughShare), brief(1e3 * s.lag.mean_mm), brief(1e3 * s.lag.max_mm),
-                  brief(s.lag.delay_ms)});
+                  brief(100 * s.continuity.roughShare), brief(100 * s.roughOffEdges), brief(1e3 * s.lag.mean_mm),
+                  brief(1e3 * s.lag.max_mm), brief(s.lag.delay_ms)});
 }
 
 void printSessions(std::FILE* out, const TouchResults& results) {
@@ -130,15 +130,18 @@ Json toJson(const SlideJudgement& s, double spacing_mm) {
           {"M4_continuity",
            {{"p99_N_per_s", s.continuity.p99_N_per_s},
             {"max_N_per_s", s.continuity.max_N_per_s},
-            {"share_50_to_500_Hz", s.continuity.roughShare}}},
+            {"share_50_to_500_Hz", s.continuity.roughShare},
+            {"share_50_to_500_Hz_off_edges", s.roughOffEdges}}},
           {"M6_lag", {{"mean_mm", s.lag.mean_mm}, {"max_mm", s.lag.max_mm}, {"delay_ms", s.lag.delay_ms}}},
           {"M10_tangential_over_normal", s.tangentialShare}};
 }
 
 Json toJson(const Judgement& j) {
-  Json json{{"backend", j.backend},     {"surface", j.surface},   {"subject", j.subject},
-            {"condition", j.condition}, {"points", j.points},     {"spacing_mm", j.spacing_mm},
-            {"radius_mm", j.radius_mm}, {"slides", Json::array()}};
+  Json json{{"backend", j.backend},     {"surface", j.surface},
+            {"subject", j.subject},     {"condition", j.condition},
+            {"points", j.points},       {"spacing_mm", j.spacing_mm},
+            {"radius_mm", j.radius_mm}, {"measured_noise_spacings", j.noise_spacings},
+            {"slides", Json::array()}};
   for (const SlideJudgement& s : j.slides) json["slides"].push_back(toJson(s, j.spacing_mm));
   json["M7_step_us"] = {{"p50", j.step_us.p50},
                         {"p99", j.step_us.p99},

@@ -1,7 +1,7 @@
 // No force outlives the program: a signal that ends it takes the force away first.
 #pragma once
 
-#include "haptics/haptic_device.hpp"
+#include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
 

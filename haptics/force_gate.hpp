@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "engine/core/vec.hpp"
-#include "haptics/haptic_device.hpp"
+#include "haptics/devices/haptic_device.hpp"
 #include "haptics/thermal_budget.hpp"
 
 namespace palpate {

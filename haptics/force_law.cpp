@@ -24,27 +24,34 @@ ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : optio
   checkOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
 }
 
-void ForceLaw::limitTo(double peakForce_N) noexcept {
-  // Written so that a peak that is not a number allows no force at all.
-  options_.maxForce_N = peakForce_N >= 0 ? std::min(options_.maxForce_N, peakForce_N) : 0;
+void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
+  // Written so that a limit that is not a number allows no force at all.
+  const auto limited = [](double wanted, double most) { return most >= 0 ? std::min(wanted, most) : 0; };
+  options_.maxForce_N = limited(options_.maxForce_N, peakForce_N);
+  options_.stiffness_N_per_mm = limited(options_.stiffness_N_per_mm, stiffness_N_per_mm);
 }
 
 void ForceLaw::reset() noexcept {
   stretching_.reset();
-  force_N_ = DVec3(0);
+  for (RateEstimate& stretching : stretchings_) stretching.reset();
+  force_N_ = torque_mNm_ = DVec3(0);
   demand_N_ = 0;
 }
 
 // F = k dx + d dx', dx from the HIP to the proxy (god-object with a virtual coupling; Zilles, Salisbury 1995). dx' is a
 // backward difference, so it needs two ticks of contact.
+DVec3 ForceLaw::spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept {
+  const DVec3 stretch_mm = (contact.proxy - hip) * scale_.mm_per_unit;
+  const DVec3 rate_mm_per_s = stretching.add(stretch_mm, dt_s);
+  return options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
+}
+
 DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) noexcept {
   if (!contact.valid || !contact.touching) {
     reset();
     return DVec3(0);
   }
-  const DVec3 stretch_mm = (contact.proxy - pose.hip) * scale_.mm_per_unit;
-  const DVec3 rate_mm_per_s = stretching_.add(stretch_mm, dt_s);
-  const DVec3 force_N = options_.stiffness_N_per_mm * stretch_mm + options_.damping_N_s_per_mm * rate_mm_per_s;
+  const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
     return DVec3(0);
@@ -55,6 +62,37 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
   const DVec3 result = pushes(force_N) ? limited(force_N, dt_s) : DVec3(0);
   force_N_ = pushes(result) ? result : DVec3(0);
+  return force_N_;
+}
+
+DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> points, const Pose& pose,
+                       double dt_s) noexcept {
+  DVec3 asked_N(0), sum_N(0), torque_mNm(0);
+  if (!whole.valid || !whole.touching) points = {};
+  for (std::size_t i = 0; i < points.size() && i < stretchings_.size(); ++i) {
+    const PointContact& point = points[i];
+    if (!point.contact.touching) {
+      stretchings_[i].reset();
+      continue;
+    }
+    const DVec3 force_N = point.share * spring(point.contact, point.hip, dt_s, stretchings_[i]);
+    asked_N += force_N;
+    // What is no number goes on into the sum.
+    if (glm::dot(force_N, point.contact.normal) <= 0) continue;
+    sum_N += force_N;
+    torque_mNm += glm::cross(scale_.mm_per_unit * (point.hip - pose.hip), force_N);
+  }
+  if (points.empty() || !isFinite(sum_N) || !isFinite(torque_mNm) || !std::isfinite(dt_s)) {
+    reset();
+    return DVec3(0);
+  }
+
+  demand_N_ = glm::length(asked_N);
+  const double wanted_N = glm::length(sum_N);
+  const DVec3 result = limited(sum_N, dt_s);
+  force_N_ = glm::dot(result, sum_N) > 0 ? result : DVec3(0);
+  const double share = wanted_N > 0 ? std::min(1.0, glm::length(force_N_) / wanted_N) : 1;
+  torque_mNm_ = share * torque_mNm;
   return force_N_;
 }
 

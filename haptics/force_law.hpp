@@ -1,6 +1,10 @@
 // From contact to force: a spring and a damper between the HIP and the proxy, and the limits that keep it safe.
 #pragma once
 
+#include <limits>
+#include <span>
+#include <vector>
+
 #include "engine/core/contact_query.hpp"
 #include "engine/core/units.hpp"
 #include "haptics/rate_estimate.hpp"
@@ -23,12 +27,23 @@ class ForceLaw {
   const ForceOptions& options() const { return options_; }
   const ModelScale& scale() const { return scale_; }
 
-  /// Lowers maxForce_N to what a device can bear.
-  void limitTo(double peakForce_N) noexcept;
+  /// Lowers maxForce_N and the stiffness to what a device can bear.
+  void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
 
   /// The force on the hand, N, for a tick that comes `dt_s` after the one before. Exactly zero when nothing is touched,
   /// on any fault or number that is not finite, and when spring and damper together would pull into the surface.
   DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
+
+  /// Makes room for a tool of so many points.
+  void feelWith(std::size_t points) { stretchings_.resize(points); }
+
+  /// The same for a tool: each point has its share of spring and damper and only pushes, and the limits act on the sum.
+  /// Exactly zero while `whole`, the answer as a whole, touches nothing or is a fault.
+  DVec3 update(const Contact& whole, std::span<const PointContact> points, const Pose& pose, double dt_s) noexcept;
+
+  /// What a tool's forces on its points, which update() has summed up, turn the hand with: about the HIP, mN m, and
+  /// less in proportion where a limit took from the force. Zero for a single point.
+  const DVec3& torque_mNm() const noexcept { return torque_mNm_; }
 
   /// The size of what spring and damper asked for at the last tick, before any limit, N.
   double demand_N() const noexcept { return demand_N_; }
@@ -37,12 +52,15 @@ class ForceLaw {
   void reset() noexcept;
 
  private:
+  DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept;
   DVec3 limited(const DVec3& target_N, double dt_s) const noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
-  RateEstimate stretching_;  ///< of the way from HIP to proxy, mm/s
-  DVec3 force_N_{0};         ///< at the last tick
+  RateEstimate stretching_;                ///< of the way from HIP to proxy, mm/s
+  std::vector<RateEstimate> stretchings_;  ///< of a tool, point by point
+  DVec3 force_N_{0};                       ///< at the last tick
+  DVec3 torque_mNm_{0};
   double demand_N_ = 0;
 };
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "engine/core/vec.hpp"
-#include "haptics/haptic_device.hpp"
+#include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
 

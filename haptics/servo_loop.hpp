@@ -1,4 +1,4 @@
-// The servo loop: read the device, ask where the surface is, turn the answer into a force, write it, note it down.
+// The servo loop: read the devices, ask where the surface is, turn the answers into forces, write them, note them down.
 #pragma once
 
 #include <atomic>
@@ -6,24 +6,23 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/core/contact_query.hpp"
-#include "haptics/force_gate.hpp"
-#include "haptics/force_law.hpp"
-#include "haptics/haptic_device.hpp"
-#include "haptics/passivity.hpp"
+#include "haptics/hand.hpp"
+#include "haptics/thread_toll.hpp"
 #include "haptics/tick_histogram.hpp"
+#include "haptics/tick_pacer.hpp"
 #include "haptics/trace.hpp"
 
 namespace palpate {
 
-/// Is told of every tick at which the device answered, on the servo thread and as part of the tick: it waits for nobody
-/// and allocates nothing.
+/// Is told of every tick at which the devices answered, on the servo thread and as part of the tick: it waits for
+/// nobody and allocates nothing. It hears of the first hand.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
-  /// `device`: where it was, in its own unit.
-  virtual void ticked(const TraceRow& row, const DVec3& device) noexcept = 0;
+  virtual void ticked(const TraceRow& row, const DeviceState& device) noexcept = 0;
 };
 
 struct ServoOptions {
@@ -33,8 +32,8 @@ struct ServoOptions {
   bool endless = false;  ///< against the wall clock until `stop`, whatever the duration; only a recorder sees the ticks
   bool realtime = false;  ///< the wall clock paces the ticks; otherwise they come as fast as they go
   double reserve_us =
-      200;  ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it
-  WorkspaceMap map;
+      200;           ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it
+  WorkspaceMap map;  ///< at first; the device's clutch moves it
   std::optional<PassivityMode> passivity;   ///< unless set: on for a device in a hand, off for a script
   const std::atomic<bool>* stop = nullptr;  ///< ends the session before its time when it becomes true
   /// No force while it is false; when it becomes true again, as at the start of a session: first a small demand, then
@@ -43,16 +42,31 @@ struct ServoOptions {
   TickRecorder* recorder = nullptr;  ///< told of each tick, in virtual and in real time; outlives the loop
 };
 
+/// A second hand on the same model, which only feels.
+struct SecondHand {
+  HapticDevice& device;
+  ForceLaw law;
+  HandOptions options;
+};
+
+struct SecondResult {
+  Trace trace;  ///< of the same ticks
+  HandCounts counts;
+};
+
 struct ServoResult {
   Trace trace;
   bool deviceFailed = false;
   bool queryLost = false;         ///< ended early: the query will never answer again
-  std::string fault;              ///< the device's fault in words; empty unless it failed
+  std::string fault;              ///< of the device that failed, in words; empty unless one did
   bool realtimePriority = false;  ///< the ticks ran under SCHED_FIFO
+  bool pacedByDevice = false;     ///< on the device's own thread
   TickHistogram step_us;          ///< from pose read to force ready
   TickHistogram late_us;          ///< from when a tick was due to its begin; empty in virtual time
+  ThreadToll toll;                ///< of the servo thread; nothing in virtual time and at the device's pace
   GateCounts withheld;
   std::optional<double> leastEnergy_mJ;  ///< that the surface had ever taken in; see Passivity
+  std::optional<SecondResult> second;    ///< where there is a second hand
 };
 
 /// Called after each tick in virtual time only, outside of the tick: it may take long, allocate and throw.
@@ -60,12 +74,14 @@ using TickObserver = std::function<void(const TraceRow&)>;
 
 /// Whatever happens, the last force the device gets is zero, also when a signal ends the program. A fault of the device
 /// ends the session, with zero force from that tick on; a fault of the query means zero force at that tick, a row that
-/// says so, and a ramp afterwards, or the end where the query is lost for good. Every force passes the ForceGate.
+/// says so, and a ramp afterwards, or the end where the query is lost for good. Every force passes the ForceGate. Of
+/// two hands both are asked for at once; a fault of one device takes both forces away.
 class ServoLoop {
  public:
-  /// The device and the query must outlive the loop. The force is limited to the device's peak. Throws UsageError for a
-  /// rate or duration out of range, and for a passivity controller on a device that yields to no force.
-  ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options);
+  /// Devices and query must outlive the loop. Throws UsageError for a rate or duration out of range, for a second
+  /// device that would pace the ticks, and as Hand does.
+  ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options,
+            const std::optional<SecondHand>& second = {});
 
   std::uint64_t plannedTicks() const { return plannedTicks_; }
 
@@ -76,23 +92,31 @@ class ServoLoop {
  private:
   /// Fills the rows from the front and returns how many ticks were done.
   std::size_t play(const TickObserver& observer, ServoResult& result);
+  std::size_t playAtOnce(const TickObserver& observer, ServoResult& result);
+  std::size_t playByClock(ServoResult& result);
+  std::size_t playByDevice(ServoResult& result);
+  bool isOver(std::uint64_t index) const noexcept;
+  double budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept;
+  struct Progress {
+    std::size_t done = 0;
+    std::optional<double> lastTime_s;
+  };
+  /// Does the tick `index`; false when it was the last.
+  bool next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept;
   enum class Tick { done, deviceFailed, queryLost };
-  Tick tick(double time_s, double dt_s, double budget_us, TraceRow& row) noexcept;
-  /// The force to write, with the device at `position` in its own unit.
-  DVec3 forceFor(const DVec3& position, const Pose& pose, const Contact& contact, double dt_s) noexcept;
-  /// Whether the device moved faster than a hand can since the last tick.
-  bool hasJumped(const DVec3& position, double dt_s) noexcept;
+  /// `secondRow`: null where there is one hand.
+  Tick tick(double time_s, double dt_s, double budget_us, TraceRow& row, TraceRow* secondRow) noexcept;
+  /// False when a device failed; then no device has a force.
+  bool readAll(double time_s) noexcept;
+  bool writeAll() noexcept;
+  bool failedAt(const Hand& hand) noexcept;
 
-  HapticDevice& device_;
   ContactQuery& query_;
-  ForceLaw law_;
   ServoOptions options_;
   std::uint64_t plannedTicks_;
-  DeviceLimits limits_;
-  PassivityMode passivityMode_;
-  Passivity passivity_;
-  ForceGate gate_;
-  std::optional<DVec3> lastPosition_;  ///< of the device, in its own unit
+  Hand hand_;
+  std::optional<Hand> second_;
+  const Hand* failed_ = nullptr;  ///< the first one whose device did
 };
 
 }  // namespace palpate

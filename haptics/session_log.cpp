@@ -114,6 +114,12 @@ bool readBlock(Source& source, std::uint32_t number, SessionRecord& record) {
 
 }  // namespace
 
+bool isSessionLog(const std::filesystem::path& file) {
+  std::array<char, session_file::kMagic.size()> begin{};
+  std::ifstream(file, std::ios::binary).read(begin.data(), begin.size());
+  return begin == session_file::kMagic;
+}
+
 SessionRecord readSessionLog(const std::filesystem::path& file) {
   Source source(file);
   SessionRecord record{.text = readHeader(source, file)};

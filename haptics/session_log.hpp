@@ -25,20 +25,25 @@ struct LoggedTick {
     kFresh = 2,
     kValid = 4,
     kEditLeftOut = 8,  ///< an edit that the answer asked for was not done
-    kPutDown = 16      ///< the stylus was lifted before it, and put down elsewhere
+    kPutDown = 16,     ///< the stylus was lifted before it, and put down elsewhere
+    kForceless = 32    ///< the device let no force through
   };
+  static constexpr int kButtonShift = 24;  ///< the first eight buttons, in the highest bits of the flags
+  static constexpr std::uint32_t flagsOf(std::uint32_t buttons) { return buttons << kButtonShift; }
 
   double time_s = 0;
   DVec3 device{0};  ///< where the device was, in its own unit
-  DVec3 proxy{0};   ///< model units, in the coordinates of the model's file
+  DQuat turn{1, 0, 0, 0};
+  DVec3 proxy{0};  ///< model units, in the coordinates of the model's file
   DVec3 force_N{0};
   std::uint64_t edits = 0;  ///< states of the log's edits that came before the tick's answer
   std::uint32_t neighbours = 0;
   std::uint32_t flags = 0;
 
   bool has(Flag flag) const { return (flags & flag) != 0; }
+  std::uint32_t buttons() const { return flags >> kButtonShift; }
 };
-static_assert(sizeof(LoggedTick) == 96);
+static_assert(sizeof(LoggedTick) == 128);
 
 /// How a session ended.
 struct SessionEnd {
@@ -52,7 +57,7 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
@@ -92,6 +97,9 @@ struct SessionRecord {
   std::uint64_t wholeBytes = 0;   ///< up to the end of the last whole block
   std::uint64_t fileBytes = 0;    ///< more than that where the last block is torn
 };
+
+/// Whether a file begins like a session log. False for one that cannot be read.
+bool isSessionLog(const std::filesystem::path& file);
 
 /// Throws FileError for a file that cannot be read, is no session log, is of another version, or has a damaged header.
 /// A block that is torn or damaged ends the record.

@@ -1,8 +1,8 @@
 // Which stiffness a hand can hold: the servo loop against the simulated Touch and a surface with a closed formula.
 #pragma once
 
+#include "haptics/devices/simulated_touch.hpp"
 #include "haptics/passivity.hpp"
-#include "haptics/simulated_touch.hpp"
 
 namespace palpate {
 

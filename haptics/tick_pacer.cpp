@@ -8,9 +8,13 @@
 #include <cmath>
 #include <ctime>
 
+#include "engine/core/error.hpp"
+
 namespace palpate {
 namespace {
 
+constexpr double kHighestRate_Hz = 100'000;
+constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 /// Waking up takes the kernel some tens of microseconds; spinning that long instead keeps a tick to the microsecond. A
@@ -52,6 +56,15 @@ RealtimePriority::~RealtimePriority() {
   if (oldSlack_ns_ > 0) ::prctl(PR_SET_TIMERSLACK, static_cast<unsigned long>(oldSlack_ns_));
 }
 
+std::uint64_t plannedTicks(double rate_Hz, double duration_s) {
+  if (!(rate_Hz > 0 && rate_Hz <= kHighestRate_Hz))
+    throw UsageError("rate {} Hz: it must be above 0 and at most {}", rate_Hz, kHighestRate_Hz);
+  const double ticks = duration_s * rate_Hz;
+  if (!(duration_s >= 0 && ticks <= kMostTicks))
+    throw UsageError("{} s at {} Hz: a session has at most {} ticks; make it shorter", duration_s, rate_Hz, kMostTicks);
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
+}
+
 TickPacer::TickPacer(double rate_Hz, bool wakesInTime) noexcept
     : period_ns_(1e9 / rate_Hz),
       spin_ns_(coresToUse() < kCoresToSpin ? 0
@@ -73,6 +86,11 @@ std::uint64_t TickPacer::waitFor(std::uint64_t index) const noexcept {
   }
   const auto late_ns = static_cast<double>(now_ns() - due);
   return late_ns > period_ns_ ? index + static_cast<std::uint64_t>(late_ns / period_ns_) : index;
+}
+
+std::uint64_t TickPacer::passed() const noexcept {
+  const auto since_ns = static_cast<double>(now_ns() - start_ns_);
+  return static_cast<std::uint64_t>(std::max(0.0, since_ns / period_ns_ - 1));
 }
 
 double TickPacer::remaining_us(std::uint64_t index) const noexcept {

@@ -26,6 +26,9 @@ class RealtimePriority {
   bool granted_ = false;
 };
 
+/// The ticks of a session, at least one. Throws UsageError for a rate or a duration that is out of range.
+std::uint64_t plannedTicks(double rate_Hz, double duration_s);
+
 /// Tick i is due exactly i periods after the pacer was made, however long the ticks before it took.
 class TickPacer {
  public:
@@ -37,6 +40,9 @@ class TickPacer {
   /// where it would not wake in time), and returns the tick to do now: `index`, or a later one when more than a whole
   /// period went by unused. Ticks between are lost; they are never made up for in a burst.
   std::uint64_t waitFor(std::uint64_t index) const noexcept;
+
+  /// The last tick that is overdue by a whole period: what comes at another's pace may be a little late.
+  std::uint64_t passed() const noexcept;
 
   /// Time until tick `index` is due; negative once it is.
   double remaining_us(std::uint64_t index) const noexcept;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "engine/core/check.hpp"
 #include "haptics/spectrum.hpp"
@@ -20,17 +21,33 @@ double quantile(std::vector<double> samples, double q) {
   return quantileOfSorted(samples, q);
 }
 
+bool smoothAround(const SurfacePoint& place, const TouchTruth& truth, double reach) {
+  constexpr int kDirections = 8;
+  constexpr double kEdgeCosine = 0.9;
+  constexpr double kDepth = 0.02;  // of the reach: past an edge, its other side is nearest from just under the surface
+  const Frame3 frame = frameAround(place.normal);
+  for (int k = 0; k < kDirections; ++k) {
+    const double turn = 2 * std::numbers::pi * k / kDirections;
+    const DVec3 aside = std::cos(turn) * frame.u + std::sin(turn) * frame.v;
+    const SurfacePoint near = truth.closest(place.position + reach * (aside - kDepth * place.normal));
+    if (glm::dot(near.normal, place.normal) < kEdgeCosine) return false;
+  }
+  return true;
+}
+
 DVec3 alongSurface(const DVec3& v, const DVec3& normal) { return v - glm::dot(v, normal) * normal; }
 
 }  // namespace
 
-std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep) {
+std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep,
+                                   double edgeReach) {
   GodObject ideal(truth, longestStep);
   std::vector<IdealTick> ticks;
   ticks.reserve(hips.size());
   for (const DVec3& hip : hips) {
     ideal.follow(hip);
     ticks.push_back({.shouldTouch = ideal.touching(),
+                     .offEdges = edgeReach <= 0 || !ideal.touching() || smoothAround(ideal.contact(), truth, edgeReach),
                      .truth = ideal.contact(),
                      .hipHeight = ideal.touching() ? 0 : truth.signedDistance(hip)});
   }
@@ -104,12 +121,27 @@ double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale
   return wanted > 0 ? std::sqrt(missed / wanted) : 0;
 }
 
-Continuity continuity(JudgedTicks ticks, double rate_Hz) {
+namespace {
+
+/// Whether each tick touches and the god-object still does when the HIP has gone `letGo` further.
+std::vector<bool> goesOn(JudgedTicks ticks, double letGo) {
+  std::vector<bool> on(ticks.size());
+  const DVec3* freed = nullptr;  // where the HIP is first free after the tick
+  for (std::size_t i = ticks.size(); i-- > 0;) {
+    const JudgedTick& tick = ticks[i];
+    if (!tick.shouldTouch) freed = &tick.row.hip;
+    on[i] = tick.shouldTouch && !(freed && glm::distance(*freed, tick.row.hip) < letGo);
+  }
+  return on;
+}
+
+template <class Counts>
+Continuity continuityWhere(JudgedTicks ticks, double rate_Hz, Counts&& counts) {
   std::vector<DVec3> rates;
   std::vector<double> sizes;
   double power = 0;
   for (std::size_t i = 1; i < ticks.size(); ++i) {
-    if (!ticks[i - 1].shouldTouch || !ticks[i].shouldTouch) continue;
+    if (!counts(i - 1) || !counts(i)) continue;
     rates.push_back((ticks[i].row.force_N - ticks[i - 1].row.force_N) * rate_Hz);
     sizes.push_back(glm::length(rates.back()));
     power += sizes.back() * sizes.back();
@@ -121,6 +153,17 @@ Continuity continuity(JudgedTicks ticks, double rate_Hz) {
           .max_N_per_s = max_N_per_s,
           .power = power,
           .roughShare = max_N_per_s > kRounding_N_per_s ? powerShare(rates, rate_Hz, kRoughFrom_Hz, kRoughTo_Hz) : 0};
+}
+
+}  // namespace
+
+Continuity continuity(JudgedTicks ticks, double rate_Hz, double letGo) {
+  const std::vector<bool> on = goesOn(ticks, letGo);
+  return continuityWhere(ticks, rate_Hz, [&](std::size_t i) { return on[i]; });
+}
+
+Continuity continuityOffEdges(JudgedTicks ticks, double rate_Hz) {
+  return continuityWhere(ticks, rate_Hz, [&](std::size_t i) { return ticks[i].shouldTouch && ticks[i].offEdges; });
 }
 
 bool cameThrough(const Trace& push, const DVec3& middle, const DVec3& outward) {
@@ -216,7 +259,8 @@ double forceDifference_N(const Trace& a, const Trace& b) {
 bool identical(const Trace& a, const Trace& b) {
   const auto same = [](const TraceRow& x, const TraceRow& y) {
     return x.time_s == y.time_s && x.hip == y.hip && x.proxy == y.proxy && x.normal == y.normal &&
-           x.force_N == y.force_N && x.contact == y.contact && x.valid == y.valid && x.neighbours == y.neighbours;
+           x.force_N == y.force_N && x.torque_mNm == y.torque_mNm && x.contact == y.contact && x.valid == y.valid &&
+           x.neighbours == y.neighbours;
   };
   return std::ranges::equal(a.rows, b.rows, same);
 }

@@ -13,12 +13,15 @@ namespace palpate {
 /// What the god-object says about a HIP. Lengths in model units.
 struct IdealTick {
   bool shouldTouch = false;
+  bool offEdges = true;  ///< the true surface around it is smooth (followTruth())
   SurfacePoint truth;    ///< the god-object; the closest point while nothing should be touched
   double hipHeight = 0;  ///< signed distance to the true surface, positive outside; 0 while it should touch
 };
 
-/// The god-object tick by tick. `longestStep` of its own, model units. The first HIP has to be outside.
-std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep);
+/// The god-object tick by tick. `longestStep` of its own, model units. The first HIP has to be outside. It is off edges
+/// where the true surface turns by less than 26 degrees within `edgeReach`, model units; with 0 it always is.
+std::vector<IdealTick> followTruth(std::span<const DVec3> hips, const TouchTruth& truth, double longestStep,
+                                   double edgeReach = 0);
 
 /// A tick of a trace beside that.
 struct JudgedTick : IdealTick {
@@ -54,13 +57,17 @@ HeightError heightError(JudgedTicks ticks, const ModelScale& scale);
 /// that of the latter; a force that is missing counts as zero. 0 where nothing should be touched.
 double forceError(JudgedTicks ticks, double stiffness_N_per_mm, const ModelScale& scale);
 
-/// M4: how steadily the force goes on between neighbouring ticks that should both touch; as vectors.
+/// M4: how steadily the force goes on between neighbouring ticks that should both touch; as vectors. Where the touch
+/// ends it may do so a little sooner or later than the truth's: what is nearer to that than `letGo`, model units along
+/// the HIP's way, is no part of a steady slide.
 struct Continuity {
   double p99_N_per_s = 0, max_N_per_s = 0;
   double power = 0;       ///< of dF/dt, summed over the ticks, N^2/s^2
   double roughShare = 0;  ///< of the power of dF/dt, from 50 to 500 Hz, where fingertips feel it as roughness
 };
-Continuity continuity(JudgedTicks ticks, double rate_Hz);
+Continuity continuity(JudgedTicks ticks, double rate_Hz, double letGo = 0);
+/// Of the ticks off edges alone: an edge that is crossed is a click, and has its power in all frequencies.
+Continuity continuityOffEdges(JudgedTicks ticks, double rate_Hz);
 
 /// M5: whether a push through a plate has come out of it: at its last tick nothing is touched, or the proxy lies behind
 /// the plate's middle. `outward` is the normal of the side that was pushed.

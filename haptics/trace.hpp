@@ -17,6 +17,7 @@ struct TraceRow {
   DVec3 proxy{0};   ///< the HIP where nothing is touched
   DVec3 normal{0};  ///< unit, outward; zero where no surface was in reach
   DVec3 force_N{0};
+  DVec3 torque_mNm{0};        ///< of a tool of many points, about the HIP; told, not rendered
   double penetration_mm = 0;  ///< from HIP to proxy; 0 where nothing is touched
   bool contact = false;
   bool fresh = false;    ///< from this tick's own query
@@ -30,6 +31,7 @@ struct TraceRow {
 struct Trace {
   std::vector<TraceRow> rows;
   bool virtualTime = true;
+  bool torques = false;           ///< the tool had many points: a row's contact stands for all (ContactQuery::points)
   std::uint64_t missedTicks = 0;  ///< left out because their time had passed
 };
 
@@ -42,13 +44,14 @@ struct TraceSummary {
   Summary gpu_us;  ///< of the ticks at which it was measured
   double freshFraction = 0;
   double peakForce_N = 0;
+  double peakTorque_mNm = 0;
 };
 
 TraceSummary summarize(const Trace& trace);
 
 /// One row per tick, numbers in the shortest form that reads back to the same double. In virtual time gpu_us and
-/// step_us are written as 0, so that the same input gives the same bytes; their statistics are in the summary. Throws
-/// FileError.
+/// step_us are written as 0, so that the same input gives the same bytes; their statistics are in the summary. With a
+/// tool of many points three more columns follow: torque_x, torque_y, torque_z, mN m. Throws FileError.
 void writeTraceCsv(const std::filesystem::path& file, const Trace& trace);
 
 }  // namespace palpate

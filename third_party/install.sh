@@ -2,6 +2,7 @@
 # Installs what a fresh Debian 12 needs to build, test and demonstrate palpate. Idempotent; as root, or with sudo.
 #   third_party/install.sh            install what is missing
 #   third_party/install.sh --check    only list what is missing; exit 1 if anything is
+#   third_party/install.sh --udev     only let users open 3D mice, DualSenses and haptic styluses (70-palpate.rules)
 set -euo pipefail
 
 packages=(
@@ -24,13 +25,42 @@ packages=(
   fonts-dejavu-core          # their font
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
+  libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs
   python3-matplotlib         # forces.png
 )
 
-usage() { sed -n '2,4s/^# \{0,1\}//p' "$0"; }
+usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
+
+as_root=()
+become_root() {  # TO-DO-WHAT
+  [ "$(id -u)" -eq 0 ] && return
+  command -v sudo >/dev/null || { echo "install.sh: needs root or sudo to $1" >&2; exit 1; }
+  as_root=(sudo)
+}
+
+# Installs the rule and lets the system apply it to what is plugged in already.
+install_udev_rule() {
+  local rule target=/etc/udev/rules.d/70-palpate.rules
+  rule="$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/70-palpate.rules"
+  if cmp -s "$rule" "$target"; then
+    echo "install.sh: $target is up to date"
+  else
+    become_root "write $target"
+    "${as_root[@]}" install -D -m 0644 "$rule" "$target"
+    echo "install.sh: wrote $target"
+  fi
+  if ! command -v udevadm >/dev/null; then
+    echo "install.sh: there is no udevadm here; the rule holds once udev runs"
+    return
+  fi
+  become_root "reload the rules of udev"
+  "${as_root[@]}" udevadm control --reload || { echo "install.sh: udev does not run; the rule holds once it does"; return; }
+  "${as_root[@]}" udevadm trigger --subsystem-match=hidraw --action=change
+  echo "install.sh: the rule holds now, also for what is plugged in; from afar (ssh) be in the group plugdev"
+}
 
 missing=()
 for name in "${packages[@]}"; do
@@ -44,17 +74,14 @@ case "${1:-}" in
     printf 'missing: %s\n' "${missing[@]}"
     exit 1 ;;
   "") ;;
+  --udev) install_udev_rule; exit 0 ;;
   -h | --help) usage; exit 0 ;;
-  *) echo "install.sh: unknown option '$1'; use --check or nothing" >&2; exit 2 ;;
+  *) echo "install.sh: unknown option '$1'; use --check, --udev or nothing" >&2; exit 2 ;;
 esac
 
 if [ ${#missing[@]} -eq 0 ]; then echo "install.sh: nothing to do"; exit 0; fi
 
-as_root=()
-if [ "$(id -u)" -ne 0 ]; then
-  command -v sudo >/dev/null || { echo "install.sh: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
-  as_root=(sudo)
-fi
+become_root "install: ${missing[*]}"
 echo "install.sh: installing ${missing[*]}"
 export DEBIAN_FRONTEND=noninteractive
 "${as_root[@]}" apt-get update -q

@@ -1,6 +1,7 @@
 // What happens to a window: from the window system, or from a script.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <variant>
 #include <vector>
@@ -33,8 +34,15 @@ struct WheelEvent {
 struct DropEvent {
   std::vector<std::string> files;
 };
+/// A 3D mouse, until the next one: how its cap is pushed and turned, -1 to 1 (HidMotion), and its buttons.
+struct PushEvent {
+  DVec3 push{0}, turn{0};
+  std::uint32_t buttons = 0;
+  bool operator==(const PushEvent&) const = default;
+};
 struct CloseEvent {};
 
-using WindowEvent = std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, CloseEvent>;
+using WindowEvent =
+    std::variant<KeyEvent, TextEvent, MouseEvent, ButtonEvent, WheelEvent, DropEvent, PushEvent, CloseEvent>;
 
 }  // namespace palpate

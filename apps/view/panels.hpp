@@ -22,7 +22,7 @@ struct ViewSettings {
   bool followsSurface = true;  ///< the stylus stays at the surface that is seen under the cursor; else in one plane
   double press_mm = 2.5;       ///< how deep the hand means to go while it presses
   bool waitsForDisplay = true;
-  bool plots = true, help = false;
+  bool panels = true, plots = true, help = false;
 };
 
 /// What is going on, for the panels.
@@ -35,7 +35,12 @@ struct ViewStatus {
   std::string model;  ///< the one that is open
   bool asksAboutChanges = false;
   bool stylus = false;  ///< the mouse holds it
+  std::string device;   ///< that a person holds; empty for the mouse
   std::string gpu;
+  struct ScaleBar {
+    double width_px = 0, length_mm = 0;
+  };
+  std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
@@ -59,7 +64,24 @@ class Panels {
   /// Between Gui::begin() and Gui::end(). Changes the settings as they are turned.
   ViewWishes draw(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel, bool& forcesOn);
 
+  /// Where the last picture has what can be clicked, pixels; what is named so more than once, the last of them.
+  std::optional<DVec2> placeOf(const std::string& name) const;
+  /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
+  double roomyWidth_px() const { return double{em(56)}; }
+
  private:
+  // Each notes where it is.
+  bool button(const char* name, float width = 0);
+  bool checkbox(const char* name, bool& on);
+  bool header(const char* name, bool open = false);
+  bool drag(const char* name, double& value, float speed, double least, double most, const char* format);
+  template <class Names, class Value>
+  bool choose(const char* name, const Names& names, Value& value);
+  bool field(const char* hint, std::array<char, 512>& text);
+  bool noted(std::string_view name, bool result);
+
+  void drawPanel(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel, bool& forcesOn,
+                 ViewWishes& wishes);
   void drawModel(const ViewStatus& status, ViewWishes& wishes);
   void drawTool(const ViewStatus& status, ToolSettings& tool, ViewSettings& view, ViewWishes& wishes);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
@@ -68,14 +90,16 @@ class Panels {
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
+  void drawScale(const ViewStatus::ScaleBar& bar) const;
   void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   const Gui& gui_;
   std::array<char, 512> open_{}, saveAs_{}, log_{};
   bool paused_ = false;
+  std::map<std::string, DVec2> places_;
   struct Curves {
-    std::vector<float> force_N, penetration_mm, step_us;
+    std::vector<float> force_N, penetration_mm, step_us, picture_ms;
   } curves_;
 };
 

@@ -72,15 +72,21 @@ std::vector<int> keysOf(const Line& line, const std::string& name) {
   return keys;
 }
 
+// In its place: g++ 12 takes what it inlines of a move for a read of a string that is not there.
+void add(std::vector<TimedAction>& actions, double time_s, const WindowEvent& event) {
+  TimedAction& added = actions.emplace_back();
+  added.time_s = time_s;
+  added.action = event;
+}
+
 void addKey(Line& line, double time_s, std::vector<TimedAction>& actions) {
   const std::vector<int> keys = keysOf(line, line.word("the key"));
   const std::string how = line.atEnd() ? "" : line.word("down or up");
   if (!how.empty() && how != "down" && how != "up") line.fail(fmt::format("key: '{}' is neither down nor up", how));
   if (how != "up")
-    for (const int key : keys) actions.push_back({time_s, WindowEvent(KeyEvent{key, true})});
+    for (const int key : keys) add(actions, time_s, KeyEvent{key, true});
   if (how != "down")
-    for (auto key = keys.rbegin(); key != keys.rend(); ++key)
-      actions.push_back({time_s, WindowEvent(KeyEvent{*key, false})});
+    for (auto key = keys.rbegin(); key != keys.rend(); ++key) add(actions, time_s, KeyEvent{*key, false});
 }
 
 WindowEvent buttonEvent(Line& line) {
@@ -92,6 +98,17 @@ WindowEvent buttonEvent(Line& line) {
   line.fail(fmt::format("button: '{}' is none of left, middle, right", name));
 }
 
+WindowEvent pushEvent(Line& line) {
+  PushEvent event;
+  for (const auto& [part, what] : {std::pair{&event.push, "the push"}, {&event.turn, "the turn"}})
+    for (int k = 0; k < 3; ++k) {
+      (*part)[k] = line.number(what);
+      if (std::abs((*part)[k]) > 1) line.fail(fmt::format("{} is {}; it must be between -1 and 1", what, (*part)[k]));
+    }
+  if (!line.atEnd()) event.buttons = line.size("the buttons");
+  return event;
+}
+
 ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "mouse") {
     const double x = line.number("x");
@@ -99,6 +116,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   }
   if (what == "button") return buttonEvent(line);
   if (what == "wheel") return WindowEvent(WheelEvent{line.number("the notches"), 0});
+  if (what == "push") return pushEvent(line);
   if (what == "drop") return WindowEvent(DropEvent{{line.rest("the file")}});
   if (what == "resize") {
     const std::uint32_t width = line.size("the width");
@@ -110,11 +128,13 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "save") return SaveAction{line.rest("the file")};
   if (what == "record") return RecordAction{line.atEnd() ? "" : line.rest("the file")};
   if (what == "replay") return ReplayAction{line.rest("the file")};
-  if (what == "impatient") return ImpatientAction{};
+  if (what == "impatient" || what == "patient") return ImpatientAction{what == "impatient"};
+  if (what == "ask") return AskAction{};
+  if (what == "click") return ClickAction{line.rest("the name")};
   if (what == "quit") return WindowEvent(CloseEvent{});
   line.fail(
-      fmt::format("'{}' is none of key, mouse, button, wheel, drop, text, resize, minimise, restore, screenshot, "
-                  "state, save, record, replay, impatient, quit",
+      fmt::format("'{}' is none of key, mouse, button, wheel, push, drop, text, resize, minimise, restore, screenshot, "
+                  "state, save, record, replay, impatient, patient, ask, click, quit",
                   what));
 }
 
@@ -122,7 +142,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
 
 std::vector<TimedAction> readScript(const std::filesystem::path& file) {
   std::ifstream in(file);
-  if (!in) throw FileError(file, "cannot be read");
+  if (!in) throw FileError(file, "cannot be opened; does it exist, and may you read it?");
   std::vector<TimedAction> actions;
   std::string text;
   for (std::size_t number = 1; std::getline(in, text); ++number) {
@@ -134,8 +154,7 @@ std::vector<TimedAction> readScript(const std::filesystem::path& file) {
     if (what == "key") {
       addKey(line, time_s, actions);
     } else if (what == "text") {
-      for (const char c : line.rest("the words"))
-        actions.push_back({time_s, WindowEvent(TextEvent{static_cast<char32_t>(c)})});
+      for (const char c : line.rest("the words")) add(actions, time_s, TextEvent{static_cast<char32_t>(c)});
     } else {
       actions.push_back({time_s, actionOf(line, what)});
     }

@@ -32,11 +32,19 @@ struct RecordAction {
 struct ReplayAction {
   std::string file;
 };
-/// From now on the script goes on while a model is loaded; otherwise its clock stands still meanwhile.
-struct ImpatientAction {};
+/// While it is on, the script goes on while a model is loaded; otherwise its clock stands still meanwhile.
+struct ImpatientAction {
+  bool on = true;
+};
+/// From now on the window asks about changes that are not saved, as it asks a person.
+struct AskAction {};
+/// What is named so in the panels is clicked: several events, each in a picture of its own.
+struct ClickAction {
+  std::string name;
+};
 
 using ScriptAction = std::variant<WindowEvent, ResizeAction, MinimiseAction, ScreenshotAction, StateAction, SaveAction,
-                                  RecordAction, ReplayAction, ImpatientAction>;
+                                  RecordAction, ReplayAction, ImpatientAction, AskAction, ClickAction>;
 
 struct TimedAction {
   double time_s = 0;
@@ -46,7 +54,7 @@ struct TimedAction {
 /// One event a line, `#` comments: `TIME_S key NAME [down|up]` (NAME may be ctrl+z), `mouse X Y`,
 /// `button left|middle|right down|up`, `wheel N`, `drop FILE`, `text WORDS`, `resize W H`, `minimise`, `restore`,
 /// `screenshot FILE.png`, `state FILE.json`, `save FILE.ply`, `record FILE`, `record`, `replay FILE`, `impatient`,
-/// `quit`. Times do not fall. Throws FileError with the line.
+/// `patient`, `ask`, `click NAME`, `quit`. Times do not fall. Throws FileError with the line.
 std::vector<TimedAction> readScript(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -5,11 +5,12 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/devices.hpp"
 #include "apps/touch.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/ply_writer.hpp"
 #include "engine/touch/cpu_touch.hpp"
-#include "haptics/replay_device.hpp"
+#include "haptics/devices/replay_device.hpp"
 
 namespace palpate {
 
@@ -89,7 +90,7 @@ Session::Session(Context& context, Device& sight, Model model, const SessionOpti
       tool_(tool),
       feel_(feel),
       stylus_(mapFor(model_, bounds_), parkingPlace(model_, bounds_)),
-      map_(mapFor(model_, bounds_)),
+      map_(options.device ? mapInto(options.deviceFacts, model_) : mapFor(model_, bounds_)),
       history_(1 / options.rate_Hz) {
   if (model_.cloud.empty()) throw FileError(options.model.file, "has no points; there is nothing to touch");
   backend_ = makeBackend(context, model_, backendOptions(options, feel), firstBrush(tool, model_.scale));
@@ -106,13 +107,17 @@ Session::~Session() {
   if (saving_.valid()) saving_.wait();
 }
 
+HapticDevice& Session::stylus() {
+  if (options_.device) return *options_.device;
+  return stylus_;
+}
+
 void Session::start() {
   stop_ = false;
   ended_ = false;
   thread_ = std::jthread([this] {
     try {
-      HapticDevice& device = playing_ ? *playing_->device : stylus_;
-      ServoLoop loop(device, *backend_, ForceLaw(forceOptions(feel_), model_.scale),
+      ServoLoop loop(playing_ ? *playing_->device : stylus(), *backend_, ForceLaw(forceOptions(feel_), model_.scale),
                      {.rate_Hz = options_.rate_Hz,
                       .begin_s = next_s_,
                       .endless = true,
@@ -264,7 +269,7 @@ void Session::record(const std::string& log) {
                                                                  .checksum = checksumOf(model_),
                                                                  .machine = machine(),
                                                                  .palpate = PALPATE_VERSION,
-                                                                 .limits = stylus_.limits(),
+                                                                 .limits = stylus().limits(),
                                                                  .map = map_}),
                                            *backend_, options_.rate_Hz);
   between([&] {

@@ -10,7 +10,8 @@
 #include "apps/followers.hpp"
 #include "apps/session_text.hpp"
 #include "apps/view/tick_feed.hpp"
-#include "haptics/guided_touch.hpp"
+#include "haptics/devices/guided_touch.hpp"
+#include "haptics/devices/turned_device.hpp"
 
 namespace palpate {
 
@@ -37,6 +38,9 @@ struct SessionOptions {
   BackendOptions backend;  ///< vulkan or cpu
   double rate_Hz = 1000;
   std::uint64_t undo_bytes = 1ull << 30;
+  /// In a person's hand, in place of the mouse; it goes from model to model.
+  std::shared_ptr<TurnedDevice> device;
+  HapticDeviceFacts deviceFacts;
 };
 
 /// A model while it is felt, seen and sculpted: what answers, the servo thread, the drawn cloud, the journal and the
@@ -68,7 +72,7 @@ class Session {
   std::uint64_t edits() const { return edits_; }  ///< states of points so far
   bool isTouching() const { return !lost_; }
 
-  // The stylus; places in file coordinates.
+  // The guided stylus; places in file coordinates. Without effect where a person holds a device.
   void aim(const DVec3& place) { stylus_.aim(place); }
   void lift() { stylus_.lift(); }
   void setForces(bool on) { forcesOn_ = on; }
@@ -112,6 +116,7 @@ class Session {
  private:
   struct Recording;
 
+  HapticDevice& stylus();
   void start();
   void stop();
   // With the servo thread at rest, and all that it has done taken in.

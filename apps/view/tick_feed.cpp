@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-void TickFeed::ticked(const TraceRow& row, const DVec3& device) noexcept {
+void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
   if (listener_) listener_->ticked(row, device);
   const std::uint64_t added = added_.load(std::memory_order_relaxed);
   if (added - taken_.load(std::memory_order_acquire) >= kRing) return;

@@ -14,7 +14,7 @@ class TickFeed final : public TickRecorder {
   TickFeed() : ring_(kRing) {}
 
   /// On the servo thread.
-  void ticked(const TraceRow& row, const DVec3& device) noexcept override;
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
   /// Also told of every tick; set while no servo thread runs.
   void setListener(TickRecorder* listener) { listener_ = listener; }
 

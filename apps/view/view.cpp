@@ -1,4 +1,5 @@
 // `palpate view`: the window.
+#include "apps/devices.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/thread_priority.hpp"
@@ -11,9 +12,23 @@ struct ViewCommandOptions {
   std::vector<std::string> models;
   double mm_per_unit = 0;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none";
+              edit = "none", device = "mouse", scheduler = "device";
+  bool rumble = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
+
+/// Opens the device that a person holds. The window is not there yet: the person may be asked to calibrate it.
+void hold(Context& context, const ViewCommandOptions& options, SessionOptions& session) {
+  const Scheduler scheduler = options.scheduler == "own" ? Scheduler::own : Scheduler::device;
+  OpenedDevice opened = openDevice(options.device, scheduler, options.rate_Hz, context.log(), nullptr);
+  if (options.rumble) opened.device = withRumble(std::move(opened.device), context.log());
+  // Turned about the middle of the workspace, it has its origin there.
+  const DVec3 middle_mm = 0.5 * (opened.facts.workspaceMin_mm + opened.facts.workspaceMax_mm);
+  opened.facts.workspaceMin_mm -= middle_mm;
+  opened.facts.workspaceMax_mm -= middle_mm;
+  session.device = std::make_shared<TurnedDevice>(std::move(opened.device), middle_mm);
+  session.deviceFacts = opened.facts;
+}
 
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
@@ -30,12 +45,15 @@ void view(Context& context, const ViewCommandOptions& options) {
   for (const auto& [name, kind] : kBrushKinds)
     if (options.edit == name) view.tool.brush = kind;
 
+  if (options.device != "mouse") hold(context, options, view.session);
+
   Window window(view.size_px, "palpate");
   context.showInWindows(window.extensions());
+  const RunningThreads ours;
   Device& touch = context.device();
   // A software driver draws with the cores that would answer; the CPU's own way is quicker there.
   view.session.backend.backend = options.backend != "auto" ? options.backend : touch.isCpu() ? "cpu" : "vulkan";
-  if (touch.isCpu()) letThreadsGiveWay("llvmpipe");
+  if (touch.isCpu()) ours.laterOnesGiveWay();  // the driver's
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
   Viewer(context, window, sight, std::move(view)).run();
 }
@@ -44,7 +62,7 @@ void view(Context& context, const ViewCommandOptions& options) {
 
 void addView(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
-      "view", "the window: feel, see and sculpt at the same time, with a mouse or a gamepad as the stylus");
+      "view", "the window: feel, see and sculpt at the same time, with a mouse, a gamepad or a 3D mouse");
   auto options = std::make_shared<ViewCommandOptions>();
   sub->add_option("models", options->models, "PLY files; the first one is opened, others can be dropped on the window")
       ->type_name("MODEL...");
@@ -57,11 +75,26 @@ void addView(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--size", options->size, "of the window, width x height, pixels")->capture_default_str();
   sub->add_option("--script", options->script,
                   "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
-                  "drop FILE, text WORDS, resize W H, minimise, restore, screenshot FILE.png, state FILE.json, save "
-                  "FILE.ply, record [FILE], replay FILE, impatient, quit; # comments")
+                  "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
+                  "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
+                  "impatient, patient, ask (about changes), quit; # comments")
       ->type_name("FILE");
   sub->add_option("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name")
       ->type_name("N|NAME");
+  sub->add_option("--device", options->device,
+                  "what moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
+      ->check(CLI::Validator(
+          [](const std::string& device) {
+            return device == "mouse" || isHeldDevice(device)
+                       ? std::string()
+                       : "'" + device + "' is no device; there is mouse, " + heldDevicesHelp();
+          },
+          "DEVICE"))
+      ->capture_default_str();
+  sub->add_option("--scheduler", options->scheduler, "of an OpenHaptics device, as in palpate touch")
+      ->check(CLI::IsMember({"device", "own"}))
+      ->capture_default_str();
+  sub->add_flag("--rumble", options->rumble, "a DualSense on a cable rumbles at each contact");
   sub->add_option("--backend", options->backend,
                   "what answers the hand: vulkan, cpu, or auto (cpu where the GPU is a software driver)")
       ->check(CLI::IsMember({"auto", "vulkan", "cpu"}))

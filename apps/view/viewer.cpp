@@ -33,8 +33,11 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions opti
       loader_(context, sight),
       tool_(options_.tool),
       feel_(options_.feel) {
-  // Under a script the display's pace means nothing.
+  // Under a script the display's pace means nothing, and it has saved what it wants to keep unless it says `ask`.
   if (!options_.script.empty()) view_.waitsForDisplay = false;
+  asks_ = options_.script.empty();
+  view_.plots = double(options_.size_px.x) >= panels_.roomyWidth_px();
+  if (options_.script.empty() && !options_.session.device) spaceMouse_.emplace();
   if (!options_.models.empty()) open(options_.models.front());
 }
 
@@ -47,6 +50,7 @@ void Viewer::run() {
 void Viewer::step() {
   const bool visible = window_.size_px().x > 0 && window_.size_px().y > 0;
   for (const WindowEvent& event : window_.takeEvents(visible ? 0 : kIdle_s)) handle(event);
+  listenToSpaceMouse();
   playScript();
   load();
   static constexpr double kFirst_s = 1.0 / 60;
@@ -72,7 +76,8 @@ void Viewer::playScript() {
   const auto& script = options_.script;
   if (nextAction_ >= script.size()) return;
   if (loader_.isLoading() && !impatient_) return;
-  if (pictures_ > 0) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
+  const bool clicks = looks_ > 0 || nextAction_ < clickEnd_;  // that takes no time
+  if (pictures_ > 0 && !clicks) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
   while (nextAction_ < script.size() && script[nextAction_].time_s <= scriptTime_s_) {
     const ScriptAction action = script[nextAction_++].action;
     act(action);
@@ -80,7 +85,7 @@ void Viewer::playScript() {
     if (loader_.isLoading() && !impatient_) return;
     if (const auto* event = std::get_if<WindowEvent>(&action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
-    if (std::holds_alternative<ScreenshotAction>(action)) return;
+    if (std::holds_alternative<ScreenshotAction>(action) || std::holds_alternative<ClickAction>(action)) return;
   }
 }
 
@@ -95,8 +100,34 @@ void Viewer::act(const ScriptAction& action) {
     if (const auto* record = std::get_if<RecordAction>(&action); record && session_)
       record->file.empty() ? session_->endRecording() : session_->record(record->file);
     if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session_) session_->play(replay->file);
-    if (std::holds_alternative<ImpatientAction>(action)) impatient_ = true;
+    if (const auto* impatient = std::get_if<ImpatientAction>(&action)) impatient_ = impatient->on;
+    if (std::holds_alternative<AskAction>(action)) asks_ = true;
+    if (const auto* click = std::get_if<ClickAction>(&action)) this->click(click->name);
   });
+}
+
+// As a person does it: goes there, presses and lets go, and then looks at what comes of it.
+void Viewer::click(const std::string& name) {
+  const auto place_px = panels_.placeOf(name);
+  if (!place_px) {
+    constexpr int kLooks = 20;  // in as many pictures: it may be about to come
+    if (++looks_ < kLooks) {
+      --nextAction_;
+      return;
+    }
+    looks_ = 0;
+    throw Error("'{}' cannot be clicked: nothing of that name is shown in the panels", name);
+  }
+  looks_ = 0;
+  handle(MouseEvent{*place_px});
+  constexpr std::size_t kPictures = 4;  // one pressed; a panel that opens has its place after two more
+  clickEnd_ = nextAction_ + kPictures;
+  for (std::size_t i = 0; i < kPictures; ++i) {
+    TimedAction button;
+    button.time_s = scriptTime_s_;
+    button.action = WindowEvent(ButtonEvent{MouseButton::left, i == 0});
+    options_.script.insert(options_.script.begin() + static_cast<std::ptrdiff_t>(nextAction_ + i), button);
+  }
 }
 
 void Viewer::tryTo(const std::function<void()>& act) {
@@ -126,12 +157,10 @@ void Viewer::open(const std::string& file) {
 }
 
 void Viewer::leave(std::function<void()> then) {
-  // A script answers no question: it has saved what it wanted to keep.
-  if (session_ && session_->isChanged() && options_.script.empty()) {
-    afterQuestion_ = std::move(then);
-    return;
-  }
-  then();
+  if (!session_ || !session_->isChanged() || !asks_) return then();
+  afterQuestion_ = std::move(then);
+  isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
+  if (window_.isMinimised()) window_.minimise(false);
 }
 
 void Viewer::load() {
@@ -148,6 +177,7 @@ void Viewer::load() {
     recent_.add(result->session->file());
     install(std::move(result->session));
   } else if (!result->failure.empty()) {
+    std::erase(options_.models, loader_.file());  // nobody is offered it again
     say(result->failure);
   }
 }
@@ -181,7 +211,8 @@ void Viewer::followSession() {
   if (failure) say(*failure + "; what was done is kept and can be saved");
   if (const auto saved = session_->takeSaved()) {
     say(saved->failure.empty() ? saved->file + " is saved" : saved->failure);
-    if (std::exchange(isSavingForIt_, false)) {
+    // Where the points have changed since, or could not be written, nothing is left behind.
+    if (std::exchange(isSavingForIt_, false) && !(saved->failure.empty() && session_->isChanged())) {
       const auto then = std::exchange(afterQuestion_, nullptr);
       if (saved->failure.empty() && then) then();
     }
@@ -202,7 +233,7 @@ void Viewer::obey(const ViewWishes& wishes) {
   tryTo([&] {
     if (wishes.saveFirst) {
       isSavingForIt_ = true;
-      save(session_->file());
+      if (!session_->isSaving()) save(session_->file());
     }
     if (wishes.undo) session_->undo();
     if (wishes.redo) session_->redo();
@@ -237,7 +268,7 @@ void Viewer::applySettings() {
 void Viewer::exportTicks() {
   const auto& rows = session_->history().rows();
   Trace trace{.rows = {rows.begin(), rows.end()}, .virtualTime = false};
-  const std::string file = "palpate-ticks.csv";
+  const std::string file = freeName("-ticks", "csv");
   writeTraceCsv(file, trace);
   say(fmt::format("{} ticks are in {}", rows.size(), file));
 }
@@ -249,11 +280,12 @@ void Viewer::writeState(const std::string& file) {
              {"camera", {{"eye", vec(camera_.eye)}, {"target", vec(camera_.target)}, {"up", vec(camera_.up)}}},
              {"size", {swapchain_.size_px().x, swapchain_.size_px().y}},
              {"tool", nullptr},
-             {"stylus", stylus_},
+             {"stylus", stylus_ || options_.session.device},
              {"mesh_triangles", mesh_ ? mesh_->triangleCount() : 0},
              {"fps", fps_},
              {"pictures", pictures_},
              {"picked_depth", picked_.depth},
+             {"asks_about_changes", asksAboutChanges()},
              {"last_message", lastMessage_}};
   if (session_) {
     const TickHistory& history = session_->history();
@@ -265,6 +297,8 @@ void Viewer::writeState(const std::string& file) {
     state["tool"] = "feel";
     for (const auto& [name, kind] : kBrushKinds)
       if (session_->tool().brush == kind) state["tool"] = name;
+    for (const auto& [name, kind] : kSurfaceKinds)
+      if (session_->feel().surface == kind) state["surface"] = name;
     state["tool_radius_mm"] = session_->tool().radius_mm;
     state["strokes"] = journal.strokes();
     state["undoable"] = journal.undoable();

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <memory>
 
+#include "apps/picture.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/loader.hpp"
 #include "apps/view/panels.hpp"
 #include "apps/view/recent_files.hpp"
 #include "apps/view/script.hpp"
+#include "apps/view/space_mouse.hpp"
 #include "engine/gpu/swapchain.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/render/frame.hpp"
@@ -41,6 +43,7 @@ class Viewer {
   void step();
   void playScript();
   void act(const ScriptAction& action);
+  void click(const std::string& name);
   void handle(const WindowEvent& event);
   void handleKey(const KeyEvent& event);
   void handleMouse(const DVec2& place_px);
@@ -52,6 +55,7 @@ class Viewer {
   void open(const std::string& file);
   // Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
+  bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
   void install(std::unique_ptr<Session> session);
   void fitCamera();
   void obey(const ViewWishes& wishes);
@@ -62,15 +66,22 @@ class Viewer {
   void moveStylus(double dt_s);
   void holdStylus(bool on);
   void useGamepad(double dt_s);
+  void listenToSpaceMouse();
+  void handlePush(const PushEvent& event);
+  void usePush(double dt_s);
   std::optional<DVec3> placeUnderCursor() const;
   void applySettings();
   void updateMesh();
   void draw(double dt_s);
   FrameOptions frameOptions() const;
+  ViewStatus::ScaleBar scaleOfPicture() const;
+  PictureSize pictureSize() const { return {swapchain_.size_px().x, swapchain_.size_px().y}; }
   void recordPicture(CommandList& list);
   void takePick();
   ViewStatus status();
   void screenshot(const std::string& file);
+  // "MODEL<what>-1.<ending>" in the working folder, or the next number that is not there yet.
+  std::string freeName(const std::string& what, const std::string& ending) const;
   void writeShown(const std::string& file, const UVec2& size_px);
   void writeState(const std::string& file);
   void exportTicks();
@@ -111,10 +122,11 @@ class Viewer {
   Drag drag_ = Drag::none;
   DVec3 pivot_{0};
   double dragDepth_ = 0;
-  Stopwatch sinceClick_;
+  double clicked_s_ = -1e9;
   DVec2 clicked_px_{-1e9};
   bool stylus_ = false, stylusLocked_ = false, byGamepad_ = false;
   bool pressing_ = false;
+  PushEvent push_;  // of the 3D mouse
   double hover_mm_ = 0, extraPress_mm_ = 0, padPress_ = 0;
   double planeDepth_ = 0;   // of the surface that the stylus goes by, and
   DVec2 planePlace_px_{0};  // where it was seen
@@ -137,9 +149,16 @@ class Viewer {
   std::string pendingScreenshot_;
   bool tellsOfScreenshot_ = true;
 
+  std::optional<SpaceMouse> spaceMouse_;  // unless a script plays or a device is held
+
+  // A person's, or the script's.
+  double clock_s() const { return options_.script.empty() ? sinceStart_.elapsed_s() : scriptTime_s_; }
+  Stopwatch sinceStart_;
   double scriptTime_s_ = 0;
   std::size_t nextAction_ = 0;
-  bool impatient_ = false;
+  bool impatient_ = false, asks_ = true;
+  int looks_ = 0;  // for what is to be clicked, in vain
+  std::size_t clickEnd_ = 0;
 };
 
 }  // namespace palpate

@@ -17,8 +17,10 @@ constexpr double kZoomPerNotch = 0.85;     // of the distance that is left
 constexpr double kDepthPerNotch_mm = 0.5;  // of the stylus
 constexpr double kHover_mm = 4;            // before the surface
 constexpr double kDoubleClick_s = 0.35, kDoubleClick_px = 6;
-constexpr double kRadiusStep = 1.1;                // of the tool, for one press of [ or ]
-constexpr double kNearest = 1e-3, kFarthest = 50;  // of the eye from what it goes to, longest sides
+constexpr double kRadiusStep = 1.1;                           // of the tool, for one press of [ or ]
+constexpr double kNearest = 1e-3, kFarthest = 50;             // of the eye from what it goes to, longest sides
+constexpr double kZoom_per_s = 1.5;                           // with the cap of a 3D mouse
+constexpr double kDeepestPush_mm = 6, kFarthestPush_mm = 60;  // of the stylus behind and before the surface
 constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
 
 }  // namespace
@@ -34,6 +36,7 @@ void Viewer::handle(const WindowEvent& event) {
       if (!std::ranges::count(options_.models, file)) options_.models.push_back(file);
     open(drop->files.front());
   }
+  if (const auto* push = std::get_if<PushEvent>(&event)) handlePush(*push);
   if (std::holds_alternative<CloseEvent>(event)) closes_ = true;
 }
 
@@ -44,7 +47,7 @@ bool Viewer::isDown(int left, int right) const {
 void Viewer::handleKey(const KeyEvent& event) {
   if (event.key < 0 || static_cast<std::size_t>(event.key) >= keys_.size()) return;
   const bool repeats = std::exchange(keys_[static_cast<std::size_t>(event.key)], event.down) == event.down;
-  if (gui_.wantsKeys()) return;
+  if (gui_.wantsKeys() || asksAboutChanges()) return;
   if (event.key == GLFW_KEY_SPACE) {
     if (!repeats) holdStylus(event.down || stylusLocked_);
     return;
@@ -71,6 +74,9 @@ void Viewer::handleKey(const KeyEvent& event) {
       break;
     case GLFW_KEY_H:
       view_.help = !view_.help;
+      break;
+    case GLFW_KEY_TAB:
+      view_.panels = !view_.panels;
       break;
     case GLFW_KEY_C:
       view_.plots = !view_.plots;
@@ -140,9 +146,9 @@ void Viewer::handleButton(const ButtonEvent& event) {
   }
   const auto place = placeUnderCursor();
   const bool again =
-      left && sinceClick_.elapsed_s() < kDoubleClick_s && glm::distance(clicked_px_, cursor_px_) < kDoubleClick_px;
+      left && clock_s() - clicked_s_ < kDoubleClick_s && glm::distance(clicked_px_, cursor_px_) < kDoubleClick_px;
   clicked_px_ = cursor_px_;
-  sinceClick_ = Stopwatch();
+  clicked_s_ = clock_s();
   if (again && place) {
     camera_ = recentred(camera_, *place);
     return;
@@ -168,7 +174,7 @@ void Viewer::handleWheel(const WheelEvent& event) {
 }
 
 void Viewer::holdStylus(bool on) {
-  on = on && session_ && session_->isTouching();
+  on = on && session_ && session_->isTouching() && !options_.session.device;
   if (on == stylus_) return;
   stylus_ = on;
   pressing_ = false;
@@ -199,15 +205,56 @@ void Viewer::useGamepad(double dt_s) {
   padPress_ = pad->rightTrigger - pad->leftTrigger;
 }
 
+void Viewer::listenToSpaceMouse() {
+  if (!spaceMouse_) return;
+  for (const std::string& remark : spaceMouse_->takeRemarks()) say(remark);
+  if (const auto event = spaceMouse_->changed()) handle(*event);
+}
+
+void Viewer::handlePush(const PushEvent& event) {
+  constexpr std::uint32_t kHold = 1, kFit = 2;
+  const std::uint32_t pressed = event.buttons & ~std::exchange(push_, event).buttons;
+  if (!session_) return;
+  if (pressed & kHold) {
+    stylusLocked_ = !stylus_;
+    holdStylus(stylusLocked_);
+  }
+  if (pressed & kFit) fitCamera();
+}
+
+// The cap is the model, or the stylus while that is held.
+void Viewer::usePush(double dt_s) {
+  if (!session_ || (push_.push == DVec3(0) && push_.turn == DVec3(0))) return;
+  const DVec2 way_px = kStick_px_per_s * dt_s * DVec2(push_.push.x, -push_.push.y);
+  if (stylus_) {
+    byGamepad_ = true;
+    cursor_px_ = glm::clamp(cursor_px_ + way_px, DVec2(0), size() - 1.0);
+    hover_mm_ = std::clamp(hover_mm_ + kStick_mm_per_s * dt_s * push_.push.z, -kDeepestPush_mm, kFarthestPush_mm);
+    return;
+  }
+  const double side = session_->longestSide();
+  camera_ = panned(camera_, glm::distance(camera_.eye, camera_.target), way_px, size());
+  camera_ =
+      zoomed(camera_, camera_.target, std::exp(-kZoom_per_s * dt_s * push_.push.z), kNearest * side, kFarthest * side);
+  camera_ = orbited(camera_, camera_.target, kStick_px_per_s * dt_s * DVec2(push_.turn.y, push_.turn.x), size());
+}
+
 void Viewer::moveStylus(double dt_s) {
+  if (options_.session.device) {
+    const auto axes = camera_.axes();
+    options_.session.device->look({axes.right, axes.up, -axes.forward});
+    return;
+  }
   useGamepad(dt_s);
+  usePush(dt_s);
   if (!stylus_ || !session_ || session_->isPlaying()) return;
   const ModelScale& scale = session_->model().scale;
   // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
   constexpr double kClose_px = 3;
   const bool seen = picked_.depth > 0 && glm::distance(picked_.place_px, cursor_px_) < kClose_px;
   // A hand that presses in one place goes no deeper because the surface gives way.
-  const bool rests = (pressing_ || padPress_ != 0) && glm::distance(picked_.place_px, planePlace_px_) < kClose_px;
+  const bool rests =
+      (pressing_ || padPress_ != 0 || hover_mm_ < 0) && glm::distance(picked_.place_px, planePlace_px_) < kClose_px;
   if (seen && (planeDepth_ == 0 || (view_.followsSurface && !rests))) {
     planeDepth_ = picked_.depth;
     planePlace_px_ = picked_.place_px;

@@ -26,12 +26,19 @@ FrameOptions Viewer::frameOptions() const {
   const Model& model = session_->model();
   if (view_.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view_.discRadius_mm);
   const TickHistory& history = session_->history();
-  if ((stylus_ || session_->isPlaying()) && !history.rows().empty())
+  if ((stylus_ || options_.session.device || session_->isPlaying()) && !history.rows().empty())
     options.overlays =
         overlaysOf(history.rows().back(), model.cloud.origin, session_->longestSide(), session_->brush());
-  if (view_.scaleBar)
-    options.overlays.scale = scaleBar(camera_, {swapchain_.size_px().x, swapchain_.size_px().y}, model.scale);
   return options;
+}
+
+// The bar is drawn with the panels: a part of the picture would be as coarse as that is while something moves.
+ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
+  const ModelScale& scale = session_->model().scale;
+  const double length_mm = scaleBarLength_mm(camera_, pictureSize(), scale);
+  const double depth = glm::distance(camera_.eye, camera_.target);
+  return {.width_px = scale.toUnits(length_mm) * camera_.focal_px(pictureSize().height) / depth,
+          .length_mm = length_mm};
 }
 
 void Viewer::updateMesh() {
@@ -163,10 +170,15 @@ void Viewer::screenshot(const std::string& file) {
     pendingScreenshot_ = file;
     return;
   }
+  pendingScreenshot_ = freeName("", "png");
+}
+
+std::string Viewer::freeName(const std::string& what, const std::string& ending) const {
   const std::string stem = session_ ? std::filesystem::path(session_->file()).stem().string() : std::string("palpate");
-  for (int number = 1; number < 10'000; ++number) {
-    pendingScreenshot_ = fmt::format("{}-{}.png", stem, number);
-    if (!std::filesystem::exists(pendingScreenshot_)) return;
+  const std::filesystem::path folder = std::filesystem::current_path();
+  for (int number = 1;; ++number) {
+    const std::filesystem::path file = folder / fmt::format("{}{}-{}.{}", stem, what, number, ending);
+    if (!std::filesystem::exists(file)) return file.string();
   }
 }
 
@@ -181,8 +193,10 @@ ViewStatus Viewer::status() {
   status.models = options_.models;
   status.recent = recent_.files();
   if (session_) status.model = session_->file();
-  status.asksAboutChanges = afterQuestion_ != nullptr && !isSavingForIt_;
+  if (session_ && view_.scaleBar && swapchain_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+  status.asksAboutChanges = asksAboutChanges();
   status.stylus = stylus_;
+  status.device = options_.session.deviceFacts.model;
   status.gpu = sight_.name();
   status.meshTime_ms = meshTime_ms_;
   status.meshTriangles = mesh_ ? mesh_->triangleCount() : 0;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/noise.hpp"
 #include "engine/cloud/places.hpp"
 #include "engine/cloud/point_tree.hpp"
 #include "engine/core/parallel.hpp"
@@ -35,15 +36,32 @@ std::vector<Vec3> thinned(const std::vector<Vec3>& points, double keep) {
 
 /// Area per place around one place. The disc to its k-th neighbour holds on average k areas where points lie at random
 /// and, half of the outermost point belonging to it, k + 1/2 where they lie on a lattice; 1/4 serves both.
-double areaPerPlace(const PointTree& tree, const Vec3& place) {
-  std::array<std::uint32_t, kLast + 1> indices;
-  std::array<double, kLast + 1> squaredDistances;
-  const std::size_t neighbours = tree.nearest(place, indices, squaredDistances) - 1;  // the first is the place itself
+double areaPerPlace(std::span<const double> squaredDistances) {
+  const std::size_t neighbours = squaredDistances.size() - 1;
   const std::size_t first = std::min(kFirst, neighbours);
   double sum = 0;
   for (std::size_t k = first; k <= neighbours; ++k)
     sum += std::numbers::pi * squaredDistances[k] / (static_cast<double>(k) + 0.25);
   return sum / static_cast<double>(neighbours - first + 1);
+}
+
+/// What the nearest places say about one of them.
+struct Around {
+  double areaPerPlace;                     ///< squared model units
+  std::optional<double> varianceOverArea;  ///< off their surface; nothing where that cannot be told
+};
+
+Around lookAround(const PointTree& tree, const std::vector<Vec3>& places, const Vec3& place) {
+  std::array<std::uint32_t, kLast + 1> indices;
+  std::array<double, kLast + 1> squaredDistances;
+  const std::size_t found = tree.nearest(place, indices, squaredDistances);  // the first is the place itself
+  Around around{.areaPerPlace = areaPerPlace({squaredDistances.data(), found}), .varianceOverArea = {}};
+  if (found < kNoisePoints) return around;
+  std::array<DVec3, kNoisePoints> offsets;
+  for (std::size_t k = 0; k < kNoisePoints; ++k) offsets[k] = DVec3(places[indices[k]]) - DVec3(place);
+  const std::optional<double> variance = varianceOffQuadric(offsets);
+  if (variance && around.areaPerPlace > 0) around.varianceOverArea = *variance / around.areaPerPlace;
+  return around;
 }
 
 }  // namespace
@@ -55,15 +73,22 @@ SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
   const Places places = distinctPlaces(keep < 1 ? thinned(cloud.positions, keep) : cloud.positions);
   if (places.positions.size() < 2) return {};
   const PointTree tree(places.positions);
-  std::vector<double> areas(std::min(kMostProbes, places.positions.size()));
-  parallelFor(areas.size(), threads, [&](std::size_t begin, std::size_t end) {
+  std::vector<Around> probes(std::min(kMostProbes, places.positions.size()));
+  parallelFor(probes.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n)
-      areas[n] = areaPerPlace(tree, places.positions[n * places.positions.size() / areas.size()]);
+      probes[n] = lookAround(tree, places.positions, places.positions[n * places.positions.size() / probes.size()]);
   });
+  std::vector<double> areas, variances;
+  for (const Around& probe : probes) {
+    areas.push_back(probe.areaPerPlace);
+    if (probe.varianceOverArea) variances.push_back(*probe.varianceOverArea);
+  }
   std::ranges::sort(areas);
   // Thinning to a part makes the area per place grow by 1 / keep.
   const auto spacing = [&](std::size_t place) { return std::sqrt(areas[place] * keep); };
-  return {.mean = spacing(areas.size() / 2), .wide = spacing(areas.size() - 1 - areas.size() / 50)};
+  return {.mean = spacing(areas.size() / 2),
+          .wide = spacing(areas.size() - 1 - areas.size() / 50),
+          .noise = noiseFrom(variances) / std::sqrt(keep)};
 }
 
 }  // namespace palpate

@@ -29,9 +29,19 @@ std::uint32_t looksOn(Device& device) {
 // The forms of the fused step that a session may need: which one a tick takes shows in the answer before it, but for
 // cells so small that one workgroup would need many rounds for them.
 std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32_t cells) {
+  if (options.probes > 1) return {shared::kGatherAlone};
   if (options.split) return {*options.split ? shared::kGatherSplit : shared::kGatherAlone};
   if (cells >= shared::kSplitCells) return {shared::kGatherSplit};
   return {shared::kGatherAlone, shared::kGatherSplit};
+}
+
+// For each probe, two for a point that shared memory does not hold. Many probes have room for what one gather can bring
+// them, where a single one has it for the largest gather there is.
+std::uint32_t spillSlots(const ContactOptions& options, std::uint32_t cells, std::uint64_t points) {
+  std::uint64_t most = points;
+  if (options.probes > 1)
+    most = std::min<std::uint64_t>(points, std::uint64_t{gatherRounds(cells)} * shared::kPatchRoundCandidates);
+  return 2 * static_cast<std::uint32_t>(spilledPoints(most));
 }
 
 }  // namespace
@@ -45,33 +55,42 @@ double smallestCell(double radius) {
 ContactStep::ContactStep(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points)
     : options_(options),
       cells_(cellsPerGather(grid, options.radius)),
+      spillSlots_(spillSlots(options, cells_, points)),
       gather_(makeGather(device, options.method, grid, options.radius, points)),
       forms_(fusedForms(options, cells_)),
       step_(device, shader_code::contact_contact_step,
             {.workgroupSize = shared::kContactWorkgroup,
              .pushBytes = sizeof(shared::ContactStepArgs),
              .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
-                           std::bit_cast<std::uint32_t>(static_cast<float>(options.friction))}}),
+                           std::bit_cast<std::uint32_t>(static_cast<float>(options.friction)),
+                           options.probes > 1 ? VK_TRUE : VK_FALSE,
+                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening))}}),
       looks_(looksOn(device)),
       await_(device, shader_code::contact_await_question,
-             {.workgroupSize = shared::kContactWorkgroup / 8, .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
-      pose_(Buffer::of<shared::ContactQuestion>(device, 1, Memory::upload, "contact pose")),
+             {.workgroupSize = shared::kContactWorkgroup / (options.probes > 1 ? 1 : 8),
+              .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
+      pose_(Buffer::of<shared::ContactQuestion>(device, options.probes, Memory::upload, "contact pose")),
       lastTick_(Buffer::of<std::uint32_t>(device, 1, Memory::upload, "last question")),
-      taken_(Buffer::of<shared::ContactQuestion>(device, 1, Memory::device, "question taken")),
-      state_(Buffer::of<shared::ContactState>(device, 1, Memory::device, "contact state")),
-      sample_(Buffer::of<shared::ContactSample>(device, 1, Memory::readback, "contact sample")),
-      spill_(Buffer::of<Vec4>(device, 2 * spilledPoints(points), Memory::device, "patch spill")),
+      taken_(Buffer::of<shared::ContactQuestion>(device, options.probes, Memory::device, "questions taken")),
+      state_(Buffer::of<shared::ContactState>(device, options.probes, Memory::device, "contact state")),
+      sample_(Buffer::of<shared::ContactSample>(device, options.probes, Memory::readback, "contact sample")),
+      spill_(Buffer::of<Vec4>(device, std::uint64_t{spillSlots_} * options.probes, Memory::device, "patch spill")),
       patch_(makeGatheredPatch(
           device, gather_ ? gather_->slots() : std::uint64_t{gatherRounds(cells_)} * shared::kPatchRoundCandidates)) {
   PALPATE_CHECK_LT(0.0, options.radius);
+  PALPATE_CHECK_LE(1u, options.probes);
+  PALPATE_CHECK(options.probes == 1 || !gather_);
   PALPATE_CHECK_LE(smallestCell(options.radius) * static_cast<double>(grid.inverseCell), 1.0 + 1e-5);
-  upload(device, state_, std::vector<shared::ContactState>(1));
-  put({});
-  sample_.mapped<shared::ContactSample>()[0] = {};
+  upload(device, state_, std::vector<shared::ContactState>(options.probes));
+  for (std::uint32_t probe = 0; probe < options.probes; ++probe) {
+    put({}, probe);
+    sample_.mapped<shared::ContactSample>()[probe] = {};
+  }
 }
 
 std::uint32_t ContactStep::lists() const {
-  return gather_ ? gather_->submissions() : 2 * static_cast<std::uint32_t>(forms_.size());
+  if (gather_) return gather_->submissions();
+  return (canWait() ? 2 : 1) * static_cast<std::uint32_t>(forms_.size());
 }
 
 void ContactStep::record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud,
@@ -100,26 +119,32 @@ void ContactStep::recordAwait(CommandList& commands) const {
                                               .taken = taken_.address(),
                                               .lastTick = lastTick_.address(),
                                               .looks = looks_,
-                                              .unused = 0});
+                                              .probes = options_.probes});
 }
 
-void ContactStep::put(shared::ContactQuestion question) {
+void ContactStep::withdraw(std::uint32_t tick) {
+  for (std::uint32_t probe = 0; probe < options_.probes; ++probe)
+    put({.pose = {.hip = Vec3(0), .tick = tick}, .withdrawn = 1}, probe);
+}
+
+void ContactStep::put(shared::ContactQuestion question, std::uint32_t probe) {
   constexpr std::size_t kWords = sizeof(shared::ContactQuestion) / sizeof(std::uint32_t);
   static_assert(kWords == shared::kQuestionWords);
   auto words = std::bit_cast<std::array<std::uint32_t, kWords>>(question);
   words[shared::kQuestionSealAt] = 0;
-  for (std::uint32_t i = 0; i < shared::kQuestionSealAt; ++i)
+  for (std::uint32_t i = 0; canWait() && i < shared::kQuestionSealAt; ++i)
     words[shared::kQuestionSealAt] += shared::questionShare(words[i], i);
-  // The GPU may be looking: every word is written once, and none stays behind in a buffer of the processor.
-  volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data();
+  // The GPU may be looking, where it can wait for a question: every word is written once, and none stays behind in a
+  // buffer of the processor.
+  volatile std::uint32_t* to = pose_.mapped<std::uint32_t>().data() + std::size_t{probe} * kWords;
   for (std::size_t i = 0; i < kWords; ++i) to[i] = words[i];
-  std::atomic_thread_fence(std::memory_order_seq_cst);
+  if (canWait()) std::atomic_thread_fence(std::memory_order_seq_cst);
   question_ = question.pose;
 }
 
 void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
                               const Buffer& pose, std::uint32_t gather) const {
-  const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : 1;
+  const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : options_.probes;
   commands.dispatch(step_, workgroups * shared::kContactWorkgroup,
                     shared::ContactStepArgs{.cloud = cloud,
                                             .pose = pose.address(),
@@ -131,7 +156,7 @@ void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cl
                                             .radius = static_cast<float>(options_.radius),
                                             .gather = gather,
                                             .mostCells = cells_,
-                                            .unused = 0});
+                                            .spillSlots = spillSlots_});
 }
 
 std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
@@ -139,18 +164,22 @@ std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
   return kPerPoint * (spilledPoints(points) + shared::kPatchRoundCandidates);
 }
 
-shared::ContactSample ContactStep::sample() const {
+shared::ContactSample ContactStep::sample(std::uint32_t probe) const {
   // The GPU may write while this reads: every word is read once, from memory.
   constexpr std::size_t kWords = sizeof(shared::ContactSample) / sizeof(std::uint32_t);
-  const volatile std::uint32_t* from = sample_.mapped<const std::uint32_t>().data();
+  const volatile std::uint32_t* from = sample_.mapped<const std::uint32_t>().data() + std::size_t{probe} * kWords;
   std::array<std::uint32_t, kWords> words;
   for (std::size_t i = 0; i < kWords; ++i) words[i] = from[i];
   return std::bit_cast<shared::ContactSample>(words);
 }
 
 bool ContactStep::hasAnswered(std::uint32_t tick) const {
-  const shared::ContactSample answer = sample();
-  return answer.tick == tick && answer.seal == shared::sealOf(answer);
+  if (seen_.tick != tick) seen_ = {.tick = tick};
+  for (; seen_.probes < options_.probes; ++seen_.probes) {
+    const shared::ContactSample answer = sample(seen_.probes);
+    if (answer.tick != tick || answer.seal != shared::sealOf(answer)) return false;
+  }
+  return true;
 }
 
 std::uint32_t ContactStep::firstList() const {

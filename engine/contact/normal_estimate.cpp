@@ -14,11 +14,13 @@ namespace palpate {
 
 namespace {
 
+constexpr std::size_t kRoomyTable = 4;
 constexpr unsigned kNearest = 16;  // that a plane of the host is fitted to
 static_assert(shared::kNoNeighbour == NeighbourGraph::kNobody);
 
 struct Planes {
-  std::vector<Vec3> normals;  ///< zero where the GPU leaves a point to the host
+  std::vector<FittedPlane> planes;  ///< normals of zero where the GPU leaves a point to the host
+  std::vector<Vec3> normals;        ///< where it does not
   NeighbourGraph graph;
 };
 
@@ -27,40 +29,50 @@ Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double ra
   cloud.positions = positions;
   cloud.normals.resize(positions.size());
   LiveCloud live(device, cloud);
-  SpatialHash hash(device, makeHashGrid(Vec3(boundsOf(cloud).min), radius, positions.size()), live.count());
+  // Few cells share a bucket of a large table: what is not theirs counts as work, too.
+  SpatialHash hash(device, makeHashGrid(Vec3(boundsOf(cloud).min), radius, kRoomyTable * positions.size()),
+                   live.count());
   hash.build(live);
-  const Buffer planes = Buffer::of<Vec4>(device, live.count(), Memory::device, "estimated planes");
-  const Buffer neighbours = Buffer::of<std::uint32_t>(device, std::uint64_t{live.count()} * shared::kSectors,
-                                                      Memory::device, "estimate's neighbours");
+  const NormalEstimate estimate(device, live.count());
   CommandList list(device, device.touch(), "estimate normals");
   list.begin();
-  const NormalEstimate estimate(device);
-  estimate.record(list, hash.view(live.side(), live.count()), planes, neighbours, radius);
+  estimate.record(list, hash.view(live.side(), live.count()), radius);
   list.end();
   device.touch().run(list);
   Planes result;
-  for (const Vec4& plane : download<Vec4>(device, planes, live.count())) result.normals.emplace_back(plane);
-  result.graph = {
-      .degree = shared::kSectors,
-      .neighbours = download<std::uint32_t>(device, neighbours, neighbours.bytes() / sizeof(std::uint32_t))};
+  for (const Vec4& plane : download<Vec4>(device, estimate.planes(), live.count()))
+    result.planes.push_back({.normal = Vec3(plane)});
+  for (const Vec4& normal : download<Vec4>(device, estimate.normals(), live.count()))
+    result.normals.emplace_back(normal);
+  result.graph = {.degree = shared::kSectors,
+                  .neighbours = download<std::uint32_t>(device, estimate.neighbours(),
+                                                        std::uint64_t{live.count()} * shared::kSectors)};
   return result;
 }
 
 }  // namespace
 
-NormalEstimate::NormalEstimate(Device& device)
+NormalEstimate::NormalEstimate(Device& device, std::uint32_t points)
     : fit_(device, shader_code::contact_estimate_normals, {.pushBytes = sizeof(shared::NormalEstimateArgs)}),
-      name_(device, shader_code::contact_name_neighbours, {.pushBytes = sizeof(shared::NormalEstimateArgs)}) {}
+      keepEdges_(device, shader_code::contact_keep_edges, {.pushBytes = sizeof(shared::NormalEstimateArgs)}),
+      name_(device, shader_code::contact_name_neighbours, {.pushBytes = sizeof(shared::NormalEstimateArgs)}),
+      planes_(Buffer::of<Vec4>(device, points, Memory::device, "estimated planes")),
+      fits_(Buffer::of<Vec2>(device, points, Memory::device, "how planes fit")),
+      normals_(Buffer::of<Vec4>(device, points, Memory::device, "estimated normals")),
+      neighbours_(Buffer::of<std::uint32_t>(device, std::uint64_t{points} * shared::kSectors, Memory::device,
+                                            "estimate's neighbours")) {}
 
-void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, const Buffer& planes,
-                            const Buffer& neighbours, double radius) const {
+void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, double radius) const {
   const shared::NormalEstimateArgs args{.cloud = cloud,
-                                        .planes = planes.address(),
-                                        .neighbours = neighbours.address(),
+                                        .planes = planes_.address(),
+                                        .fits = fits_.address(),
+                                        .normals = normals_.address(),
+                                        .neighbours = neighbours_.address(),
                                         .radius = static_cast<float>(radius),
                                         .unused = 0};
-  list.fill(planes, 0, planes.bytes());
+  list.fill(planes_, 0, planes_.bytes());
   list.dispatch(fit_, cloud.slots, args);
+  list.dispatch(keepEdges_, cloud.slots, args);
   list.dispatch(name_, cloud.slots, args);
 }
 
@@ -76,12 +88,13 @@ NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned t
   }
   Planes planes = planesOnGpu(device, places.positions, static_cast<double>(shared::kSupportSpacings) * spacing);
   std::vector<std::uint32_t> left;
-  for (std::uint32_t i = 0; i < planes.normals.size(); ++i)
-    if (glm::dot(planes.normals[i], planes.normals[i]) < 0.5f) left.push_back(i);
-  fitNearestPlanes(places.positions, left, kNearest, planes.normals, planes.graph, threads);
+  for (std::uint32_t i = 0; i < planes.planes.size(); ++i)
+    if (const Vec3& normal = planes.planes[i].normal; glm::dot(normal, normal) < 0.5f) left.push_back(i);
+  fitNearestPlanes(places.positions, left, kNearest, planes.planes, planes.graph, threads);
+  for (const std::uint32_t i : left) planes.normals[i] = planes.planes[i].normal;
   cost.onHost = left.size();
   cost.planes_ms = watch.elapsed_us() * 1e-3;
-  orientNormals(places.positions, planes.normals, planes.graph, threads);
+  signNormals(places.positions, planes.planes, planes.graph, planes.normals, threads);
   spreadNormals(cloud, places, planes.normals);
   cost.signs_ms = watch.elapsed_us() * 1e-3 - cost.planes_ms;
   return cost;

@@ -8,18 +8,25 @@
 namespace palpate {
 
 /// Fits a plane to the neighbours of every point of an indexed cloud, weighed by Wendland's function of the distance
-/// (Hoppe et al. 1992, section 3.2), and names the nearest neighbours all around it, along which signs can be carried.
+/// (Hoppe et al. 1992, section 3.2), gives points next to an edge the normal of their own side (keepEdges() of
+/// engine/cloud), and names the nearest neighbours all around each, along which signs can be carried.
 class NormalEstimate {
  public:
-  explicit NormalEstimate(Device& device);
+  /// Room for `points` points.
+  NormalEstimate(Device& device, std::uint32_t points);
 
-  /// `planes`: a vec4 for each point; `neighbours`: kSectors words for each point; both by the points' ids. `radius`:
-  /// support radius, model units, widened or narrowed where it holds very few or very many points.
-  void record(CommandList& list, const shared::CloudView& cloud, const Buffer& planes, const Buffer& neighbours,
-              double radius) const;
+  /// `radius`: support radius, model units, widened or narrowed where it holds very few or very many points.
+  void record(CommandList& list, const shared::CloudView& cloud, double radius) const;
+
+  // Each by the points' ids.
+  const Buffer& planes() const { return planes_; }          ///< vec4: unit normal of either sign, or zero; radius
+  const Buffer& fits() const { return fits_; }              ///< vec2: as FittedPlane::off; the spacing squared
+  const Buffer& normals() const { return normals_; }        ///< vec4: unit, of either sign; undefined without a plane
+  const Buffer& neighbours() const { return neighbours_; }  ///< kSectors words
 
  private:
-  ComputePipeline fit_, name_;
+  ComputePipeline fit_, keepEdges_, name_;
+  Buffer planes_, fits_, normals_, neighbours_;
 };
 
 /// Where the time of an estimate went.
@@ -30,8 +37,9 @@ struct NormalEstimateCost {
 };
 
 /// Gives every point of `cloud` a unit normal: planes from the GPU, over a support radius of kSupportSpacings; what it
-/// leaves, from the CPU (fitNearestPlanes()); signs on the CPU (orientNormals()). Coincident points count once. Agrees
-/// with estimateNormals() of engine/cloud up to how a neighbourhood is chosen. Throws OutOfGpuMemory.
+/// leaves, from the CPU (fitNearestPlanes()); signs on the CPU (orientNormals()), carried from plane to plane.
+/// Coincident points count once. Agrees with estimateNormals() of engine/cloud up to how a neighbourhood is chosen.
+/// Throws OutOfGpuMemory.
 NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned threads = 0);
 
 }  // namespace palpate

@@ -18,8 +18,9 @@ DVec3 shortened(const DVec3& step, double longest) {
 
 void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip) {
   if (!started_) lastHip_ = hip;
+  const bool touched = touching_;
   if (!touching_) walkFreely(field, hip);
-  if (touching_) track(field, hip);
+  if (touching_) track(field, hip, touched);
   if (!touching_) proxy_ = hip;
   started_ = true;
   lastHip_ = hip;
@@ -71,20 +72,29 @@ DVec3 ProxyTracker::againstFriction(const DVec3& slide, double depth) {
   return slide * (1.0 - held / size);
 }
 
-void ProxyTracker::track(const SurfaceField& field, const DVec3& hip) {
+void ProxyTracker::track(const SurfaceField& field, const DVec3& hip, bool touched) {
   const double longest = static_cast<double>(shared::kLongestStep) * radius_;
   const double arrived = static_cast<double>(shared::kConvergence) * radius_;
-  DVec3 lastSlide(0);
-  double relaxation = 1;
-  bool slid = false;
-  surface_ = feel(field, proxy_);
-  for (std::uint32_t step = 0; step < shared::kMaxTrackingSteps && surface_.defined; ++step) {
-    const DVec3 n = surface_.normal;
-    const DVec3 lift = -surface_.distance * n;
+  const auto slideAlong = [&](const DVec3& n) {
     const DVec3 toHip = hip - proxy_;
     const double depth = -glm::dot(toHip, n);
-    const DVec3 slide = againstFriction(toHip + depth * n, depth);
-    if (glm::length(lift) < arrived && relaxation * glm::length(slide) < arrived) break;
+    return againstFriction(toHip + depth * n, depth);
+  };
+  double relaxation = 1;
+  // Where the proxy stands the last tick has felt the surface: the first slide goes along that one.
+  DVec3 lastSlide(0);
+  if (touched && facing_ != DVec3(0)) lastSlide = slideAlong(side_ == shared::kSideBehind ? -facing_ : facing_);
+  bool slid = glm::length(lastSlide) >= arrived;
+  if (slid) {
+    sticks_ = false;
+    proxy_ += shortened(lastSlide, longest);
+  }
+  surface_ = feel(field, proxy_);
+  for (std::uint32_t step = 0; step < shared::kMaxTrackingSteps && surface_.defined; ++step) {
+    const DVec3 lift = -surface_.distance * surface_.normal;
+    const DVec3 slide = slideAlong(surface_.normal);
+    const double size = std::max(glm::length(lift), relaxation * glm::length(slide));
+    if (size < arrived) break;
     // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
     if (glm::dot(slide, lastSlide) < 0) relaxation *= 0.5;
     lastSlide = slide;
@@ -93,6 +103,7 @@ void ProxyTracker::track(const SurfaceField& field, const DVec3& hip) {
       sticks_ = false;
     }
     proxy_ += shortened(lift, longest) + shortened(relaxation * slide, longest);
+    if (size < static_cast<double>(shared::kLastStep) * radius_) break;
     surface_ = feel(field, proxy_);
   }
   sticks_ = !slid;

@@ -56,7 +56,7 @@ class ProxyTracker {
 
  private:
   void walkFreely(const SurfaceField& field, const DVec3& hip);
-  void track(const SurfaceField& field, const DVec3& hip);
+  void track(const SurfaceField& field, const DVec3& hip, bool touched);
   SurfaceSample feel(const SurfaceField& field, const DVec3& x);
   DVec3 againstFriction(const DVec3& slide, double depth);
 

@@ -50,6 +50,21 @@ double localRadius(double radius, double weights, double smallest, double larges
   return std::clamp(static_cast<double>(shared::kSupportSpacings) * spacing, smallest, largest);
 }
 
+// Positions that are off by `noise_spacings` leave a ripple of 1.05 noise / (R / spacing) spacings: the sum of the
+// squared weights is 0.222 (R / spacing)^2 on an even plane, that of the weights pi / 7 of it.
+double wideningFor(double noise_spacings) {
+  constexpr double kRipple = 1.05, kMostRipple_spacings = 0.035, kMost = 2;
+  if (!(noise_spacings > 0)) return 1;
+  const double spacings = kRipple * noise_spacings / kMostRipple_spacings;
+  return std::clamp(spacings / static_cast<double>(shared::kSupportSpacings), 1.0, kMost);
+}
+
+double wideWhereFlat(double narrow, double wide, double meanNormal) {
+  const double flat = shared::kFlatTurn, fold = shared::kFoldTurn;
+  const double folded = std::clamp((1.0 - meanNormal - flat) / (fold - flat), 0.0, 1.0);
+  return wide + (narrow - wide) * folded * folded * (3.0 - 2.0 * folded);
+}
+
 double averageSurfaceBias(double radius, double sphereRadius) { return 0.0694 * radius * radius / sphereRadius; }
 
 }  // namespace palpate

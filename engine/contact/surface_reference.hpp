@@ -19,9 +19,12 @@ struct SurfaceSample {
 };
 
 struct SurfaceOptions {
-  double radius = 0;  ///< support radius, model units
+  double radius = 0;  ///< support radius, model units; the largest there is
   SurfaceKind kind = SurfaceKind::average;
   bool localRadius = false;  ///< where points lie close, take a smaller one: kSupportSpacings of them
+  /// For noisy points: times as large as it would be for clean ones, at least 1, where the surface is flat; where it
+  /// turns, the support radius is so many times smaller.
+  double widening = 1;
 };
 
 /// Wendland's C2 weight of r = distance / support radius in [0, 1].
@@ -62,6 +65,8 @@ class SurfaceSums {
     ++neighbours_;
   }
   SurfaceSample sample() const;
+  /// Length of the weighted mean of the normals: 1 where all are the same. 0 for no neighbours.
+  double meanNormal() const { return weights_ > 0 ? glm::length(normals_) / weights_ : 0; }
 
  private:
   double robustWeight(const DVec3& d, const DVec3& normal) const;
@@ -85,19 +90,34 @@ inline std::uint32_t surfacePasses(SurfaceKind kind) { return kind == SurfaceKin
 /// `weights`: on an even plane the sum is pi / 7 points of the disc.
 double localRadius(double radius, double weights, double smallest, double largest);
 
+/// The widening of a support radius of kSupportSpacings that evens the noise of positions out, from how noisy they are
+/// (SpacingRange::noise): 1 up to an eighth of a spacing, no more than 2.
+double wideningFor(double noise_spacings);
+
+/// The support radius between a narrow and a wide one, where the weighted mean of the normals within the wide one is
+/// `meanNormal` long.
+double wideWhereFlat(double narrow, double wide, double meanNormal);
+
 /// The surface of all neighbours. `forEachNear(radius, visit)` calls visit(offset, normal) for each of them;
 /// `facing`: as for SurfaceSums.
 template <class ForEachNear>
 SurfaceSample surfaceOf(const SurfaceOptions& options, const DVec3& facing, ForEachNear&& forEachNear) {
-  double radius = options.radius;
+  const double largest = options.radius / options.widening;
+  double radius = largest;
   if (options.localRadius) {
     // Twice, since the first look averages the density over the largest radius; the second may only widen.
-    double smallest = static_cast<double>(shared::kLeastLocalRadius) * options.radius;
+    double smallest = static_cast<double>(shared::kLeastLocalRadius) * largest;
     for (int look = 0; look < 2; ++look) {
       double weights = 0;
       forEachNear(radius, [&](const DVec3& offset, const Vec3&) { weights += wendland(glm::length(offset) / radius); });
-      smallest = radius = localRadius(radius, weights, smallest, options.radius);
+      smallest = radius = localRadius(radius, weights, smallest, largest);
     }
+  }
+  if (options.widening > 1) {
+    const double wide = options.widening * radius;
+    SurfaceSums sums(SurfaceKind::average, wide, facing, nullptr);
+    forEachNear(wide, [&](const DVec3& offset, const Vec3& normal) { sums.add(offset, normal); });
+    radius = wideWhereFlat(radius, wide, sums.meanNormal());
   }
   SurfaceSample sample;
   for (std::uint32_t pass = 0; pass < surfacePasses(options.kind); ++pass) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "engine/core/vec.hpp"
 
@@ -12,6 +14,10 @@ namespace palpate {
 struct Pose {
   double time_s = 0;
   DVec3 hip{0};  ///< haptic interface point
+  /// The hand means to change what it touches, where there is a tool. Otherwise it only feels.
+  bool sculpts = true;
+  DQuat turn{1, 0, 0, 0};          ///< of the tool's frame against the model's; only a tool of many points asks for it
+  std::optional<DVec3> secondHip;  ///< of another hand, which only feels, with its point alone; model units
 };
 
 /// What the surface answers to one pose. Positions in model units.
@@ -27,6 +33,13 @@ struct Contact {
   double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known
 };
 
+/// What the surface answers to one point of a tool (ToolShape).
+struct PointContact {
+  DVec3 hip{0};      ///< where the point itself is
+  double share = 0;  ///< of the tool's stiffness and damping
+  Contact contact;
+};
+
 /// Answers poses in order. query() never blocks past `budget_us` (0: as long as it takes, for virtual time), throws
 /// nothing, and says valid = false on any fault.
 class ContactQuery {
@@ -36,9 +49,19 @@ class ContactQuery {
   /// The force of the last answer is out: now is the time for what need not come before it, and for what makes the next
   /// answer come sooner. Never blocks for long.
   virtual void prepare() noexcept {}
+  /// The last answer point by point, where the tool has many; always as many. The answer as a whole then stands for
+  /// them: its proxy is the HIP and the sum of the ways from the points to their proxies, each times its share, so that
+  /// a spring from the HIP to it has the force of all their springs; its normal is their mean by force; it touches when
+  /// one of them does, is fresh and valid when all are, and its neighbours are the most that one of them has.
+  virtual std::span<const PointContact> points() const noexcept { return {}; }
   /// The stylus was lifted and is put down elsewhere with the next pose: there was no motion in between, and nothing is
   /// touched.
   virtual void beginAnew() noexcept {}
+  /// The last answer to Pose::secondHip, from the same state of the surface as that to the first hand. Not valid where
+  /// nobody can answer two hands.
+  virtual Contact second() const noexcept { return {}; }
+  /// The second hand alone was lifted and is put down elsewhere.
+  virtual void secondBeginsAnew() noexcept {}
 };
 
 }  // namespace palpate

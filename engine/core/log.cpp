@@ -9,6 +9,7 @@ namespace palpate {
 Log::Log(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
 
 void Log::write(std::string_view line) {
+  const std::scoped_lock lock(lock_);
   if (listener_) listener_->said(line);
   if (quiet_) return;
   clearBar();
@@ -21,6 +22,7 @@ void Log::clearBar() {
 }
 
 void Log::progress(std::string_view what, double fraction) {
+  const std::scoped_lock lock(lock_);
   if (listener_) listener_->progressed(what, fraction);
   if (quiet_) return;
   constexpr double kShort_us = 1e6;

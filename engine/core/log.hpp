@@ -5,6 +5,7 @@
 
 #include "engine/core/clock.hpp"
 
+#include <mutex>
 #include <string>
 #include <string_view>
 
@@ -18,7 +19,7 @@ class LogListener {
   virtual void progressed(std::string_view what, double fraction) = 0;
 };
 
-/// A sink for remarks and progress. Passed to whoever has something to say; there is no global one.
+/// A sink for remarks and progress. Passed to whoever has something to say, on any thread; there is no global one.
 class Log {
  public:
   explicit Log(bool quiet = false);
@@ -37,6 +38,7 @@ class Log {
   void write(std::string_view line);
   void clearBar();
 
+  std::mutex lock_;  // of what follows
   LogListener* listener_ = nullptr;
   std::string progressOf_;
   Stopwatch progressSince_;

@@ -2,9 +2,9 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 namespace palpate {
@@ -18,21 +18,32 @@ void makeNice(id_t thread) noexcept {
   if (::getpriority(PRIO_PROCESS, thread) < kNice) ::setpriority(PRIO_PROCESS, thread, kNice);
 }
 
+// In order; empty without /proc.
+std::vector<id_t> runningThreads() {
+  std::vector<id_t> threads;
+  std::error_code noProc;
+  for (std::filesystem::directory_iterator entry("/proc/self/task", noProc), end; !noProc && entry != end;
+       entry.increment(noProc)) {
+    const std::string number = entry->path().filename().string();
+    id_t thread = 0;
+    if (std::from_chars(number.data(), number.data() + number.size(), thread).ec == std::errc())
+      threads.push_back(thread);
+  }
+  std::ranges::sort(threads);
+  return threads;
+}
+
 }  // namespace
 
 void giveWay() noexcept { makeNice(0); }
 
-void letThreadsGiveWay(std::string_view names) noexcept {
+RunningThreads::RunningThreads() : threads_(runningThreads()) {}
+
+void RunningThreads::laterOnesGiveWay() const noexcept {
   try {
-    for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
-      std::string name;
-      std::getline(std::ifstream(entry.path() / "comm"), name);
-      const std::string number = entry.path().filename().string();
-      id_t thread = 0;
-      std::from_chars(number.data(), number.data() + number.size(), thread);
-      if (name.starts_with(names) && thread != 0) makeNice(thread);
-    }
-  } catch (const std::exception&) {  // without /proc nobody is told
+    for (const id_t thread : runningThreads())
+      if (!std::ranges::binary_search(threads_, thread)) makeNice(thread);
+  } catch (const std::exception&) {  // without memory nobody is told
   }
 }
 

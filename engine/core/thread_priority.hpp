@@ -1,6 +1,8 @@
 #pragma once
 
-#include <string_view>
+#include <sys/types.h>
+
+#include <vector>
 
 namespace palpate {
 
@@ -8,7 +10,17 @@ namespace palpate {
 /// are short, and are put aside at once when others wake up. For good: an ordinary user cannot take it back.
 void giveWay() noexcept;
 
-/// The same for all threads of this program whose names begin so.
-void letThreadsGiveWay(std::string_view names) noexcept;
+/// The threads of this program at some time, to tell those that something has started since. Knows of none where there
+/// is no /proc.
+class RunningThreads {
+ public:
+  /// As of now.
+  RunningThreads();
+  /// Those that have come since give way, too.
+  void laterOnesGiveWay() const noexcept;
+
+ private:
+  std::vector<id_t> threads_;  // in order
+};
 
 }  // namespace palpate

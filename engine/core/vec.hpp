@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cmath>
+#include <glm/ext/quaternion_double.hpp>
+#include <glm/ext/quaternion_geometric.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -17,6 +19,7 @@ using Vec4 = glm::vec4;
 using Mat4 = glm::mat4;
 using DVec2 = glm::dvec2;
 using DVec3 = glm::dvec3;
+using DQuat = glm::dquat;  // w, x, y, z
 using IVec3 = glm::ivec3;
 using UVec2 = glm::uvec2;
 using UVec3 = glm::uvec3;

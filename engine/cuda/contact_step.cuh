@@ -96,11 +96,13 @@ class ContactStep {
       const vec3 n = surface_.normal;
       const vec3 lift = -surface_.distance * n;
       const vec3 slide = glm::dot(proxy_, n) * n - proxy_;
-      if (glm::length(lift) < arrived && glm::length(slide) < arrived) break;
+      const float step = glm::max(glm::length(lift), glm::length(slide));
+      if (step < arrived) break;
       // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
       if (glm::dot(slide, lastSlide) < 0.0f) relaxation *= 0.5f;
       lastSlide = slide;
       proxy_ += shortened(lift, longest) + shortened(relaxation * slide, longest);
+      if (step < kLastStep * args_.radius) break;
       surface_ = surfaceNear(proxy_);
     }
     if (!surface_.defined) {

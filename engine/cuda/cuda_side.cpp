@@ -126,7 +126,9 @@ void CudaTouch::Side::takeAnswer() {
 Contact CudaTouch::Side::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
 
 void CudaTouch::Side::editIfYielding() {
-  if (!push_ || !last_.touching || glm::distance(last_.proxy, lastPose_.hip) <= options_.push->tau) return;
+  if (!push_ || !last_.touching || !lastPose_.sculpts ||
+      glm::distance(last_.proxy, lastPose_.hip) <= options_.push->tau)
+    return;
   editStart_.record(stream_);
   edits_[live_.parity()]->launch(stream_);
   editEnd_.record(stream_);

@@ -69,6 +69,10 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
                                            .spacings = resample_ ? resample_->spacings() : 0,
                                            .looks = resample_ ? resample_->looks() : 0,
                                            .lists = resample_ ? resample_->lists() : 0,
+                                           .moves = update_.moves(),
+                                           .marks = update_.marks(),
+                                           .touched = update_.touched(),
+                                           .movesOf = update_.bySlot(),
                                            .firstNew = live.count(),
                                            .ids = live.slots(),
                                            .mostMoves = update_.mostMoves(),
@@ -99,9 +103,7 @@ void EditPass::recordCollect(CommandList& list, const shared::CloudView& cloud, 
   list.dispatch(collect_, groups * shared::kUpdateWorkgroup,
                 shared::CollectArgs{.cloud = cloud,
                                     .update = update.update,
-                                    .moves = update.moves,
-                                    .marks = update.marks,
-                                    .touched = update.touched,
+                                    .capacities = update.capacities,
                                     .state = contactState,
                                     .brush = brush_.address(),
                                     .tables = tables_.address(),
@@ -118,13 +120,10 @@ void EditPass::recordSmooth(CommandList& list, const shared::CloudView& cloud, s
                      offsetof(shared::HashUpdate, movedGroups),
                      shared::SmoothArgs{.cloud = cloud,
                                         .update = update.update,
-                                        .moves = update.moves,
-                                        .marks = update.marks,
-                                        .touched = update.touched,
+                                        .capacities = update.capacities,
                                         .state = contactState,
                                         .brush = brush_.address(),
-                                        .mostMoves = update_.mostMoves(),
-                                        .unused = 0});
+                                        .tables = tables_.address()});
 }
 
 void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side, const Buffer& contactState) const {
@@ -138,9 +137,9 @@ void EditPass::recordIncremental(CommandList& list, const LiveCloud::Side& side,
       recordMoves(list, cloud, side.parity, state, box(), recalls);
     }
     update_.recordApply(list, cloud, side.parity);
-    recordSequel(list, cloud, side.parity, update_.scratch(), true);
+    recordSequel(list, cloud, side.parity, scratch(), true);
   }
-  recordWishes(list, cloud, side.parity, update_.scratch());
+  recordWishes(list, cloud, side.parity, scratch());
 }
 
 void EditPass::recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
@@ -160,10 +159,10 @@ void EditPass::recordRebuild(CommandList& list, const LiveCloud::Side& from, con
     const auto edit = list.section("edit");
     recordReached(list, from, state, recalls, reach);
     hash_.recordBuild(list, from, to, live_.slots(), sort);
-    update_.recordRecount(list, view(to), to.parity);
-    recordSequel(list, view(to), to.parity, from.normals.address(), true);
+    update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
+    recordSequel(list, view(to), to.parity, scratch(from), true);
   }
-  recordWishes(list, view(to), to.parity, from.normals.address());
+  recordWishes(list, view(to), to.parity, scratch(from));
 }
 
 void EditPass::recordReached(CommandList& list, const LiveCloud::Side& from, DeviceAddress state, std::uint32_t recalls,
@@ -178,7 +177,7 @@ void EditPass::recordReached(CommandList& list, const LiveCloud::Side& from, Dev
       recordMoves(list, cloud, from.parity, state, slots, shared::kRecallsNothing);
       update_.recordCommit(list, cloud);
       recordLogging(list, logGone_, CountedDispatch::Step::invocation, offsetof(shared::HashUpdate, moveGroups), cloud,
-                    from.parity, 0);
+                    from.parity, {});
       update_.recordBegin(list);
     }
     if (resamples()) recordCollect(list, cloud, from.parity, state, {}, recalls);
@@ -203,16 +202,12 @@ void EditPass::recordRestore(CommandList& list, const shared::CloudView& cloud, 
   list.dispatch(restore_, std::uint64_t{given_} * device_.subgroupSize(),
                 shared::RestoreArgs{.cloud = cloud,
                                     .update = update.update,
-                                    .moves = update.moves,
-                                    .marks = update.marks,
-                                    .touched = update.touched,
+                                    .capacities = update.capacities,
                                     .changes = changes_.address(),
                                     .tables = tables_.address(),
                                     .lists = resample_ ? resample_->lists() : 0,
-                                    .mostMoves = update_.mostMoves(),
                                     .count = given_,
-                                    .finishes = finishes ? 1u : 0u,
-                                    .unused = 0});
+                                    .finishes = finishes ? 1u : 0u});
 }
 
 void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Side& side) const {
@@ -222,7 +217,7 @@ void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Side& 
   recordRestore(list, cloud, side.parity, false);
   update_.recordApply(list, cloud, side.parity);
   recordRestore(list, cloud, side.parity, true);
-  recordSequel(list, cloud, side.parity, update_.scratch(), false);
+  recordSequel(list, cloud, side.parity, scratch(), false);
 }
 
 void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
@@ -233,28 +228,27 @@ void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Side& from
   update_.recordCommit(list, view(from));
   recordRestore(list, view(from), from.parity, true);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
-  update_.recordRecount(list, view(to), to.parity);
-  recordSequel(list, view(to), to.parity, from.normals.address(), false);
+  update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
+  recordSequel(list, view(to), to.parity, scratch(from), false);
 }
 
 void EditPass::recordCompaction(CommandList& list, const LiveCloud::Side& from, const LiveCloud::Side& to,
                                 SortMethod sort) const {
   update_.recordBegin(list);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
-  update_.recordRecount(list, view(to), to.parity);
+  update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
   update_.recordEnd(list);
 }
 
 void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step,
                              std::uint64_t groups, const shared::CloudView& cloud, std::uint32_t parity,
-                             DeviceAddress fitted) const {
+                             const Scratch& scratch) const {
   const shared::HashUpdateArgs update = update_.args(cloud, parity);
   update_.dispatch()(list, pass, step, update_.counters(), groups,
                      shared::RefitNormalsArgs{.cloud = cloud,
                                               .update = update.update,
-                                              .moves = update.moves,
-                                              .changed = update.changed,
-                                              .fitted = fitted,
+                                              .changed = scratch.changed,
+                                              .fitted = scratch.fitted,
                                               .entries = log_.entries(),
                                               .head = log_.head(),
                                               .tables = tables_.address(),
@@ -264,27 +258,27 @@ void EditPass::recordLogging(CommandList& list, const ComputePipeline& pass, Cou
 }
 
 void EditPass::recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                            DeviceAddress fitted, bool wishes) const {
+                            const Scratch& scratch, bool wishes) const {
   using Step = CountedDispatch::Step;
   constexpr std::uint64_t kGroups = offsetof(shared::HashUpdate, changedGroups);
   const shared::HashUpdateArgs update = update_.args(cloud, parity);
   const auto section = list.section("refit normals");
-  recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, fitted);
+  recordLogging(list, refit_, Step::subgroup, kGroups, cloud, parity, scratch);
   update_.dispatch()(list, settle_, Step::invocation, update_.counters(), kGroups,
                      shared::SettleArgs{.cloud = cloud,
                                         .update = update.update,
-                                        .changed = update.changed,
-                                        .fitted = fitted,
+                                        .changed = scratch.changed,
+                                        .fitted = scratch.fitted,
                                         .head = log_.head(),
                                         .lists = wishLists(),
                                         .end = wishes && resamples() ? shared::EditEnd{} : end()});
 }
 
 void EditPass::recordWishes(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                            DeviceAddress fitted) const {
+                            const Scratch& scratch) const {
   if (!resamples()) return;
   const auto section = list.section("wishes");
-  resample_->recordWishes(list, resampleIo(cloud, parity), fitted, end());
+  resample_->recordWishes(list, resampleIo(cloud, parity), scratch.changed, scratch.fitted, end());
 }
 
 shared::EditEnd EditPass::end() const {

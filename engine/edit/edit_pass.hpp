@@ -73,13 +73,22 @@ class EditPass {
   // Paint moves nothing, so that no points come or go with it.
   bool resamples() const { return resample_ && options_.keepsDensity && options_.kind != BrushKind::paint; }
   DeviceAddress wishLists() const { return resamples() ? resample_->lists() : 0; }
+  // What follows an update goes by: the slots that have changed, and room for a vec4 for each of them.
+  struct Scratch {
+    DeviceAddress changed = 0, fitted = 0;
+  };
+  Scratch scratch() const { return {.changed = update_.changed(), .fitted = update_.fitted()}; }
+  // Behind a build: any number of them.
+  Scratch scratch(const LiveCloud::Side& left) const {
+    return {.changed = update_.bySlot(), .fitted = left.normals.address()};
+  }
   // `recalls`: kRecalls... of shaders/shared/edit.h.
   // Lists the brush's moves, and those that come of wishes.
   void recordMoves(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress contactState,
                    const Selection& selection, std::uint32_t recalls) const;
   // A pass that writes to the log.
   void recordLogging(CommandList& list, const ComputePipeline& pass, CountedDispatch::Step step, std::uint64_t groups,
-                     const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted) const;
+                     const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch) const;
   void recordCollect(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
                      DeviceAddress contactState, const Selection& selection, std::uint32_t recalls) const;
   void recordSmooth(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
@@ -89,13 +98,12 @@ class EditPass {
   // Of an edit with a full build: what the brush makes of the points, where they stand.
   void recordReached(CommandList& list, const LiveCloud::Side& from, DeviceAddress contactState, std::uint32_t recalls,
                      Reach reach) const;
-  // What follows once the index has: normals and log. Makes an end to the update, unless `wishes` follow. `fitted`:
-  // room for a vec4 for every changed slot.
-  void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, DeviceAddress fitted,
+  // What follows once the index has: normals and log. Makes an end to the update, unless `wishes` follow.
+  void recordSequel(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity, const Scratch& scratch,
                     bool wishes) const;
   // Where points should come and go with the next edit. Makes an end to the update.
   void recordWishes(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
-                    DeviceAddress fitted) const;
+                    const Scratch& scratch) const;
   shared::EditEnd end() const;
   Resample::Io resampleIo(const shared::CloudView& cloud, std::uint32_t parity) const;
   shared::CloudView view(const LiveCloud::Side& side) const { return hash_.view(side, live_.slots()); }

@@ -57,10 +57,11 @@ void Resample::measure(const shared::CloudView& cloud, DeviceAddress tables) {
   device_.touch().run(list);
 }
 
-void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const {
+void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
+                            const shared::EditEnd& end) const {
   const shared::WishArgs args{.cloud = io.update.cloud,
                               .update = io.update.update,
-                              .changed = io.update.changed,
+                              .changed = changed,
                               .fitted = fitted,
                               .tables = io.tables,
                               .lists = lists_.address(),

@@ -24,7 +24,8 @@ class Resample {
   };
   /// Once the index has followed and normals are fitted: new wishes. The last passes of an edit, which a force need not
   /// wait for.
-  void recordWishes(CommandList& list, const Io& io, DeviceAddress fitted, const shared::EditEnd& end) const;
+  void recordWishes(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
+                    const shared::EditEnd& end) const;
   /// Where the last pass of an edit tells the host of its Resampling.
   DeviceAddress reportAddress() const { return report_.address(); }
   bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].wishes > 0; }

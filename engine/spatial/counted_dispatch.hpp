@@ -11,8 +11,8 @@ namespace palpate {
 /// notices workgroups that find nothing to do; a software driver takes its time for each, and limits the rounds of one.
 class CountedDispatch {
  public:
-  /// What one step along the list keeps busy.
-  enum class Step { invocation, subgroup };
+  /// What one step along the list keeps busy; a bucket is a subgroup's, too, but there are several points to one.
+  enum class Step { invocation, bucket, subgroup };
 
   explicit CountedDispatch(const Device& device);
 

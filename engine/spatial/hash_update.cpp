@@ -18,8 +18,10 @@ constexpr std::uint64_t kLeastSpare = 1 << 14, kLeastMoves = 1 << 14;
 // Buckets that may change while a compaction runs, of those that one update may touch.
 constexpr std::uint64_t kDirtyPerMove = 4;
 
-constexpr std::uint64_t kBytesPerMove = sizeof(shared::PointMove) + 2 * sizeof(shared::TouchedBucket) +
-                                        2 * sizeof(Vec4);  // a move touches two buckets at most
+constexpr std::uint64_t kBucketsPerMove = 2;   // that it touches at most
+constexpr std::uint64_t kWordsPerArrival = 2;  // behind the list of those buckets
+constexpr std::uint64_t kBytesPerMove =
+    sizeof(shared::PointMove) + (kBucketsPerMove + kWordsPerArrival + 1) * sizeof(std::uint32_t) + sizeof(Vec4);
 
 PipelineOptions pipeline(std::uint32_t pushBytes, const CountedDispatch& dispatch) {
   return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes, .constants = {dispatch.countsGroups()}};
@@ -46,15 +48,13 @@ std::uint32_t HashUpdate::spareSlots(std::uint64_t points) {
 }
 
 std::uint32_t HashUpdate::defaultMoves(std::uint64_t points) {
-  return static_cast<std::uint32_t>(std::max(kLeastMoves, points / kMovesShare));
+  return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(points / kMovesShare, kLeastMoves, shared::kMarkMove));
 }
 
 HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud& live)
     : mostMoves_(defaultMoves(live.count())),
       mostDirty_(dirtyListFor(mostMoves_, std::uint64_t{hash.grid().bucketMask} + 1)),
       dispatch_(device),
-      plan_(device, shader_code::spatial_update_plan, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
-      place_(device, shader_code::spatial_update_place, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
       apply_(device, shader_code::spatial_update_apply, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
       commit_(device, shader_code::spatial_update_commit, pipeline(sizeof(shared::HashUpdateArgs), dispatch_)),
       recount_(device, shader_code::spatial_update_recount, pipeline(sizeof(shared::HashRecountArgs), dispatch_)),
@@ -63,17 +63,16 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
       report_(Buffer::of<shared::HashUpdate>(device, 1, Memory::readback, "update report")),
       moves_(Buffer::of<shared::PointMove>(device, mostMoves_, Memory::device, "point moves")),
       marks_(words(device, hash.grid().bucketMask + 1, "bucket marks")),
-      touched_(
-          Buffer::of<shared::TouchedBucket>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "touched buckets")),
-      arrivals_(Buffer::of<Vec4>(device, 2 * std::uint64_t{mostMoves_}, Memory::device, "arrivals")),
-      changed_(words(device, live.slots(), "changed slots")),
+      touched_(words(device, (kBucketsPerMove + kWordsPerArrival) * std::uint64_t{mostMoves_}, "touched buckets")),
+      fitted_(Buffer::of<Vec4>(device, mostMoves_, Memory::device, "fitted normals")),
+      changed_(words(device, mostMoves_, "changed slots")),
+      bySlot_(words(device, live.slots(), "moves of slots")),
       dirty_(words(device, dirtyWords(mostMoves_, hash.grid()), "dirty buckets")),
       capacities_{words(device, hash.grid().bucketMask + 1, "bucket capacities"),
                   words(device, hash.grid().bucketMask + 1, "bucket capacities")} {
   const UVec3 none(0, 1, 1);
   const shared::HashUpdate begin{.moveGroups = none,
                                  .movedGroups = none,
-                                 .bucketGroups = none,
                                  .applyGroups = none,
                                  .changedGroups = UVec3(1),
                                  .head = live.count(),
@@ -96,7 +95,7 @@ shared::HashUpdateArgs HashUpdate::args(const shared::CloudView& cloud, std::uin
           .moves = moves_.address(),
           .marks = marks_.address(),
           .touched = touched_.address(),
-          .arrivals = arrivals_.address(),
+          .movesOf = bySlot_.address(),
           .capacities = capacities_[parity].address(),
           .changed = changed_.address(),
           .dirty = dirty_.address(),
@@ -109,10 +108,7 @@ void HashUpdate::recordBegin(CommandList& list) const { list.copy(template_, cou
 void HashUpdate::recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
   const auto section = list.section("index update");
   const shared::HashUpdateArgs io = args(cloud, parity);
-  using Step = CountedDispatch::Step;
-  dispatch_(list, plan_, Step::invocation, counters_, offsetof(shared::HashUpdate, bucketGroups), io);
-  dispatch_(list, place_, Step::invocation, counters_, offsetof(shared::HashUpdate, moveGroups), io);
-  dispatch_(list, apply_, Step::subgroup, counters_, offsetof(shared::HashUpdate, applyGroups), io);
+  dispatch_(list, apply_, CountedDispatch::Step::bucket, counters_, offsetof(shared::HashUpdate, applyGroups), io);
 }
 
 void HashUpdate::recordCommit(CommandList& list, const shared::CloudView& cloud) const {
@@ -120,10 +116,11 @@ void HashUpdate::recordCommit(CommandList& list, const shared::CloudView& cloud)
             args(cloud, 0));
 }
 
-void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const {
+void HashUpdate::recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                               DeviceAddress changed) const {
   list.fill(capacities_[parity], 0, capacities_[parity].bytes());
   list.dispatch(recount_, cloud.slots,
-                shared::HashRecountArgs{.cloud = cloud, .update = counters_.address(), .changed = changed_.address()});
+                shared::HashRecountArgs{.cloud = cloud, .update = counters_.address(), .changed = changed});
 }
 
 void HashUpdate::recordNoting(CommandList& list, std::uint32_t most) const {
@@ -147,7 +144,7 @@ void HashUpdate::recordReport(CommandList& list) const {
 
 std::uint64_t HashUpdate::bytes() const {
   return template_.bytes() + counters_.bytes() + report_.bytes() + moves_.bytes() + marks_.bytes() + touched_.bytes() +
-         arrivals_.bytes() + changed_.bytes() + dirty_.bytes() + 2 * capacities_[0].bytes();
+         fitted_.bytes() + changed_.bytes() + bySlot_.bytes() + dirty_.bytes() + 2 * capacities_[0].bytes();
 }
 
 std::uint64_t HashUpdate::predictedBytes(std::uint64_t points) {

@@ -31,7 +31,9 @@ class HashUpdate {
   /// Writes them where the points stand, for a full build to follow: of this side, whose index then no longer holds.
   void recordCommit(CommandList& list, const shared::CloudView& cloud) const;
   /// After a full build that has written `cloud`: lists what changed, and which slots are free.
-  void recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
+  /// `changed`: room for a word for every slot.
+  void recordRecount(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity,
+                     DeviceAddress changed) const;
 
   /// From here on buckets that change are noted, up to `most` of them, each once: until recordRecount(), or a
   /// HashCompaction that has come to its end.
@@ -43,9 +45,14 @@ class HashUpdate {
   const Buffer& counters() const { return counters_; }
   /// What passes that list moves need.
   shared::HashUpdateArgs args(const shared::CloudView& cloud, std::uint32_t parity) const;
+  DeviceAddress moves() const { return moves_.address(); }
+  DeviceAddress marks() const { return marks_.address(); }
   DeviceAddress changed() const { return changed_.address(); }
-  /// Room for a vec4 for every changed slot, free once recordApply() has done its work.
-  DeviceAddress scratch() const { return arrivals_.address(); }
+  DeviceAddress touched() const { return touched_.address(); }
+  /// A word for each slot of the cloud, free once recordApply() has done its work.
+  DeviceAddress bySlot() const { return bySlot_.address(); }
+  /// Room for a vec4 for every slot that recordApply() lists.
+  DeviceAddress fitted() const { return fitted_.address(); }
 
   /// How passes over its lists are dispatched.
   const CountedDispatch& dispatch() const { return dispatch_; }
@@ -66,8 +73,8 @@ class HashUpdate {
  private:
   std::uint32_t mostMoves_, mostDirty_;
   CountedDispatch dispatch_;
-  ComputePipeline plan_, place_, apply_, commit_, recount_;
-  Buffer template_, counters_, report_, moves_, marks_, touched_, arrivals_, changed_, dirty_;
+  ComputePipeline apply_, commit_, recount_;
+  Buffer template_, counters_, report_, moves_, marks_, touched_, fitted_, changed_, bySlot_, dirty_;
   std::array<Buffer, 2> capacities_;
 };
 

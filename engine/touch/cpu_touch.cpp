@@ -22,7 +22,7 @@ HashGrid gridFor(const PointCloud& cloud, const CpuTouchOptions& options) {
 }
 
 SculptOptions sculptOptions(const CpuTouchOptions& options) {
-  return {.radius = options.radius,
+  return {.radius = options.radius / options.widening,
           .keepsDensity = options.brush && options.brush->keepsDensity,
           .threads = options.threads};
 }
@@ -33,9 +33,15 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
     : options_(options),
       origin_(cloud.origin),
       sculpture_(cloud, gridFor(cloud, options), sculptOptions(options)),
-      surface_{.radius = options.radius, .kind = options.surface, .localRadius = options.localRadius},
+      surface_{.radius = options.radius,
+               .kind = options.surface,
+               .localRadius = options.localRadius,
+               .widening = options.widening},
       tracker_(options.radius, options.friction),
+      secondTracker_(tracker_),
       pace_(kStalest_s) {
+  if (!options.tool.points.empty()) toolContacts_.emplace(options.tool);
+  toolTrackers_.assign(options.tool.points.size(), tracker_);
   if (!options.brush) return;
   editTimes_us_.reserve(kEditTimesKept);
   edit_ = std::make_unique<BackgroundTask>([this] {
@@ -54,14 +60,17 @@ SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
 
 Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
   Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
-  if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
+  second_.ask(pose);
+  if (failure_ || !isFinite(Vec3(pose.hip - origin_)) || !isFinite(Vec3(SecondContact::placeOf(pose) - origin_)) ||
+      (toolContacts_ && !toolContacts_->isFiniteAt(pose, origin_)))
+    return invalid;
   try {
-    if (!editFinishedWithin(budget_us)) return heldContact(last_, lastPose_, pose);
+    if (!editFinishedWithin(budget_us)) return held(pose);
     const DVec3 lastHip = last_.valid ? lastPose_.hip : pose.hip;
     answer(pose);
-    if ((!last_.touching || !last_.valid) && sculpture_.settled()) endStroke();
+    if ((!last_.touching || !last_.valid || !pose.sculpts) && sculpture_.settled()) endStroke();
     if (last_.valid) editIfYielding(lastHip, budget_us > 0);
-    return last_;
+    return told();
   } catch (...) {
     failure_ = std::current_exception();
     invalid.lost = true;
@@ -69,8 +78,28 @@ Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
   }
 }
 
-void CpuTouch::beginAnew() noexcept {
+std::span<const PointContact> CpuTouch::points() const noexcept {
+  return toolContacts_ ? toolContacts_->points() : std::span<const PointContact>();
+}
+
+Contact CpuTouch::told() { return toolContacts_ ? toolContacts_->whole() : last_; }
+
+Contact CpuTouch::held(const Pose& pose) {
+  second_.hold(pose);
+  return toolContacts_ ? toolContacts_->held(pose) : heldContact(last_, lastPose_, pose);
+}
+
+void CpuTouch::beginAnew() noexcept { forget(); }
+
+void CpuTouch::secondBeginsAnew() noexcept {
+  secondTracker_.goOnFrom({});
+  second_.forget();
+}
+
+void CpuTouch::forget() {
   tracker_.goOnFrom({});
+  for (ProxyTracker& tracker : toolTrackers_) tracker.goOnFrom({});
+  if (toolContacts_) toolContacts_->forget();
   last_ = {};
 }
 
@@ -85,25 +114,37 @@ void CpuTouch::setContact(SurfaceKind surface, double friction) {
   finish();
   surface_.kind = surface;
   tracker_ = ProxyTracker(options_.radius, friction);
-  last_ = {};
+  toolTrackers_.assign(toolTrackers_.size(), tracker_);
+  secondTracker_ = tracker_;
+  forget();
+  secondBeginsAnew();
+}
+
+Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip) const {
+  tracker.follow(*this, hip - origin_);
+  const SurfaceSample& surface = tracker.surface();
+  return {.proxy = tracker.touching() ? tracker.proxy() + origin_ : hip,
+          .normal = surface.normal,
+          .touching = tracker.touching(),
+          .fresh = true,
+          .valid = isFinite(tracker.proxy()) && isFinite(surface.normal),
+          .neighbours = surface.neighbours};
 }
 
 void CpuTouch::answer(const Pose& pose) {
-  tracker_.follow(*this, pose.hip - origin_);
-  const SurfaceSample& surface = tracker_.surface();
-  last_ = {.proxy = tracker_.touching() ? tracker_.proxy() + origin_ : pose.hip,
-           .normal = surface.normal,
-           .touching = tracker_.touching(),
-           .fresh = true,
-           .valid = isFinite(tracker_.proxy()) && isFinite(surface.normal),
-           .neighbours = surface.neighbours};
+  last_ = contactOf(tracker_, pose.hip);
   lastPose_ = pose;
+  if (toolContacts_) toolContacts_->answered(last_, pose);
+  for (std::uint32_t i = 0; toolContacts_ && i < toolContacts_->size(); ++i)
+    toolContacts_->answered(i, contactOf(toolTrackers_[i], toolContacts_->hip(i, pose)));
+  if (pose.secondHip) second_.answered(contactOf(secondTracker_, *pose.secondHip), pose);
 }
 
 void CpuTouch::editIfYielding(const DVec3& lastHip, bool realtime) {
-  if (!edit_ || !brushOn_) return;
+  if (!edit_ || !brushOn_ || (last_.touching && !lastPose_.sculpts)) return;
   const DVec3 spring = last_.touching ? last_.proxy - lastPose_.hip : DVec3(0);
-  tool_.emplace(*options_.brush, options_.radius, lastPose_.hip - origin_, lastHip - origin_, spring);
+  tool_.emplace(*options_.brush, options_.radius / options_.widening, lastPose_.hip - origin_, lastHip - origin_,
+                spring);
   if (!tool_->acts() && sculpture_.settled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
     ++shortfalls_.editsTooSlow;

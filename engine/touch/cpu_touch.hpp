@@ -10,6 +10,8 @@
 #include "engine/core/touch_backend.hpp"
 #include "engine/edit/sculpt_reference.hpp"
 #include "engine/touch/edit_pace.hpp"
+#include "engine/touch/second_contact.hpp"
+#include "engine/touch/tool_contacts.hpp"
 
 namespace palpate {
 
@@ -19,14 +21,17 @@ struct CpuTouchOptions {
   BucketKey bucketKey = BucketKey::teschner;
   SurfaceKind surface = SurfaceKind::average;
   bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double widening = 1;                ///< of the support radius, where the surface is flat; edits are narrow
   double friction = 0;                ///< coefficient, of a proxy that slides
-  std::optional<BrushOptions> brush;  ///< edit while touching
+  ToolShape tool;                     ///< what touches, model units
+  std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
   unsigned threads = 0;               ///< that build the index and refit normals; 0: one per core
 };
 
 /// The whole loop on the CPU, in double precision: for machines without a GPU, and the peer that GPUs are held against.
 /// The surface is evaluated wherever the proxy goes, straight from the index. When the surface yields, a thread of its
-/// own edits the points and builds the index anew; nobody waits for it but the next tick's query.
+/// own edits the points and builds the index anew; nobody waits for it but the next tick's query. A tool of many points
+/// is felt point by point, one after another, each with a proxy of its own; and so is a second hand.
 class CpuTouch final : public TouchBackend, private SurfaceField {
  public:
   /// Copies what it needs of `cloud`, which must have normals, and builds the index.
@@ -35,7 +40,10 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   /// While an edit outlasts the budget, the last answer is held (heldContact), and `fresh` says so. The query itself is
   /// not cut short: on an even cloud it takes some ten microseconds.
   Contact query(const Pose& pose, double budget_us) noexcept override;
+  std::span<const PointContact> points() const noexcept override;
   void beginAnew() noexcept override;
+  Contact second() const noexcept override { return second_.told(); }
+  void secondBeginsAnew() noexcept override;
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
@@ -59,7 +67,11 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
 
  private:
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
+  Contact contactOf(ProxyTracker& tracker, const DVec3& hip) const;
   void answer(const Pose& pose);
+  Contact told();
+  Contact held(const Pose& pose);
+  void forget();
   void editIfYielding(const DVec3& lastHip, bool realtime);
   // On the edit's own thread: everything up to last_ is its alone until it has finished.
   void edit();
@@ -75,7 +87,11 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
 
   SurfaceOptions surface_;
   ProxyTracker tracker_;
-  Contact last_;
+  std::optional<ToolContacts> toolContacts_;  // of many points
+  std::vector<ProxyTracker> toolTrackers_;    // one for each
+  ProxyTracker secondTracker_;
+  SecondContact second_;
+  Contact last_;  // to the HIP itself
   Pose lastPose_;
   bool editing_ = false, inStroke_ = false, brushOn_ = true;
   std::uint64_t editsAnswered_ = 0;

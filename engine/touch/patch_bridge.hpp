@@ -40,6 +40,12 @@ class PatchBridge {
   /// For a tick whose own answer is late. Throws DeviceLost.
   Contact answer(const Pose& pose);
 
+  /// For another probe of such a tick, after answer(): PatchContact::follow and trust.
+  std::optional<Contact> follow(ProxyTracker& tracker, const Pose& pose) const {
+    return contact_.follow(tracker, pose);
+  }
+  double trust(double time_s) const { return contact_.trust(time_s); }
+
   /// What the GPU has to go on from at its next question, when that is not its own last answer.
   std::optional<ProxyTracker::Story> newerStory() const;
   /// It was told so, or there was nothing to tell.

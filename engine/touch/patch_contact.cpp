@@ -38,23 +38,29 @@ void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, const Prox
   if (contact.valid) tracker_.goOnFrom(story);
 }
 
+std::optional<Contact> PatchContact::follow(ProxyTracker& tracker, const Pose& pose) const noexcept {
+  const ProxyTracker::Story before = tracker.story();
+  crossedBorder_ = false;
+  tracker.follow(*this, pose.hip - origin_);
+  const SurfaceSample& surface = tracker.surface();
+  if (crossedBorder_ || !isFinite(tracker.proxy()) || !isFinite(surface.normal)) {
+    tracker.goOnFrom(before);
+    return std::nullopt;
+  }
+  return Contact{.proxy = tracker.touching() ? tracker.proxy() + origin_ : pose.hip,
+                 .normal = surface.normal,
+                 .touching = tracker.touching(),
+                 .valid = true,
+                 .neighbours = surface.neighbours,
+                 .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are as good as new
+}
+
 Contact PatchContact::answer(const Pose& pose) noexcept {
   if (!isFinite(pose.hip)) return {.proxy = pose.hip};
-  const ProxyTracker::Story before = tracker_.story();
-  crossedBorder_ = false;
-  tracker_.follow(*this, pose.hip - origin_);
-  const SurfaceSample& surface = tracker_.surface();
-  if (crossedBorder_ || !isFinite(tracker_.proxy()) || !isFinite(surface.normal)) {
-    tracker_.goOnFrom(before);
-    return softened(heldContact(last_, lastPose_, pose), pose, trust(pose.time_s));
-  }
+  const std::optional<Contact> contact = follow(tracker_, pose);
+  if (!contact) return softened(heldContact(last_, lastPose_, pose), pose, trust(pose.time_s));
   ahead_ = true;
-  last_ = {.proxy = tracker_.touching() ? tracker_.proxy() + origin_ : pose.hip,
-           .normal = surface.normal,
-           .touching = tracker_.touching(),
-           .valid = true,
-           .neighbours = surface.neighbours,
-           .dataTime_s = missingSince_s_.value_or(pose.time_s)};  // points at rest are as good as new
+  last_ = *contact;
   lastPose_ = pose;
   return softened(last_, pose, trust(pose.time_s));
 }

@@ -41,6 +41,11 @@ class PatchContact final : private SurfaceField {
 
   /// Not fresh.
   Contact answer(const Pose& pose) noexcept;
+  /// A tick of any tracker over the same points, not softened. Nothing, and the tracker as it was, where it would need
+  /// points from beyond the patch.
+  std::optional<Contact> follow(ProxyTracker& tracker, const Pose& pose) const noexcept;
+  /// How much of an answer counts at a time, 0 to 1.
+  double trust(double time_s) const;
 
   /// What answer() and goOnFrom() have come to.
   ProxyTracker::Story story() const { return tracker_.story(); }
@@ -60,7 +65,6 @@ class PatchContact final : private SurfaceField {
   };
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
   void gatherAround(const DVec3& x) const;
-  double trust(double time_s) const;
 
   SurfaceOptions surface_;
   double radius_;

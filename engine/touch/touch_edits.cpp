@@ -58,7 +58,7 @@ const CommandList& TouchSide::chosenEdit() const {
 }
 
 void TouchSide::editIfYielding(bool realtime) {
-  if (!edit_ || !brushOn_) return;
+  if (!edit_ || !brushOn_ || (last_.touching && !lastPose_.sculpts)) return;
   const bool yields = last_.touching && glm::distance(last_.proxy, lastPose_.hip) > options_.brush->tau;
   if (!yields && !edit_->unsettled()) return;
   if (realtime && !pace_.mayEdit(lastPose_.time_s)) {

@@ -18,6 +18,8 @@
 #include "engine/spatial/hash_compaction.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/patch_bridge.hpp"
+#include "engine/touch/second_contact.hpp"
+#include "engine/touch/tool_contacts.hpp"
 
 namespace palpate {
 
@@ -34,9 +36,12 @@ struct TouchOptions {
   QueryMethod method = QueryMethod::fused;
   SurfaceKind surface = SurfaceKind::average;
   bool localRadius = false;           ///< take a smaller support radius where points lie close (SurfaceOptions)
+  double widening = 1;                ///< of the support radius, where the surface is flat; edits are narrow
   double friction = 0;                ///< coefficient, of a proxy that slides
   std::optional<bool> split;          ///< fused: whether a few workgroups share a gather (ContactOptions)
-  std::optional<BrushOptions> brush;  ///< edit while touching
+  ToolShape tool;                     ///< what touches, model units; with points only fused, and not ahead
+  bool secondHand = false;            ///< is felt for as well (Pose::secondHip); only fused, and not ahead
+  std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
   bool paintable = false;             ///< keeps colours, for a brush that comes later
   IndexFollow index = IndexFollow::incremental;
   std::optional<std::uint32_t>
@@ -57,6 +62,12 @@ struct TouchOptions {
 /// Submitting takes longer than answering. So prepare() can submit the next question ahead: it waits on the GPU until
 /// the host has written the pose into its memory, which also keeps the GPU awake between ticks. A question for which no
 /// pose comes in time ends by itself, and the next pose is asked for in the ordinary way.
+///
+/// A tool of many points is one question with a probe for each of them, and one for the HIP itself, where the brush
+/// works; all are answered by one dispatch. While its answer is late, the patch answers for the points that it reaches,
+/// each with a proxy that goes on from the GPU's, and the others keep the tangent plane that they felt last
+/// (heldContact). A second hand is one more probe of the same dispatch; the patch, which is where the first one is,
+/// does not reach it, and it keeps its plane.
 class TouchSide final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws OutOfGpuMemory before anything is uploaded when
@@ -67,7 +78,10 @@ class TouchSide final : public TouchBackend {
   /// When the GPU is late, the last patch answers (PatchBridge), and `fresh` says so.
   Contact query(const Pose& pose, double budget_us) noexcept override;
   void prepare() noexcept override;
+  std::span<const PointContact> points() const noexcept override;
   void beginAnew() noexcept override;
+  Contact second() const noexcept override { return second_ ? second_->told() : Contact{}; }
+  void secondBeginsAnew() noexcept override;
   /// Also publishes the last edit to the log.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
@@ -123,10 +137,11 @@ class TouchSide final : public TouchBackend {
     Pose pose;
     Run run = {};
     Queue::Ticket ticket = 0;
-    bool behindEdit = false;  // an edit was still under way
-    bool dropped = false;     // touch has begun anew since
-    bool timed = true;        // on the GPU; a driver that needs our cores may wait for all its work to tell a time
-    double gpu_us = 0;        // of the lists that have run
+    bool behindEdit = false;     // an edit was still under way
+    bool dropped = false;        // touch has begun anew since
+    bool secondDropped = false;  // that of the second hand has
+    bool timed = true;           // on the GPU; a driver that needs our cores may wait for all its work to tell a time
+    double gpu_us = 0;           // of the lists that have run
   };
   // What an answer leads to: in virtual time with it, in real time once its force is out.
   void closeTick();
@@ -136,9 +151,21 @@ class TouchSide final : public TouchBackend {
   void withdraw();
   // Whether a question that was submitted ahead hears what the host writes then.
   bool hearsTheHost();
+  // Has the driver do once what it would else do in mid-touch.
+  void warmUp();
   // Whether the last question's list has ended, as the driver sees it: some us after its answer was seen.
   bool mayAskWithin(double budget_us) const;
   void ask(const Pose& pose, bool realtime);
+  // What the GPU has answered to a probe that was at `hip`.
+  Contact contactOf(const shared::ContactSample& sample, const DVec3& hip, double time_us) const;
+  // The last answer, and what stands for it in a tick that gets none.
+  Contact told();
+  Contact bridged(const Pose& pose);
+  void forgetTool();
+  // The probe of the second hand, after those of the first and its tool.
+  std::uint32_t secondProbe() const { return 1 + static_cast<std::uint32_t>(options_.tool.points.size()); }
+  // One hand is put down elsewhere; `forget` is what its probes know.
+  void forgetBy(const CommandList& forget);
   void submitQuestion();
   // Waits until the last question's list may run again, and learns how long it took.
   void settleLast();
@@ -191,7 +218,15 @@ class TouchSide final : public TouchBackend {
   std::optional<EditPass> edit_;
   std::optional<HashCompaction> compaction_;  // where the index follows edits
   std::optional<PatchBridge> bridge_;
-  CommandList forget_;  // what the contact step knows of the ticks before
+  std::optional<ToolContacts> tool_;  // of many points
+  std::optional<SecondContact> second_;
+  // What the patch has made of a point since the GPU's answer, or the story that this has left.
+  struct ToolTracker {
+    ProxyTracker tracker;
+    bool ahead = false;  // the GPU does not know of it
+  };
+  std::vector<ToolTracker> toolTrackers_;
+  CommandList forget_, forgetSecond_;  // what the contact step knows of the ticks before
   // One for each side of the live cloud; an edit with a build also for each sort that it may need.
   std::array<std::vector<std::unique_ptr<CommandList>>, 2> queries_;
   using Rebuild = std::pair<SortMethod, EditPass::Reach>;
@@ -213,7 +248,7 @@ class TouchSide final : public TouchBackend {
   std::optional<Open> open_;  // the last tick, until closeTick()
   std::optional<Asked> asked_;
   Stopwatch sinceAsked_;
-  Contact last_;
+  Contact last_;  // to the HIP itself
   Pose lastPose_;
   double buildTime_us_ = 0;
   bool editInFlight_ = false, inStroke_ = false;

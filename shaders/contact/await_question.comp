@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Stands before a contact step that is submitted ahead of its question, and waits until the host has written that. One
-// subgroup looks at all words at once; they may arrive in any order, and the seal tells when they are whole.
+// Stands before a contact step that is submitted ahead of its questions, and waits until the host has written them: one
+// for each probe, all of the same tick. A subgroup looks at all words of a question at once; they may arrive in any
+// order, and the seal tells when they are whole.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_EXT_control_flow_attributes : require
@@ -13,6 +14,8 @@ layout(push_constant, scalar) uniform Push { AwaitQuestionArgs args; };
 const uint kSmallestSubgroup = 4;
 const uint kWordsEach = (kQuestionWords + kSmallestSubgroup - 1) / kSmallestSubgroup;
 
+shared uint counting;  // questions that are there and were not withdrawn
+
 uint words[kWordsEach];  // numbers gl_SubgroupInvocationID, and on in steps of gl_SubgroupSize
 uint placeOf(uint k) { return k * gl_SubgroupSize + gl_SubgroupInvocationID; }
 
@@ -22,22 +25,35 @@ uint wordAt(uint place) {
   return subgroupAdd(word);
 }
 
-// Whether there is a question other than the last one.
-bool look(uint lastTick) {
+// Whether there is a question of that probe other than the last one.
+bool look(uint probe, uint lastTick) {
   uint share = 0;
   [[unroll]] for (uint k = 0; k < kWordsEach; ++k) {
-    words[k] = placeOf(k) < kQuestionWords ? args.question.at[placeOf(k)] : 0;
+    words[k] = placeOf(k) < kQuestionWords ? args.question.at[probe * kQuestionWords + placeOf(k)] : 0;
     if (placeOf(k) < kQuestionSealAt) share += questionShare(words[k], placeOf(k));
   }
   return subgroupAdd(share) == wordAt(kQuestionSealAt) && wordAt(kQuestionTickAt) != lastTick;
 }
 
 void main() {
-  if (gl_SubgroupID != 0) return;
   const uint lastTick = args.lastTick.at[0];
-  bool there = false;
-  for (uint looks = 0; looks < args.looks && !there; ++looks) there = look(lastTick);
-  const bool counts = there && wordAt(kQuestionWithdrawnAt) == 0;
-  [[unroll]] for (uint k = 0; k < kWordsEach; ++k)
-    if (placeOf(k) < kQuestionWords) args.taken.at[placeOf(k)] = counts || placeOf(k) != kQuestionTickAt ? words[k] : 0;
+  if (gl_LocalInvocationIndex == 0) counting = 0;
+  barrier();
+  uint tick = 0;
+  for (uint probe = gl_SubgroupID, looks = 0; probe < args.probes; probe += gl_NumSubgroups) {
+    bool there = false;
+    for (; looks < args.looks && !there; ++looks) there = look(probe, lastTick);
+    const bool counts = there && wordAt(kQuestionWithdrawnAt) == 0;
+    tick = counts ? wordAt(kQuestionTickAt) : 0;
+    if (counts && subgroupElect()) atomicAdd(counting, 1);
+    [[unroll]] for (uint k = 0; k < kWordsEach; ++k)
+      if (placeOf(k) < kQuestionWords && placeOf(k) != kQuestionTickAt)
+        args.taken.at[probe * kQuestionWords + placeOf(k)] = words[k];
+  }
+  barrier();
+  // All are answered or none.
+  const bool all = counting == args.probes;
+  if (subgroupElect())
+    for (uint probe = gl_SubgroupID; probe < args.probes; probe += gl_NumSubgroups)
+      args.taken.at[probe * kQuestionWords + kQuestionTickAt] = all ? tick : 0;
 }

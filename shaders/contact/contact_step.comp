@@ -1,10 +1,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The contact step: gathers the points around the probe, evaluates the surface and moves the proxy. Fused, that is one
-// dispatch of one workgroup; the first patch may also come from several workgroups, or from the passes of another query
-// method. Every invocation follows the same path with the same numbers; engine/contact/contact_reference.cpp walks it
-// in double precision. Places are relative to the HIP: far from the origin, single precision would lose in absolute
-// coordinates the very differences that the surface is made of.
+// dispatch of one workgroup, or of one for each point of a tool; the first patch may also come from several workgroups,
+// or from the passes of another query method. Every invocation follows the same path with the same numbers;
+// engine/contact/contact_reference.cpp walks it in double precision. Places are relative to the HIP: far from the
+// origin, single precision would lose in absolute coordinates the very differences that the surface is made of.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"
 #include "shaders/lib/split_gather.glsl"
@@ -13,6 +13,10 @@
 layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
 
 layout(constant_id = 3) const float kFriction = 0.0;
+layout(constant_id = 4) const bool kManyProbes = false;
+
+// Which probe this is: a tool of many has a workgroup for each, and none knows of the others.
+uint probeIndex() { return kManyProbes ? gl_WorkGroupID.x : 0; }
 
 bool touching, sticking;
 uint side;
@@ -22,7 +26,8 @@ vec3 facing;
 // Its outside is the side that is felt. Gathers a new patch when the place has left the old one.
 Surface feel(vec3 x) {
   if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
-    gatherPatch(args.cloud, args.spill, args.pose.at[0].hip, x, patchReach(args.radius), args.mostCells);
+    gatherPatch(args.cloud, args.spill, args.pose.at[probeIndex()].pose.hip, x, patchReach(args.radius),
+                args.mostCells);
   Surface surface;
   for (uint look = 0; look < 2; ++look) {
     surface = surfaceAt(args.spill, x - patchCentre, args.radius, facing);
@@ -52,7 +57,10 @@ vec3 againstFriction(vec3 slide, float depth) {
 
 // False in a workgroup that has done its share of a split gather and may go.
 bool takeFirstPatch(Probe probe) {
-  if (args.gather == kGatherAlone) return true;
+  if (kManyProbes || args.gather == kGatherAlone) {
+    gatherPatch(args.cloud, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
+    return true;
+  }
   if (args.gather == kGatherSplit) {
     gatherShare(args.cloud, args.gathered, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
     if (!finishesLast(args.gathered)) return false;
@@ -90,25 +98,36 @@ void walkFreely(Probe probe, inout vec3 proxy, inout Surface surface, inout bool
   }
 }
 
+// From the proxy to where the HIP is nearest in the tangent plane, as far as friction lets it.
+vec3 slideAlong(vec3 n, vec3 proxy) {
+  const float depth = dot(proxy, n);
+  return againstFriction(depth * n - proxy, depth);
+}
+
 // Touching: projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. Gives back the
-// steps that it took.
-uint track(inout vec3 proxy, inout Surface surface, inout bool truncated) {
+// steps that it took. `touched`: in the last tick, too, which felt the surface where the proxy stands; then the first
+// slide goes along that one, without another look.
+uint track(bool touched, inout vec3 proxy, inout Surface surface, inout bool truncated) {
   const float longest = kLongestStep * args.radius;
   const float arrived = kConvergence * args.radius;
+  const float last = kLastStep * args.radius;
   uint steps = 0;
-  vec3 lastSlide = vec3(0.0);
   float relaxation = 1.0;
-  bool slid = false;
+  vec3 lastSlide = vec3(0.0);
+  if (touched && facing != vec3(0.0)) lastSlide = slideAlong(side == kSideBehind ? -facing : facing, proxy);
+  bool slid = length(lastSlide) >= arrived;
+  if (slid) {
+    sticking = false;
+    proxy += shortened(lastSlide, longest);
+  }
   while (true) {
     surface = feel(proxy);
     if (steps == kMaxTrackingSteps || !surface.defined) break;
-    const vec3 n = surface.normal;
-    const vec3 lift = -surface.distance * n;
-    const float depth = dot(proxy, n);
-    const vec3 slide = againstFriction(depth * n - proxy, depth);
-    if (length(lift) < arrived && relaxation * length(slide) < arrived) break;
-    truncated = workDone > kContactWorkBudget;
-    if (truncated) break;
+    const vec3 lift = -surface.distance * surface.normal;
+    const vec3 slide = slideAlong(surface.normal, proxy);
+    const float step = max(length(lift), relaxation * length(slide));
+    truncated = step >= arrived && workDone > kContactWorkBudget;
+    if (truncated || step < arrived) break;
     // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
     if (dot(slide, lastSlide) < 0.0) relaxation *= 0.5;
     lastSlide = slide;
@@ -118,14 +137,17 @@ uint track(inout vec3 proxy, inout Surface surface, inout bool truncated) {
     }
     proxy += shortened(lift, longest) + shortened(relaxation * slide, longest);
     ++steps;
+    if (step < last) break;
   }
   sticking = !slid;
   return steps;
 }
 
 void main() {
-  if (args.pose.at[0].tick == 0) return;  // it was waited for in vain
-  const Probe probe = probeOf(args.pose, args.state, args.radius);
+  const uint i = probeIndex();
+  if (args.pose.at[i].pose.tick == 0) return;  // it was waited for in vain
+  if (kManyProbes) patchSpill = i * args.spillSlots;
+  const Probe probe = probeOf(args.pose, args.state, i, args.radius);
   if (!takeFirstPatch(probe)) return;
   touching = probe.touching;
   sticking = probe.sticking;
@@ -138,7 +160,7 @@ void main() {
 
   if (!touching) walkFreely(probe, proxy, surface, truncated);
   if (touching) {
-    trackingSteps = track(proxy, surface, truncated);
+    trackingSteps = track(probe.touching, proxy, surface, truncated);
     if (!surface.defined) {
       touching = false;
       side = kSideInside;  // lost within: not caught again on the way out
@@ -152,30 +174,30 @@ void main() {
   }
 
   if (gl_LocalInvocationIndex != 0) return;
-  args.state.at[0].touching = !touching ? kFree : sticking ? kSticking : kSliding;
-  args.state.at[0].facing = facing;
-  args.state.at[0].lastHip = probe.hip;
-  args.state.at[0].side = side;
-  args.state.at[0].started = 1;
-  args.state.at[0].motion = -probe.lastHip;
-  args.state.at[0].spring = proxy;
+  args.state.at[i].touching = !touching ? kFree : sticking ? kSticking : kSliding;
+  args.state.at[i].facing = facing;
+  args.state.at[i].lastHip = probe.hip;
+  args.state.at[i].side = side;
+  args.state.at[i].started = 1;
+  args.state.at[i].motion = -probe.lastHip;
+  args.state.at[i].spring = proxy;
   ContactSample answer;
   answer.spring = proxy;
   answer.touching = !touching ? kFree : sticking ? kSticking : kSliding;
   answer.normal = surface.normal;
   answer.neighbours = surface.neighbours;
-  answer.tick = args.pose.at[0].tick;
+  answer.tick = args.pose.at[i].pose.tick;
   answer.trackingSteps = trackingSteps;
   answer.logHead = args.logHead.at[0];
   answer.flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
   answer.flags |= side << kSampleSideShift;
-  args.result.at[0].spring = answer.spring;
-  args.result.at[0].touching = answer.touching;
-  args.result.at[0].normal = answer.normal;
-  args.result.at[0].neighbours = answer.neighbours;
-  args.result.at[0].tick = answer.tick;
-  args.result.at[0].trackingSteps = answer.trackingSteps;
-  args.result.at[0].logHead = answer.logHead;
-  args.result.at[0].flags = answer.flags;
-  args.result.at[0].seal = sealOf(answer);
+  args.result.at[i].spring = answer.spring;
+  args.result.at[i].touching = answer.touching;
+  args.result.at[i].normal = answer.normal;
+  args.result.at[i].neighbours = answer.neighbours;
+  args.result.at[i].tick = answer.tick;
+  args.result.at[i].trackingSteps = answer.trackingSteps;
+  args.result.at[i].logHead = answer.logHead;
+  args.result.at[i].flags = answer.flags;
+  args.result.at[i].seal = sealOf(answer);
 }

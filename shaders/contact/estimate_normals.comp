@@ -44,17 +44,23 @@ Moments momentsAbout(vec3 center, float radius, Share share, inout uint work) {
   return m;
 }
 
-// The normal of a place where the points are noisy, from a wider one if that is flatter; zero where they lie on a
-// line, about which single precision would turn it.
-vec3 calmed(vec3 center, float radius, vec3 normal, Spread near, inout uint work) {
-  if (near.along < kLineLike * near.farther) return vec3(0.0);
-  if (near.off <= kCleanEstimate * near.along) return normal;
+struct Fit {
+  vec3 normal;
+  float off;  // variance of the neighbours off the plane
+};
+
+// That of a place, or where the points are noisy that of a wider one if it is flatter; a normal of zero where they lie
+// on a line, about which single precision would turn it.
+Fit calmed(vec3 center, float radius, vec3 normal, Spread near, inout uint work) {
+  if (near.along < kLineLike * near.farther) return Fit(vec3(0.0), 0.0);
+  const Fit asIs = Fit(normal, near.off);
+  if (near.off <= kCleanEstimate * near.along) return asIs;
   const Share everyOther = Share(0, 2);
   const Moments m = momentsAbout(center, kWiderEstimate * radius, everyOther, work);
   const vec3 wide = planeNormal(m);
-  if (work >= kEstimateWorkBudget || dot(wide, wide) < 0.5) return normal;
+  if (work >= kEstimateWorkBudget || dot(wide, wide) < 0.5) return asIs;
   const Spread far = spreadAbout(m, wide);
-  return far.off * near.along < kFlatterEstimate * near.off * far.along ? wide : normal;
+  return far.off * near.along < kFlatterEstimate * near.off * far.along ? Fit(wide, far.off) : asIs;
 }
 
 void main() {
@@ -73,8 +79,9 @@ void main() {
     if (few && radius >= kWidestEstimate * args.radius) break;
     radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));
   }
-  vec3 normal = m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m);
-  if (dot(normal, normal) > 0.5) normal = calmed(point.xyz, radius, normal, spreadAbout(m, normal), work);
-  if (work >= kEstimateWorkBudget) normal = vec3(0.0);
-  args.planes.at[id] = vec4(normal, radius);
+  Fit fit = Fit(m.neighbours < kFewestEstimated ? vec3(0.0) : planeNormal(m), 0.0);
+  if (dot(fit.normal, fit.normal) > 0.5) fit = calmed(point.xyz, radius, fit.normal, spreadAbout(m, fit.normal), work);
+  if (work >= kEstimateWorkBudget) fit.normal = vec3(0.0);
+  args.planes.at[id] = vec4(fit.normal, radius);
+  args.fits.at[id] = vec2(max(fit.off, 0.0), 3.14159265 * radius * radius / float(max(m.neighbours, 1)));
 }

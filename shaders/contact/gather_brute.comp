@@ -16,7 +16,7 @@ void main() {
     place = args.starts.at[chunk];
     if (place == args.starts.at[chunk + 1]) return;
   }
-  const Probe probe = probeOf(args.pose, args.state, args.radius);
+  const Probe probe = probeOf(args.pose, args.state, 0, args.radius);
   const vec3 centre = firstPlace(probe);
   const float reach = patchReach(args.radius);
   const uint stride = args.fill != 0 ? strideOf(args.starts.at[args.chunks], args.mostPoints) : 1;

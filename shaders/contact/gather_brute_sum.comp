@@ -26,7 +26,7 @@ void main() {
   const uint stride = strideOf(total, args.mostPoints);
   const uint taken = takenOf(total, stride);
   args.gathered.segments[0] = uvec2(0, taken);
-  args.gathered.header.centre = firstPlace(probeOf(args.pose, args.state, args.radius));
+  args.gathered.header.centre = firstPlace(probeOf(args.pose, args.state, 0, args.radius));
   args.gathered.header.segments = 1;
   args.gathered.header.steps = patchSteps(taken);
   args.gathered.header.thinned = stride > 1 ? 1 : 0;

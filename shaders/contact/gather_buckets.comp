@@ -15,7 +15,7 @@ void main() {
   const uint stride = args.cells.at[entry].stride;
   const uint taken = args.cells.at[entry].taken;
   const uint segment = args.cells.at[entry].segment;
-  const vec3 hip = args.pose.at[0].hip;
+  const vec3 hip = args.pose.at[0].pose.hip;
   const vec3 centre = args.gathered.header.centre;
   const float reach = patchReach(args.radius);
   for (uint chunk = gl_WorkGroupID.x; chunk * kGatherChunk < taken; chunk += gl_NumWorkGroups.x) {

@@ -17,7 +17,7 @@ void writeCommand(uint command, uint x, uint y) {
 }
 
 void main() {
-  const Probe probe = probeOf(args.pose, args.state, args.radius);
+  const Probe probe = probeOf(args.pose, args.state, 0, args.radius);
   const vec3 centre = firstPlace(probe);
   const CellBox box = boxAround(args.cloud, probe.hip + centre, patchReach(args.radius), args.mostCells);
   const uint lane = scanIndex();

@@ -9,12 +9,12 @@
 
 layout(push_constant, scalar) uniform Push { CollectArgs args; };
 
-void select(uint group, uint groups) {
+void select(UpdateLists update, uint group, uint groups) {
   if (tool.acts == 0) return;
   if (args.cells == 0)
-    selectFromSlots(args, group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
+    selectFromSlots(args, update, group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
   else
-    selectFromCells(args, group, groups);
+    selectFromCells(args, update, group, groups);
 }
 
 void main() {
@@ -23,14 +23,15 @@ void main() {
   else
     takeUpBrush(args.brush, args.state);
   const uint selecting = selectGroups(args.cells, args.slots), group = workgroupIndex();
-  if (group < selecting) select(group, selecting);
+  UpdateLists update = listsOf(args.update, args.capacities, args.tables);
+  if (group < selecting) select(update, group, selecting);
   if (args.recalls == kRecallsNothing || group < selecting) return;
   ResampleLists lists = args.tables.at[0].lists;
   const uint subgroups = (gl_NumWorkGroups.x * gl_NumWorkGroups.y - selecting) * gl_NumSubgroups;
   const uint subgroup = (group - selecting) * gl_NumSubgroups + gl_SubgroupID;
-  recallWishes(args, lists, subgroup, subgroups);
+  recallWishes(args, update, lists, subgroup, subgroups);
   if (args.recalls == kRecallsWishes)
-    bearPoints(args, lists, subgroup, subgroups);
+    bearPoints(args, update, lists, subgroup, subgroups);
   else if (subgroup == 0 && subgroupElect())
     lists.now.births = 0;
 }

@@ -35,6 +35,8 @@ void main() {
   move.slot = kEmptySlot;
   move.fromBucket = kNoBucket;
   move.toBucket = (toId & kPointGone) != 0 ? kNoBucket : bucketAt(args.cloud, move.position);
+  move.before = 0;
+  move.room = kEmptySlot;
   if ((fromId & kPointGone) == 0) {
     move.fromBucket = bucketAt(args.cloud, args.changes.at[i].from.position);
     move.slot = slotIn(args.cloud, move.fromBucket, id);
@@ -46,5 +48,5 @@ void main() {
   const bool writes = subgroupElect() && (move.fromBucket != kNoBucket || move.toBucket != kNoBucket);
   const uint at = nextMove(args.update, writes);
   if (!writes) return;
-  writeMove(args.update, args.moves, args.marks, args.touched, args.mostMoves, at, move);
+  writeMove(args.cloud, listsOf(args.update, args.capacities, args.tables), at, move);
 }

@@ -33,23 +33,22 @@ Surface surfaceAbout(vec3 place) {
 
 void main() {
   takeUpBrush(args.brush, args.state);
-  const uint moves = min(args.update.at[0].moves, args.mostMoves);
+  UpdateLists update = listsOf(args.update, args.capacities, args.tables);
+  PointMoves list = update.moves;
+  const uint moves = min(args.update.at[0].moves, update.mostMoves);
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
-    const vec3 place = args.moves.at[i].position;
-    facing = args.moves.at[i].normal;
+    const vec3 place = list.at[i].position;
+    facing = list.at[i].normal;
     const Surface surface = surfaceAbout(place);
-    const bool goes = args.moves.at[i].toBucket == kNoBucket;
+    const bool goes = list.at[i].toBucket == kNoBucket;
     if (surface.defined && !goes && subgroupElect()) {
       const vec3 to = smoothed(brush, tool, place, surface.distance, surface.normal);
-      const uint from = args.moves.at[i].fromBucket;
+      const uint from = list.at[i].fromBucket;
       const uint bucket = bucketAt(args.cloud, to);
-      args.moves.at[i].position = to;
-      args.moves.at[i].toBucket = bucket;
-      if (bucket != from) {
-        touchBucket(args.update, args.marks, args.touched, from, false);
-        touchBucket(args.update, args.marks, args.touched, bucket, true);
-      }
+      list.at[i].position = to;
+      list.at[i].toBucket = bucket;
+      if (bucket != from) touchBuckets(args.cloud, update, from, bucket, i);
     }
   }
 }

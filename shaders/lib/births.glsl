@@ -6,7 +6,7 @@
 
 // The granted wishes come as moves, the first of them with the next id that nobody has. From subgroup `first` on every
 // `stride`-th.
-void bearPoints(CollectArgs args, ResampleLists lists, uint first, uint stride) {
+void bearPoints(CollectArgs args, UpdateLists update, ResampleLists lists, uint first, uint stride) {
   const uint births = lists.now.births;
   const uint firstNew = args.tables.at[0].firstNew;
   for (uint base = first * gl_SubgroupSize; base < births; base += stride * gl_SubgroupSize) {
@@ -20,8 +20,9 @@ void bearPoints(CollectArgs args, ResampleLists lists, uint first, uint stride) 
     if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = lists.wishes[wish].color;
     args.tables.at[0].parents.at[id - firstNew] = lists.wishes[wish].parent;
     const PointMove move =
-        PointMove(place, id, lists.wishes[wish].normal, kMarkRefit, kEmptySlot, kNoBucket, bucketAt(args.cloud, place));
-    writeMove(args.update, args.moves, args.marks, args.touched, args.tables.at[0].mostMoves, at, move);
+        PointMove(place, id, lists.wishes[wish].normal, kMarkRefit, kEmptySlot, kNoBucket,
+                                     bucketAt(args.cloud, place), 0, kEmptySlot);
+    writeMove(args.cloud, update, at, move);
   }
 }
 

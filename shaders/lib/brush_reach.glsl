@@ -15,15 +15,15 @@ void takeUpBrush(Brushes brushes, ContactStates state) {
 
 PointMove stayingMove(CloudView cloud, uint slot, vec4 position, vec3 normal) {
   const uint bucket = bucketAt(cloud, position.xyz);
-  return PointMove(position.xyz, floatBitsToUint(position.w), normal, kMarkRefit, slot, bucket, bucket);
+  return PointMove(position.xyz, floatBitsToUint(position.w), normal, kMarkRefit, slot, bucket, bucket, 0,
+                   kEmptySlot);
 }
 
 // What becomes of the point in a slot; false when nothing does.
-bool brushedMove(CloudView cloud, Tables tables, uint slot, vec4 position, out PointMove move) {
+bool brushedMove(CloudView cloud, Tables tables, uint slot, vec4 position, vec4 normal, out PointMove move) {
   const uint id = floatBitsToUint(position.w);
   const vec3 away = position.xyz - tool.center;
   if (tool.acts == 0 || id == kEmptySlot || dot(away, away) >= brush.toolRadius * brush.toolRadius) return false;
-  const vec4 normal = cloud.normals.at[slot];
   move = stayingMove(cloud, slot, position, normal.xyz);
   if (normal.w == kMarkGoes) {
     move.toBucket = kNoBucket;

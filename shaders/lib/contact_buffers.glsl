@@ -16,12 +16,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Sp
 #include "shaders/shared/contact.h"
 #include "shaders/shared/gather.h"
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses {
-  ContactPose at[1];
-  ContactState carried;
-  uint withdrawn;
-  uint seal;  // all together the ContactQuestion
-};
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses { ContactQuestion at[]; };
 // The same while the host writes it.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent volatile buffer QuestionWords { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactStates { ContactState at[]; };

@@ -28,6 +28,11 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Res
 bool isNull(Uints address) { return uvec2(address) == uvec2(0); }
 bool resamples(ResampleLists lists) { return uvec2(lists) != uvec2(0); }
 
+UpdateLists listsOf(HashUpdates update, Uints capacities, Tables tables) {
+  return UpdateLists(update, tables.at[0].moves, tables.at[0].marks, tables.at[0].touched, tables.at[0].movesOf,
+                     capacities, tables.at[0].mostMoves);
+}
+
 uint colorOf(Tables tables, uint id) {
   if (isNull(tables.at[0].colors)) return 0;
   return tables.at[0].colors.at[id];

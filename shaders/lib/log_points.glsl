@@ -18,10 +18,11 @@ void logPoint(RefitNormalsArgs args, uint entry, vec3 position, uint id, vec3 no
 void logGone(RefitNormalsArgs args, uint entry) {
   const uint moves = args.update.at[0].moves;
   if (args.update.at[0].gone == 0) return;
+  PointMoves list = args.tables.at[0].moves;
   for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
-    if (args.moves.at[i].toBucket != kNoBucket) continue;
-    const uint id = args.moves.at[i].id;
-    logPoint(args, entry + args.moves.at[i].slot, args.moves.at[i].position, id | kPointGone, args.moves.at[i].normal,
+    if (list.at[i].toBucket != kNoBucket) continue;
+    const uint id = list.at[i].id;
+    logPoint(args, entry + list.at[i].room, list.at[i].position, id | kPointGone, list.at[i].normal,
              colorOf(args.tables, id), parentOf(args.tables, id));
   }
 }

@@ -10,23 +10,25 @@ shared vec3 patchNormals[kSharedPatch];
 
 vec3 patchCentre = vec3(0.0);  // relative to the HIP, as every place in the step
 uint patchCount = 0;
+uint patchSpill = 0;  // where its part of the buffer for what shared memory cannot hold begins
 bool patchGathered = false;
 bool patchThinned = false;  // some gather of this step took only every so-manyth candidate
 uint workDone = 0;
 
+uint spilledAt(uint i) { return patchSpill + 2 * (i - kSharedPatch); }
 vec3 patchPosition(SpilledPoints spill, uint i) {
-  return i < kSharedPatch ? patchPositions[i] : spill.at[2 * (i - kSharedPatch)].xyz;
+  return i < kSharedPatch ? patchPositions[i] : spill.at[spilledAt(i)].xyz;
 }
 vec3 patchNormal(SpilledPoints spill, uint i) {
-  return i < kSharedPatch ? patchNormals[i] : spill.at[2 * (i - kSharedPatch) + 1].xyz;
+  return i < kSharedPatch ? patchNormals[i] : spill.at[spilledAt(i) + 1].xyz;
 }
 void keepPoint(SpilledPoints spill, uint i, vec3 position, vec3 normal) {
   if (i < kSharedPatch) {
     patchPositions[i] = position;
     patchNormals[i] = normal;
   } else {
-    spill.at[2 * (i - kSharedPatch)] = vec4(position, 0.0);
-    spill.at[2 * (i - kSharedPatch) + 1] = vec4(normal, 0.0);
+    spill.at[spilledAt(i)] = vec4(position, 0.0);
+    spill.at[spilledAt(i) + 1] = vec4(normal, 0.0);
   }
 }
 
@@ -35,6 +37,7 @@ struct Candidate {
   bool kept;
   uint point;
   vec3 place;
+  vec3 normal;
 };
 Candidate candidateAt(CloudView cloud, CellBox box, uint firstCell, uint candidate, vec3 hip, vec3 centre,
                       float reach) {
@@ -42,6 +45,7 @@ Candidate candidateAt(CloudView cloud, CellBox box, uint firstCell, uint candida
   Candidate found;
   found.point = cellFirst[slot] + candidate - cellStart[slot];
   const vec3 position = cloud.positions.at[found.point].xyz;
+  found.normal = cloud.normals.at[found.point].xyz;  // of all of them: to ask for it later would be to wait twice
   found.place = placeInPatch(position, hip, centre);
   // Another cell of this gather may share the bucket: its points are taken once, when it is that cell's turn.
   found.kept = cellOf(cloud.grid, position) == cellAt(box, firstCell + slot) && inReach(found.place, reach);
@@ -71,11 +75,11 @@ void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, fl
     patchThinned = patchThinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {
       const uint k = base + scanIndex();
-      Candidate candidate = Candidate(false, 0, vec3(0.0));
+      Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
       if (k < taken) candidate = candidateAt(cloud, box, first, k * stride, hip, centre, reach);
       uint kept;
       const uint place = count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
-      if (candidate.kept) keepPoint(spill, place, candidate.place, cloud.normals.at[candidate.point].xyz);
+      if (candidate.kept) keepPoint(spill, place, candidate.place, candidate.normal);
       count += kept;
     }
     chargeSteps(patchSteps(taken));

@@ -18,16 +18,17 @@ struct Probe {
   uint substeps;  // of a free HIP's way since the last tick
 };
 
-Probe probeOf(ContactPoses pose, ContactStates state, float radius) {
+// `i`: which of the points that a tool touches with.
+Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   Probe probe;
-  probe.hip = pose.at[0].hip;
-  const bool carried = pose.carried.started != 0;
-  const bool started = carried || state.at[0].started != 0;
-  const vec3 lastHip = carried ? pose.carried.lastHip : state.at[0].lastHip;
-  const uint touching = carried ? pose.carried.touching : state.at[0].touching;
-  const uint side = carried ? pose.carried.side : state.at[0].side;
-  const vec3 facing = carried ? pose.carried.facing : state.at[0].facing;
-  const vec3 spring = carried ? pose.carried.spring : state.at[0].spring;
+  probe.hip = pose.at[i].pose.hip;
+  const bool carried = pose.at[i].carried.started != 0;
+  const bool started = carried || state.at[i].started != 0;
+  const vec3 lastHip = carried ? pose.at[i].carried.lastHip : state.at[i].lastHip;
+  const uint touching = carried ? pose.at[i].carried.touching : state.at[i].touching;
+  const uint side = carried ? pose.at[i].carried.side : state.at[i].side;
+  const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
+  const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
   probe.lastHip = started ? lastHip - probe.hip : vec3(0.0);
   probe.touching = started && touching != kFree;
   probe.sticking = touching == kSticking;

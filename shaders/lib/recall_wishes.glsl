@@ -6,7 +6,7 @@
 
 #include "shaders/lib/brush_reach.glsl"
 
-void recall(CollectArgs args, ResampleLists lists, uint mostMoves, uint i) {
+void recall(CollectArgs args, UpdateLists update, ResampleLists lists, uint i) {
   const uint id = lists.wishes[i].id;
   const uint slot = slotIn(args.cloud, bucketAt(args.cloud, lists.wishes[i].position), id);
   bool moves = false;
@@ -16,12 +16,13 @@ void recall(CollectArgs args, ResampleLists lists, uint mostMoves, uint i) {
     const vec4 normal = args.cloud.normals.at[slot];
     PointMove unused;
     // A build may follow, and then the brush has been at work already.
-    moves = subgroupElect() && normal.w != kMarkRefit && !brushedMove(args.cloud, args.tables, slot, position, unused);
+    moves = subgroupElect() && normal.w != kMarkRefit &&
+            !brushedMove(args.cloud, args.tables, slot, position, normal, unused);
     move = stayingMove(args.cloud, slot, position, normal.xyz);
     if (normal.w == kMarkGoes) move.toBucket = kNoBucket;
   }
   const uint at = nextMove(args.update, moves);
-  if (moves) writeMove(args.update, args.moves, args.marks, args.touched, mostMoves, at, move);
+  if (moves) writeMove(args.cloud, update, at, move);
 }
 
 void forget(CollectArgs args, ResampleLists lists, uint i) {
@@ -32,12 +33,11 @@ void forget(CollectArgs args, ResampleLists lists, uint i) {
 }
 
 // From wish `first` on every `stride`-th. One subgroup for each.
-void recallWishes(CollectArgs args, ResampleLists lists, uint first, uint stride) {
-  const uint mostMoves = args.tables.at[0].mostMoves;
-  const uint wishes = min(lists.now.wishes, mostMoves);
+void recallWishes(CollectArgs args, UpdateLists update, ResampleLists lists, uint first, uint stride) {
+  const uint wishes = min(lists.now.wishes, update.mostMoves);
   for (uint i = first; i < wishes; i += stride) {
     if (args.recalls == kRecallsWishes)
-      recall(args, lists, mostMoves, i);
+      recall(args, update, lists, i);
     else
       forget(args, lists, i);
   }

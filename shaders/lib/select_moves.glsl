@@ -17,28 +17,29 @@ bool mayReach(HashGrid grid, ivec3 cell) {
   return dot(gap, gap) < radius * radius;
 }
 
-bool reached(CollectArgs args, uint slot, vec4 position, out PointMove move) {
-  if (!brushedMove(args.cloud, args.tables, slot, position, move)) return false;
+bool reached(CollectArgs args, uint slot, vec4 position, vec4 normal, out PointMove move) {
+  if (!brushedMove(args.cloud, args.tables, slot, position, normal, move)) return false;
   if (brush.kind == kBrushPaint)
     args.tables.at[0].colors.at[move.id] = painted(brush, tool, position.xyz, colorOf(args.tables, move.id));
   return true;
 }
 
-void take(CollectArgs args, bool wants, PointMove move) {
+void take(CollectArgs args, UpdateLists update, bool wants, PointMove move) {
   const uint at = nextMove(args.update, wants);
-  if (wants) writeMove(args.update, args.moves, args.marks, args.touched, args.tables.at[0].mostMoves, at, move);
+  if (wants) writeMove(args.cloud, update, at, move);
 }
 
-void selectFromSlots(CollectArgs args, uint i) {
+void selectFromSlots(CollectArgs args, UpdateLists update, uint i) {
   const uint slot = args.firstSlot + i;
   PointMove move;
-  const bool wants = i < args.slots && reached(args, slot, args.cloud.positions.at[slot], move);
-  take(args, wants, move);
+  const bool wants =
+      i < args.slots && reached(args, slot, args.cloud.positions.at[slot], args.cloud.normals.at[slot], move);
+  take(args, update, wants, move);
 }
 
 // Workgroup `group` of `groups` takes every `groups`-th cell of the tool's box: a surface that lies along the box is
 // shared by all of them.
-void selectFromCells(CollectArgs args, uint group, uint groups) {
+void selectFromCells(CollectArgs args, UpdateLists update, uint group, uint groups) {
   const uint side = args.cells, lane = scanIndex();
   const ivec3 low = cellOf(args.cloud.grid, tool.center - brush.toolRadius);
   const uint c = group + lane * groups;
@@ -64,12 +65,13 @@ void selectFromCells(CollectArgs args, uint group, uint groups) {
         if (cellStart[owner + step] <= k) owner += step;
       const uint slot = cellFirst[owner] + k - cellStart[owner];
       const vec4 position = args.cloud.positions.at[slot];
+      const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
       // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
       const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position.xyz) - low);
       if (all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == group + owner * groups)
-        wants = reached(args, slot, position, move);
+        wants = reached(args, slot, position, normal, move);
     }
-    take(args, wants, move);
+    take(args, update, wants, move);
   }
 }
 

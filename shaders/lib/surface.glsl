@@ -15,6 +15,7 @@
 
 layout(constant_id = 1) const uint kSurface = kSurfaceAverage;
 layout(constant_id = 2) const bool kLocalRadius = false;
+layout(constant_id = 5) const float kWidening = 1.0;  // SurfaceOptions::widening
 
 // Sums of subgroups that an invocation asks for at once; a workgroup has a multiple of so many.
 const uint kPartialsInFlight = 2;
@@ -23,8 +24,25 @@ shared vec4 partialOffsets[kMaxSubgroups];
 shared vec4 partialNormals[kMaxSubgroups];
 shared vec4 partialProducts[kMaxSubgroups];  // xy
 
+// Points of the patch that an invocation looks at side by side, so that none waits for the one before.
+const uint kPatchInFlight = 4;
+// Rounds in which each subgroup sums up a small patch by itself, all of them the same: none has to wait for the others.
+const uint kRoundsAlone = 8;
+
+bool sumsAlone() { return patchCount <= kRoundsAlone * gl_SubgroupSize; }
+// The points that an invocation sums up: from the first on every so-manyth.
+uint firstSummed() { return sumsAlone() ? gl_SubgroupInvocationID : scanIndex(); }
+uint summedStride() { return sumsAlone() ? gl_SubgroupSize : kContactWorkgroup; }
+
 // What all invocations have summed up, the same bits for each. All of them call it together.
 SurfaceSums sumOfAll(SurfaceSums sums) {
+  if (sumsAlone()) {
+    workDone += kRoundsAlone;
+    sums.offsets = subgroupSum(sums.offsets);
+    sums.normals = subgroupSum(sums.normals);
+    if (kSurface != kSurfaceAverage) sums.products = subgroupSum(vec4(sums.products, 0.0, 0.0)).xy;
+    return sums;
+  }
   const float offset = subgroupComponentSum(sums.offsets);
   const float normal = subgroupComponentSum(sums.normals);
   float product = 0.0;
@@ -56,7 +74,7 @@ float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
   float local = radius;
   for (uint look = 0; look < 2; ++look) {
     SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-    for (uint i = scanIndex(); i < patchCount; i += kContactWorkgroup) {
+    for (uint i = firstSummed(); i < patchCount; i += summedStride()) {
       const float r = distance(patchPosition(spill, i), x) / local;
       if (r < 1.0) sums.offsets.w += wendland(r);
     }
@@ -65,6 +83,26 @@ float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
     smallest = local = clamp(spacings, smallest, radius);
   }
   return local;
+}
+
+// A radius between `narrow` and the widened one: wide where the normals within that agree, as far as they face the side
+// `facing`.
+float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
+  const float wide = kWidening * narrow;
+  const bool sided = facing != vec3(0.0);
+  SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
+  for (uint i = firstSummed(); i < patchCount; i += summedStride()) {
+    const float r = distance(patchPosition(spill, i), x) / wide;
+    if (r >= 1.0) continue;
+    const vec3 n = patchNormal(spill, i);
+    float w = wendland(r);
+    if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+    sums.offsets.w += w;
+    sums.normals.xyz += w * n;
+  }
+  sums = sumOfAll(sums);
+  const float turn = 1.0 - length(sums.normals.xyz) / max(sums.offsets.w, 1e-30);
+  return mix(wide, narrow, smoothstep(kFlatTurn, kFoldTurn, turn));
 }
 
 float robustWeight(Surface before, float radius, vec3 d, vec3 n) {
@@ -76,24 +114,28 @@ float robustWeight(Surface before, float radius, vec3 d, vec3 n) {
 // The surface at `x`, relative to the patch's centre, of the points that face the side `facing`, or of all where that
 // is zero. All invocations call it together and get the same answer.
 Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing) {
-  const float radius = kLocalRadius ? localRadiusAt(spill, x, largestRadius) : largestRadius;
+  float radius = largestRadius / kWidening;
+  if (kLocalRadius) radius = localRadiusAt(spill, x, radius);
+  if (kWidening > 1.0) radius = wideWhereFlatAt(spill, x, radius, facing);
   const uint passes = kSurface == kSurfaceSharp ? kSharpPasses : 1;
   const bool sided = facing != vec3(0.0);
+  const float scale = 1.0 / radius;
   Surface surface;
   for (uint pass = 0; pass < passes; ++pass) {
     SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-    for (uint i = scanIndex(); i < patchCount; i += kContactWorkgroup) {
-      const vec3 d = (patchPosition(spill, i) - x) / radius;
-      const float squared = dot(d, d);
-      if (squared >= 1.0) continue;
-      const vec3 n = patchNormal(spill, i);
-      float w = wendland(sqrt(squared));
-      if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
-      if (pass > 0) w *= robustWeight(surface, radius, d, n);
-      if (w <= 0.0) continue;
-      sums.offsets += w * vec4(d, 1.0);
-      sums.normals += vec4(w * n, 1.0);
-      if (kSurface != kSurfaceAverage) sums.products += w * vec2(squared, dot(d, n));
+    for (uint first = firstSummed(); first < patchCount; first += kPatchInFlight * summedStride()) {
+      [[unroll]] for (uint k = 0; k < kPatchInFlight; ++k) {
+        const uint i = first + k * summedStride();
+        const uint at = min(i, patchCount - 1);
+        const vec3 d = (patchPosition(spill, at) - x) * scale, n = patchNormal(spill, at);
+        const float squared = dot(d, d);
+        float w = i < patchCount ? wendland(min(1.0, sqrt(squared))) : 0.0;
+        if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+        if (pass > 0) w *= robustWeight(surface, radius, d, n);
+        sums.offsets += w * vec4(d, 1.0);
+        sums.normals += vec4(w * n, w > 0.0 ? 1.0 : 0.0);
+        if (kSurface != kSurfaceAverage) sums.products += w * vec2(squared, dot(d, n));
+      }
     }
     surface = surfaceFrom(sumOfAll(sums), radius, kSurface);
     if (!surface.defined) break;

@@ -42,10 +42,18 @@ const float kSharpHeight = 0.5f;
 // The local support radius: so many local spacings, at most the given radius and at least this share of it.
 const float kSupportSpacings = 4.0f;
 const float kLeastLocalRadius = 0.125f;
+// A widened support radius averages noise out where the surface is flat, and shrinks back where it turns: by how much
+// shorter than 1 the mean normal is from which on it shrinks, and where it is back. (R / rho)^2 times 0.0694 on a sphere
+// of radius rho, 0.29 on an edge of 90 degrees. Less is wary of noisy normals, more rounds edges off and loses folds.
+const float kFlatTurn = 0.01f;
+const float kFoldTurn = 0.06f;
 
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
 const float kConvergence = 1e-5f;       // of the support radius: largest step of a proxy that has arrived
+// Of the support radius: a step smaller than this is the last. From step to step they shrink to a quarter and less, so
+// that a smaller value costs another look, and a larger one is felt as a ripple.
+const float kLastStep = 1e-4f;
 const float kLongestStep = 0.5f;        // of the support radius: for the proxy and for the sub-steps of the HIP
 const float kStaticFriction = 1.25f;    // times the coefficient of sliding, before a held proxy slides
 const uint kMaxSubsteps = 16;           // a HIP that jumps further than these reach may pass a thin sheet unseen
@@ -152,17 +160,17 @@ struct ContactStepArgs {
   float radius;                          // support radius, model units
   uint gather;                           // kGather...
   uint mostCells;                        // of one gather, by the room in its buffers
-  uint unused;
+  uint spillSlots;                       // of each probe of a tool, where there are many
 };
 PALPATE_SIZE(ContactStepArgs, 120);
 
-// A step that was submitted before its question was there looks for it so many times at most.
+// A step that was submitted before its questions were there looks for them so many times at most.
 struct AwaitQuestionArgs {
-  PALPATE_ADDRESS(QuestionWords) question;  // as the host writes it
-  PALPATE_ADDRESS(Uints) taken;             // the same once it has come; tick 0: it has not, or was withdrawn
-  PALPATE_ADDRESS(Uints) lastTick;          // of the question that stood there before
-  uint looks;
-  uint unused;
+  PALPATE_ADDRESS(QuestionWords) question;  // as the host writes it, one for each probe
+  PALPATE_ADDRESS(Uints) taken;             // the same once all have come; tick 0: they have not, or were withdrawn
+  PALPATE_ADDRESS(Uints) lastTick;          // of the questions that stood there before
+  uint looks;                               // of each subgroup
+  uint probes;
 };
 PALPATE_SIZE(AwaitQuestionArgs, 32);
 

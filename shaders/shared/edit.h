@@ -38,12 +38,16 @@ struct PointTables {
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
   PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
   PALPATE_ADDRESS(ResampleLists) lists;
+  PALPATE_ADDRESS(PointMoves) moves;
+  PALPATE_ADDRESS(Uints) marks;
+  PALPATE_ADDRESS(Uints) touched;
+  PALPATE_ADDRESS(Uints) movesOf;
   uint firstNew;
   uint ids;
   uint mostMoves;  // that there is room for; as many wishes
   uint unused;
 };
-PALPATE_SIZE(PointTables, 56);
+PALPATE_SIZE(PointTables, 88);
 
 // What a point that was looked at wishes for in the next tick. To be looked at again is the least.
 struct PointWish {
@@ -76,9 +80,7 @@ const uint kForgetsWishes = 2;
 struct CollectArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;
-  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(Uints) capacities;
   PALPATE_ADDRESS(ContactStates) state;
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
@@ -87,7 +89,7 @@ struct CollectArgs {
   uint firstSlot;
   uint slots;
 };
-PALPATE_SIZE(CollectArgs, 128);
+PALPATE_SIZE(CollectArgs, 112);
 
 // Workgroups that look at these cells or slots; those beyond see to the wishes.
 PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
@@ -100,15 +102,12 @@ PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
 struct SmoothArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;
-  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(Uints) capacities;
   PALPATE_ADDRESS(ContactStates) state;
   PALPATE_ADDRESS(Brushes) brush;
-  uint mostMoves;
-  uint unused;
+  PALPATE_ADDRESS(Tables) tables;
 };
-PALPATE_SIZE(SmoothArgs, 112);
+PALPATE_SIZE(SmoothArgs, 96);
 
 // What the last pass of an edit does besides: it tells the host what the edit came to, and empties the counters.
 struct EditEnd {
@@ -163,23 +162,18 @@ PALPATE_SIZE(GivenChange, 72);
 struct RestoreArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;
-  PALPATE_ADDRESS(TouchedBuckets) touched;
+  PALPATE_ADDRESS(Uints) capacities;
   PALPATE_ADDRESS(GivenChanges) changes;
   PALPATE_ADDRESS(Tables) tables;
   PALPATE_ADDRESS(ResampleLists) lists;
-  uint mostMoves;
-  uint count;   // of changes
+  uint count;     // of changes
   uint finishes;  // not 0: after the update, what it leaves to do
-  uint unused;
 };
-PALPATE_SIZE(RestoreArgs, 128);
+PALPATE_SIZE(RestoreArgs, 104);
 
 struct RefitNormalsArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
-  PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) changed;
   PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point; w: its target spacing, or kNotLooked
   PALPATE_ADDRESS(EditEntries) entries;
@@ -189,7 +183,7 @@ struct RefitNormalsArgs {
   uint capacityMask;  // entries in the ring, less one; a power of two less one
   float radius;       // support radius, model units
 };
-PALPATE_SIZE(RefitNormalsArgs, 128);
+PALPATE_SIZE(RefitNormalsArgs, 120);
 
 PALPATE_SHARED_END
 #endif

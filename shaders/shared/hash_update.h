@@ -19,22 +19,21 @@ struct PointMove {
   uint id;
   vec3 normal;
   float mark;       // kMark...
-  uint slot;        // where it stands; kEmptySlot when it is new; its number among those that are gone once it is gone
+  uint slot;        // where it stands; kEmptySlot when it is new
   uint fromBucket;  // kNoBucket when it is new
   uint toBucket;    // kNoBucket when it is taken away
+  uint before;      // the move that arrived in toBucket before it, from 1 on; 0: none did
+  uint room;        // first of the slots that toBucket outgrows its own for, where it is this point that it outgrows
+                    // them by, or kEmptySlot; of a point that is gone, its number among those
 };
-PALPATE_SIZE(PointMove, 44);
+PALPATE_SIZE(PointMove, 52);
 
-// A bucket whose points change.
-struct TouchedBucket {
-  uint bucket;
-  uint firstArrival;  // of its run in the list of arrivals
-  uint arrivals;
-  uint placed;        // of those, so far
-  uint firstSlot;     // from now on
-  uint capacity;      // slots from there that are its own
-};
-PALPATE_SIZE(TouchedBucket, 24);
+// What stands in the mark of a bucket between an edit's first pass and its update, 0 otherwise: that it is listed, how
+// many points arrive, and the move that arrived last, from 1 on. From that one on the others follow (PointMove.before).
+const uint kMarkListed = 0x80000000u;
+const uint kMarkArrival = 0x00800000u;
+const uint kMarkMove = kMarkArrival - 1u;  // as many moves are there at most
+PALPATE_FUNCTION uint arrivalsOf(uint mark) { return (mark & ~kMarkListed) / kMarkArrival; }
 
 // Why an update was not carried out; the cloud is then as it was.
 const uint kUpdateTooLarge = 1;   // more moves than there is room for
@@ -46,10 +45,15 @@ const uint kUpdateUnknown = 8;    // a point is not where the edit says
 const uint kMostUpdateGroups = 65535;
 const uint kUpdateWorkgroup = 256;
 // Points that may arrive in one bucket in one tick. They are put into order by comparing each with each.
-const uint kMostArrivals = 256;
+const uint kMostArrivals = 255;
 // A bucket that moves gets room for half as many points again as it then has, and a few.
 const uint kSpareInBucket = 8;
 PALPATE_FUNCTION uint roomToGrow(uint points) { return points + points / 2u + kSpareInBucket; }
+// The capacity of a bucket that held `capacity` points at most and is to hold so many, of points that come one by one.
+PALPATE_FUNCTION uint capacityFor(uint capacity, uint points) {
+  while (capacity < points) capacity = roomToGrow(capacity + 1u);
+  return capacity;
+}
 
 // Buckets that change while compacting are noted once each: a bit of a map says so, and the list stands behind the map.
 PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32u + 1u; }
@@ -58,15 +62,15 @@ PALPATE_FUNCTION uint dirtyListFrom(HashGrid grid) { return grid.bucketMask / 32
 struct HashUpdate {
   uint moves;
   uint touched;
-  uint arrivals;
-  uint wanted;   // slots that buckets have taken at the end
+  uint arrivals; // of buckets where more arrive than a subgroup holds
+  uint grown;    // slots that buckets take at the end
+  uint refused;  // kUpdate... for which an update is not carried out, but a full build may be
+  uint wanted;   // slots that new points have taken before a full build
   uint failed;   // kUpdate...
   uint changed;  // slots whose points changed
   uint gone;     // points that were taken away
-  uint added;    // points that are new
   uvec3 moveGroups;     // one invocation a move
   uvec3 movedGroups;    // one subgroup a move
-  uvec3 bucketGroups;   // one invocation a touched bucket
   uvec3 applyGroups;    // one subgroup a touched bucket
   uvec3 changedGroups;  // one subgroup a changed point; never none
   uint finished;        // workgroups of a pass that are done with it
@@ -76,19 +80,19 @@ struct HashUpdate {
   uint compacting;  // not 0: buckets that change are noted
   uint dirty;       // buckets noted
 };
-const uint kUpdateBytes = 112;
+const uint kUpdateBytes = 104;
 PALPATE_SIZE(HashUpdate, kUpdateBytes);
-const uint kUpdateBegins = 96;  // bytes of the first part
+const uint kUpdateBegins = 88;  // bytes of the first part
 
 struct HashUpdateArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(PointMoves) moves;
-  PALPATE_ADDRESS(Uints) marks;         // one a bucket, zero between updates
-  PALPATE_ADDRESS(TouchedBuckets) touched;
-  PALPATE_ADDRESS(Vec4s) arrivals;      // two an arrival: position with id, normal with mark
+  PALPATE_ADDRESS(Uints) marks;         // one a bucket
+  PALPATE_ADDRESS(Uints) touched;       // buckets whose points change, 2 mostMoves; then two words a move
+  PALPATE_ADDRESS(Uints) movesOf;       // one a slot: the move of its point, where that move names the slot
   PALPATE_ADDRESS(Uints) capacities;    // one a bucket; 0: as many as it has points
-  PALPATE_ADDRESS(Uints) changed;
+  PALPATE_ADDRESS(Uints) changed;       // slots
   PALPATE_ADDRESS(DirtyBuckets) dirty;
   uint mostMoves;
   uint unused;

@@ -2,6 +2,10 @@
 #define PALPATE_SHARED_NORMAL_ESTIMATE_H
 #include "shaders/shared/contact.h"
 
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Vec2s { vec2 at[]; };
+#endif
+
 PALPATE_SHARED_BEGIN
 
 // A point's support radius holds so many neighbours: with fewer it is widened (at most kWidestEstimate times), with
@@ -16,9 +20,20 @@ const float kCleanEstimate = 0.005f;
 const float kWiderEstimate = 2.0f;  // and every other point of it
 const float kFlatterEstimate = 0.5f;
 const float kLineLike = 1e-3f;  // variance across over variance along, below which neighbours lie on a line
+// Next to an edge a plane cuts across it. engine/cloud/normals.cpp says when that is taken for one, and what is done.
+const float kEdgeFrom = 0.12f;
+const float kEdgeSurely = 0.2f;
+const float kEdgeOfNoise = 6.0f;
+const float kOwnFlatness = 0.06f;
+const float kOwnFlatnessOfNoise = 0.5f;
+const float kOwnHeight = 0.08f;
+const float kOwnHeightOfNoise = 3.0f;
+const float kSameSide = 0.9f;          // cosine between normals of one side
+const float kLeastEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a side, below which none does
 // Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small,
 // since a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
 const uint kEstimateWorkBudget = 1024;
+const uint kEdgeWorkBudget = 512;  // for each of three looks, which read more in a round
 
 // Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
 // the points do (Yao 1982), with few edges.
@@ -29,11 +44,13 @@ const uint kNoNeighbour = 0xffffffffu;
 struct NormalEstimateArgs {
   CloudView cloud;
   PALPATE_ADDRESS(Vec4s) planes;      // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
+  PALPATE_ADDRESS(Vec2s) fits;        // by id: variance of the neighbours off the plane, and the local spacing squared
+  PALPATE_ADDRESS(Vec4s) normals;     // out, by id: that of the plane, or next to an edge that of the point's own side
   PALPATE_ADDRESS(Uints) neighbours;  // out, kSectors ids for each id; kNoNeighbour where there is none
   float radius;                       // support radius, model units
   uint unused;
 };
-PALPATE_SIZE(NormalEstimateArgs, 80);
+PALPATE_SIZE(NormalEstimateArgs, 96);
 
 PALPATE_SHARED_END
 #endif

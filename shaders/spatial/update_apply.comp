@@ -1,89 +1,177 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Index update, 3 of 3: every touched bucket closes its gaps, in order, and takes its arrivals in by the order of their
-// ids, in place or in its new slots. One subgroup for each. When the plan did not come out it clears the marks alone.
+// Index update: in every bucket that moves concern, points that stay go where their moves say, those that leave leave
+// no gap, and arrivals follow by the order of their ids, in its slots or, where it outgrows them, in new ones. One
+// subgroup for each. When the update is refused it clears the marks alone.
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
 #extension GL_KHR_shader_subgroup_shuffle : require
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_update.glsl"
 
 layout(push_constant, scalar) uniform Push { HashUpdateArgs args; };
 
-uint idOf(vec4 position) { return floatBitsToUint(position.w); }
+uint moves;  // listed
+
 void leaveEmpty(uint slot) { args.cloud.positions.at[slot].w = uintBitsToFloat(kEmptySlot); }
+vec4 placeOf(PointMove move) { return vec4(move.position, uintBitsToFloat(move.id)); }
+vec4 normalOf(PointMove move) { return vec4(move.normal, move.mark); }
+
+void noteDirty(uint bucket) {
+  const uint bit = 1u << (bucket & 31);
+  if ((atomicOr(args.dirty.words[bucket >> 5], bit) & bit) != 0) return;
+  const uint at = atomicAdd(args.update.at[0].dirty, 1);
+  if (at < args.dirty.capacity) args.dirty.words[dirtyListFrom(args.cloud.grid) + at] = bucket;
+}
+
+// The slots that a bucket has taken: the last to take any has taken the most.
+uint newSlots(uint mark) {
+  uint move = mark & kMarkMove;
+  while (args.moves.at[move - 1].room == kEmptySlot) move = args.moves.at[move - 1].before;
+  return args.moves.at[move - 1].room;
+}
 
 void noteChanged(bool changed, uint slot) {
   const uint at = nextChanged(args.update, changed);
   if (changed) args.changed.at[at] = slot;
 }
 
-// Brings the points that stay to `to` and on, in order; says where they end. They may be the same slots.
-uint closeGaps(uvec2 range, uint to) {
-  const bool moves = to != range.x;
+// Brings the points that stay to `to` and on, in order; says where they end, and how many of this invocation's are gone
+// for good. They may be the same slots.
+uint closeGaps(uint bucket, uvec2 range, uint to, out uint gone) {
+  gone = 0;
+  const bool relocates = to != range.x;
   for (uint base = range.x; base < range.y; base += gl_SubgroupSize) {
     const uint slot = base + gl_SubgroupInvocationID;
     vec4 position = vec4(0.0), normal = vec4(0.0);
-    bool stays = false;
+    bool stays = false, moved = false;
     if (slot < range.y) {
       position = args.cloud.positions.at[slot];
       normal = args.cloud.normals.at[slot];
-      stays = idOf(position) != kEmptySlot;
+      const uint i = args.movesOf.at[slot];
+      PointMove move;
+      if (i < moves) move = args.moves.at[i];
+      moved = i < moves && move.slot == slot;
+      stays = !moved || move.toBucket == bucket;
+      if (moved && stays) {
+        position = placeOf(move);
+        normal = normalOf(move);
+      } else if (moved && move.toBucket == kNoBucket) {
+        args.moves.at[i].room = atomicAdd(args.update.at[0].gone, 1);
+        ++gone;
+      }
     }
     const uvec4 ballot = subgroupBallot(stays);
     subgroupMemoryBarrierBuffer();  // all have read before any writes
     subgroupBarrier();
     const uint place = to + subgroupBallotExclusiveBitCount(ballot);
-    if (stays && place != slot) {
+    if (stays && (moved || place != slot)) {
       args.cloud.positions.at[place] = position;
       args.cloud.normals.at[place] = normal;
     }
-    if (moves && stays) leaveEmpty(slot);
-    noteChanged(stays && normal.w != 0.0, place);
+    if (relocates && slot < range.y) leaveEmpty(slot);
+    noteChanged(stays && moved, place);
     to += subgroupBallotBitCount(ballot);
   }
   return to;
 }
 
-// Takes a run of arrivals in from slot `to` on, by their ids.
-void takeIn(uint first, uint count, uint to) {
-  for (uint base = 0; base < count; base += gl_SubgroupSize) {
-    const uint i = base + gl_SubgroupInvocationID;
-    const bool mine = i < count;
-    vec4 position = vec4(0.0);
-    if (mine) position = args.arrivals.at[2 * (first + i)];
-    uint rank = 0;
-    for (uint others = 0; others < count; others += gl_SubgroupSize) {
-      const uint j = others + gl_SubgroupInvocationID;
-      const uint id = j < count ? idOf(args.arrivals.at[2 * (first + j)]) : kEmptySlot;
-      for (uint lane = 0; lane < gl_SubgroupSize; ++lane) rank += subgroupShuffle(id, lane) < idOf(position) ? 1 : 0;
+// Arrivals of buckets that more come to than a subgroup holds, move and id, behind the list of touched buckets.
+layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer Arrivals { uvec2 at[]; };
+
+// Follows the arrivals that a mark tells of. Each invocation keeps the one of its number; where there are more, all of
+// them are in the list from `run` on.
+uvec2 arrivalOf(uint mark, Arrivals list, out uint run) {
+  const uint arrivals = arrivalsOf(mark);
+  const bool spills = arrivals > gl_SubgroupSize;
+  run = 0;
+  if (spills && subgroupElect()) run = atomicAdd(args.update.at[0].arrivals, arrivals);
+  run = args.mostMoves + subgroupBroadcastFirst(run);
+  uvec2 first = uvec2(0, kEmptySlot), mine = first;
+  uint next = mark & kMarkMove;
+  for (uint base = 0; base < arrivals; base += gl_SubgroupSize) {
+    const uint count = min(gl_SubgroupSize, arrivals - base);
+    for (uint lane = 0; lane < count; ++lane) {
+      const PointMove move = args.moves.at[next - 1];
+      if (lane == gl_SubgroupInvocationID) mine = uvec2(next - 1, move.id);
+      next = move.before;
     }
-    if (mine) {
-      args.cloud.positions.at[to + rank] = position;
-      args.cloud.normals.at[to + rank] = args.arrivals.at[2 * (first + i) + 1];
-    }
-    noteChanged(mine, to + rank);
+    if (base == 0) first = mine;
+    if (spills && gl_SubgroupInvocationID < count) list.at[run + base + gl_SubgroupInvocationID] = mine;
   }
+  subgroupMemoryBarrierBuffer();
+  subgroupBarrier();
+  return first;
+}
+
+// Takes them in from slot `to` on, by their ids; says how many of this invocation's are new.
+uint takeIn(uint mark, uint to) {
+  const uint arrivals = arrivalsOf(mark);
+  if (arrivals == 0) return 0;
+  Arrivals list = Arrivals(uvec2(args.touched));
+  uint run;
+  const uvec2 first = arrivalOf(mark, list, run);
+  uint added = 0;
+  for (uint base = 0; base < arrivals; base += gl_SubgroupSize) {
+    const uint own = base + gl_SubgroupInvocationID;
+    const bool takes = own < arrivals;
+    uvec2 mine = first;
+    if (base > 0) mine = takes ? list.at[run + own] : uvec2(0, kEmptySlot);
+    uint rank = 0;
+    for (uint others = 0; others < arrivals; others += gl_SubgroupSize) {
+      const uint other = others + gl_SubgroupInvocationID;
+      uint otherId = mine.y;
+      if (others != base && other < arrivals) otherId = list.at[run + other].y;
+      const uint count = min(gl_SubgroupSize, arrivals - others);
+      for (uint lane = 0; lane < count; ++lane) rank += subgroupShuffle(otherId, lane) < mine.y ? 1 : 0;
+    }
+    if (takes) {
+      const PointMove move = args.moves.at[mine.x];
+      args.cloud.positions.at[to + rank] = placeOf(move);
+      args.cloud.normals.at[to + rank] = normalOf(move);
+      added += move.fromBucket == kNoBucket ? 1 : 0;
+    }
+    noteChanged(takes, to + rank);
+  }
+  return added;
+}
+
+// The whole subgroup calls it together.
+void update(uint bucket) {
+  const uint mark = args.marks.at[bucket];
+  const uvec2 range = args.cloud.ranges.at[bucket];
+  const uint points = range.y - range.x, arrivals = arrivalsOf(mark);
+  const uint before = max(args.capacities.at[bucket], points);
+  // Points that leave are not counted: a bucket may grow early, never late.
+  const uint capacity = capacityFor(before, points + arrivals);
+  const uint first = capacity == before ? range.x : newSlots(mark);
+  uint gone;
+  const uint kept = closeGaps(bucket, range, first, gone);
+  const uint end = kept + arrivals;
+  if (first == range.x)
+    for (uint slot = end + gl_SubgroupInvocationID; slot < range.y; slot += gl_SubgroupSize) leaveEmpty(slot);
+  const uint more = subgroupAdd(takeIn(mark, kept) - gone);
+  if (!subgroupElect()) return;
+  if (more != 0) atomicAdd(args.update.at[0].points, more);
+  if (args.update.at[0].compacting != 0) noteDirty(bucket);
+  args.cloud.ranges.at[bucket] = uvec2(first, end);
+  args.capacities.at[bucket] = capacity;
 }
 
 void main() {
   const uint touched = args.update.at[0].touched;
-  const bool failed = args.update.at[0].failed != 0;
-  if (threadIndex() == 0 && !failed) args.update.at[0].points += args.update.at[0].added - args.update.at[0].gone;
+  const uint refused = args.update.at[0].failed | args.update.at[0].refused;
+  moves = min(args.update.at[0].moves, args.mostMoves);
+  if (threadIndex() == 0) {
+    if (refused != 0)
+      args.update.at[0].failed = refused;
+    else
+      args.update.at[0].head += args.update.at[0].grown;
+  }
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint t = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; t < touched; t += stride) {
-    const uint bucket = args.touched.at[t].bucket;
+    const uint bucket = args.touched.at[t];
+    if (refused == 0) update(bucket);
     if (subgroupElect()) args.marks.at[bucket] = 0;
-    if (failed) continue;
-    const uvec2 range = args.cloud.ranges.at[bucket];
-    const uint first = args.touched.at[t].firstSlot;
-    const uint arrivals = args.touched.at[t].arrivals;
-    const uint kept = closeGaps(range, first);
-    const uint end = kept + arrivals;
-    if (first == range.x)
-      for (uint slot = end + gl_SubgroupInvocationID; slot < range.y; slot += gl_SubgroupSize) leaveEmpty(slot);
-    takeIn(args.touched.at[t].firstArrival, arrivals, kept);
-    if (subgroupElect()) {
-      args.cloud.ranges.at[bucket] = uvec2(first, end);
-      args.capacities.at[bucket] = args.touched.at[t].capacity;
-    }
   }
 }

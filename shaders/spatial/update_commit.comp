@@ -19,7 +19,6 @@ void main() {
     if (failed) continue;
     if (from == kNoBucket) {
       slot = args.update.at[0].head + atomicAdd(args.update.at[0].wanted, 1);
-      atomicAdd(args.update.at[0].added, 1);
       if (slot >= args.cloud.slots) {
         atomicOr(args.update.at[0].failed, kUpdateNoSlots);
         continue;
@@ -27,7 +26,7 @@ void main() {
     }
     if (to == kNoBucket) {
       args.cloud.positions.at[slot].w = uintBitsToFloat(kEmptySlot);
-      args.moves.at[i].slot = atomicAdd(args.update.at[0].gone, 1);
+      args.moves.at[i].room = atomicAdd(args.update.at[0].gone, 1);
     } else {
       args.cloud.positions.at[slot] = vec4(args.moves.at[i].position, uintBitsToFloat(args.moves.at[i].id));
       args.cloud.normals.at[slot] = vec4(args.moves.at[i].normal, args.moves.at[i].mark);

@@ -38,6 +38,35 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
   CHECK(json["contact_error_mm"] < 0.001);
 }
 
+TEST_CASE("noise is measured, and widens the support radius alike on every back end, as long as nobody gives it") {
+  const ScratchFolder folder;
+  const std::string clean = (folder / "clean.ply").string(), noisy = (folder / "noisy.ply").string();
+  const std::string json = (folder / "out.json").string();
+  works("make sphere -n 20000 -o " + clean);
+  works("make sphere -n 20000 --noise 0.3 -o " + noisy);
+  works("info " + clean + " --json " + json);
+  CHECK(jsonOf(json)["noise_spacings"] < 0.001);
+  works("info " + noisy + " --json " + json);
+  const double noise = jsonOf(json)["noise_spacings"];
+  CHECK(std::abs(noise - 0.236) < 0.02);
+  for (const char* backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const auto touched = [&](const std::string& arguments) {
+      works("touch " + arguments + " --path builtin:press --backend " + backend + " --json " + json);
+      return jsonOf(json);
+    };
+    const auto usual = touched(clean), wide = touched(noisy), given = touched(noisy + " --radius 5");
+    const double usualSpacings = usual["radius_mm"].get<double>() / usual["spacing_mm"].get<double>();
+    const double wideSpacings = wide["radius_mm"].get<double>() / wide["spacing_mm"].get<double>();
+    CHECK(std::abs(usualSpacings - 4) < 1e-6);
+    CHECK(std::abs(wideSpacings - 30 * noise) < 1e-3);
+    CHECK(std::abs(given["radius_mm"].get<double>() - 5) < 1e-9);
+    CHECK(wide["contact_ticks"] > 100);
+    CHECK(wide["contact_error_mm"] < 0.002);
+    CHECK(touched(noisy + " --edit push --penetration 4")["moved_points"] > 10);
+  }
+}
+
 TEST_CASE("virtual time gives the same trace, the same cloud and the same picture, byte by byte") {
   const ScratchFolder folder;
   const std::string model = (folder / "torus.ply").string();
@@ -224,6 +253,12 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --passivity on", 2, "yields to no force");
   fails("touch " + model + " --hand-stiffness 1", 2, "--device sim");
   fails("touch " + model + " --device sim --map large", 2, "--map");
+  fails("touch " + model + " --device hid --duration 1", 2, "--device hid: a person lives in real time");
+  fails("touch " + model + " --device hid --realtime", 2, "--duration");
+  fails("touch " + model + " --device hid --realtime --duration 1 --hand-damping 1", 2, "--device sim");
+  fails("touch " + model + " --device hid:none --realtime --duration 1", 1, "no DualSense that is 'none'");
+  fails("touch " + model + " --device joystick", 2, "joystick");
+  fails("touch " + model + " --rumble", 2, "--rumble: a gamepad rumbles in real time");
   fails("touch " + model + " --save x.ply", 2, "--edit");
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");

@@ -205,9 +205,9 @@ TEST_CASE("what cannot be replayed is one clear line") {
   works("make torus -n 5000 -o " + scene.file("torus.ply"));
   fails("replay " + log + " --model " + scene.file("torus.ply"), 1, "has changed");
   std::string newer = contentOf(scene.folder / "log");
-  newer[8] = 2;
+  newer[8] = 3;
   std::ofstream(scene.folder / "newer", std::ios::binary) << newer;
-  fails("replay " + scene.file("newer"), 1, "version 2");
+  fails("replay " + scene.file("newer"), 1, "version 3");
   fails("replay " + log + " --recover", 2, "--save");
   fails("replay " + log + " --save x.ply", 2, "--recover");
   fails("replay " + log + " --tolerance -1", 2, "--tolerance");

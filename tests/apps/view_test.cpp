@@ -1,93 +1,10 @@
 // The window as a person uses it, on a display without a screen (Xvfb).
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_ONLY_PNG
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#include <stb/stb_image.h>
-#pragma GCC diagnostic pop
-
-#include <functional>
-
-#include "tests/apps/program.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/fake_devices/fake_driver.hpp"
 
 namespace palpate {
 
 namespace {
-
-bool hasDisplay() {
-  if (std::system("command -v xvfb-run > /dev/null") == 0) return true;
-  MESSAGE("skipped: there is no xvfb-run on this machine (package xvfb)");
-  return false;
-}
-
-/// What the script saw goes into its folder: %/name stands for a file there.
-struct Played {
-  Outcome outcome;
-  ScratchFolder folder;
-  nlohmann::json state(const std::string& name) const { return jsonOf(folder.path() / name); }
-};
-
-std::string inFolder(std::string text, const std::filesystem::path& folder) {
-  for (std::size_t at; (at = text.find('%')) != std::string::npos;) text.replace(at, 1, folder.string());
-  return text;
-}
-
-// `arguments` and `script` may name files of the folder with %.
-std::unique_ptr<Played> play(const std::string& arguments, const std::string& script, const std::string& before = "",
-                             const std::function<void(const std::filesystem::path&)>& prepare = {}) {
-  auto played = std::make_unique<Played>();
-  const std::filesystem::path& folder = played->folder.path();
-  if (prepare) prepare(folder);
-  std::ofstream(folder / "script.txt") << inFolder(script, folder);
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string command =
-      inFolder("XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 300 ", folder) +
-      (elsewhere ? elsewhere : PALPATE_PROGRAM) + " " + before + " view " + inFolder(arguments, folder) +
-      inFolder(" --script %/script.txt", folder) + " 2>&1";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
-    played->outcome.text.append(piece.data(), size);
-  const int status = ::pclose(pipe);
-  played->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return played;
-}
-
-void makeSphere(const std::filesystem::path& folder, int points = 8000) {
-  works("--quiet make sphere -n " + std::to_string(points) + " -o " + (folder / "sphere.ply").string());
-}
-
-struct Picture {
-  explicit Picture(const std::filesystem::path& file) {
-    stbi_uc* data = stbi_load(file.c_str(), &width, &height, nullptr, 3);
-    REQUIRE_MESSAGE(data, file.string());
-    rgb.assign(data, data + std::size_t(width) * std::size_t(height) * 3);
-    stbi_image_free(data);
-  }
-  std::array<int, 3> at(int x, int y) const {
-    const std::size_t place = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * 3;
-    return {rgb[place], rgb[place + 1], rgb[place + 2]};
-  }
-  int width = 0, height = 0;
-  std::vector<stbi_uc> rgb;
-};
-
-// Pixels of a square that satisfy a condition.
-int count(int x, int y, int reach, auto&& holds) {
-  int found = 0;
-  for (int j = y - reach; j <= y + reach; ++j)
-    for (int i = x - reach; i <= x + reach; ++i) found += holds(i, j) ? 1 : 0;
-  return found;
-}
-
-int differing(const Picture& a, const Picture& b, int x, int y, int reach) {
-  return count(x, y, reach, [&](int i, int j) {
-    const auto p = a.at(i, j), q = b.at(i, j);
-    return std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]) > 24;
-  });
-}
 
 // The tool's ring is the only thing that is yellow.
 int ringPixels(const Picture& picture, int x, int y) {
@@ -107,7 +24,10 @@ TEST_CASE("a script that is wrong is refused with its line before anything is op
                                         {"0.2 key nose", "script.txt:2: key: 'nose' is not known"},
                                         {"0.2 press", "script.txt:2: 'press' is none of key"},
                                         {"0.2 button left", "script.txt:2: down or up is missing"},
+                                        {"0.2 push 0 2 0 0 0 0", "script.txt:2: the push is 2; it must be between"},
+                                        {"0.2 push 0 0 0 1", "script.txt:2: the turn is missing"},
                                         {"0.05 quit", "script.txt:2: the time is before that of the line above"},
+                                        {"0.2 click", "script.txt:2: the name is missing"},
                                         {"0.2 quit now", "script.txt:2: 'now' is more than this event takes"}}) {
     const auto played = play("", std::string("0.1 mouse 1 2\n") + line + "\n");
     CHECK(played->outcome.code == 1);
@@ -201,11 +121,63 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(first.at(200, 40)[0] < first.at(330, 40)[0]);
 }
 
+TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first button holds that") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 480x360", R"(
+0.1 mouse 240 180
+0.4 state %/begin.json
+0.5 push 0.4 0.2 0 0 0 0
+0.8 push 0 0 0 0 0 0
+0.9 state %/moved.json
+1.0 push 0 0 0.8 0 0 0
+1.3 push 0 0 0 0 0 0
+1.4 state %/near.json
+1.5 push 0 0 0 0 0.5 0
+1.8 push 0 0 0 0 0 0
+1.9 state %/turned.json
+2.0 push 0 0 0 0 0 0 2
+2.1 push 0 0 0 0 0 0
+2.2 state %/fitted.json
+2.3 push 0 0 0 0 0 0 1
+2.4 push 0 0 -1 0 0 0
+3.4 push 0 0 0 0 0 0
+3.6 state %/touch.json
+3.7 push 0 0 0.9 0 0 0
+4.7 state %/back.json
+4.8 push 0 0 0 0 0 0 1
+5.0 state %/let.json
+5.1 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 3000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto camera = [&](const char* name) { return played->state(name)["camera"]; };
+  const auto part = [](const nlohmann::json& v, int k) { return v[static_cast<std::size_t>(k)].get<double>(); };
+  const auto distance = [&](const nlohmann::json& one) {
+    double sum = 0;
+    for (int k = 0; k < 3; ++k) sum += std::pow(part(one["eye"], k) - part(one["target"], k), 2);
+    return std::sqrt(sum);
+  };
+  const auto begin = camera("begin.json"), moved = camera("moved.json"), near = camera("near.json");
+  CHECK(moved["target"] != begin["target"]);
+  CHECK(distance(moved) == doctest::Approx(distance(begin)));
+  CHECK(distance(near) < 0.9 * distance(begin));
+  CHECK(camera("turned.json")["eye"] != near["eye"]);
+  CHECK(distance(camera("turned.json")) == doctest::Approx(distance(near)));
+  CHECK(distance(camera("fitted.json")) == doctest::Approx(distance(begin)));
+  const auto touch = played->state("touch.json"), back = played->state("back.json");
+  CHECK(touch["stylus"] == true);
+  CHECK(touch["contact"] == true);
+  CHECK(touch["peak_force_N"] > 0.3);
+  CHECK(touch["camera"] == played->state("fitted.json")["camera"]);  // the stylus moves now, not the model
+  CHECK(back["contact"] == false);
+  CHECK(played->state("let.json")["stylus"] == false);
+}
+
 TEST_CASE("no validation message while a model is touched, sculpted and meshed") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --edit carve", R"(
 0.1 mouse 300 120
-0.2 key c
 0.3 key m
 0.6 state %/mesh.json
 0.7 key space down
@@ -316,6 +288,37 @@ TEST_CASE("another device draws what this one touches: edits cross through the h
   CHECK(dent["edits"] > 0);
   const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "dent.png");
   CHECK(differing(before, after, 300, 190, 30) > 20);
+}
+
+TEST_CASE("a device that a person holds is felt in the window, and goes where the hand does on the screen") {
+  if (!hasDisplay()) return;
+  // From before the sphere into it, along the device's axis towards the user.
+  const FakeDriver driver("fake_hd", "lead 2\nbutton 1 3.5 60", "0,0,0,34.5\n1,0,0,28\n60,0,0,28\n");
+  const auto played = play("%/sphere.ply --size 480x320 --edit push --device openhaptics", R"(
+0.2 state %/before.json
+4.5 state %/touch.json
+5.0 key x
+6.0 state %/turned.json
+6.1 quit
+)",
+                           "", [](const auto& folder) { makeSphere(folder); });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto touched = played->state("touch.json"), turned = played->state("turned.json");
+  const auto sizeOf = [](const nlohmann::json& v) {
+    return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+  };
+  CAPTURE(touched.dump());
+  CAPTURE(turned.dump());
+  CHECK(touched["stylus"] == true);
+  CHECK(driver.note().mostForce_N > 0.2);
+  CHECK(played->state("before.json")["edits"] == 0);
+  CHECK(touched["edits"].get<int>() > 0);  // the button is pressed
+  // Towards the eye, which is first before the model and then beside it.
+  CHECK(touched["hip"][2].get<double>() > 0.8 * sizeOf(touched["hip"]));
+  CHECK(turned["hip"][0].get<double>() > 0.9 * sizeOf(turned["hip"]));
+  CHECK(driver.lastForce_N() == DVec3(0));
+  CHECK(driver.note().threadFaults + driver.note().frameFaults == 0);
+  CHECK(driver.note().closed == 1);
 }
 
 TEST_CASE("without a display the window says what it needs") {

@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <numeric>
 #include <string>
 
 #include "engine/cloud/analytic_shape.hpp"
@@ -33,6 +34,32 @@ TEST_CASE("each connected part looks outwards for itself") {
   cloud.positions.insert(cloud.positions.end(), other.positions.begin(), other.positions.end());
   cloud.normals.insert(cloud.normals.end(), other.normals.begin(), other.normals.end());
   CHECK(worstCosine(cloud) > std::cos(0.1));
+}
+
+TEST_CASE("edges are kept where planes cut across them, and what is smooth is left as it is") {
+  for (const char* shape : {"cube", "bumpy-sphere"}) {
+    const PointCloud cloud = sampleShape(*makeShape(shape), {.count = 20'000});
+    std::vector<FittedPlane> planes(cloud.size());
+    NeighbourGraph graph{.degree = 16, .neighbours = std::vector<std::uint32_t>(16 * cloud.size())};
+    std::vector<std::uint32_t> all(cloud.size());
+    std::iota(all.begin(), all.end(), 0u);
+    fitNearestPlanes(cloud.positions, all, 16, planes, graph);
+    const std::vector<Vec3> kept = keepEdges(cloud.positions, planes);
+    double before = 0, after = 0;
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      if (kept[i] == planes[i].normal) continue;
+      ++changed;
+      before += 1 - std::abs(glm::dot(planes[i].normal, cloud.normals[i]));
+      after += 1 - std::abs(glm::dot(kept[i], cloud.normals[i]));
+    }
+    if (std::string(shape) == "bumpy-sphere") {
+      CHECK(changed == 0);
+    } else {
+      CHECK(changed > 1000);
+      CHECK(after < 0.4 * before);
+    }
+  }
 }
 
 TEST_CASE("duplicates and thread counts change nothing") {

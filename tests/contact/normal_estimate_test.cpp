@@ -41,7 +41,7 @@ Vec3 fittedInDouble(const PointTree& tree, std::span<const Vec3> positions, cons
 
 void checkUnit(const PointCloud& cloud) {
   REQUIRE(cloud.normals.size() == cloud.size());
-  for (const Vec3& normal : cloud.normals) REQUIRE(glm::length(normal) == doctest::Approx(1).epsilon(1e-4));
+  for (const Vec3& normal : cloud.normals) REQUIRE(glm::length(normal) == doctest::Approx(1).scale(0).epsilon(1e-4));
 }
 
 }  // namespace
@@ -91,8 +91,86 @@ TEST_CASE_FIXTURE(GpuFixture, "around the edges and corners of a cube normals st
   PointCloud cloud = scene.cloud;
   cloud.normals.clear();
   estimateNormals(device, cloud);
-  // In a corner the plane cuts across three faces; nowhere does it turn beyond the diagonal's 55 degrees by much.
-  CHECK(worstCosine(cloud.normals, scene.cloud.normals) > std::cos(1.1));
+  for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(glm::dot(cloud.normals[i], cloud.positions[i]) > 0);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of its own side") {
+  for (const double noise : {0.0, 0.1}) {
+    CAPTURE(noise);
+    const double spacing = makeScene("cube", 30'000).spacing;
+    const Scene scene = makeScene("cube", 30'000, DVec3(0), noise * spacing);
+    PointCloud onGpu = cloudAt(scene.cloud.positions), onCpu = onGpu;
+    CHECK(estimateNormals(device, onGpu).onHost == 0);
+    estimateNormals(onCpu);
+    for (const PointCloud* cloud : {&onGpu, &onCpu}) {
+      std::vector<double> angles;
+      for (std::size_t i = 0; i < cloud->size(); ++i) {
+        const DVec3 p = glm::abs(DVec3(cloud->positions[i]));
+        const double offEdge = 50 - glm::max(glm::min(p.x, p.y), glm::min(glm::max(p.x, p.y), p.z));
+        if (50 - glm::min(p.x, glm::min(p.y, p.z)) < 6 * spacing) continue;  // a corner
+        if (offEdge < (noise > 0 ? 0.9 : 0.5) * spacing || offEdge > 2 * spacing) continue;
+        const double cosine = glm::dot(cloud->normals[i], scene.cloud.normals[i]);
+        angles.push_back(std::acos(std::clamp(cosine, -1.0, 1.0)));
+      }
+      REQUIRE(angles.size() > 1000);
+      std::ranges::sort(angles);
+      // Planes alone are off by 0.2 in the median, and one in ten by 0.4.
+      CHECK(angles[angles.size() / 2] < (noise > 0 ? 0.05 : 0.01));
+      CHECK(angles[angles.size() * 9 / 10] < (noise > 0 ? 0.13 : 0.05));
+    }
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture,
+                  "edges are kept on the GPU as in double precision, and smooth shapes are left as they are") {
+  std::size_t changed = 0;
+  for (const char* shape : {"cube", "bumpy-sphere"}) {
+    const Scene scene = makeScene(shape, 20'000);
+    LiveCloud live(device, scene.cloud);
+    SpatialHash hash(device, makeHashGrid(boundsOf(scene.cloud).min, scene.radius, live.count()), live.count());
+    hash.build(live);
+    const NormalEstimate estimate(device, live.count());
+    CommandList list(device, device.touch(), "estimate");
+    list.begin();
+    estimate.record(list, hash.view(live.side(), live.count()), scene.radius);
+    list.end();
+    device.touch().run(list);
+    const auto planes = download<Vec4>(device, estimate.planes(), live.count());
+    const auto fits = download<Vec2>(device, estimate.fits(), live.count());
+    const auto normals = download<Vec4>(device, estimate.normals(), live.count());
+    const PointTree tree(scene.cloud.positions);
+    for (std::uint32_t i = 0; i < live.count(); ++i) {
+      const DVec3 at(scene.cloud.positions[i]), own{Vec3(planes[i])}, found{Vec3(normals[i])};
+      if (std::string(shape) == "bumpy-sphere") REQUIRE(found == own);
+      if (found == own || i % 5) continue;
+      ++changed;
+      std::vector<std::uint32_t> around;
+      tree.within(at, planes[i].w, around);
+      double flattest = fits[i].x;
+      for (const std::uint32_t j : around) flattest = std::min(flattest, double{fits[j].x});
+      double most = 0;
+      DVec3 best(0), sum(0);
+      const auto weigh = [&](auto&& use) {
+        for (const std::uint32_t j : around) {
+          const DVec3 normal{Vec3(planes[j])}, d = DVec3(scene.cloud.positions[j]) - at;
+          const double r = glm::length(d) / planes[i].w, height = glm::dot(normal, d);
+          const double w = std::pow(1 - r, 4) * (4 * r + 1) *
+                           std::exp(-(fits[j].x - flattest) / (0.0036 * fits[i].y + 0.5 * flattest) -
+                                    height * height / (0.0064 * fits[i].y + 3 * flattest));
+          use(glm::dot(normal, own) < 0 ? -normal : normal, w);
+        }
+      };
+      weigh([&](const DVec3& normal, double w) {
+        if (w > most) most = w, best = normal;
+      });
+      weigh([&](const DVec3& normal, double w) {
+        if (glm::dot(normal, best) > 0.9) sum += w * normal;
+      });
+      const double edge = glm::smoothstep(0.0144, 0.04, (fits[i].x - 6 * flattest) / fits[i].y);
+      CHECK(glm::distance(found, glm::normalize(glm::mix(own, glm::normalize(sum), edge))) < 1e-3);
+    }
+  }
+  CHECK(changed > 100);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "sizes around a workgroup, far from the origin and on its negative side") {
@@ -173,16 +251,13 @@ TEST_CASE_FIXTURE(GpuFixture, "the named neighbours stand nearest in the eight s
   LiveCloud live(device, scene.cloud);
   SpatialHash hash(device, makeHashGrid(Vec3(-60), scene.radius, live.count()), live.count());
   hash.build(live);
-  const Buffer planes = Buffer::of<Vec4>(device, live.count(), Memory::device, "planes");
-  const Buffer named =
-      Buffer::of<std::uint32_t>(device, live.count() * shared::kSectors, Memory::device, "named neighbours");
+  const NormalEstimate estimate(device, live.count());
   CommandList list(device, device.touch(), "estimate");
   list.begin();
-  const NormalEstimate estimate(device);
-  estimate.record(list, hash.view(live.side(), live.count()), planes, named, scene.radius);
+  estimate.record(list, hash.view(live.side(), live.count()), scene.radius);
   list.end();
   device.touch().run(list);
-  const auto ids = download<std::uint32_t>(device, named, live.count() * shared::kSectors);
+  const auto ids = download<std::uint32_t>(device, estimate.neighbours(), live.count() * shared::kSectors);
   for (std::uint32_t i = 0; i < live.count(); i += 997) {
     std::set<std::uint32_t> own;
     std::size_t inSectors = 0;

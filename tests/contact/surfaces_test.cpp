@@ -1,6 +1,8 @@
 // What the three kinds of surface make of shapes whose truth is known, and the GPU against double precision.
 #include <algorithm>
+#include <limits>
 
+#include "engine/cloud/counter_random.hpp"
 #include "engine/contact/contact_reference.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
@@ -89,7 +91,8 @@ TEST_CASE("sphere and sharp find round shapes without bias; the average lies whe
     }
     const Accuracy average = accuracyOf(scene, scene.cloud, SurfaceKind::average);
     CHECK(average.p95_deg < 0.4);
-    if (name == "sphere") CHECK(-average.bias == doctest::Approx(averageSurfaceBias(scene.radius, 50)).epsilon(0.1));
+    if (name == "sphere")
+      CHECK(-average.bias == doctest::Approx(averageSurfaceBias(scene.radius, 50)).scale(0).epsilon(0.1));
   }
 }
 
@@ -150,6 +153,56 @@ TEST_CASE("the support radius follows the local spacing, and the surface is smoo
   CHECK(fixed.surface({40, 1.3, 0.4}).neighbours < 12);
 }
 
+TEST_CASE("the support radius grows with the noise of the positions, from an eighth of a spacing on, to its double") {
+  CHECK(wideningFor(0) == 1);
+  CHECK(wideningFor(0.13) == 1);
+  CHECK(wideningFor(0.25) == doctest::Approx(1.875).scale(0).epsilon(0.01));
+  CHECK(wideningFor(0.5) == 2);
+  CHECK(wideningFor(std::numeric_limits<double>::quiet_NaN()) == 1);
+}
+
+TEST_CASE("a widened support radius evens noise out, and costs a clean sphere what theory says") {
+  const Scene clean = makeScene("sphere", 50'000);
+  const double widening = wideningFor(0.25), wide = widening * clean.radius;
+  CHECK(ContactReference(clean.cloud, {.radius = wide, .widening = widening}).surface({0, 0, 50}).distance ==
+        doctest::Approx(averageSurfaceBias(wide, 50)).scale(0).epsilon(0.1));
+  const PointCloud noisy = sampleShape(*makeShape("sphere"), {.count = 50'000, .noise = 0.25 * clean.spacing});
+  const auto ripple = [&](const SurfaceOptions& options) {
+    const ContactReference reference(noisy, options);
+    double squares = 0;
+    for (int i = 0; i < 400; ++i) {
+      const DVec3 place = 50.0 * glm::normalize(randomNormal3(7, static_cast<std::uint64_t>(i)));
+      const double height = reference.surface(place).distance / clean.spacing;
+      squares += height * height / 400;
+    }
+    return std::sqrt(squares);
+  };
+  CHECK(ripple({.radius = clean.radius, .kind = SurfaceKind::sphere}) > 0.058);
+  CHECK(ripple({.radius = wide, .kind = SurfaceKind::sphere, .widening = widening}) < 0.04);
+}
+
+TEST_CASE("a widened support radius shrinks back at an edge, smoothly") {
+  const Scene cube = makeScene("cube", 50'000);
+  const double widening = 1.6;
+  for (const auto& [name, kind] : kSurfaceKinds) {
+    CAPTURE(name);
+    const ContactReference narrow(cube.cloud, {.radius = cube.radius, .kind = kind});
+    const ContactReference widened(cube.cloud, {.radius = widening * cube.radius, .kind = kind, .widening = widening});
+    const auto at = [&](const ContactReference& reference, double offEdge) {
+      return reference.surface({50 - offEdge * cube.radius, 50 - 0.02 * cube.radius, 3.3}, {0, 1, 0});
+    };
+    for (const double offEdge : {0.05, 0.2, 0.4})
+      CHECK(at(widened, offEdge).distance == doctest::Approx(at(narrow, offEdge).distance).scale(0).epsilon(1e-6));
+    const auto flat = at(widened, 2.0);
+    CHECK(flat.neighbours > 2.2 * at(narrow, 2.0).neighbours);
+    CHECK(flat.distance == doctest::Approx(-0.02 * cube.radius).scale(0).epsilon(1e-3));
+    double steepest = 0;
+    for (double offEdge = 0.1; offEdge < 2; offEdge += 0.01)
+      steepest = std::max(steepest, std::abs(at(widened, offEdge).distance - at(widened, offEdge + 0.01).distance));
+    CHECK(steepest < 0.02 * cube.radius);
+  }
+}
+
 TEST_CASE("points that all lie in one place, on one line or within rounding are flat, not curved") {
   for (const auto& [name, kind] : kSurfaceKinds) {
     CAPTURE(name);
@@ -173,6 +226,7 @@ struct Way {
   SurfaceKind kind;
   bool localRadius;
   double friction;
+  double widening = 1;
 };
 
 // Wanders over a shape on the GPU and in double precision.
@@ -180,11 +234,16 @@ void checkAgreement(Device& device, const Way& way, std::string_view shape) {
   CAPTURE(shape);
   CAPTURE(static_cast<int>(way.kind));
   const Scene scene = makeScene(shape, 10'000);
-  const double radius = way.localRadius ? 1.5 * scene.radius : scene.radius;
+  const double radius = (way.localRadius ? 1.5 * scene.radius : scene.radius) * way.widening;
   TouchSide touch(device, scene.cloud,
-                  {.radius = radius, .surface = way.kind, .localRadius = way.localRadius, .friction = way.friction});
-  ContactReference reference(scene.cloud, {.radius = radius, .kind = way.kind, .localRadius = way.localRadius},
-                             way.friction);
+                  {.radius = radius,
+                   .surface = way.kind,
+                   .localRadius = way.localRadius,
+                   .widening = way.widening,
+                   .friction = way.friction});
+  ContactReference reference(
+      scene.cloud, {.radius = radius, .kind = way.kind, .localRadius = way.localRadius, .widening = way.widening},
+      way.friction);
   std::size_t touched = 0, disagreed = 0;
   double worstProxy = 0, worstNormal_deg = 0;
   for (const DVec3& hip : wanderingPath(scene, 120, 0.4 * scene.radius, 3)) {
@@ -212,7 +271,8 @@ TEST_CASE("every kind of surface is the same on the GPU as in double precision")
   // GPU-assisted validation compiles for some ten seconds each time.
   Device device({.gpu = "", .validate = false});
   for (const Way way : {Way{SurfaceKind::sphere, false, 0}, Way{SurfaceKind::sharp, false, 0.3},
-                        Way{SurfaceKind::average, true, 0.3}, Way{SurfaceKind::sharp, true, 0}})
+                        Way{SurfaceKind::average, true, 0.3}, Way{SurfaceKind::sharp, true, 0},
+                        Way{SurfaceKind::average, false, 0, 1.6}, Way{SurfaceKind::sphere, true, 0.3, 1.3}})
     for (const std::string_view shape : {"torus", "cube", "bumpy-sphere"}) checkAgreement(device, way, shape);
 }
 

@@ -45,9 +45,9 @@ void checkPress(const Model& model, double penetration_mm, double tolerance_mm) 
   const Path path = builtinPath("press", model.cloud, model.scale, penetration_mm);
   CHECK(path.duration_s() < 0.6);
   CHECK(path.duration_s() > 0.3);
-  CHECK(model.height_mm(path.at(0)) == doctest::Approx(3).epsilon(tolerance_mm / 3));
+  CHECK(model.height_mm(path.at(0)) == doctest::Approx(3).scale(0).epsilon(tolerance_mm / 3));
   CHECK(model.height_mm(path.at(path.duration_s())) ==
-        doctest::Approx(-penetration_mm).epsilon(tolerance_mm / penetration_mm));
+        doctest::Approx(-penetration_mm).scale(0).epsilon(tolerance_mm / penetration_mm));
   CHECK(path.at(path.duration_s() - 0.24) == path.at(path.duration_s()));
   // It comes down steadily: nothing else is in the way.
   for (double t = 0.01; t < 0.2; t += 0.01)
@@ -135,8 +135,8 @@ TEST_CASE("scan taps twenty-five times and is outside between taps") {
     inside = height < (inside ? 0.0 : -0.5);
   }
   CHECK(taps == 25);
-  CHECK(deepest == doctest::Approx(-1).epsilon(0.1));
-  CHECK(model.height_mm(path.at(path.duration_s())) == doctest::Approx(2).epsilon(0.1));
+  CHECK(deepest == doctest::Approx(-1).scale(0).epsilon(0.1));
+  CHECK(model.height_mm(path.at(path.duration_s())) == doctest::Approx(2).scale(0).epsilon(0.1));
 }
 
 TEST_CASE("the same cloud gives the same path") {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "engine/core/contact_query.hpp"
@@ -49,6 +50,64 @@ class SphereContact : public ContactQuery {
   DVec3 center_;
   double from_s_ = 0, to_s_ = 0;
   bool withNaN_ = false;
+};
+
+/// A sphere that both hands feel; counts who is put down.
+class SharedSphere final : public ContactQuery {
+ public:
+  explicit SharedSphere(double radius = 50) : sphere_(radius) {}
+  Contact query(const Pose& pose, double budget_us) noexcept override {
+    if (pose.secondHip) second_ = sphere_.query({.time_s = pose.time_s, .hip = *pose.secondHip}, budget_us);
+    ++queries;
+    return sphere_.query(pose, budget_us);
+  }
+  Contact second() const noexcept override { return second_; }
+  void beginAnew() noexcept override { ++firstPutDown; }
+  void secondBeginsAnew() noexcept override { ++secondPutDown; }
+
+  int queries = 0, firstPutDown = 0, secondPutDown = 0;
+
+ private:
+  SphereContact sphere_;
+  Contact second_;
+};
+
+/// A point of a tool that is pressed so deep into a plane at its proxy.
+inline PointContact pressedPoint(const DVec3& hip, double depth, double share, const DVec3& normal = {0, 0, 1}) {
+  return {.hip = hip,
+          .share = share,
+          .contact = {.proxy = hip + depth * normal,
+                      .normal = normal,
+                      .touching = depth > 0,
+                      .fresh = true,
+                      .valid = true,
+                      .neighbours = 20}};
+}
+
+/// A tool of two points, 4 to each side of the HIP, over a plane at `height`; the one at x < 0 is off the plane's edge.
+class HalfOverPlane final : public ContactQuery {
+ public:
+  explicit HalfOverPlane(double height = 0) : height_(height) {}
+  Contact query(const Pose& pose, double) noexcept override {
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const DVec3 hip = pose.hip + pose.turn * DVec3(i == 0 ? -4 : 4, 0, 0);
+      points_[i] = pressedPoint(hip, i == 0 ? 0 : std::max(0.0, height_ - hip.z), 0.5);
+      if (pose.time_s >= failsFrom_s) points_[i].contact.valid = false;
+    }
+    const bool touching = points_[1].contact.touching;
+    return {.proxy = pose.hip + 0.5 * (points_[1].contact.proxy - points_[1].hip),
+            .normal = {0, 0, touching ? 1 : 0},
+            .touching = touching,
+            .fresh = true,
+            .valid = pose.time_s < failsFrom_s};
+  }
+  std::span<const PointContact> points() const noexcept override { return points_; }
+
+  double failsFrom_s = std::numeric_limits<double>::infinity();
+
+ private:
+  double height_;
+  std::array<PointContact, 2> points_{};
 };
 
 }  // namespace palpate

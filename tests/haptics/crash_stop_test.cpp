@@ -73,11 +73,14 @@ class DoomedSphere final : public ContactQuery {
       done_ = true;
       doom_();
     }
+    if (pose.secondHip) second_ = sphere_.query({.hip = *pose.secondHip}, budget_us);
     return sphere_.query(pose, budget_us);
   }
+  Contact second() const noexcept override { return second_; }
 
  private:
   SphereContact sphere_{50};
+  Contact second_;
   std::function<void()> doom_;
   bool done_ = false;
 };
@@ -139,6 +142,31 @@ TEST_CASE("a program that crashes in the middle of a touch leaves no force behin
   CHECK(record->peak_N > 1);
   CHECK(record->force_N == 0);
   CHECK(record->stops == 1);
+}
+
+TEST_CASE("a crash takes the force from both hands") {
+  const SharedRecord first, second;
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    const rlimit none{};
+    ::setrlimit(RLIMIT_CORE, &none);
+    std::signal(SIGSEGV, SIG_DFL);
+    RecordingDevice one(*first), other(*second);
+    DoomedSphere sphere(writeWhereNoneMay);
+    ServoLoop(one, sphere, ForceLaw({}, {}), {.duration_s = 1},
+              SecondHand{.device = other, .law = ForceLaw({}, {}), .options = {}})
+        .run();
+    ::_exit(0);
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  for (const SharedRecord* record : {&first, &second}) {
+    CHECK((*record)->peak_N > 1);
+    CHECK((*record)->force_N == 0);
+    CHECK((*record)->stops == 1);
+  }
 }
 
 TEST_CASE("a signal that the program handles is handled, after the force is gone") {

@@ -1,4 +1,4 @@
-#include "haptics/guided_touch.hpp"
+#include "haptics/devices/guided_touch.hpp"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "engine/core/error.hpp"
-#include "haptics/replay_device.hpp"
+#include "haptics/devices/replay_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 
@@ -25,7 +25,7 @@ class CountingContact final : public SphereContact {
 
 class Recorder final : public TickRecorder {
  public:
-  void ticked(const TraceRow& row, const DVec3&) noexcept override {
+  void ticked(const TraceRow& row, const DeviceState&) noexcept override {
     if (count < rows.size()) rows[count] = row;
     ++count;
   }

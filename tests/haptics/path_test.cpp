@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "engine/core/error.hpp"
-#include "haptics/path_device.hpp"
+#include "haptics/devices/path_device.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {

@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
+#include "haptics/devices/hid_device.hpp"
+#include "haptics/devices/rumbling_device.hpp"
 #include "haptics/servo_loop.hpp"
-#include "haptics/simulated_touch.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/fake_hid.hpp"
 
 namespace palpate {
 namespace {
@@ -35,11 +37,26 @@ TEST_CASE("no tick allocates memory") {
   bool realtime = true;
   SUBCASE("in real time") {}
   SUBCASE("in virtual time") { realtime = false; }
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.1, .realtime = realtime});
+  HalfOverPlane plane(8.5);
+  ContactQuery* query = &sphere;
+  SUBCASE("with a tool of many points") {
+    realtime = false;
+    query = &plane;
+  }
+  SharedSphere shared(10);
+  SimulatedTouch other(Path({{0, {12, 0, 0}}, {0.05, {8, 0, 0}}}), {});
+  std::optional<SecondHand> second;
+  SUBCASE("of two hands") {
+    realtime = false;
+    query = &shared;
+    second.emplace(SecondHand{.device = other, .law = ForceLaw({}, {}), .options = {}});
+  }
+  ServoLoop loop(device, *query, ForceLaw({}, {}), {.duration_s = 0.1, .realtime = realtime}, second);
   allocations = 0;
   const ServoResult result = loop.run();
   counting = false;
   CHECK(allocations == 0);
+  if (second) CHECK(summarize(result.second->trace).contactTicks > 0);
   if (!realtime) CHECK(summarize(result.trace).contactTicks > 0);  // a busy machine may miss them
 
   counting = true;
@@ -47,6 +64,31 @@ TEST_CASE("no tick allocates memory") {
   delete kept;
   counting = false;
   CHECK(allocations == 1);  // the counter counts
+}
+
+TEST_CASE("no tick of a 3D mouse with a gamepad that rumbles allocates, also while it is unplugged") {
+  const auto hid = std::make_shared<FakeHid>();
+  hid->plug(spaceMouse());
+  hid->plug(dualSense());
+  Remarks remarks;
+  RumblingDevice device(std::make_unique<HidDevice>(hid, spaceMouse(), DVec3(0, 0, 12), remarks.sink()),
+                        std::make_unique<Rumble>(hid, dualSense(), remarks.sink()));
+  countedThread = std::this_thread::get_id();
+  allocations = 0;
+  bool rendered = true;
+  for (int tick = 0; tick < 2000; ++tick) {
+    if (tick == 1000) {
+      hid->unplug("/dev/hidraw3");
+      REQUIRE(comesTrue([&] { return !device.read(1).rendersForce; }));
+    }
+    counting = true;
+    rendered = device.read(tick * 1e-3).rendersForce;
+    device.write({0, 0, 1});
+    counting = false;
+  }
+  countedThread = std::thread::id();
+  CHECK(allocations == 0);
+  CHECK(!rendered);
 }
 
 }  // namespace palpate

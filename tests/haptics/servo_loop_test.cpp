@@ -10,7 +10,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
-#include "haptics/path_device.hpp"
+#include "haptics/devices/path_device.hpp"
 #include "tests/haptics/contact_doubles.hpp"
 #include "tests/scratch_folder.hpp"
 

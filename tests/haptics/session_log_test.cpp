@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "engine/core/error.hpp"
-#include "haptics/replay_device.hpp"
+#include "haptics/devices/replay_device.hpp"
 #include "haptics/session_writer.hpp"
 #include "tests/scratch_folder.hpp"
 

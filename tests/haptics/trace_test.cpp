@@ -48,6 +48,18 @@ TEST_CASE("a trace in virtual time is written without wall-clock times and witho
                                             "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0\n");
 }
 
+TEST_CASE("the trace of a tool of many points has its torques at the end") {
+  const ScratchFolder folder;
+  Trace trace = twoTicks();
+  trace.torques = true;
+  trace.rows[1].torque_mNm = {0.5, -0.0, -2};
+  writeTraceCsv(folder / "trace.csv", trace);
+  CHECK(textOf(folder / "trace.csv") == kHeader.substr(0, kHeader.size() - 1) + ",torque_x,torque_y,torque_z\n" +
+                                            "0,1,0,0.1,1,0,0.1,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0\n" +
+                                            "0.001,1000000.125,0,-1e-07,1,0,0,0,0,1,0,-3,4,2,1,31,1,0,0,0.5,0,-2\n");
+  CHECK(summarize(trace).peakTorque_mNm == doctest::Approx(std::sqrt(4.25)));
+}
+
 TEST_CASE("a trace in real time is written with wall-clock times") {
   const ScratchFolder folder;
   Trace trace = twoTicks();

@@ -61,6 +61,39 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
   }
 }
 
+TEST_CASE("the questions of a tool's points and of two hands are asked ahead together, and answered all or none") {
+  Device device({.gpu = "", .validate = false});
+  const Scene scene = makeScene("sphere", 10'000);
+  for (const std::size_t points : {0u, 8u, 64u}) {
+    CAPTURE(points);
+    TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
+    plain.friction = ahead.friction = 0.3;
+    plain.secondHand = ahead.secondHand = true;
+    if (points > 0) plain.tool = ahead.tool = makeTool(ToolKind::pad, points, 6);
+    TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
+    REQUIRE(b.asksAhead());
+    int touching = 0;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      CAPTURE(tick);
+      Pose pose = poseAt(tick);
+      pose.secondHip = -poseAt(kTicks - tick).hip;
+      if (tick == 120) a.secondBeginsAnew();
+      const Contact expected = a.query(pose, 0);
+      if (tick % 50 != 49) b.prepare();
+      if (tick % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
+      if (tick % 40 == 39) b.finish();  // which withdraws them
+      if (tick == 120) b.secondBeginsAnew();
+      checkEqual(b.query(pose, 0), expected);
+      checkEqual(b.second(), a.second());
+      REQUIRE(a.points().size() == b.points().size());
+      for (std::size_t i = 0; i < a.points().size(); ++i) checkEqual(b.points()[i].contact, a.points()[i].contact);
+      touching += expected.touching && a.second().touching;
+    }
+    CHECK(touching > kTicks / 10);
+    CHECK(b.answeredAhead() > (device.isCpu() ? 0 : kTicks / 2));
+  }
+}
+
 TEST_CASE("a question that waited in vain is asked again") {
   Device device({.gpu = "", .validate = false});
   const Scene scene = makeScene("sphere", 5'000);

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "engine/touch/touch_side.hpp"
-#include "haptics/path_device.hpp"
+#include "haptics/devices/path_device.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"

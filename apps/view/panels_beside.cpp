@@ -1,0 +1,180 @@
+// The part of Panels that stands beside the panel: curves, help, messages and the question about changes.
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/view/panels.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kCurve = 300;         // values across a plot, and
+constexpr std::size_t kTicksPerValue = 10;  // ticks that each stands for, by the largest of them
+
+void help(const char* text) {
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", text);
+}
+
+// The last ticks, thinned to what a plot can show.
+std::vector<float> curveOf(const std::deque<TraceRow>& rows, auto&& value) {
+  std::vector<float> curve;
+  const std::size_t count = std::min(rows.size(), kCurve * kTicksPerValue);
+  const std::size_t from = rows.size() - count;
+  for (std::size_t i = from; i < rows.size(); i += kTicksPerValue) {
+    float largest = 0;
+    for (std::size_t k = i; k < std::min(i + kTicksPerValue, rows.size()); ++k)
+      largest = std::max(largest, static_cast<float>(value(rows[k])));
+    curve.push_back(largest);
+  }
+  return curve;
+}
+
+void plot(const char* what, const std::vector<float>& curve, float least, float height, const std::string& span) {
+  const float largest = curve.empty() ? 0.0f : *std::ranges::max_element(curve);
+  constexpr float kHeadroom = 1.4f;  // for the words
+  const float top = kHeadroom * std::max(least, largest);
+  const float last = curve.empty() ? 0.0f : curve.back();
+  const std::string label =
+      fmt::format("{}   {}", what, last < 100 ? fmt::format("{:.3g}", last) : fmt::format("{:.0f}", last));
+  ImGui::PlotLines("##curve", curve.data(), static_cast<int>(curve.size()), 0, label.c_str(), 0, top,
+                   {ImGui::GetContentRegionAvail().x, height});
+  help(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
+}
+
+}  // namespace
+
+void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes) {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x - em(0.6), em(0.6)}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowSize({em(18), 0});
+  ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
+  const TickHistory& history = status.session->history();
+  if (!paused_)
+    curves_ = {curveOf(history.rows(), [](const TraceRow& row) { return glm::length(row.force_N); }),
+               curveOf(history.rows(), [](const TraceRow& row) { return row.penetration_mm; }),
+               curveOf(history.rows(), [](const TraceRow& row) { return row.step_us; }),
+               {status.pictures_ms->begin(), status.pictures_ms->end()}};
+  const float height = em(3.4);
+  const auto curve = [&](const char* what, const std::vector<float>& values, float least, const std::string& span) {
+    ImGui::PushID(what);
+    plot(what, values, least, height, span);
+    ImGui::PopID();
+  };
+  const std::string ticks = fmt::format("{} ticks", kCurve * kTicksPerValue);
+  curve("force, N", curves_.force_N, 1, ticks);
+  curve("penetration, mm", curves_.penetration_mm, 1, ticks);
+  curve("tick, us", curves_.step_us, 100, ticks);
+  curve("picture, ms", curves_.picture_ms, 16, fmt::format("{} pictures", curves_.picture_ms.size()));
+  ImGui::Text("tick p50 %.0f us, p99.9 %.0f us", history.step_us().quantile_us(0.5),
+              history.step_us().quantile_us(0.999));
+  ImGui::Text("missed %llu of %llu ticks", static_cast<unsigned long long>(history.missed()),
+              static_cast<unsigned long long>(history.ticks()));
+  const double fps = std::round(status.fps);
+  ImGui::Text("%.0f picture%s a second", fps, fps == 1 ? "" : "s");
+  ImGui::TextDisabled("%s", status.gpu.c_str());
+  if (noted("passes, us on the GPU", ImGui::TreeNode("passes, us on the GPU"))) {
+    for (const PassRecord& pass : status.passes)
+      if (pass.gpu_us > 0) ImGui::Text("%-24.24s %8.0f", pass.name.c_str(), pass.gpu_us);
+    ImGui::TreePop();
+  }
+  if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
+  ImGui::SameLine();
+  if (button("Export CSV")) wishes.exportTicks = true;
+  help("writes the last minute of ticks to a file");
+  ImGui::End();
+}
+
+void Panels::drawHelp(ViewSettings& view) {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
+  ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
+  static constexpr std::array<std::pair<const char*, const char*>, 18> kRows{
+      {{"hold Space", "the mouse is the stylus: move over the model"},
+       {"Space + left button", "press into the model, and sculpt with a tool"},
+       {"Space + wheel", "deeper, or less deep"},
+       {"T", "keep the stylus without holding Space"},
+       {"left drag", "turn the view about what is under the cursor"},
+       {"middle drag, Shift + left", "move the view"},
+       {"wheel", "zoom to the cursor"},
+       {"double click", "look at what is under the cursor"},
+       {"R;  X  Y  Z", "reset the view;  look along an axis (Shift: from behind)"},
+       {"1 to 7", "feel, push, carve, inflate, smooth, grab, paint"},
+       {"[  ]", "smaller, larger tool"},
+       {"Ctrl+Z,  Ctrl+Shift+Z", "undo, redo"},
+       {"Ctrl+S", "save"},
+       {"Backspace", "forces off, and on again"},
+       {"M", "triangles (marching cubes), or points"},
+       {"P,  C", "picture to a file,  curves on and off"},
+       {"Tab", "panels on and off"},
+       {"H,  Q", "this help,  quit"}}};
+  if (ImGui::BeginTable("keys", 2)) {
+    ImGui::TableSetupColumn("keys", ImGuiTableColumnFlags_WidthFixed);
+    ImGui::TableSetupColumn("what", ImGuiTableColumnFlags_WidthStretch);
+    for (const auto& [keys, what] : kRows) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(keys);
+      ImGui::TableNextColumn();
+      ImGui::TextWrapped("%s", what);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::TextWrapped("A gamepad: left stick moves, right stick or triggers go in depth, A holds the stylus.");
+  ImGui::TextWrapped("A 3D mouse: its cap is the model; the first button holds the stylus, then it is that.");
+  ImGui::End();
+}
+
+void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
+  std::vector<std::string> lines = status.messages;
+  if (!status.device.empty())
+    lines.insert(lines.begin(), status.device + ": button 1 sculpts, button 2 is the clutch");
+  else if (status.stylus)
+    lines.insert(lines.begin(), "stylus: press with the left button");
+  if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for help");
+  if (lines.empty()) return;
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  // Beside the panel where that would cover them.
+  const float left = view.panels && double{display.x} < roomyWidth_px() ? em(19) : 0;
+  ImGui::SetNextWindowPos({0.5f * (left + display.x), display.y - em(0.8)}, ImGuiCond_Always, {0.5f, 1});
+  ImGui::Begin("messages", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs |
+                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoNav);
+  ImGui::PushTextWrapPos(std::max(em(8), 0.7f * (display.x - left)));
+  for (const std::string& line : lines) ImGui::TextUnformatted(line.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
+// At the lower right, where no panel is.
+void Panels::drawScale(const ViewStatus::ScaleBar& bar) const {
+  const std::string text = fmt::format("{:g} mm", bar.length_mm);
+  const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
+  const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
+  const float width = static_cast<float>(bar.width_px), right = display.x - em(1.5),
+              y = std::round(display.y - em(1.5));
+  const float end = em(0.35), thick = em(0.14);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddLine({right - width, y}, {right, y}, color, thick);
+  for (const float x : {right - width, right}) list.AddLine({x, y - end}, {x, y + end}, color, thick);
+  list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
+}
+
+void Panels::drawQuestion(const ViewStatus& status, ViewWishes& wishes) {
+  if (status.asksAboutChanges && !ImGui::IsPopupOpen("Changes")) ImGui::OpenPopup("Changes");
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal("Changes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
+  ImGui::Text("%s has changed since it was saved.", std::filesystem::path(status.model).filename().c_str());
+  wishes.saveFirst = button("Save");
+  ImGui::SameLine();
+  wishes.discard = button("Do not save");
+  ImGui::SameLine();
+  wishes.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
+  if (wishes.saveFirst || wishes.discard || wishes.cancel || !status.asksAboutChanges) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "haptics/devices/haptic_device.hpp"
+
+namespace palpate {
+
+/// Where the device is in the model, through a clutch: while it is drawn the HIP stays where it is and the hand moves
+/// on alone, so that a small workspace reaches all of a large model.
+class Clutch {
+ public:
+  explicit Clutch(const WorkspaceMap& map) : map_(map) {}
+
+  /// `device`: in its own unit. Returns the HIP, model units.
+  DVec3 toModel(const DVec3& device, bool drawn) noexcept {
+    if (drawn) {
+      if (!drawn_) hip_ = map_.toModel(device);
+    } else if (drawn_) {
+      map_.offset = hip_ - map_.scale * device;
+    }
+    drawn_ = drawn;
+    return drawn ? hip_ : map_.toModel(device);
+  }
+  bool isDrawn() const noexcept { return drawn_; }
+
+ private:
+  WorkspaceMap map_;
+  bool drawn_ = false;
+  DVec3 hip_{0};  // while the clutch is drawn
+};
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+// A Force Dimension omega, delta or sigma, or a Novint Falcon, through the vendor's libdhd.
+#pragma once
+
+#include <array>
+#include <atomic>
+
+#include "haptics/devices/dhd.hpp"
+#include "haptics/devices/haptic_device.hpp"
+
+namespace palpate {
+
+/// Each call goes to the device over its cable, so the ticks run on our thread at our rate. Its own watchdog takes the
+/// force away when none has been written for some ms, whatever became of the program.
+class ForceDimensionDevice final : public HapticDevice {
+ public:
+  /// `index`: of the devices that are connected, from 0. Throws Error with what is missing and what to do, in words.
+  explicit ForceDimensionDevice(int index = 0);
+  ~ForceDimensionDevice() override;
+
+  std::string_view name() const override { return facts_.model; }
+  DeviceLimits limits() const override { return limits_; }
+  DeviceState read(double time_s) noexcept override;
+  bool write(const DVec3& force_N) noexcept override;
+  void emergencyStop() noexcept override { stopped_.store(true); }
+  std::string faultText() const override;
+
+  const HapticDeviceFacts& facts() const { return facts_; }
+
+ private:
+  std::string lastError() const;
+  /// `why`: in words, or null.
+  void fail(const char* why) noexcept;
+
+  VendorLibrary library_;
+  dhd::Api dhd_;
+  char device_ = -1;
+  HapticDeviceFacts facts_;
+  DeviceLimits limits_;
+  std::array<char, 128> fault_{};  // the driver's words at the first failure
+  std::atomic<bool> failed_ = false, stopped_ = false;
+};
+
+}  // namespace palpate

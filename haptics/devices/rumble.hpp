@@ -1,0 +1,62 @@
+// Contact as it is felt through a gamepad: a tap where it begins and a hum that grows with the force.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "engine/core/units.hpp"
+#include "engine/core/vec.hpp"
+#include "haptics/devices/dualsense_report.hpp"
+#include "haptics/devices/hid_link.hpp"
+
+namespace palpate {
+
+/// From forces to motors. Deterministic.
+class RumbleShape {
+ public:
+  /// `share` of the strongest force, 0 to 1; `contacts` that began so far. Times do not fall.
+  RumbleMotors at(double time_s, double share, std::uint32_t contacts) noexcept;
+
+ private:
+  std::uint32_t contacts_ = 0;
+  double tapUntil_s_ = 0;
+};
+
+/// The motors of a DualSense, driven by a thread of its own. They stand still at the end, when nobody tells a force any
+/// more, and for good after stop(). Only a kill -9 leaves them as they were.
+class Rumble {
+ public:
+  /// `device`: one that chooseDualSense() gave; a force of `full_N` and more is the strongest hum; where a
+  /// device has no such limit, that of a Touch is taken. Throws Error.
+  Rumble(std::shared_ptr<HidTransport> transport, const HidInfo& device, HidRemark remark,
+         double full_N = kTouchPeakForce_N);
+  ~Rumble();
+  Rumble(const Rumble&) = delete;
+  Rumble& operator=(const Rumble&) = delete;
+
+  /// The force of this tick. From one thread; waits for nobody and allocates nothing.
+  void tell(const DVec3& force_N) noexcept;
+  /// Async-signal-safe.
+  void stop() noexcept;
+
+ private:
+  void drive(const std::stop_token& stop);
+  void send(RumbleMotors motors);
+  void publish() noexcept;
+  void withdraw() noexcept;
+
+  double full_N_;
+  bool touching_ = false;  // of the thread that tells
+  std::atomic<float> share_ = 0;
+  std::atomic<std::uint32_t> contacts_ = 0, ticks_ = 0;
+  std::atomic<bool> stopped_ = false;
+  HidLink link_;  // of the thread that drives
+  RumbleMotors sent_;
+  // For stop(), which may come at any time: the open device, and how many are using it.
+  std::array<std::uint8_t, 48> silence_;
+  std::atomic<HidConnection*> open_ = nullptr;
+  std::atomic<int> users_ = 0;
+  std::jthread driver_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "haptics/devices/latest_value.hpp"
+#include "haptics/devices/wrapped_device.hpp"
+
+namespace palpate {
+
+/// A device whose axes are those of whoever looks: right, up and towards the eye, in the model's. So the stylus goes
+/// where the hand does on the screen, however the model is turned. Forces are turned back.
+class TurnedDevice final : public WrappedDevice {
+ public:
+  /// Turns about `middle_mm` of the workspace, which then is the origin.
+  TurnedDevice(std::unique_ptr<HapticDevice> device, const DVec3& middle_mm)
+      : WrappedDevice(std::move(device)), middle_mm_(middle_mm) {}
+
+  /// The columns are right, up and towards the eye: orthonormal. From one thread, which never waits for the ticks. A
+  /// new view begins a new contact, since there was no motion from the old place to the new one.
+  void look(const glm::dmat3& axes) noexcept { looks_.tell(axes); }
+
+  DeviceState read(double time_s) noexcept override {
+    DeviceState state = WrappedDevice::read(time_s);
+    if (const auto axes = looks_.told(); axes && *axes != axes_) {
+      axes_ = *axes;
+      turn_ = glm::quat_cast(axes_);
+      state.putDown = true;
+    }
+    state.position = axes_ * (state.position - middle_mm_);
+    state.turn = turn_ * state.turn;
+    return state;
+  }
+  bool write(const DVec3& force_N) noexcept override { return WrappedDevice::write(glm::transpose(axes_) * force_N); }
+
+ private:
+  DVec3 middle_mm_;
+  LatestValue<glm::dmat3> looks_;
+  // Of the thread that ticks.
+  glm::dmat3 axes_{1};
+  DQuat turn_{1, 0, 0, 0};
+};
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "haptics/devices/haptic_device.hpp"
+
+namespace palpate {
+
+/// Another device, with something more to it: what is not said otherwise is passed on.
+class WrappedDevice : public HapticDevice {
+ public:
+  explicit WrappedDevice(std::unique_ptr<HapticDevice> device) : device_(std::move(device)) {}
+
+  std::string_view name() const override { return device_->name(); }
+  DeviceLimits limits() const override { return device_->limits(); }
+  bool paces() const override { return device_->paces(); }
+  bool pace(double rate_Hz, const std::function<bool()>& tick) override { return device_->pace(rate_Hz, tick); }
+  DeviceState read(double time_s) noexcept override { return device_->read(time_s); }
+  bool write(const DVec3& force_N) noexcept override { return device_->write(force_N); }
+  void emergencyStop() noexcept override { device_->emergencyStop(); }
+  std::string faultText() const override { return device_->faultText(); }
+
+ private:
+  std::unique_ptr<HapticDevice> device_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,305 @@
+// Haptic devices as a user meets them: by a driver library that is found at run time, and by recordings.
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/apps/program.hpp"
+#include "tests/fake_devices/fake_driver.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// Outside, down onto the sphere, along it, and out again.
+const char* const kHand = "0,0,40,0\n0.4,0,28.5,0\n0.9,4,28.2,0\n1.2,4,40,0\n";
+constexpr double kDuration_s = 1.7;  // with half a second before the hand goes
+
+struct Scene {
+  Scene() { works("make sphere -n 20000 --size 60 -o " + model); }
+  std::string file(const std::string& name) const { return (folder / name).string(); }
+  /// On the CPU, so that the same poses give the same forces bit by bit.
+  std::string touch(const std::string& options) const {
+    return "touch " + model + " --backend cpu --mm-per-unit 1 --stiffness 0.4 " + options;
+  }
+  std::string held(const std::string& options, const std::string& device = "openhaptics") const {
+    return touch("--device " + device + " --realtime --map identity --duration " + std::to_string(kDuration_s) + " " +
+                 options);
+  }
+  ScratchFolder folder;
+  std::string model = (folder / "model.ply").string();
+};
+
+/// The largest difference of forces between two traces, up to the first tick that one of them missed.
+struct Compared {
+  double worst_N = 0, most_N = 0;
+  std::size_t ticks = 0;
+};
+Compared compare(const std::vector<Row>& a, const std::vector<Row>& b) {
+  Compared compared;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()) && a[i].t_s == b[i].t_s; ++i) {
+    compared.worst_N = std::max(compared.worst_N, glm::distance(a[i].force, b[i].force));
+    compared.most_N = std::max(compared.most_N, glm::length(a[i].force));
+    ++compared.ticks;
+  }
+  return compared;
+}
+
+}  // namespace
+
+TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log runs again") {
+  const Scene scene;
+  const FakeDriver driver("fake_hd", "skip 1\nlead 0.5", kHand);
+  const std::string hand = (driver.folder() / "hand.csv").string();
+  works(scene.touch("--device sim --map identity --path " + hand + " --trace " + scene.file("sim.csv")));
+  works(scene.held("--trace " + scene.file("held.csv") + " --log " + scene.file("log") + " --json " +
+                   scene.file("held.json")));
+  const auto held = readTrace(scene.folder / "held.csv");
+  const Compared compared = compare(held, readTrace(scene.folder / "sim.csv"));
+  const auto missed = jsonOf(scene.folder / "held.json")["missed_ticks"].get<int>();
+  CAPTURE(missed);
+  CHECK(compared.worst_N <= 1e-6);
+  CHECK((missed > 0 || compared.ticks == held.size()));
+  if (missed == 0) CHECK(compared.most_N > 0.3);
+  const FakeNote note = driver.note();
+  CHECK(note.threadFaults + note.frameFaults == 0);
+  CHECK(note.mostForce_N > 0.3);
+  CHECK(driver.lastForce_N() == DVec3(0));
+  CHECK(note.closed == 1);
+
+  works("replay " + scene.file("log"));
+  works(scene.touch("--device replay:" + scene.file("log") + " --trace " + scene.file("again.csv")));
+  if (missed == 0) CHECK(compare(held, readTrace(scene.folder / "again.csv")).worst_N <= 1e-9);
+}
+
+TEST_CASE("button 1 of a stylus sculpts") {
+  const Scene scene;
+  std::string script = "lead 0.5";
+  bool pressed = false;
+  SUBCASE("not without") {}
+  SUBCASE("while it is pressed") {
+    script += "\nbutton 1 0.9 0.3";
+    pressed = true;
+  }
+  const FakeDriver driver("fake_hd", script, kHand);
+  works(scene.held("--edit push --tau 0.2 --json " + scene.file("out.json") + " --log " + scene.file("log")));
+  CHECK((jsonOf(scene.folder / "out.json")["moved_points"].get<int>() > 0) == pressed);
+  CHECK(driver.note().mostForce_N > 0.1);  // it is felt in any case
+  works("replay " + scene.file("log"));
+}
+
+TEST_CASE("a device that fails in mid-touch leaves the trace, no force, and the driver's reason") {
+  const Scene scene;
+  const FakeDriver driver("fake_hd", "lead 0.5\nfault error 770 0.95", kHand);
+  const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv")));
+  CHECK(outcome.code == 1);
+  CHECK(says(outcome.text, "palpate: Touch: no communication with the device (0x0302); check cable and power"));
+  const auto rows = readTrace(scene.folder / "t.csv");
+  REQUIRE(rows.size() > 500);
+  CHECK(rows.back().force == DVec3(0));
+  CHECK(driver.lastForce_N() == DVec3(0));
+  CHECK(driver.note().mostForce_N > 0.1);
+  CHECK(driver.note().closed == 1);
+}
+
+TEST_CASE("a session that is interrupted or that crashes leaves no force behind") {
+  const Scene scene;
+  const FakeDriver driver("fake_hd", "lead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
+  int signal = SIGTERM;
+  SUBCASE("interrupted") {}
+  SUBCASE("crashed") { signal = SIGSEGV; }
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
+  const std::string command = std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " " +
+                              scene.touch("--device openhaptics --realtime --map identity --duration 60 ") +
+                              "> /dev/null 2>&1 & echo $!";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  int child = 0;
+  REQUIRE(std::fscanf(pipe, "%d", &child) == 1);
+  ::pclose(pipe);
+  CHECK(driver.waitForForce_N(0.15) >= 0.15);
+  CHECK(::kill(child, signal) == 0);
+  for (int i = 0; i < 2000 && ::kill(child, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(driver.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("a Force Dimension is felt through its own library") {
+  const Scene scene;
+  const FakeDriver driver("fake_dhd", "lead 0.5", kHand);
+  works(scene.held("--json " + scene.file("out.json"), "dhd"));
+  CHECK(driver.note().mostForce_N > 0.3);
+  CHECK(jsonOf(scene.folder / "out.json")["contact_ticks"].get<int>() > 100);
+}
+
+TEST_CASE("without a library, with a broken or an old one, a sentence says what to do") {
+  const Scene scene;
+  const auto complaint = [&](const std::string& device) {
+    const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv"), device));
+    CHECK(outcome.code == 1);
+    CHECK_FALSE(std::filesystem::exists(scene.folder / "t.csv"));
+    return outcome.text;
+  };
+  {
+    const Variable variable("PALPATE_HD_LIBRARY", "/nowhere/libHD.so");
+    CHECK(says(complaint("openhaptics"), "is not on this machine (looked for /nowhere/libHD.so)"));
+  }
+  {
+    const Variable variable("PALPATE_HD_LIBRARY", fakeDriverFile("fake_hd_old"));
+    CHECK(says(complaint("openhaptics"), "has no hdGetErrorString; it is too old"));
+  }
+  {
+    const Variable variable("PALPATE_DHD_LIBRARY", scene.model);
+    CHECK(says(complaint("dhd"), "invalid ELF header"));
+  }
+  const FakeDriver driver("fake_hd", "fault init 769");
+  CHECK(says(complaint("openhaptics:Nobody"), "the device 'Nobody' cannot be opened: another program has the device"));
+}
+
+TEST_CASE("devices that do not go together with other options are wrong usage") {
+  const Scene scene;
+  const auto wrong = [&](const std::string& options, const std::string& part) {
+    const Outcome outcome = palpate(scene.touch(options));
+    CHECK(outcome.code == 2);
+    CHECK(says(outcome.text, part));
+  };
+  wrong("--device openhaptics", "add --realtime");
+  wrong("--device openhaptics --realtime", "say how long with --duration");
+  wrong("--device stick", "'stick' is no device; there is path, sim, replay:FILE");
+  wrong("--device dhd:two --realtime --duration 1", "the number of a device, from 0 on");
+  wrong("--device replay:x.csv --map identity", "--map");
+}
+
+TEST_CASE("a trajectory with forces is replayed, and the forces are compared") {
+  const Scene scene;
+  works(scene.touch("--path builtin:slide --trajectory " + scene.file("hand.csv") + " --trace " + scene.file("a.csv")));
+  works(scene.touch("--path builtin:slide --trajectory " + scene.file("hand.txt")));
+  for (const char* name : {"hand.csv", "hand.txt", "a.csv"}) {
+    works(scene.touch("--device replay:" + scene.file(name) + " --json " + scene.file("out.json")));
+    const auto recorded = jsonOf(scene.folder / "out.json")["recorded_forces"];
+    CHECK(recorded["ticks"].get<int>() > 300);
+    CHECK(recorded["worst_N"].get<double>() < 1e-9);
+  }
+  works(scene.touch("--max-force 0.1 --device replay:" + scene.file("hand.csv") + " --json " + scene.file("out.json")));
+  CHECK(jsonOf(scene.folder / "out.json")["recorded_forces"]["rms_N"].get<double>() > 0.01);
+
+  std::ofstream(scene.folder / "bad.csv") << "0 1 2 3\n1 2 3\n";
+  const Outcome bad = palpate(scene.touch("--device replay:" + scene.file("bad.csv")));
+  CHECK(bad.code == 1);
+  CHECK(says(bad.text, "bad.csv:2: 3 columns"));
+  std::ofstream(scene.folder / "far.csv") << "0 1e9 2 3\n1 1e9 2 4\n";
+  CHECK(says(palpate(scene.touch("--device replay:" + scene.file("far.csv"))).text, "goes nowhere near the model"));
+}
+
+TEST_CASE("doctor says what was looked for, what was found, and what is missing") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "doctor.json").string();
+  const auto drivers = [&] { return jsonOf(folder / "doctor.json")["haptics"]["drivers"]; };
+  {
+    const Variable hd("PALPATE_HD_LIBRARY", "/nowhere/libHD.so"), dhd("PALPATE_DHD_LIBRARY", "/nowhere/libdhd.so");
+    const Outcome outcome = palpate("doctor --json " + file);
+    CHECK(outcome.code == 0);
+    CHECK(says(outcome.text, "/nowhere/libHD.so: cannot open shared object file"));
+    CHECK(drivers()[0]["usable"] == false);
+    CHECK(drivers()[1]["usable"] == false);
+    CHECK(jsonOf(folder / "doctor.json").contains("gpus"));
+  }
+  {
+    const FakeDriver driver;
+    const Outcome outcome = palpate("doctor --json " + file);
+    CHECK(outcome.code == 0);
+    CHECK(says(outcome.text, "Touch, serial number FAKE-0001"));
+    CHECK(drivers()[0]["device"]["model"] == "Touch");
+    CHECK(drivers()[0]["device"]["peak_force_N"] == 3.3);
+    CHECK(driver.note().closed == 1);
+  }
+  {
+    const FakeDriver driver("fake_hd", "fault calibration 100000");
+    CHECK(says(palpate("doctor").text, "put the stylus into the inkwell"));
+  }
+  {
+    const FakeDriver driver("fake_dhd_old");
+    CHECK(palpate("doctor --json " + file).code == 0);
+    CHECK(drivers()[1]["missing"][0] == "dhdSetWatchdog");
+  }
+}
+
+TEST_CASE("doctor says how many ticks a servo loop with nothing to do misses on this machine") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "doctor.json").string();
+  const Outcome outcome = palpate("doctor --servo 0.5 --rate 2000 --json " + file);
+  CHECK(outcome.code == 0);
+  CHECK(says(outcome.text, "of 1000 ticks missed"));
+  const auto servo = jsonOf(file)["servo"];
+  CHECK(servo["ticks"].get<int>() + servo["missed_ticks"].get<int>() == 1000);
+  CHECK(servo["ticks"].get<int>() > 0);
+  CHECK(palpate("doctor --rate 2000").code == 2);
+  CHECK(says(palpate("doctor --servo -1").text, "--servo"));
+}
+
+/// Programs that start while it lives see the HID device of a script (fake_hidapi.cpp).
+class FakeHid {
+ public:
+  explicit FakeHid(const std::string& script)
+      : loader_("LD_LIBRARY_PATH", fakeDevicesFolder() / "hidapi"), script_("PALPATE_FAKE_HID", folder_ / "hid") {
+    std::ofstream(folder_ / "hid") << script;
+  }
+
+ private:
+  ScratchFolder folder_;
+  Variable loader_, script_;
+};
+
+constexpr const char* kMouse = "device /dev/null 256f c635 1 8 SpaceMouse Compact\n";
+
+TEST_CASE("a 3D mouse is listed by doctor, with what to do where it cannot be opened") {
+  const ScratchFolder folder;
+  const auto mice = [&] {
+    works("doctor --json " + (folder / "doctor.json").string());
+    return jsonOf(folder / "doctor.json")["haptics"]["hid"];
+  };
+  {
+    const FakeHid hid(kMouse);
+    CHECK(says(palpate("doctor").text, "--device hid: SpaceMouse Compact (256f:c635) at /dev/null, ready"));
+    const auto found = mice();
+    REQUIRE(found.size() == 1);
+    CHECK(found[0]["usable"] == true);
+    CHECK(found[0]["vendor"] == 0x256f);
+  }
+  {
+    const FakeHid hid(std::string(kMouse) + "denied\n");
+    CHECK(mice()[0]["usable"] == false);
+    CHECK(mice()[0]["why_not"].get<std::string>().size() > 5);
+  }
+  {
+    // A keyboard of the same maker.
+    const FakeHid hid("device /dev/null 046d c31c 1 6 Keyboard\n");
+    CHECK(mice().empty());
+    CHECK(says(palpate("doctor").text, "no 3D mouse and no DualSense is plugged in"));
+  }
+}
+
+TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes back") {
+  const Scene scene;
+  // Away from the user, as hard as it goes: the thirteen bytes of translation and rotation in one report.
+  const std::string push = "1 0 0 a2 fe 0 0 0 0 0 0 0 0\n";
+  const FakeHid hid(std::string(kMouse) + "push 0.7 1.3 " + push + "gone 2 0.6\npush 2.6 1 " + push);
+  const Outcome outcome =
+      palpate(scene.touch("--device hid --realtime --map identity --duration 3.5 --trace " + scene.file("t.csv")));
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK(says(outcome.text, "the stylus is SpaceMouse Compact"));
+  const auto rows = readTrace(scene.folder / "t.csv");
+  REQUIRE(rows.size() > 2000);
+  const auto at = [&](double t_s) {
+    return *std::ranges::min_element(rows, {}, [&](const Row& row) { return std::abs(row.t_s - t_s); });
+  };
+  CHECK(at(0.5).hip.z > 31);  // before the sphere, where it began
+  CHECK(glm::length(at(0.5).force) == 0);
+  CHECK(at(1.9).force.z > 0.1);            // in it
+  CHECK(glm::length(at(2.5).force) == 0);  // nobody holds it
+  CHECK(glm::distance(at(2.3).hip, at(2.55).hip) < 0.2);
+  CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is told of again
+}
+
+}  // namespace palpate

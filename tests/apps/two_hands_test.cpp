@@ -1,0 +1,136 @@
+// Two devices at once, as a user meets them.
+#include "tests/apps/program.hpp"
+#include "tests/fake_devices/fake_driver.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Scene {
+  Scene() {
+    works("make sphere -n 20000 --size 60 -o " + model);
+    // Down on the pole, 2 mm deep, and along there; and from the side, in and out, for longer.
+    std::ofstream(file("a.csv")) << "t_s,x,y,z\n0,0,0,33.013\n0.2,0,0,28\n0.3,3,0,27.8\n";
+    std::ofstream(file("b.csv")) << "t_s,x,y,z\n0,33.013,0,0\n0.25,28.5,0,0\n0.35,28,3,0\n0.4,34,3,0\n";
+  }
+  std::string file(const std::string& name) const { return (folder / name).string(); }
+  std::string touch(const std::string& options, const std::string& backend = "cpu") const {
+    return "touch " + model + " --backend " + backend + " --mm-per-unit 1 --friction 0.3 " + options;
+  }
+  ScratchFolder folder;
+  std::string model = (folder / "model.ply").string();
+};
+
+}  // namespace
+
+TEST_CASE("two scripted hands leave the traces that each leaves alone, byte for byte, on both back ends") {
+  const Scene scene;
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const auto alone = [&](const std::string& path, const std::string& trace) {
+      works(scene.touch("--path " + scene.file(path) + " --duration 0.4 --trace " + scene.file(trace), backend));
+      return contentOf(scene.folder / trace);
+    };
+    const std::string a = alone("a.csv", "a.trace"), b = alone("b.csv", "b.trace");
+    works(scene.touch("--path " + scene.file("a.csv") + " --second-device path --second-path " + scene.file("b.csv") +
+                          " --trace " + scene.file("first.trace") + " --second-trace " + scene.file("second.trace") +
+                          " --json " + scene.file("both.json"),
+                      backend));
+    CHECK(contentOf(scene.folder / "first.trace") == a);  // as long as the longer of the two
+    CHECK(contentOf(scene.folder / "second.trace") == b);
+    double peak_N = 0;
+    int touched = 0;
+    for (const Row& row : readTrace(scene.folder / "second.trace")) {
+      peak_N = std::max(peak_N, glm::length(row.force));
+      touched += row.contact;
+    }
+    CHECK(peak_N > 0.8);
+    const auto report = jsonOf(scene.folder / "both.json")["second_hand"];
+    CHECK(report["device"] == "path");
+    CHECK(report["ticks"] == 401);
+    CHECK(report["contact_ticks"] == touched);
+    CHECK(report["peak_force_N"] == peak_N);
+    CHECK(report["fresh_fraction"] == 1);
+    CHECK(report["safety"]["errors"] == 0);
+    CHECK(report["passivity_energy_mJ"].is_null());
+  }
+}
+
+TEST_CASE("a simulated hand and a replayed one may be the second, and what the first one edits stays the same") {
+  const Scene scene;
+  const std::string edit = "--edit push --penetration 4 ";
+  works(scene.touch(edit + "--save " + scene.file("alone.ply") + " --trace " + scene.file("alone.csv")));
+  const Outcome sim = palpate(scene.touch(edit + "--second-device sim --second-path builtin:slide --save " +
+                                          scene.file("sim.ply") + " --second-trace " + scene.file("sim.csv")));
+  CHECK(sim.code == 0);
+  CHECK(says(sim.text, "second hand           sim: "));
+  CHECK(contentOf(scene.file("sim.ply")) == contentOf(scene.file("alone.ply")));
+  CHECK(readTrace(scene.folder / "sim.csv").size() > 500);
+  // The same way again as the first hand: it feels the dent that the first one makes, and no more than that.
+  works(scene.touch(edit + "--second-device replay:" + scene.file("alone.csv") + " --trace " + scene.file("first.csv") +
+                    " --second-trace " + scene.file("second.csv")));
+  CHECK(contentOf(scene.file("first.csv")) == contentOf(scene.file("alone.csv")));
+  CHECK(contentOf(scene.file("second.csv")) == contentOf(scene.file("alone.csv")));
+}
+
+TEST_CASE("two styluses of one driver, one for each hand") {
+  const Scene scene;
+  std::string script, fault;
+  SUBCASE("to the end") {}
+  SUBCASE("until one fails") {
+    script = "\nfault error 770 0.95";
+    fault = "palpate: Right Device: no communication with the device (0x0302); check cable and power";
+  }
+  const FakeDriver left("fake_hd", "lead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
+  const SecondFakeStylus right("lead 0.5" + script, "0,40,0,0\n0.4,28.5,0,0\n");
+  const Outcome outcome = palpate(scene.touch(
+      "--device openhaptics:Left\\ Device --second-device openhaptics:Right\\ Device --realtime --map identity "
+      "--duration 1.2 --trace " +
+      scene.file("first.csv") + " --second-trace " + scene.file("second.csv")));
+  CHECK(outcome.code == (fault.empty() ? 0 : 1));
+  CHECK(says(outcome.text, fault));
+  for (const FakeStylus* stylus : {static_cast<const FakeStylus*>(&left), static_cast<const FakeStylus*>(&right)}) {
+    const FakeNote note = stylus->note();
+    CHECK(note.threadFaults + note.frameFaults == 0);
+    CHECK(note.mostForce_N > 0.1);
+    CHECK(note.closed == 1);
+    CHECK(stylus->lastForce_N() == DVec3(0));
+  }
+  const auto first = readTrace(scene.folder / "first.csv"), second = readTrace(scene.folder / "second.csv");
+  REQUIRE(first.size() == second.size());
+  REQUIRE(first.size() > 400);
+  const std::size_t at = first.size() - 2;
+  CHECK(first[at].t_s == second[at].t_s);
+  CHECK(first[at].force.y > 0.1);
+  CHECK(second[at].force.x > 0.1);
+  if (fault.empty()) return;
+  CHECK(first.back().force == DVec3(0));
+  CHECK(second.back().force == DVec3(0));
+}
+
+TEST_CASE("what does not go together with a second hand is wrong usage, in a sentence") {
+  const Scene scene;
+  const auto wrong = [&](const std::string& options, const std::string& part, const std::string& backend = "cpu") {
+    const Outcome outcome = palpate(scene.touch(options, backend));
+    CHECK(outcome.code == 2);
+    CHECK(says(outcome.text, part));
+  };
+  const std::string path = "--second-device path --second-path builtin:press ";
+  wrong("--second-path builtin:press", "--second-path: there is no second hand; add --second-device");
+  wrong("--second-trace t.csv", "--second-trace: there is no second hand");
+  wrong("--second-device stick", "'stick' is no device");
+  wrong("--second-device path", "--second-device path: say where it goes with --second-path");
+  wrong("--second-device replay:x.csv --second-path builtin:press", "--second-path: replay:x.csv follows none");
+  wrong("--second-device openhaptics", "--second-device openhaptics: a person lives in real time; add --realtime");
+  wrong("--second-device dhd --realtime", "--second-device dhd: has no path that ends");
+  wrong("--device hid --second-device hid --realtime --duration 1", "hid is in the first hand; name another one");
+  wrong(path + "--log " + scene.file("log"), "--log: a session log has one hand");
+  wrong(path + "--method brute", "--second-device: --method brute feels with one hand; take fused", "vulkan");
+  wrong(path + "--ahead on", "--ahead: two hands are not asked ahead", "vulkan");
+  const Outcome cuda = palpate("touch " + scene.model + " --backend cuda " + path);
+  CHECK(cuda.code == 2);
+  CHECK(says(cuda.text, "--second-device: --backend cuda feels with one hand; take vulkan or cpu"));
+}
+
+}  // namespace palpate

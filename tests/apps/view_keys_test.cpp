@@ -1,0 +1,168 @@
+// What the README says of keys and mouse.
+#include "tests/apps/window_play.hpp"
+
+namespace palpate {
+
+namespace {
+
+DVec3 vecOf(const nlohmann::json& v) { return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}; }
+
+struct Eye {
+  explicit Eye(const nlohmann::json& state)
+      : eye(vecOf(state["camera"]["eye"])), target(vecOf(state["camera"]["target"])) {}
+  DVec3 way() const { return eye - target; }
+  DVec3 direction() const { return glm::normalize(way()); }
+  DVec3 eye, target;
+};
+
+}  // namespace
+
+TEST_CASE("the mouse and the keys move the view") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600", R"(
+0.1 mouse 400 300
+0.4 state %/begin.json
+0.5 button middle down
+0.6 mouse 440 320
+0.7 button middle up
+0.8 state %/panned.json
+0.9 key shift down
+0.9 button left down
+1.0 mouse 400 300
+1.1 button left up
+1.1 key shift up
+1.2 state %/back.json
+1.3 wheel 3
+1.4 state %/near.json
+1.5 key r
+1.6 state %/fitted.json
+1.7 mouse 430 330
+2.0 button left down
+2.0 button left up
+2.0 button left down
+2.0 button left up
+2.1 state %/looked.json
+2.2 key r
+2.3 key x
+2.4 state %/x.json
+2.5 key shift+x
+2.6 state %/behind_x.json
+2.7 key y
+2.8 state %/y.json
+2.9 key z
+3.0 state %/z.json
+3.1 key q
+9.9 state %/after.json
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto eye = [&](const char* name) { return Eye(played->state(name)); };
+  const Eye begin = eye("begin.json"), panned = eye("panned.json"), looked = eye("looked.json");
+  // The sphere follows the cursor to the right and down; so the eye goes to the left and up.
+  CHECK(glm::distance(panned.way(), begin.way()) < 1e-6);
+  CHECK(panned.target.x < begin.target.x - 1);
+  CHECK(glm::distance(eye("back.json").target, begin.target) < 0.5);
+  CHECK(glm::length(eye("near.json").way()) < 0.8 * glm::length(begin.way()));
+  CHECK(glm::distance(eye("fitted.json").eye, begin.eye) < 1e-9);
+  CHECK(glm::length(looked.target) == doctest::Approx(50).epsilon(0.02));  // a place on the sphere
+  CHECK(looked.target.x > 2);
+  CHECK(glm::distance(eye("x.json").direction(), DVec3(1, 0, 0)) < 0.01);
+  CHECK(glm::distance(eye("behind_x.json").direction(), DVec3(-1, 0, 0)) < 0.01);
+  CHECK(glm::distance(eye("y.json").direction(), DVec3(0, 1, 0)) < 0.2);  // not quite, so that up stays up
+  CHECK(glm::distance(eye("z.json").direction(), DVec3(0, 0, 1)) < 0.01);
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));  // Q is the end
+}
+
+TEST_CASE("keys choose the tool, keep the stylus and put the forces down") {
+  if (!hasDisplay()) return;
+  std::string script = "0.1 mouse 400 300\n0.4 state %/begin.json\n";
+  for (int key = 1; key <= 7; ++key)
+    script += fmt::format("{0}.5 key {1}\n{0}.8 state %/tool{1}.json\n", key - 1, key);
+  script += R"(
+7.0 key 1
+7.2 key [
+7.4 key t
+7.7 state %/kept.json
+7.8 key space
+8.1 state %/still_kept.json
+8.2 button left down
+9.7 state %/pressed.json
+9.8 key backspace
+10.4 state %/off.json
+10.5 key backspace
+10.6 button left up
+11.1 button left down
+12.6 state %/on.json
+12.7 button left up
+12.8 key escape
+13.1 state %/let.json
+13.2 key ctrl+q
+29.9 state %/after.json
+)";
+  const auto played = play("%/sphere.ply --size 800x600", script, "",
+                           [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const std::array<std::string, 7> tools{"feel", "push", "carve", "inflate", "smooth", "grab", "paint"};
+  for (std::size_t i = 0; i < tools.size(); ++i)
+    CHECK(played->state(fmt::format("tool{}.json", i + 1))["tool"] == tools[i]);
+  const auto kept = played->state("kept.json");
+  CHECK(kept["tool_radius_mm"] < played->state("begin.json")["tool_radius_mm"]);
+  CHECK(played->state("begin.json")["stylus"] == false);
+  CHECK(kept["stylus"] == true);
+  CHECK(played->state("still_kept.json")["stylus"] == true);  // letting Space go does not let the stylus go
+  const auto force_N = [&](const char* name) { return glm::length(vecOf(played->state(name)["force_N"])); };
+  CAPTURE(played->state("pressed.json").dump());
+  CHECK(played->state("pressed.json")["contact"] == true);
+  CHECK(force_N("pressed.json") > 0.2);
+  CHECK(played->state("off.json")["forces_on"] == false);
+  CHECK(force_N("off.json") == 0);
+  CHECK(played->state("on.json")["forces_on"] == true);
+  CHECK(force_N("on.json") > 0.2);
+  CHECK(played->state("let.json")["stylus"] == false);
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
+}
+
+TEST_CASE("help, curves, colours, background and pictures to files") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600", R"(
+0.1 mouse 400 590
+0.4 screenshot %/begin.png
+0.5 key c
+0.8 screenshot %/bare.png
+0.9 key h
+1.2 screenshot %/help.png
+1.3 key h
+1.4 click Tool
+1.5 click Look
+1.7 click colour by
+1.9 click normal
+2.2 screenshot %/normals.png
+2.3 click dark
+2.6 screenshot %/light.png
+2.7 key p
+2.9 key p
+3.1 state %/last.json
+3.2 quit
+)",
+                           "", [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto picture = [&](const char* name) { return Picture(played->folder.path() / name); };
+  const Picture begin = picture("begin.png"), bare = picture("bare.png"), helped = picture("help.png"),
+                normals = picture("normals.png"), light = picture("light.png");
+  CHECK(differing(begin, bare, 700, 60, 40) > 500);  // the curves are gone, and
+  CHECK(differing(begin, bare, 400, 300, 40) == 0);  // nothing else
+  CHECK(differing(bare, helped, 400, 300, 40) > 500);
+  CHECK(differing(bare, normals, 400, 300, 40) > 500);
+  CHECK(bare.at(780, 300)[0] < 110);
+  CHECK(light.at(780, 300)[0] > 200);
+  // In the folder that the program runs in, none over another.
+  const Picture first = picture("sphere-1.png"), second = picture("sphere-2.png");
+  CHECK(first.width == 800);
+  CHECK(differing(first, light, 400, 300, 40) == 0);
+  CHECK(std::string(played->state("last.json")["last_message"]).find("sphere-2.png") != std::string::npos);
+}
+
+}  // namespace palpate

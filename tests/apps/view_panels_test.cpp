@@ -1,0 +1,286 @@
+// What a person does in the panels, by clicks on what they show.
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+void makeTwo(const std::filesystem::path& folder) {
+  makeSphere(folder, 2000);
+  works("--quiet make torus -n 1000 -o " + (folder / "torus.ply").string());
+}
+
+// Presses the tool into the middle of a window of 800 x 600.
+constexpr const char* kStroke = R"(
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+2.0 button left up
+2.1 key space up
+2.3 ask
+2.4 state %/dent.json
+)";
+
+}  // namespace
+
+TEST_CASE("the curves pause, and go to CSV files, none over another") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600", R"(
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+1.6 state %/pressed.json
+1.7 button left up
+1.8 key space up
+1.9 click Pause
+2.0 screenshot %/paused.png
+2.9 screenshot %/later.png
+3.0 click Go on
+3.4 screenshot %/on.png
+3.5 click Export CSV
+3.7 state %/first.json
+3.8 click Export CSV
+4.0 quit
+)",
+                           "", makeTwo);
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto& folder = played->folder.path();
+  const auto picture = [&](const char* name) { return Picture(folder / name); };
+  // The curve of the force, between its edges.
+  const Picture paused = picture("paused.png"), later = picture("later.png"), on = picture("on.png");
+  CHECK(differing(paused, later, 660, 64, 16) == 0);
+  CHECK(differing(paused, on, 660, 64, 16) > 0);
+
+  const auto rows = readTrace(folder / "sphere-ticks-1.csv");
+  const std::string message = played->state("first.json")["last_message"];
+  CHECK_MESSAGE(message == fmt::format("{} ticks are in {}", rows.size(), (folder / "sphere-ticks-1.csv").string()),
+                message);
+  REQUIRE(rows.size() > 1000);
+  double most_N = 0;
+  std::size_t touching = 0, wrong = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i > 0 && !(rows[i].t_s > rows[i - 1].t_s)) ++wrong;
+    if (!rows[i].contact && rows[i].penetration_mm > 0) ++wrong;
+    if (rows[i].contact) ++touching;
+    most_N = std::max(most_N, glm::length(rows[i].force));
+  }
+  CHECK(wrong == 0);
+  CHECK(touching > 100);
+  CHECK(touching < rows.size());
+  CHECK(most_N == doctest::Approx(played->state("first.json")["peak_force_N"].get<double>()).epsilon(1e-3));
+  CHECK(readTrace(folder / "sphere-ticks-2.csv").size() > rows.size());
+}
+
+TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
+2.5 drop %/torus.ply
+2.7 state %/asked.json
+2.8 key ctrl+z
+2.9 click Cancel
+3.1 state %/cancelled.json
+3.2 drop %/torus.ply
+3.4 click Do not save
+3.7 state %/discarded.json
+3.8 quit
+29.9 state %/after.json
+)",
+                           "", [](const auto& folder) {
+                             makeTwo(folder);
+                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto dent = played->state("dent.json"), asked = played->state("asked.json"),
+             cancelled = played->state("cancelled.json"), discarded = played->state("discarded.json");
+  REQUIRE(dent["changed"] == true);
+  CHECK(dent["asks_about_changes"] == false);
+  CHECK(asked["asks_about_changes"] == true);
+  CHECK(asked["model"] == dent["model"]);
+  CHECK(cancelled["asks_about_changes"] == false);
+  CHECK(cancelled["model"] == dent["model"]);
+  CHECK(cancelled["changed"] == true);
+  CHECK(cancelled["edits"] == dent["edits"]);  // keys have nothing to say while it is asked
+  CHECK(std::string(discarded["model"]).ends_with("torus.ply"));
+  CHECK(discarded["asks_about_changes"] == false);
+  const auto& folder = played->folder.path();
+  CHECK(contentOf(folder / "sphere.ply") == contentOf(folder / "kept.ply"));
+  CHECK_FALSE(std::filesystem::exists(folder / "after.json"));  // the torus has no changes: nothing is asked
+}
+
+TEST_CASE("changes are saved first where the person says so, and the window closes only then") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
+2.5 drop %/torus.ply
+2.7 click Save
+3.0 state %/torus.json
+3.1 drop %/sphere.ply
+3.3 state %/again.json
+3.4 mouse 400 300
+3.7 key space down
+3.8 button left down
+5.8 button left up
+5.9 key space up
+6.1 quit
+6.3 state %/asked.json
+6.4 key escape
+6.6 state %/stays.json
+6.7 key q
+6.9 click Save
+29.9 state %/after.json
+)",
+                           "", makeTwo);
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto dent = played->state("dent.json"), again = played->state("again.json"),
+             stays = played->state("stays.json");
+  CHECK(std::string(played->state("torus.json")["model"]).ends_with("torus.ply"));
+  CHECK(again["model"] == dent["model"]);
+  CHECK(again["points"] == dent["points"]);
+  CHECK(played->state("asked.json")["asks_about_changes"] == true);
+  CHECK(stays["asks_about_changes"] == false);
+  CHECK(stays["changed"] == true);
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
+  // What was there at the end is in the file.
+  const Outcome info = palpate("info --json - --quiet " + (played->folder.path() / "sphere.ply").string());
+  CHECK(says(info.text, fmt::format("\"points\": {}", stays["points"].get<int>())));
+}
+
+TEST_CASE("what cannot be saved is not left behind") {
+  if (!hasDisplay()) return;
+  // No file can be written under a longer name, as is done before the model's own name is given to it.
+  const std::string name = std::string(248, 's') + ".ply";
+  const auto played = play("%/" + name + " --size 800x600 --edit push", std::string(kStroke) + R"(
+2.5 quit
+2.7 click Save
+3.3 state %/failed.json
+3.4 quit
+3.6 click Do not save
+29.9 state %/after.json
+)",
+                           "", [&](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             std::filesystem::rename(folder / "sphere.ply", folder / name);
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto failed = played->state("failed.json");
+  CHECK(failed["changed"] == true);
+  CHECK(failed["asks_about_changes"] == false);
+  CHECK(says(std::string(failed["last_message"]), "cannot be written"));
+  CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));
+}
+
+TEST_CASE("the panels turn the surface, save under another name, record and play") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", R"(
+0.1 click Feel
+0.3 click surface
+0.5 click sharp
+0.7 state %/sharp.json
+0.8 click Feel
+0.9 click Look
+0.9 click Look
+1.0 click Save and record
+1.1 click session.log
+1.2 text take.log
+1.3 click Record
+1.5 mouse 400 300
+1.8 key space down
+1.9 button left down
+2.9 button left up
+3.0 key space up
+3.1 click Stop
+3.3 state %/recorded.json
+3.4 click other.ply
+3.5 text saved.ply
+3.6 click Save as
+4.1 state %/saved.json
+4.2 click Save as
+4.4 state %/twice.json
+4.5 click Record
+4.7 state %/again.json
+4.8 click Undo
+5.0 click Play
+8.0 state %/replayed.json
+8.1 click Replace
+8.6 state %/replaced.json
+8.7 click Models
+8.8 click file.ply
+8.9 text torus.ply
+9.0 key enter
+9.2 state %/torus.json
+9.3 quit
+)",
+                           "", makeTwo);
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto& folder = played->folder.path();
+  const auto recorded = played->state("recorded.json"), saved = played->state("saved.json");
+  CHECK(played->state("sharp.json")["surface"] == "sharp");
+  CHECK(recorded["edits"] > 0);
+  CHECK(saved["changed"] == false);
+  works("--quiet info " + (folder / "saved.ply").string());
+  CHECK(says(std::string(played->state("twice.json")["last_message"]),
+             "'Save as' cannot be clicked"));  // it says Replace now
+  CHECK(contentOf(folder / "take.log").size() > 1000);
+  CHECK(says(contentOf(folder / "take.log"), "sharp"));
+  CHECK(played->state("replayed.json")["edits"] > recorded["edits"]);
+  CHECK(played->state("replaced.json")["changed"] == false);
+  CHECK(std::string(played->state("torus.json")["model"]).ends_with("torus.ply"));
+  CHECK(says(palpate("replay --tolerance 1e-9 " + (folder / "take.log").string()).text, "give the recorded points"));
+}
+
+TEST_CASE("a model that is dropped while another one is loaded comes instead of it") {
+  if (!hasDisplay()) return;
+  const auto played = play("--size 320x240", R"(
+0.1 impatient
+0.2 drop %/large.ply
+0.3 drop %/torus.ply
+0.3 patient
+0.4 state %/torus.json
+0.5 quit
+)",
+                           "", [](const auto& folder) {
+                             makeTwo(folder);
+                             works("--quiet make sphere -n 300000 -o " + (folder / "large.ply").string());
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(std::string(played->state("torus.json")["model"]).ends_with("torus.ply"));
+  CHECK(contentOf(played->folder.path() / "state" / "palpate" / "recent").find("large.ply") == std::string::npos);
+}
+
+TEST_CASE("what could not be opened is not offered again, and Tab takes the panels away") {
+  if (!hasDisplay()) return;
+  const auto played = play("--size 480x360", R"(
+0.1 drop %/broken.ply
+0.2 state %/broken.json
+0.3 click broken.ply
+0.4 state %/again.json
+0.5 drop %/torus.ply
+0.6 key tab
+0.7 click Models
+0.8 state %/away.json
+0.9 key tab
+1.0 click Models
+1.1 click torus.ply
+1.2 state %/back.json
+1.3 quit
+)",
+                           "", [](const auto& folder) {
+                             makeTwo(folder);
+                             std::ofstream(folder / "broken.ply") << "no cloud";
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto message = [&](const char* name) { return std::string(played->state(name)["last_message"]); };
+  CHECK(says(message("broken.json"), "not a PLY file"));
+  CHECK(says(message("again.json"), "'broken.ply' cannot be clicked"));
+  CHECK(says(message("away.json"), "'Models' cannot be clicked"));
+  CHECK(message("back.json") == message("away.json"));  // nothing was clicked in vain
+}
+
+}  // namespace palpate

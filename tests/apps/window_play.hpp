@@ -1,0 +1,97 @@
+// The window as a person uses it, on a display without a screen (Xvfb): plays a script in it, and looks at what is
+// left.
+#pragma once
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+#include <fmt/format.h>
+
+#include <functional>
+
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+inline bool hasDisplay() {
+  if (std::system("command -v xvfb-run > /dev/null") == 0) return true;
+  MESSAGE("skipped: there is no xvfb-run on this machine (package xvfb)");
+  return false;
+}
+
+/// What the script saw goes into its folder: %/name stands for a file there.
+struct Played {
+  Outcome outcome;
+  ScratchFolder folder;
+  nlohmann::json state(const std::string& name) const { return jsonOf(folder.path() / name); }
+};
+
+inline std::string inFolder(std::string text, const std::filesystem::path& folder) {
+  for (std::size_t at; (at = text.find('%')) != std::string::npos;) text.replace(at, 1, folder.string());
+  return text;
+}
+
+// `arguments` and `script` may name files of the folder with %; the program runs in it.
+inline std::unique_ptr<Played> play(const std::string& arguments, const std::string& script,
+                                    const std::string& before = "",
+                                    const std::function<void(const std::filesystem::path&)>& prepare = {}) {
+  auto played = std::make_unique<Played>();
+  const std::filesystem::path& folder = played->folder.path();
+  if (prepare) prepare(folder);
+  std::ofstream(folder / "script.txt") << inFolder(script, folder);
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
+  const std::string program = std::filesystem::absolute(elsewhere ? elsewhere : PALPATE_PROGRAM).string();
+  const std::string command =
+      inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 300 ", folder) +
+      program + " " + before + " view " + inFolder(arguments, folder) + inFolder(" --script %/script.txt", folder) +
+      " 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
+    played->outcome.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  played->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return played;
+}
+
+inline void makeSphere(const std::filesystem::path& folder, int points = 8000) {
+  works("--quiet make sphere -n " + std::to_string(points) + " -o " + (folder / "sphere.ply").string());
+}
+
+struct Picture {
+  explicit Picture(const std::filesystem::path& file) {
+    stbi_uc* data = stbi_load(file.c_str(), &width, &height, nullptr, 3);
+    REQUIRE_MESSAGE(data, file.string());
+    rgb.assign(data, data + std::size_t(width) * std::size_t(height) * 3);
+    stbi_image_free(data);
+  }
+  std::array<int, 3> at(int x, int y) const {
+    const std::size_t place = (std::size_t(y) * std::size_t(width) + std::size_t(x)) * 3;
+    return {rgb[place], rgb[place + 1], rgb[place + 2]};
+  }
+  int width = 0, height = 0;
+  std::vector<stbi_uc> rgb;
+};
+
+// Pixels of a square that satisfy a condition.
+inline int count(int x, int y, int reach, auto&& holds) {
+  int found = 0;
+  for (int j = y - reach; j <= y + reach; ++j)
+    for (int i = x - reach; i <= x + reach; ++i) found += holds(i, j) ? 1 : 0;
+  return found;
+}
+
+inline int differing(const Picture& a, const Picture& b, int x, int y, int reach) {
+  return count(x, y, reach, [&](int i, int j) {
+    const auto p = a.at(i, j), q = b.at(i, j);
+    return std::abs(p[0] - q[0]) + std::abs(p[1] - q[1]) + std::abs(p[2] - q[2]) > 24;
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,115 @@
+#include "engine/cloud/noise.hpp"
+
+#include <doctest/doctest.h>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/thinning.hpp"
+
+namespace palpate::test {
+namespace {
+
+/// Relative: doctest's own tolerance grows by one.
+doctest::Approx within(double value, double share) { return doctest::Approx(value).epsilon(share).scale(0); }
+
+double measured(const PointCloud& cloud) { return spacingRange(cloud).noise; }
+
+/// Positions that are off by `noise` spacings in each direction.
+PointCloud noisyCloud(std::string_view name, double noise, std::size_t count = 100'000,
+                      const DVec3& center = DVec3(0)) {
+  const auto shape = makeShape(name, 100, center);
+  const double spacing = meanSpacing(sampleShape(*shape, {.count = count}));
+  return sampleShape(*shape, {.count = count, .noise = noise * spacing});
+}
+
+std::vector<DVec3> quadricPoints(std::size_t count, double noise) {
+  std::vector<DVec3> points;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = 2 * randomUnit(1, i) - 1, y = 2 * randomUnit(2, i) - 1;
+    points.emplace_back(x, 0.1 * x * x - 0.2 * x * y + 0.05 * y * y + noise * randomNormal3(3, i).x, y);
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("the noise of every shape is measured, and exact points have next to none") {
+  for (const char* name : {"plane", "cube", "sphere", "torus", "bumpy-sphere", "sculpture"}) {
+    CAPTURE(name);
+    // The folds of the sculpture are not much wider than the places that are looked at.
+    CHECK(measured(noisyCloud(name, 0)) < (std::string_view(name) == "sculpture" ? 0.03 : 0.001));
+    CHECK(measured(noisyCloud(name, 0.1)) == within(0.1, 0.12));
+    CHECK(measured(noisyCloud(name, 0.25)) == within(0.25, 0.08));
+    CHECK(measured(noisyCloud(name, 0.5)) == within(0.47, 0.06));
+  }
+}
+
+TEST_CASE("noise is told in spacings of the place where density changes") {
+  const PointCloud clean = thinnedAlong(noisyCloud("sphere", 0), 10);
+  CHECK(measured(clean) < 0.001);
+  // The dense half is noisy by a quarter of its spacing, the sparse one, three times as far apart, by a quarter of its.
+  PointCloud cloud = noisyCloud("plane", 0.25, 40'000);
+  for (const Vec3& p : noisyCloud("plane", 0.25, 40'000).positions)
+    cloud.positions.push_back(3.0f * p + Vec3(0, 0, 100));
+  CHECK(measured(cloud) == within(0.25, 0.08));
+}
+
+TEST_CASE("edges, coincident points and stray ones are not taken for noise") {
+  // A twentieth of the points lies a spacing off: half of the places hold one of them.
+  PointCloud cloud = noisyCloud("cube", 0);
+  const double spacing = meanSpacing(cloud);
+  for (std::size_t i = 0; i < cloud.size(); i += 60)
+    cloud.positions[i] += static_cast<float>(spacing) * cloud.normals[i];
+  CHECK(measured(cloud) < 0.01);
+  PointCloud twice = noisyCloud("torus", 0.25);
+  const std::vector<Vec3> once = twice.positions;
+  twice.positions.insert(twice.positions.end(), once.begin(), once.end());
+  CHECK(measured(twice) == within(0.25, 0.08));
+}
+
+TEST_CASE("noise far from the origin is that of the points, not of rounding") {
+  CHECK(measured(noisyCloud("sphere", 0, 100'000, DVec3(1e6))) < 0.001);
+  CHECK(measured(noisyCloud("sphere", 0.25, 100'000, DVec3(1e6))) == within(0.25, 0.08));
+}
+
+TEST_CASE("a cloud of millions is measured by a part of it, and its noise told in its own spacings") {
+  CHECK(measured(noisyCloud("torus", 0.25, 2'500'000)) == within(0.25, 0.1));
+}
+
+TEST_CASE("no noise where there is no surface") {
+  PointCloud cloud;
+  CHECK(measured(cloud) == 0);
+  cloud.positions = {Vec3(1)};
+  CHECK(measured(cloud) == 0);
+  cloud.positions.assign(10'000, Vec3(1, 2, 3));
+  CHECK(measured(cloud) == 0);
+  cloud.positions.clear();
+  for (int i = 0; i < 5'000; ++i) cloud.positions.emplace_back(0.1f * static_cast<float>(i), 0.0f, 0.0f);
+  CHECK(measured(cloud) == 0);
+  cloud.positions.resize(kNoisePoints - 1);
+  CHECK(measured(cloud) == 0);
+}
+
+TEST_CASE("the noise does not depend on the number of threads") {
+  const PointCloud cloud = noisyCloud("bumpy-sphere", 0.1, 20'000);
+  CHECK(spacingRange(cloud, 1).noise == spacingRange(cloud, 5).noise);
+}
+
+TEST_CASE("points off a quadric have the variance that they were given, in any unit") {
+  const auto exact = varianceOffQuadric(quadricPoints(40, 0));
+  REQUIRE(exact);
+  CHECK(*exact < 1e-4);  // tilted against the plane that fits, its terms of the third order are left
+  const std::vector<DVec3> noisy = quadricPoints(4000, 0.3);
+  REQUIRE(varianceOffQuadric(noisy));
+  CHECK(*varianceOffQuadric(noisy) == within(0.09, 0.06));
+  std::vector<DVec3> small;
+  for (const DVec3& p : noisy) small.push_back(1e-9 * p + DVec3(1e-3));
+  CHECK(*varianceOffQuadric(small) == within(1e-18 * *varianceOffQuadric(noisy), 1e-3));
+  // Six coefficients fit six points, whatever they are.
+  CHECK_FALSE(varianceOffQuadric(std::span(noisy).first(6)));
+  CHECK_FALSE(varianceOffQuadric({}));
+  CHECK_FALSE(varianceOffQuadric(std::vector<DVec3>(16, DVec3(1, 2, 3))));
+}
+
+}  // namespace palpate::test

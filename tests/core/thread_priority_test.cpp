@@ -1,0 +1,63 @@
+#include "engine/core/thread_priority.hpp"
+
+#include <doctest/doctest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+namespace palpate {
+
+namespace {
+
+/// A thread that waits to be looked at.
+class Sleeper {
+ public:
+  Sleeper()
+      : thread_([this] {
+          number_ = ::gettid();
+          number_.notify_all();
+          done_.wait(false);
+        }) {
+    number_.wait(0);
+  }
+  ~Sleeper() {
+    done_ = true;
+    done_.notify_all();
+    thread_.join();
+  }
+  Sleeper(const Sleeper&) = delete;
+  Sleeper& operator=(const Sleeper&) = delete;
+
+  int nice() const { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(number_.load())); }
+
+ private:
+  std::atomic<int> number_ = 0;
+  std::atomic<bool> done_ = false;
+  std::thread thread_;
+};
+
+}  // namespace
+
+TEST_CASE("threads that came later give way, and those that were there do not") {
+  const int usual = ::getpriority(PRIO_PROCESS, 0);
+  const Sleeper before;
+  const RunningThreads then;
+  const Sleeper first, second;
+  then.laterOnesGiveWay();
+  CHECK(before.nice() == usual);
+  CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
+  for (const Sleeper* later : {&first, &second}) CHECK(later->nice() > usual);
+}
+
+TEST_CASE("a thread that gives way does so alone, and for good") {
+  const int usual = ::getpriority(PRIO_PROCESS, 0);
+  std::thread([&] {
+    giveWay();
+    CHECK(::getpriority(PRIO_PROCESS, 0) > usual);
+  }).join();
+  CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
+}
+
+}  // namespace palpate

@@ -1,0 +1,116 @@
+#include "tests/fake_devices/fake_device.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "haptics/path.hpp"
+
+namespace palpate {
+namespace {
+
+[[noreturn]] void giveUp(const std::string& why) {
+  std::fprintf(stderr, "fake device: %s\n", why.c_str());
+  std::abort();
+}
+
+// Zero at first, and there for everybody as long as the file is.
+FakeNote* mapped(const std::string& file) {
+  const int handle = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
+  if (handle < 0 || ::ftruncate(handle, sizeof(FakeNote)) != 0) giveUp("cannot note in " + file);
+  void* memory = ::mmap(nullptr, sizeof(FakeNote), PROT_READ | PROT_WRITE, MAP_SHARED, handle, 0);
+  ::close(handle);
+  if (memory == MAP_FAILED) giveUp("cannot map " + file);
+  return static_cast<FakeNote*>(memory);
+}
+
+}  // namespace
+
+FakeDevice::FakeDevice(const char* variable) {
+  if (const char* script = std::getenv(variable))
+    read(script);
+  else
+    touch_.emplace(Path({{0, DVec3(0)}}), WorkspaceMap{});
+}
+
+void FakeDevice::read(const std::filesystem::path& script) {
+  std::ifstream in(script);
+  if (!in) giveUp("no script " + script.string());
+  Path hand({{0, DVec3(0)}});
+  WorkspaceMap map;
+  SimulatedTouchOptions options;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string what, name;
+    if (!(words >> what)) continue;
+    if (what == "hand" && words >> name) {
+      hand = readPathCsv(name);
+    } else if (what == "map") {
+      words >> map.scale >> map.offset.x >> map.offset.y >> map.offset.z;
+    } else if (what == "lead") {
+      words >> options.lead_s;
+    } else if (what == "skip") {
+      words >> skip_;
+    } else if (what == "turn") {
+      words >> turn_.w >> turn_.x >> turn_.y >> turn_.z;
+    } else if (what == "button") {
+      Press press{};
+      words >> press.bit >> press.at_s >> press.for_s;
+      presses_.push_back(press);
+    } else if (what == "note" && words >> name) {
+      note_ = mapped(name);
+      note_->frames = 0;  // another session may have noted there before
+    } else if (what == "fault" && words >> name) {
+      FakeFault fault{.name = name};
+      if (words >> fault.number && words >> fault.at_s) words >> fault.for_s;
+      faults_.push_back(fault);
+      words.clear();
+    } else {
+      giveUp("does not understand '" + line + "'");
+    }
+    if (words.fail()) giveUp("wants more numbers in '" + line + "'");
+  }
+  touch_.emplace(hand, map, options);
+}
+
+const FakeFault* FakeDevice::fault(const std::string& name) const {
+  for (const FakeFault& fault : faults_)
+    if (fault.name == name) return &fault;
+  return nullptr;
+}
+
+const FakeFault* FakeDevice::faultNow(const std::string& name) const {
+  for (const FakeFault& fault : faults_)
+    if (fault.name == name && fault.isOn(time_s_)) return &fault;
+  return nullptr;
+}
+
+void FakeDevice::advance(double dt_s) {
+  const std::uint64_t frame = note_->frames++;
+  time_s_ = frame < skip_ ? 0 : static_cast<double>(frame - skip_) * dt_s;
+  position_mm_ = touch_->read(time_s_).position;
+  for (int k = 0; k < 3; ++k) note_->position_mm[k] = position_mm_[k];
+}
+
+std::uint32_t FakeDevice::buttons() const {
+  std::uint32_t pressed = 0;
+  for (const Press& press : presses_)
+    if (time_s_ >= press.at_s && time_s_ < press.at_s + press.for_s) pressed |= press.bit;
+  return pressed;
+}
+
+void FakeDevice::push(const DVec3& force_N) {
+  touch_->write(force_N);
+  for (int k = 0; k < 3; ++k) note_->force_N[k] = force_N[k];
+  const double size_N = glm::length(force_N);
+  note_->mostForce_N = std::max(note_->mostForce_N, size_N);
+  for (const FakeFault& fault : faults_)
+    if (fault.name != "temperature" && fault.isOn(time_s_) && fault.for_s > 1e-3 && size_N > 0) ++note_->lateForces;
+}
+
+}  // namespace palpate

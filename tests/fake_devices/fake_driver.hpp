@@ -1,0 +1,100 @@
+// Lets a test, and programs that it starts, meet a fake driver library with a script. The libraries lie in a folder
+// fake_devices beside the test program, or where PALPATE_FAKE_DEVICES_FOLDER says.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "tests/fake_devices/fake_device.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+inline std::filesystem::path fakeDevicesFolder() {
+  const char* elsewhere = std::getenv("PALPATE_FAKE_DEVICES_FOLDER");
+  return elsewhere ? elsewhere : std::filesystem::read_symlink("/proc/self/exe").parent_path() / "fake_devices";
+}
+
+inline std::filesystem::path fakeDriverFile(const std::string& name) {
+  const std::filesystem::path file = fakeDevicesFolder() / ("lib" + name + ".so");
+  REQUIRE_MESSAGE(std::filesystem::exists(file), "no " << file.string() << "; build fake_drivers");
+  return file;
+}
+
+/// A variable of the environment, while it lives.
+class Variable {
+ public:
+  Variable(const char* name, const std::string& value) : name_(name) { ::setenv(name, value.c_str(), 1); }
+  ~Variable() { ::unsetenv(name_); }
+  Variable(const Variable&) = delete;
+  Variable& operator=(const Variable&) = delete;
+
+ private:
+  const char* name_;
+};
+
+/// What stands behind a stylus, and what was noted of it.
+class FakeStylus {
+ public:
+  /// `script`: see FakeDevice; with %/ for its folder. `hand`: rows of a path, if it has any.
+  FakeStylus(const char* variable, std::string script, const std::string& hand)
+      : variable_(variable, folder_ / "script") {
+    for (std::size_t at; (at = script.find('%')) != std::string::npos;) script.replace(at, 1, folder_.path().string());
+    if (!hand.empty()) {
+      std::ofstream(folder_ / "hand.csv") << "t_s,x,y,z\n" << hand;
+      script += "\nhand " + (folder_ / "hand.csv").string() + "\n";
+    }
+    std::ofstream(folder_ / "script") << script << "\nnote " << (folder_ / "note").string() << "\n";
+  }
+
+  const ScratchFolder& folder() const { return folder_; }
+  FakeNote note() const {
+    FakeNote note;
+    std::ifstream(folder_ / "note", std::ios::binary).read(reinterpret_cast<char*>(&note), sizeof note);
+    return note;
+  }
+  DVec3 lastForce_N() const {
+    const FakeNote seen = note();
+    return {seen.force_N[0], seen.force_N[1], seen.force_N[2]};
+  }
+  /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that another look may find less.
+  double waitForForce_N(double least_N) const {
+    double felt_N = 0;
+    for (int i = 0; i < 20'000 && felt_N < least_N; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      felt_N = glm::length(lastForce_N());
+    }
+    return felt_N;
+  }
+
+ private:
+  ScratchFolder folder_;
+  Variable variable_;
+};
+
+class FakeDriver : public FakeStylus {
+ public:
+  explicit FakeDriver(const std::string& library = "fake_hd", const std::string& script = "",
+                      const std::string& hand = "")
+      : FakeStylus(FakeDevice::kFirst, script, hand),
+        library_(library.starts_with("fake_dhd") ? "PALPATE_DHD_LIBRARY" : "PALPATE_HD_LIBRARY",
+                 fakeDriverFile(library)) {}
+
+ private:
+  Variable library_;
+};
+
+/// The "Right Device" of an OpenHaptics driver, beside its "Left Device".
+class SecondFakeStylus : public FakeStylus {
+ public:
+  explicit SecondFakeStylus(const std::string& script = "", const std::string& hand = "")
+      : FakeStylus(FakeDevice::kSecond, script, hand) {}
+};
+
+}  // namespace palpate

@@ -1,0 +1,100 @@
+#include "haptics/clutch.hpp"
+
+#include <doctest/doctest.h>
+
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+
+namespace palpate {
+namespace {
+
+/// Goes to the right at 100 mm/s, 1 mm deep in a plane, with buttons pressed as told.
+class Gliding final : public HapticDevice {
+ public:
+  std::string_view name() const override { return "gliding"; }
+  DeviceLimits limits() const override { return {.buttons = 2}; }
+  DeviceState read(double time_s) noexcept override {
+    const bool clutched = time_s >= 0.1 - 1e-9 && time_s < 0.2 - 1e-9;
+    const bool sculpts = time_s >= 0.25 - 1e-9;
+    return {.position = {100 * time_s, 0, 0},
+            .buttons = (clutched ? kClutchButton : 0u) | (sculpts ? kSculptButton : 0u),
+            .rendersForce = !(time_s > 0.2999 && time_s < 0.3001),
+            .ok = true};
+  }
+  bool write(const DVec3& force_N) noexcept override {
+    forces.push_back(force_N);
+    return true;
+  }
+  void emergencyStop() noexcept override {}
+  std::string faultText() const override { return {}; }
+
+  std::vector<DVec3> forces;
+};
+
+/// A floor at y = 1, which may be entered at once; notes whether the hand means to sculpt.
+class Floor final : public ContactQuery {
+ public:
+  Contact query(const Pose& pose, double) noexcept override {
+    sculpts.push_back(pose.sculpts);
+    const double depth = pose.time_s < 0.02 ? 0 : 1;
+    return {.proxy = pose.hip + DVec3(0, depth, 0),
+            .normal = {0, 1, 0},
+            .touching = depth > 0,
+            .fresh = true,
+            .valid = true};
+  }
+  std::vector<bool> sculpts;
+};
+
+}  // namespace
+
+TEST_CASE("while the clutch is drawn the HIP stays, and goes on from there without a jump") {
+  Clutch clutch({.scale = 2, .offset = {1, 0, 0}});
+  CHECK(clutch.toModel({1, 0, 0}, false) == DVec3(3, 0, 0));
+  CHECK(clutch.toModel({2, 0, 0}, true) == DVec3(5, 0, 0));
+  CHECK(clutch.toModel({7, 1, 0}, true) == DVec3(5, 0, 0));
+  CHECK(clutch.isDrawn());
+  CHECK(clutch.toModel({7, 1, 0}, false) == DVec3(5, 0, 0));
+  CHECK(clutch.toModel({8, 1, 0}, false) == DVec3(7, 0, 0));
+  CHECK_FALSE(clutch.isDrawn());
+}
+
+TEST_CASE("the buttons of a stylus clutch and sculpt, and what it cannot render ramps up again") {
+  Gliding device;
+  Floor floor;
+  ServoLoop loop(device, floor, ForceLaw({.stiffness_N_per_mm = 0.09, .damping_N_s_per_mm = 0}, {}),
+                 {.duration_s = 0.35, .passivity = PassivityMode::off});
+  const Trace trace = loop.run().trace;
+  REQUIRE(trace.rows.size() == 350);
+  CHECK(trace.rows[99].hip.x == doctest::Approx(9.9));
+  CHECK(trace.rows[99].force_N.y > 0);
+  for (int i = 100; i < 200; ++i) {
+    CHECK(trace.rows[i].hip.x == doctest::Approx(10));
+    CHECK(trace.rows[i].force_N == DVec3(0));
+  }
+  CHECK(trace.rows[200].hip.x == doctest::Approx(10));
+  CHECK(trace.rows[249].hip.x == doctest::Approx(14.9));
+  for (int i = 0; i < 350; ++i) CHECK(floor.sculpts[i] == (i >= 250));
+  CHECK(trace.rows[299].force_N.y > 0);
+  CHECK(trace.rows[300].force_N == DVec3(0));
+  CHECK(trace.rows[301].force_N.y < 0.1 * trace.rows[299].force_N.y);
+  CHECK(trace.rows[349].force_N.y > trace.rows[301].force_N.y);
+}
+
+TEST_CASE("a device without buttons sculpts whenever it touches") {
+  class Plain final : public HapticDevice {
+   public:
+    std::string_view name() const override { return "plain"; }
+    DeviceLimits limits() const override { return {}; }
+    DeviceState read(double) noexcept override { return {.ok = true}; }
+    bool write(const DVec3&) noexcept override { return true; }
+    void emergencyStop() noexcept override {}
+    std::string faultText() const override { return {}; }
+  } device;
+  Floor floor;
+  ServoLoop loop(device, floor, ForceLaw({}, {}), {.duration_s = 0.01});
+  loop.run();
+  for (const bool sculpts : floor.sculpts) CHECK(sculpts);
+}
+
+}  // namespace palpate

@@ -1,0 +1,182 @@
+// HID devices that are not there: what is plugged in, what they report and what they were sent is up to the test.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+#include "haptics/devices/hid_transport.hpp"
+
+namespace palpate {
+
+using Report = std::vector<std::uint8_t>;
+
+inline HidInfo spaceMouse(const std::string& path = "/dev/hidraw3", const std::string& serial = "A1") {
+  return {.path = path,
+          .maker = "3Dconnexion",
+          .product = "SpaceMouse Compact",
+          .serial = serial,
+          .vendorId = 0x256f,
+          .productId = 0xc635,
+          .usagePage = 1,
+          .usage = 8};
+}
+inline HidInfo dualSense(const std::string& path = "/dev/hidraw5") {
+  return {.path = path,
+          .maker = "Sony",
+          .product = "DualSense Wireless Controller",
+          .vendorId = 0x054c,
+          .productId = 0x0ce6,
+          .usagePage = 1,
+          .usage = 5};
+}
+inline HidInfo keyboard(const std::string& path = "/dev/hidraw0") {
+  return {.path = path,
+          .maker = "Logitech",
+          .product = "Keyboard",
+          .vendorId = 0x046d,
+          .productId = 0xc31c,
+          .usagePage = 1,
+          .usage = 6};
+}
+
+class FakeHid final : public HidTransport {
+ public:
+  void plug(const HidInfo& info) {
+    const std::scoped_lock lock(lock_);
+    plugged_.push_back(info);
+  }
+  /// Who reads it or writes to it learns that it is gone.
+  void unplug(const std::string& path) {
+    const std::scoped_lock lock(lock_);
+    std::erase_if(plugged_, [&](const HidInfo& info) { return info.path == path; });
+    for (Node* node : open_)
+      if (node->path == path) node->gone = true;
+    changed_.notify_all();
+  }
+  void deny(const std::string& path, bool denied = true) {
+    const std::scoped_lock lock(lock_);
+    std::erase(denied_, path);
+    if (denied) denied_.push_back(path);
+  }
+  /// To every one who has it open.
+  void report(const std::string& path, const Report& bytes) {
+    const std::scoped_lock lock(lock_);
+    for (Node* node : open_)
+      if (node->path == path) node->reports.push_back(bytes);
+    changed_.notify_all();
+  }
+  /// What was sent to it so far, and what came from a signal handler apart.
+  std::vector<Report> sent(const std::string& path, bool fromSignal = false) {
+    const std::scoped_lock lock(lock_);
+    std::vector<Report> all;
+    for (const auto& [to, bytes, signal] : sent_)
+      if (to == path && signal == fromSignal) all.push_back(bytes);
+    return all;
+  }
+  std::size_t opened() {
+    const std::scoped_lock lock(lock_);
+    return open_.size();
+  }
+
+  std::vector<HidInfo> enumerate() override {
+    const std::scoped_lock lock(lock_);
+    return plugged_;
+  }
+  HidOpening open(const std::string& path) override {
+    const std::scoped_lock lock(lock_);
+    if (std::ranges::count(denied_, path)) return {.denied = true, .why = "Permission denied"};
+    if (!std::ranges::count(plugged_, path, &HidInfo::path)) return {.why = "No such file or directory"};
+    return {.connection = std::make_unique<Connection>(*this, path)};
+  }
+
+ private:
+  struct Node {
+    std::string path;
+    std::deque<Report> reports;
+    bool gone = false;
+  };
+  class Connection final : public HidConnection {
+   public:
+    Connection(FakeHid& all, const std::string& path) : all_(all), node_{.path = path} { all_.open_.push_back(&node_); }
+    ~Connection() override {
+      const std::scoped_lock lock(all_.lock_);
+      std::erase(all_.open_, &node_);
+    }
+    std::optional<std::size_t> read(std::span<std::uint8_t> report, int timeout_ms) noexcept override {
+      std::unique_lock lock(all_.lock_);
+      all_.changed_.wait_for(lock, std::chrono::milliseconds(timeout_ms),
+                             [&] { return node_.gone || !node_.reports.empty(); });
+      if (node_.gone) return std::nullopt;
+      if (node_.reports.empty()) return 0;
+      const Report bytes = node_.reports.front();
+      node_.reports.pop_front();
+      const std::size_t count = std::min(bytes.size(), report.size());
+      std::copy_n(bytes.begin(), count, report.begin());
+      return count;
+    }
+    bool write(std::span<const std::uint8_t> report) noexcept override { return take(report, false); }
+    void writeFromSignal(std::span<const std::uint8_t> report) noexcept override { take(report, true); }
+
+   private:
+    bool take(std::span<const std::uint8_t> report, bool fromSignal) {
+      const std::scoped_lock lock(all_.lock_);
+      if (node_.gone) return false;
+      all_.sent_.push_back({node_.path, Report(report.begin(), report.end()), fromSignal});
+      return true;
+    }
+    FakeHid& all_;
+    Node node_;
+  };
+  struct Sent {
+    std::string path;
+    Report bytes;
+    bool fromSignal;
+  };
+
+  std::mutex lock_;
+  std::condition_variable changed_;
+  std::vector<HidInfo> plugged_;
+  std::vector<std::string> denied_;
+  std::vector<Node*> open_;
+  std::vector<Sent> sent_;
+};
+
+/// What devices remarked, from any thread.
+class Remarks {
+ public:
+  auto sink() {
+    return [this](std::string_view sentence) {
+      const std::scoped_lock lock(lock_);
+      all_.emplace_back(sentence);
+    };
+  }
+  std::size_t count(std::string_view part) {
+    const std::scoped_lock lock(lock_);
+    return static_cast<std::size_t>(
+        std::ranges::count_if(all_, [&](const std::string& one) { return one.find(part) != std::string::npos; }));
+  }
+  std::size_t size() {
+    const std::scoped_lock lock(lock_);
+    return all_.size();
+  }
+
+ private:
+  std::mutex lock_;
+  std::vector<std::string> all_;
+};
+
+/// Gives other threads the time that a loaded machine may take; whether it came true.
+inline bool comesTrue(const auto& condition, double within_s = 20) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(within_s);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace palpate

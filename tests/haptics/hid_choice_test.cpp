@@ -1,0 +1,122 @@
+#include "haptics/devices/hid_choice.hpp"
+
+#include <doctest/doctest.h>
+
+#include "engine/core/error.hpp"
+#include "tests/haptics/fake_hid.hpp"
+
+namespace palpate {
+namespace {
+
+std::string complaint(HidTransport& transport, std::string_view wanted) {
+  try {
+    chooseHidSteering(transport, wanted);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+bool has(const std::string& text, std::string_view part) { return text.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("a 3D mouse is known by what it is, not by who made it") {
+  CHECK(kindOf(spaceMouse()) == HidKind::spaceMouse);
+  HidInfo stranger = spaceMouse();
+  stranger.vendorId = 0x1234;
+  CHECK(kindOf(stranger) == HidKind::spaceMouse);
+  CHECK(kindOf(keyboard()) == HidKind::none);  // of the same vendor as some 3D mice
+  CHECK(kindOf(dualSense()) == HidKind::dualSense);
+  HidInfo sound = dualSense();
+  sound.usagePage = 0x0c;  // another collection of the same controller
+  CHECK(kindOf(sound) == HidKind::none);
+  CHECK(kindOf({.vendorId = 0x2988, .usagePage = 0xff00, .usage = 1}) == HidKind::hapticStylus);
+}
+
+TEST_CASE("a name says the numbers, and steps in where a device has none") {
+  CHECK(nameOf(spaceMouse()) == "SpaceMouse Compact (256f:c635)");
+  CHECK(nameOf({.vendorId = 0x046d, .productId = 0xc626, .usagePage = 1, .usage = 8}) ==
+        "Logitech 3D mouse (046d:c626)");
+  CHECK(nameOf({.vendorId = 1, .productId = 2}) == "device (0001:0002)");
+}
+
+TEST_CASE("without a wish the first 3D mouse that can be used is taken, then a DualSense") {
+  FakeHid hid;
+  hid.plug(keyboard());
+  hid.plug(dualSense());
+  CHECK(chooseHidSteering(hid, "").path == "/dev/hidraw5");
+  hid.plug(spaceMouse("/dev/hidraw3", "A1"));
+  hid.plug(spaceMouse("/dev/hidraw4", "B2"));
+  CHECK(chooseHidSteering(hid, "").path == "/dev/hidraw3");
+  hid.deny("/dev/hidraw3");
+  CHECK(chooseHidSteering(hid, "").path == "/dev/hidraw4");
+  hid.deny("/dev/hidraw4");
+  CHECK(chooseHidSteering(hid, "").path == "/dev/hidraw5");
+}
+
+TEST_CASE("a device is named by its path, serial number, or vendor and product") {
+  FakeHid hid;
+  hid.plug(spaceMouse("/dev/hidraw3", "A1"));
+  hid.plug(spaceMouse("/dev/hidraw4", "B2"));
+  hid.plug(dualSense());
+  CHECK(chooseHidSteering(hid, "/dev/hidraw4").serial == "B2");
+  CHECK(chooseHidSteering(hid, "B2").path == "/dev/hidraw4");
+  CHECK(chooseHidSteering(hid, "256F:C635").path == "/dev/hidraw3");
+  CHECK(chooseHidSteering(hid, "054c:0ce6").path == "/dev/hidraw5");
+}
+
+TEST_CASE("who finds nothing says what was looked for and what is there") {
+  FakeHid hid;
+  CHECK(has(complaint(hid, ""), "there is no HID device at all"));
+  hid.plug(keyboard());
+  const std::string none = complaint(hid, "");
+  CHECK(has(none, "no 3D mouse (usage 1/8) and no DualSense;"));
+  CHECK(has(none, "Keyboard (046d:c31c) with usage 1/6 at /dev/hidraw0"));
+  CHECK(has(complaint(hid, "046d:c31c"), "that is '046d:c31c'"));  // a keyboard steers nothing, even if it is asked for
+  CHECK_THROWS_AS(chooseDualSense(hid), Error);
+}
+
+TEST_CASE("a device that may not be opened is told with the command that mends it") {
+  FakeHid hid;
+  hid.plug(spaceMouse());
+  hid.deny("/dev/hidraw3");
+  const std::string denied = complaint(hid, "");
+  CHECK(has(denied, "SpaceMouse Compact (256f:c635) at /dev/hidraw3"));
+  CHECK(has(denied, "Permission denied"));
+  CHECK(has(denied, "run: third_party/install.sh --udev"));
+
+  HidInfo stranger = spaceMouse("/dev/hidraw9");
+  stranger.vendorId = 0x1234;  // no rule knows it
+  hid.plug(stranger);
+  hid.deny("/dev/hidraw9");
+  CHECK(has(complaint(hid, "/dev/hidraw9"), "sudo chown $USER /dev/hidraw9"));
+}
+
+TEST_CASE("the doctor's list has each device that serves once, usable or with the reason and what to do") {
+  FakeHid hid;
+  hid.plug(keyboard());
+  hid.plug(spaceMouse());
+  HidInfo again = spaceMouse();
+  again.usage = 8;
+  hid.plug(again);  // another collection of the same node
+  HidInfo pad = dualSense();
+  pad.bluetooth = true;
+  hid.plug(pad);
+  hid.plug({.path = "/dev/hidraw7", .vendorId = 0x2988, .productId = 0x0400, .usagePage = 0xff00, .usage = 1});
+  hid.deny("/dev/hidraw7");
+  const auto list = hidCandidates(hid);
+  REQUIRE(list.size() == 3);
+  CHECK(list[0].usable);
+  CHECK(list[0].whyNot.empty());
+  CHECK(list[0].mend.empty());
+  CHECK(!list[1].usable);
+  CHECK(has(list[1].whyNot, "Bluetooth"));
+  CHECK(has(list[1].mend, "cable"));
+  CHECK(list[2].kind == HidKind::hapticStylus);
+  CHECK(has(list[2].whyNot, "Permission denied"));
+  CHECK(has(list[2].mend, "run: "));
+  CHECK(hid.opened() == 0);  // looking leaves nothing open
+}
+
+}  // namespace palpate

@@ -1,0 +1,309 @@
+// The adapter through the real dynamic loader, against a driver that is not there.
+#include "haptics/devices/openhaptics_device.hpp"
+
+#include <atomic>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/fake_devices/fake_driver.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kRadius = 20;
+/// From outside down onto the sphere's pole, 2 mm deep, and still there at the end.
+const char* const kPressing = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
+
+struct Felt {
+  ServoResult result;
+  DeviceLimits limits;
+};
+
+Felt feel(const OpenHapticsOptions& options = {}, double duration_s = 0.6) {
+  OpenHapticsDevice device(options);
+  SphereContact sphere(kRadius);
+  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
+                 {.duration_s = duration_s, .realtime = true});
+  Felt felt{.result = loop.run(), .limits = device.limits()};
+  return felt;
+}
+
+std::string complaintOf(const OpenHapticsOptions& options = {.calibrationPatience_s = 0.2}) {
+  try {
+    const OpenHapticsDevice device(options);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no complaint";
+}
+
+}  // namespace
+
+TEST_CASE("a stylus presses on a sphere, on the driver's scheduler and on ours") {
+  const FakeDriver driver("fake_hd", "", kPressing);
+  Scheduler scheduler = Scheduler::device;
+  SUBCASE("the driver's") {}
+  SUBCASE("ours") { scheduler = Scheduler::own; }
+  const Felt felt = feel({.scheduler = scheduler});
+  CHECK_FALSE(felt.result.deviceFailed);
+  CHECK(felt.result.fault.empty());
+  CHECK(felt.limits.peakForce_N == 3.3);
+  CHECK(felt.limits.continuousForce_N == 0.88);
+  CHECK(felt.limits.mostStiffness_N_per_mm == 0.4);
+  const FakeNote note = driver.note();
+  CHECK(note.threadFaults == 0);
+  CHECK(note.frameFaults == 0);
+  CHECK(note.opened == 1);
+  CHECK(note.closed == 1);
+  CHECK(note.enabled == 0);  // forces were on, and are off again
+  CHECK(note.mostForce_N > 0.2);
+  CHECK(driver.lastForce_N() == DVec3(0));
+  REQUIRE(felt.result.trace.rows.size() > 300);
+  // The force is that of the surface at where the stylus was, and up.
+  const TraceRow& last = felt.result.trace.rows.back();
+  REQUIRE(last.contact);
+  CHECK(last.force_N.y > 0.2);
+}
+
+TEST_CASE("the closed loop through the driver is that of the simulated Touch") {
+  const std::string hand = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n0.5,2,18.5,1\n0.6,2,26,0\n";
+  const FakeDriver driver("fake_hd", "skip 1", hand);
+  const Felt felt = feel({}, 0.7);
+  SimulatedTouch touch(readPathCsv(driver.folder() / "hand.csv"), {});
+  SphereContact sphere(kRadius);
+  ServoLoop loop(touch, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}), {.duration_s = 0.7});
+  const Trace expected = loop.run().trace;
+  double most_N = 0;
+  std::size_t compared = 0;
+  for (const TraceRow& row : felt.result.trace.rows) {
+    const auto tick = static_cast<std::size_t>(std::llround(row.time_s * 1000));
+    if (tick != compared) break;  // a tick was missed: from there on the hands differ
+    CHECK(glm::distance(row.force_N, expected.rows[tick].force_N) <= 1e-6);
+    most_N = std::max(most_N, glm::length(row.force_N));
+    ++compared;
+  }
+  if (compared < 700) MESSAGE("compared up to the first missed tick, " << compared << " of 700");
+  CHECK((compared == 700 || felt.result.trace.missedTicks > 0));
+  if (compared == 700) CHECK(most_N > 0.2);
+}
+
+TEST_CASE("the first device that the driver knows is taken, or the one that is named") {
+  const FakeDriver driver;
+  CHECK(OpenHapticsDevice({.deviceName = "Left Device"}).facts().serial == "FAKE-0001");
+  CHECK(OpenHapticsDevice({}).name() == "Touch");
+  const std::string text = complaintOf({.deviceName = "Nobody"});
+  CHECK(says(text, "the device 'Nobody' cannot be opened"));
+  CHECK(says(text, "0x0303"));
+  CHECK(says(text, "Touch_Setup"));
+}
+
+TEST_CASE("a driver that cannot open the device says why") {
+  SUBCASE("no cable") {
+    const FakeDriver driver("fake_hd", "fault init 770");  // 0x0302
+    const std::string text = complaintOf();
+    CHECK(says(text, "no communication with the device (the driver says: HD_COMM_ERROR, 0x0302); check cable"));
+  }
+  SUBCASE("two programs on one device") {
+    const FakeDriver driver("fake_hd", "fault init 769");
+    CHECK(says(complaintOf(), "another program has the device"));
+  }
+  SUBCASE("two users in one program") {
+    const FakeDriver driver;
+    const OpenHapticsDevice first({});
+    CHECK(says(complaintOf(), "another program has the device"));
+  }
+  SUBCASE("no licence") {
+    const FakeDriver driver("fake_hd", "fault init 1536");
+    CHECK(says(complaintOf(), "no valid licence"));
+  }
+  SUBCASE("no joint data") {
+    const FakeDriver driver("fake_hd", "fault frozen");
+    CHECK(says(complaintOf(), "(0, -110, -35) mm for ever"));
+    CHECK(driver.note().closed == 1);
+  }
+}
+
+TEST_CASE("a stylus that needs its inkwell is waited for") {
+  std::vector<std::string> words;
+  const OpenHapticsOptions options{.calibrationPatience_s = 5,
+                                   .say = [&](const std::string& text) { words.push_back(text); }};
+  SUBCASE("until it is there") {
+    const FakeDriver driver("fake_hd", "fault calibration 5");
+    const OpenHapticsDevice device(options);
+    REQUIRE(words.size() == 2);
+    CHECK(says(words[0], "put the stylus into the inkwell"));
+    CHECK(says(words[1], "calibrated"));
+  }
+  SUBCASE("not for ever") {
+    const FakeDriver driver("fake_hd", "fault calibration 100000");
+    CHECK(says(complaintOf(), "was not calibrated within 0.2 s; put the stylus into the inkwell"));
+    CHECK(driver.note().closed == 1);
+  }
+  SUBCASE("but not when the person gives up") {
+    const FakeDriver driver("fake_hd", "fault calibration 100000");
+    std::atomic<bool> stop = true;
+    CHECK(says(complaintOf({.stop = &stop}), "interrupted"));
+  }
+}
+
+TEST_CASE("an error of the driver in mid-touch does to the force what it means") {
+  SUBCASE("no communication: the session ends") {
+    const FakeDriver driver("fake_hd", "fault error 770 0.45", kPressing);
+    const Felt felt = feel();
+    CHECK(felt.result.deviceFailed);
+    CHECK(says(felt.result.fault, "Touch: no communication with the device (0x0302); check cable and power"));
+    CHECK(felt.result.trace.rows.size() < 560);
+    CHECK(driver.note().mostForce_N > 0.1);
+    CHECK(driver.lastForce_N() == DVec3(0));
+    CHECK(felt.result.trace.rows.back().force_N == DVec3(0));
+  }
+  SUBCASE("too fast: no force, then a ramp") {
+    const FakeDriver driver("fake_hd", "fault error 515 0.45", kPressing);  // 0x0203, once
+    const Felt felt = feel();
+    CHECK_FALSE(felt.result.deviceFailed);
+    std::size_t held = 0;
+    double before_N = 0, after_N = 0;
+    for (const TraceRow& row : felt.result.trace.rows) {
+      if (row.time_s < 0.445) before_N = glm::length(row.force_N);
+      if (row.time_s > 0.445 && row.time_s < 0.47 && row.contact && row.force_N == DVec3(0)) ++held;
+      if (row.time_s > 0.59) after_N = glm::length(row.force_N);
+    }
+    CHECK(before_N > 0.1);
+    CHECK(held >= 1);
+    CHECK(after_N > 0.01);  // on its way up
+    CHECK(after_N < before_N);
+  }
+  SUBCASE("warm motors: no force until they have cooled down") {
+    const FakeDriver driver("fake_hd", "fault temperature 0.97 0.42 0.1\nfault error 512 0.42 0.1", kPressing);
+    const Felt felt = feel({}, 1.2);
+    CHECK_FALSE(felt.result.deviceFailed);
+    CHECK(driver.note().lateForces == 0);
+    CHECK(driver.note().mostForce_N > 0.1);
+    CHECK(felt.result.withheld.errors >= 1);
+  }
+  SUBCASE("hot motors that the driver only tells of") {
+    const FakeDriver driver("fake_hd", "fault temperature 0.97 0.3", kPressing);
+    OpenHapticsDevice device({});
+    SphereContact sphere(kRadius);
+    ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.6, .realtime = true});
+    const ServoResult result = loop.run();
+    CHECK_FALSE(result.deviceFailed);
+    CHECK(device.motorTemperature() == 0.97);
+    CHECK(result.trace.rows.back().contact);
+    CHECK(driver.lastForce_N() == DVec3(0));
+    CHECK(result.trace.rows.back().force_N == DVec3(0));
+  }
+  SUBCASE("the joint data go") {
+    const FakeDriver driver("fake_hd", "fault frozen 0 0.45", kPressing);
+    const Felt felt = feel();
+    CHECK(felt.result.deviceFailed);
+    CHECK(says(felt.result.fault, "frozen at (0, -110, -35) mm"));
+    CHECK(driver.lastForce_N() == DVec3(0));
+  }
+  SUBCASE("a position that is no number") {
+    const FakeDriver driver("fake_hd", "fault nan 0 0.45", kPressing);
+    const Felt felt = feel();
+    CHECK(felt.result.deviceFailed);
+    CHECK(says(felt.result.fault, "a position that is no number"));
+    CHECK(driver.lastForce_N() == DVec3(0));
+  }
+  SUBCASE("the driver stops calling") {
+    const FakeDriver driver("fake_hd", "fault stall 0 0.45", kPressing);
+    const Felt felt = feel({}, 30);
+    CHECK(felt.result.deviceFailed);
+    CHECK(says(felt.result.fault, "has stopped calling"));
+    CHECK(driver.lastForce_N() == DVec3(0));
+  }
+}
+
+TEST_CASE("a stylus tells how it is held, where its driver knows") {
+  DQuat expected(0.5, 0.5, -0.5, 0.5);
+  std::string script = "turn 0.5 0.5 -0.5 0.5";
+  SUBCASE("it knows") {}
+  SUBCASE("it does not") {
+    script += "\nfault no-transform";
+    expected = DQuat(1, 0, 0, 0);
+  }
+  const FakeDriver driver("fake_hd", script);
+  OpenHapticsDevice device({.scheduler = Scheduler::own});
+  const DeviceState state = device.read(0);
+  REQUIRE(state.ok);
+  CHECK(state.rendersForce);
+  CHECK(std::abs(glm::dot(state.turn, expected)) == doctest::Approx(1).epsilon(1e-12));
+  CHECK(device.write(DVec3(0)));
+}
+
+TEST_CASE("a device that gives less force than its kin is asked for no more") {
+  const FakeDriver driver("fake_hd", "fault weak");
+  CHECK(OpenHapticsDevice({}).limits().peakForce_N == 1.5);
+}
+
+TEST_CASE("forces that are no numbers, or larger than the device bears, do not reach it") {
+  const FakeDriver driver;
+  OpenHapticsDevice device({.scheduler = Scheduler::own});
+  REQUIRE(device.read(0).ok);
+  CHECK(device.write({0, 5, 0}));
+  CHECK(driver.lastForce_N() == DVec3(0, 3.3, 0));
+  REQUIRE(device.read(0).ok);
+  CHECK_FALSE(device.write({std::numeric_limits<double>::quiet_NaN(), 0, 0}));
+  CHECK(driver.lastForce_N() == DVec3(0));
+  REQUIRE(device.read(0).ok);
+  device.emergencyStop();
+  CHECK(device.write({0, 1, 0}));
+  CHECK(driver.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("a device that goes leaves no force behind") {
+  const FakeDriver driver;
+  {
+    OpenHapticsDevice device({.scheduler = Scheduler::own});
+    REQUIRE(device.read(0).ok);
+    CHECK(device.write({0, 1, 0}));
+    CHECK(driver.lastForce_N() == DVec3(0, 1, 0));
+  }
+  CHECK(driver.lastForce_N() == DVec3(0));
+}
+
+TEST_CASE("an emergency stop from another thread waits for the driver to send the zero") {
+  const FakeDriver driver("fake_hd", "", kPressing);
+  OpenHapticsDevice device({});
+  SphereContact sphere(kRadius);
+  std::atomic<bool> stop = false;
+  ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
+                 {.duration_s = 30, .realtime = true, .stop = &stop});
+  std::thread session([&] { loop.run(); });
+  CHECK(driver.waitForForce_N(0.1) >= 0.1);
+  device.emergencyStop();
+  CHECK(driver.lastForce_N() == DVec3(0));
+  stop = true;
+  session.join();
+}
+
+TEST_CASE("the driver's servo loop takes another rate, or says that it does not") {
+  const FakeDriver driver("fake_hd", "", kPressing);
+  CHECK(OpenHapticsDevice({.rate_Hz = 500}).name() == "Touch");
+  CHECK(says(complaintOf({.rate_Hz = 777}), "does not run at 777 Hz; take --rate 1000"));
+}
+
+TEST_CASE("every error of the interface has a meaning and an advice") {
+  using hdapi::Severity;
+  for (const std::uint32_t code :
+       {0x100u, 0x101u, 0x102u, 0x103u, 0x104u, 0x200u, 0x201u, 0x202u, 0x203u, 0x204u, 0x300u,
+        0x301u, 0x302u, 0x303u, 0x304u, 0x400u, 0x401u, 0x402u, 0x500u, 0x501u, 0x600u}) {
+    const hdapi::ErrorMeaning& meaning = hdapi::meaningOf(code);
+    CHECK(meaning.code == code);
+    CHECK(meaning.severity != Severity::none);
+    CHECK(std::strlen(meaning.words) > 5);
+    CHECK(std::strlen(meaning.advice) > 5);
+    if (code >= 0x300) CHECK(meaning.severity == Severity::end);
+  }
+  CHECK(hdapi::meaningOf(0x0200).severity == Severity::pause);
+  CHECK(hdapi::meaningOf(0x0202).severity == Severity::rampBack);
+  CHECK(hdapi::meaningOf(0x7777).severity == Severity::end);  // what is not known is not trusted
+  CHECK(hdapi::meaningOf(0).severity == Severity::none);
+}
+
+}  // namespace palpate

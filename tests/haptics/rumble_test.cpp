@@ -1,0 +1,229 @@
+#include "haptics/devices/rumble.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "engine/core/error.hpp"
+#include "haptics/devices/path_device.hpp"
+#include "haptics/devices/rumbling_device.hpp"
+#include "haptics/servo_loop.hpp"
+#include "tests/haptics/contact_doubles.hpp"
+#include "tests/haptics/fake_hid.hpp"
+
+namespace palpate {
+namespace {
+
+const std::string kPad = "/dev/hidraw5";
+
+bool isSilent(const Report& report) { return report.at(3) == 0 && report.at(4) == 0; }
+
+struct Scene {
+  std::shared_ptr<FakeHid> hid = std::make_shared<FakeHid>();
+  Remarks remarks;
+  std::unique_ptr<Rumble> rumble;
+
+  Scene() {
+    hid->plug(dualSense());
+    rumble = std::make_unique<Rumble>(hid, dualSense(), remarks.sink());
+  }
+  /// As a servo loop would, until something has come true.
+  bool telling(const DVec3& force_N, const auto& condition) {
+    return comesTrue([&] {
+      rumble->tell(force_N);
+      return condition();
+    });
+  }
+  bool ranAndStopped() {
+    const auto sent = hid->sent(kPad);
+    return !sent.empty() && isSilent(sent.back());
+  }
+  bool runs() {
+    const auto sent = hid->sent(kPad);
+    return !sent.empty() && sent.back()[4] > 0;
+  }
+};
+
+/// A device that says whether its force reaches the hand.
+class FlakyDevice final : public HapticDevice {
+ public:
+  std::string_view name() const override { return "flaky"; }
+  DeviceLimits limits() const override { return {}; }
+  DeviceState read(double) noexcept override { return {.rendersForce = renders, .ok = true}; }
+  bool write(const DVec3& force_N) noexcept override {
+    last_N = force_N;
+    return true;
+  }
+  void emergencyStop() noexcept override { stopped = true; }
+  std::string faultText() const override { return "no fault"; }
+  bool renders = true, stopped = false;
+  DVec3 last_N{0};
+};
+
+}  // namespace
+
+TEST_CASE("a contact begins with a tap, and the hum grows with the force") {
+  RumbleShape shape;
+  CHECK(shape.at(0, 0, 0) == RumbleMotors{});
+  const RumbleMotors begin = shape.at(0.01, 0.1, 1);
+  CHECK(begin.weak > 100);
+  CHECK(begin.strong > 20);
+  CHECK(shape.at(0.04, 0.1, 1).weak > 100);
+  const RumbleMotors later = shape.at(0.2, 0.1, 1);
+  CHECK(later.weak == 0);
+  CHECK(later.strong == begin.strong);
+  CHECK(shape.at(0.3, 0.5, 1).strong > later.strong + 40);
+  CHECK(shape.at(0.4, 1, 1).strong == 200);
+  CHECK(shape.at(0.5, 7, 1).strong == 200);
+  CHECK(shape.at(0.6, 0, 1) == RumbleMotors{});
+  CHECK(shape.at(0.7, 1, 2).weak == 255);  // a hard knock
+}
+
+TEST_CASE("a tap that was over before anyone looked is felt all the same, and a rattle is one tap at a time") {
+  RumbleShape shape;
+  CHECK(shape.at(0, 0, 3).weak > 0);
+  CHECK(shape.at(0.03, 0, 4).weak > 0);
+  CHECK(shape.at(0.06, 0, 4).weak == 0);  // the one in between did not prolong it
+}
+
+TEST_CASE("the motors run with the force and stop with it") {
+  Scene scene;
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  CHECK(scene.hid->sent(kPad).empty());  // no touch, no report
+  REQUIRE(scene.telling({0, 2, 0}, [&] { return scene.runs(); }));
+  const auto first = scene.hid->sent(kPad).front();
+  CHECK(first.size() == 48);
+  CHECK(first[0] == 2);
+  CHECK(first[3] > 0);  // the tap
+  REQUIRE(scene.telling({0, 2, 0}, [&] { return scene.hid->sent(kPad).back()[3] == 0; }));
+  CHECK(scene.runs());
+  CHECK(scene.telling({0, 0, 0}, [&] { return scene.ranAndStopped(); }));
+}
+
+TEST_CASE("nobody who tells a force: the motors stop by themselves") {
+  Scene scene;
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
+  CHECK(comesTrue([&] { return scene.ranAndStopped(); }));
+}
+
+TEST_CASE("the strongest hum is for the strongest force of the device, or of a Touch where a device has no limit") {
+  const auto hid = std::make_shared<FakeHid>();
+  hid->plug(dualSense());
+  Remarks remarks;
+  double full_N = 8;
+  std::uint8_t expected = 64;  // of 24 to 200, in steps of 8
+  SUBCASE("a stronger device") {}
+  SUBCASE("a script, which bears any force") {
+    full_N = std::numeric_limits<double>::infinity();
+    expected = 128;
+  }
+  Rumble rumble(hid, dualSense(), remarks.sink(), full_N);
+  CHECK(comesTrue([&] {
+    rumble.tell({2, 0, 0});
+    const auto sent = hid->sent(kPad);
+    return !sent.empty() && sent.back()[4] == expected;
+  }));
+}
+
+TEST_CASE("a force that is no number is no rumble") {
+  Scene scene;
+  for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    const Stopwatch watch;
+    scene.telling({wrong, 0, 0}, [&] { return watch.elapsed_s() > 0.1; });
+  }
+  CHECK(scene.hid->sent(kPad).empty());
+}
+
+TEST_CASE("the last report is silence, at the end of the session") {
+  Scene scene;
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
+  scene.rumble.reset();
+  CHECK(isSilent(scene.hid->sent(kPad).back()));
+  CHECK(scene.hid->opened() == 0);
+}
+
+TEST_CASE("an emergency stop silences at once and for good") {
+  Scene scene;
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
+  scene.rumble->stop();
+  const auto fromSignal = scene.hid->sent(kPad, true);
+  REQUIRE(fromSignal.size() == 1);
+  CHECK(isSilent(fromSignal[0]));
+  CHECK(fromSignal[0][1] == 0x03);
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.ranAndStopped(); }));
+  const std::size_t so_far = scene.hid->sent(kPad).size();
+  for (int i = 0; i < 100; ++i) {
+    scene.rumble->tell({3, 0, 0});
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(scene.hid->sent(kPad).size() == so_far);
+}
+
+TEST_CASE("reports go out at a modest rate, however wild the force") {
+  Scene scene;
+  const Stopwatch watch;
+  for (int i = 0; watch.elapsed_s() < 0.5; ++i) {
+    scene.rumble->tell({i % 2 * 3.0, 0, 0});
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+  }
+  CHECK(scene.hid->sent(kPad).size() > 3);
+  CHECK(scene.hid->sent(kPad).size() < 60);
+}
+
+TEST_CASE("a gamepad that is unplugged rumbles again when it is back, and a stop without one is no harm") {
+  Scene scene;
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.runs(); }));
+  scene.hid->unplug(kPad);
+  REQUIRE(
+      scene.telling({1, 0, 0}, [&] { return scene.remarks.count("was unplugged: there is no rumble until") == 1; }));
+  const std::size_t before = scene.hid->sent(kPad).size();
+  scene.hid->plug(dualSense());
+  REQUIRE(scene.telling({1, 0, 0}, [&] { return scene.hid->sent(kPad).size() > before; }));
+  CHECK(scene.runs());
+  CHECK(scene.remarks.count("is back") == 1);
+  scene.hid->unplug(kPad);
+  REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.remarks.count("was unplugged") == 2; }));
+  scene.rumble->stop();
+  CHECK(scene.hid->sent(kPad, true).empty());
+}
+
+TEST_CASE("any device can have a gamepad beside it that rumbles with what is really written") {
+  const auto hid = std::make_shared<FakeHid>();
+  hid->plug(dualSense());
+  Remarks remarks;
+  auto flaky = std::make_unique<FlakyDevice>();
+  FlakyDevice& inner = *flaky;
+  RumblingDevice device(std::move(flaky), std::make_unique<Rumble>(hid, dualSense(), remarks.sink()));
+  const auto last = [&] { return hid->sent(kPad).empty() ? Report(48, 0) : hid->sent(kPad).back(); };
+  const auto ticks = [&](const auto& condition) {
+    return comesTrue([&] {
+      device.read(0);
+      CHECK(device.write({2, 0, 0}));
+      return condition();
+    });
+  };
+  REQUIRE(ticks([&] { return last()[4] > 0; }));
+  CHECK(inner.last_N == DVec3(2, 0, 0));
+  CHECK(device.name() == "flaky");
+  CHECK(device.faultText() == "no fault");
+  inner.renders = false;
+  REQUIRE(ticks([&] { return isSilent(last()); }));
+  device.emergencyStop();
+  CHECK(inner.stopped);
+  CHECK(hid->sent(kPad, true).size() == 1);
+}
+
+TEST_CASE("whatever ends a session, the gamepad is silent afterwards") {
+  const auto hid = std::make_shared<FakeHid>();
+  hid->plug(dualSense());
+  Remarks remarks;
+  RumblingDevice device(std::make_unique<PathDevice>(Path({{0, {0, 0, 8}}, {1, {0, 0, 8}}})),
+                        std::make_unique<Rumble>(hid, dualSense(), remarks.sink()));
+  SphereContact sphere(10);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.4, .realtime = true});
+  loop.run();
+  CHECK(hid->sent(kPad).size() > 1);
+  CHECK(comesTrue([&] { return isSilent(hid->sent(kPad).back()); }));
+}
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+#include "haptics/devices/turned_device.hpp"
+
+#include <doctest/doctest.h>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+namespace palpate {
+namespace {
+
+class Resting final : public HapticDevice {
+ public:
+  std::string_view name() const override { return "resting"; }
+  DeviceLimits limits() const override { return {}; }
+  DeviceState read(double) noexcept override { return {.position = {11, 22, 33}, .ok = true}; }
+  bool write(const DVec3& force_N) noexcept override {
+    last_N = force_N;
+    return true;
+  }
+  void emergencyStop() noexcept override {}
+  std::string faultText() const override { return {}; }
+  DVec3 last_N{0};
+};
+
+}  // namespace
+
+TEST_CASE("a device goes where its user looks, and its forces come back the same way") {
+  auto resting = std::make_unique<Resting>();
+  Resting& inner = *resting;
+  TurnedDevice device(std::move(resting), {10, 20, 30});
+  CHECK(device.read(0).position == DVec3(1, 2, 3));
+  CHECK_FALSE(device.read(0).putDown);
+
+  // Looked at along -x: right is -z, up is y, towards the eye is x.
+  const glm::dmat3 fromRight(DVec3(0, 0, -1), DVec3(0, 1, 0), DVec3(1, 0, 0));
+  device.look(fromRight);
+  const DeviceState turned = device.read(0);
+  CHECK(turned.position == DVec3(3, 2, -1));
+  CHECK(turned.putDown);  // there was no motion from the old place to the new one
+  CHECK(glm::distance(turned.turn * DVec3(0, 0, 1), DVec3(1, 0, 0)) < 1e-12);
+  CHECK_FALSE(device.read(0).putDown);
+  device.look(fromRight);
+  CHECK_FALSE(device.read(0).putDown);
+
+  CHECK(device.write({0.5, 0.1, 0.2}));  // towards the eye is the device's z
+  CHECK(inner.last_N == DVec3(-0.2, 0.1, 0.5));
+}
+
+}  // namespace palpate

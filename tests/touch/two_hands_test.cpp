@@ -1,0 +1,286 @@
+// Two hands on one cloud: each is answered as if it were alone, both from the same points.
+#include "engine/core/error.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kTick_s = 1e-3, kFriction = 0.3;
+const BrushOptions kPush{.tau = 0.3, .beta = 0.5, .toolRadius = 8};
+
+struct Wanted {
+  bool second = true;
+  ToolShape tool = {};
+  std::optional<BrushOptions> brush = {};
+};
+
+std::unique_ptr<TouchBackend> gpuTouch(Device& device, const Scene& scene, const Wanted& wanted) {
+  return std::make_unique<TouchSide>(device, scene.cloud,
+                                     TouchOptions{.radius = scene.radius,
+                                                  .friction = kFriction,
+                                                  .tool = wanted.tool,
+                                                  .secondHand = wanted.second,
+                                                  .brush = wanted.brush});
+}
+
+/// Shared by the tests, and without validation, but for those of what the shader does to memory.
+class HandsFixture {
+ protected:
+  Device& device = shared();
+  std::unique_ptr<TouchBackend> make(bool onGpu, const Scene& scene, const Wanted& wanted = {}) {
+    if (onGpu) return gpuTouch(device, scene, wanted);
+    return std::make_unique<CpuTouch>(
+        scene.cloud,
+        CpuTouchOptions{
+            .radius = scene.radius, .friction = kFriction, .tool = wanted.tool, .brush = wanted.brush, .threads = 2});
+  }
+
+ private:
+  static Device& shared() {
+    static Device device({.gpu = "", .validate = false});
+    return device;
+  }
+};
+
+bool equal(const Contact& a, const Contact& b) {
+  return a.valid && b.valid && a.fresh && b.fresh && a.proxy == b.proxy && a.normal == b.normal &&
+         a.touching == b.touching && a.neighbours == b.neighbours;
+}
+
+/// Both wander, each on a way of its own; how often they touched and were told something else than alone.
+struct Story {
+  std::size_t firstTouched = 0, secondTouched = 0, different = 0;
+};
+Story wander(TouchBackend& together, TouchBackend& first, TouchBackend& second, const Scene& scene, std::size_t ticks) {
+  const auto ways = std::array{wanderingPath(scene, ticks, 0.5 * scene.radius, 2),
+                               wanderingPath(scene, ticks, 0.5 * scene.radius, 9)};
+  Story story;
+  for (std::size_t i = 0; i < ticks; ++i) {
+    const double time_s = kTick_s * static_cast<double>(i);
+    const Contact told = together.query({.time_s = time_s, .hip = ways[0][i], .secondHip = ways[1][i]}, 0);
+    const Contact a = first.query({.time_s = time_s, .hip = ways[0][i]}, 0);
+    const Contact b = second.query({.time_s = time_s, .hip = ways[1][i]}, 0);
+    story.firstTouched += a.touching;
+    story.secondTouched += b.touching;
+    story.different += !equal(told, a) + !equal(together.second(), b);
+    together.prepare();
+  }
+  return story;
+}
+
+class Busy {
+ public:
+  Busy(Device& device, int fills)
+      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
+    list_.begin();
+    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
+    list_.end();
+    device.touch().submit(list_);
+  }
+
+ private:
+  Buffer buffer_;
+  CommandList list_;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(HandsFixture, "each of two hands is told what it is told alone, bit by bit") {
+  for (const bool onGpu : {false, true})
+    for (const std::string_view name : {"sphere", "bumpy-sphere", "cube"}) {
+      CAPTURE(onGpu);
+      CAPTURE(name);
+      const Scene scene = makeScene(name, 10'000);
+      const auto together = make(onGpu, scene), first = make(onGpu, scene, {.second = false}),
+                 second = make(onGpu, scene, {.second = false});
+      const Story story = wander(*together, *first, *second, scene, 150);
+      CHECK(story.firstTouched > 30);
+      CHECK(story.secondTouched > 30);
+      CHECK(story.different == 0);
+      CHECK_FALSE(second->second().valid);  // nobody asked
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "two hands are felt for under validation, edits and a new beginning included") {
+  const Scene scene = makeScene("sphere", 10'000);
+  const auto touch = gpuTouch(device, scene, {.brush = kPush});
+  for (int i = 0; i < 30; ++i) {
+    const double r = 53 - 0.2 * i;
+    REQUIRE(touch->query({.time_s = kTick_s * i, .hip = {0, 0, r}, .secondHip = DVec3(r, 0, 0)}, 0).valid);
+    REQUIRE(touch->second().valid);
+    touch->prepare();
+  }
+  CHECK(touch->second().touching);
+  CHECK(touch->second().proxy.x == doctest::Approx(50).scale(0).epsilon(3e-3));
+  CHECK(touch->firstEditTime_s());
+  touch->secondBeginsAnew();
+  CHECK(touch->query({.time_s = 1, .hip = {0, 0, 47}, .secondHip = DVec3(47, 0, 0)}, 0).touching);
+  CHECK_FALSE(touch->second().touching);
+  touch->finish();
+}
+
+TEST_CASE_FIXTURE(HandsFixture, "a tool of many points is the first hand's, and the second one has its point") {
+  const Scene scene = makeScene("bumpy-sphere", 10'000);
+  const ToolShape pad = makeTool(ToolKind::pad, 6, 8);
+  for (const bool onGpu : {false, true}) {
+    CAPTURE(onGpu);
+    const auto together = make(onGpu, scene, {.tool = pad}), first = make(onGpu, scene, {.second = false, .tool = pad}),
+               second = make(onGpu, scene, {.second = false});
+    const Story story = wander(*together, *first, *second, scene, 80);
+    CHECK(together->points().size() == 6);
+    CHECK(story.secondTouched > 10);
+    CHECK(story.different == 0);
+  }
+}
+
+TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits, with the next tick's answer") {
+  const Scene scene = makeScene("sphere", 20'000);
+  for (const bool onGpu : {false, true}) {
+    CAPTURE(onGpu);
+    const auto touch = make(onGpu, scene, {.brush = kPush}),
+               alone = make(onGpu, scene, {.second = false, .brush = kPush});
+    // The second one rests 6 deep at the pole; the first one comes down close beside it.
+    const auto restingAt = [](int i) { return DVec3(0.6, 0, std::max(44.0, 52 - 0.5 * i)); };
+    double atRest = 0, afterEdit = 0, last = 0;
+    bool same = true;
+    for (int i = 0; i < 120; ++i) {
+      const double time_s = kTick_s * i;
+      const DVec3 hip(0, 0, 52 - 4.5 * std::clamp((i - 40) / 50.0, 0.0, 1.0));
+      const Contact told = touch->query({.time_s = time_s, .hip = hip, .secondHip = restingAt(i)}, 0);
+      same = same && equal(told, alone->query({.time_s = time_s, .hip = hip}, 0));
+      REQUIRE(touch->second().valid);
+      REQUIRE(touch->second().touching == (i > 4));
+      last = touch->second().proxy.z;
+      const auto edited_s = touch->firstEditTime_s();
+      if (i >= 35 && (!edited_s || *edited_s == time_s)) atRest = last;
+      if (edited_s && std::abs(time_s - *edited_s - kTick_s) < 1e-9) afterEdit = last;
+    }
+    touch->finish();
+    alone->finish();
+    CHECK(same);  // what the first one feels and does is as without the second
+    CHECK(atRest == doctest::Approx(50).scale(0).epsilon(0.002));
+    CHECK(afterEdit < atRest - 1e-4);
+    CHECK(last < atRest - 1);
+    CHECK(last > 44);
+    PointCloud left = scene.cloud, right = scene.cloud;
+    CHECK(touch->readBack(left) > 30);
+    alone->readBack(right);
+    CHECK(left.positions == right.positions);
+  }
+}
+
+TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other goes on") {
+  const Scene scene = makeScene("plane", 10'000);
+  for (const bool onGpu : {false, true})
+    for (const bool secondGoes : {false, true}) {
+      CAPTURE(onGpu);
+      CAPTURE(secondGoes);
+      const auto touch = make(onGpu, scene);
+      const auto ask = [&](double z, double secondZ) {
+        return touch->query({.hip = {3, 0.2, z}, .secondHip = DVec3(-3, 0.3, secondZ)}, 0);
+      };
+      Contact told;
+      for (double z = 4; z > -2; z -= 0.25) told = ask(z, z);
+      CHECK(told.touching);
+      CHECK(touch->second().touching);
+      secondGoes ? touch->secondBeginsAnew() : touch->beginAnew();
+      told = ask(-2, -2);
+      // Put down inside, it is not caught until it has been outside.
+      CHECK(told.touching == secondGoes);
+      CHECK(touch->second().touching == !secondGoes);
+      ask(4, 4);
+      told = ask(-1, -1);
+      CHECK(told.touching);
+      CHECK(touch->second().touching);
+    }
+}
+
+TEST_CASE_FIXTURE(HandsFixture, "a place of the second hand past all numbers is a fault at that pose alone") {
+  const Scene scene = makeScene("plane", 5'000);
+  for (const bool onGpu : {false, true}) {
+    CAPTURE(onGpu);
+    const auto touch = make(onGpu, scene);
+    for (const double bad : {std::nan(""), 1e300}) {
+      const Contact told = touch->query({.hip = {0, 0, 3}, .secondHip = DVec3(0, bad, 0)}, 0);
+      CHECK_FALSE(told.lost);
+      CHECK_FALSE(touch->second().valid);
+    }
+    for (double z = 3; z > -1; z -= 0.25) touch->query({.hip = {3, 0, z}, .secondHip = DVec3(-3, 0, z)}, 0);
+    CHECK(touch->second().touching);
+    CHECK(touch->second().normal.z == doctest::Approx(1));
+  }
+}
+
+TEST_CASE_FIXTURE(HandsFixture,
+                  "when the answer is late the second hand keeps the plane that it felt, ever more softly") {
+  const Scene scene = makeScene("plane", 20'000);
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius, .friction = kFriction, .secondHand = true, .wait = Wait::block});
+  double time_s = 0;
+  for (double z = 2; z > -1; z -= 0.25)
+    REQUIRE(touch.query({.time_s = time_s += kTick_s, .hip = {3, 0.2, z}, .secondHip = DVec3(-3, 0.3, z)}, 1e7).fresh);
+  REQUIRE(touch.second().fresh);
+  REQUIRE(touch.second().touching);
+  const Busy busy(device, 200);
+  const auto late = [&](double age_s, double z) {
+    touch.query({.time_s = time_s + age_s, .hip = {3, 0.2, -1}, .secondHip = DVec3(-3, 0.3, z)}, 1);
+    return touch.second();
+  };
+  Contact held = late(0.002, -1.5);
+  CHECK_FALSE(held.fresh);
+  CHECK(held.valid);
+  CHECK(held.touching);
+  CHECK(held.proxy.z == doctest::Approx(0).scale(1).epsilon(1e-3));
+  CHECK(held.dataTime_s == time_s);
+  held = late(0.0125, -1.5);
+  CHECK(held.proxy.z == doctest::Approx(-0.75).epsilon(1e-2));
+  held = late(0.021, -1.5);
+  CHECK_FALSE(held.touching);
+  CHECK(held.valid);
+
+  const auto ask = [&](double age_s, double budget_us) {
+    touch.query({.time_s = time_s + age_s, .hip = {3, 0.2, -1}, .secondHip = DVec3(-3, 0.3, -1.5)}, budget_us);
+    return touch.second();
+  };
+  CHECK(ask(0.022, 0).touching);
+  // Put down elsewhere while a question is out, it is held by no answer to where it was.
+  const Busy busyAgain(device, 100);
+  CHECK(ask(0.023, 1).touching);
+  touch.secondBeginsAnew();
+  const Busy stillBusy(device, 100);
+  held = ask(0.024, 1);
+  CHECK_FALSE(held.fresh);
+  CHECK_FALSE(held.touching);
+  held = ask(0.025, 0);
+  CHECK(held.fresh);
+  CHECK_FALSE(held.touching);
+  touch.finish();
+}
+
+TEST_CASE_FIXTURE(HandsFixture,
+                  "two hands are asked by the fused method alone, ahead like one, and go on after a change") {
+  const Scene scene = makeScene("sphere", 5'000);
+  for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect, QueryMethod::naive, QueryMethod::twoStep})
+    CHECK_THROWS_WITH_AS(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .secondHand = true}),
+                         doctest::Contains("two hands"), UsageError);
+  TouchSide touch(device, scene.cloud,
+                  {.radius = scene.radius, .friction = kFriction, .secondHand = true, .ahead = true});
+  CHECK(touch.asksAhead());
+  CHECK(touch.passes().size() == 1);  // one dispatch for both
+  const auto press = [&] {
+    for (double r = 53; r > 48; r -= 0.2) touch.query({.hip = {0, 0, r}, .secondHip = DVec3(r, 0, 0)}, 0);
+    return touch.second();
+  };
+  CHECK(press().touching);
+  CHECK_THROWS_AS(touch.setContact(SurfaceKind::sphere, 0, QueryMethod::indirect), UsageError);
+  touch.setContact(SurfaceKind::sphere, kFriction, QueryMethod::fused);
+  const Contact contact = press();
+  CHECK(contact.touching);
+  CHECK(contact.proxy.x == doctest::Approx(50).scale(0).epsilon(1e-3));
+}
+
+}  // namespace palpate
