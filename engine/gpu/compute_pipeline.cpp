@@ -1,12 +1,26 @@
 #include "engine/gpu/compute_pipeline.hpp"
 
 #include "engine/core/check.hpp"
+#include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/workgroup_watch.hpp"
 
 namespace palpate {
 
 namespace {
+
+// A software driver puts off translating a shader until it first runs, for seconds, which no tick should wait for. It
+// does it for no workgroups, too. Under validation nothing is in a hurry, and not every pipeline of a test runs.
+void translateNow(Device& device, const ShaderCode& code, const PipelineOptions& options,
+                  const PipelineStore::Compiled& compiled) {
+  if (!device.isCpu() || device.instance().validates() || options.images > 0) return;
+  CommandList list(device, device.background(), code.name);
+  list.begin();
+  device.vk().vkCmdBindPipeline(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.pipeline);
+  device.vk().vkCmdDispatch(list.handle(), 0, 1, 1);
+  list.end();
+  device.background().run(list);
+}
 
 // `life`: of WorkgroupWatch::Twin; 0: the shader is not watched.
 PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const PipelineOptions& options,
@@ -31,6 +45,7 @@ PipelineStore::Compiled compile(Device& device, const ShaderCode& code, const Pi
       device.vk().vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &compiled.pipeline),
       fmt::format("vkCreateComputePipelines({})", code.name));
   device.nameObject(VK_OBJECT_TYPE_PIPELINE, reinterpret_cast<std::uint64_t>(compiled.pipeline), code.name);
+  translateNow(device, code, options, compiled);
   return compiled;
 }
 

@@ -167,6 +167,7 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
+  works("touch " + model + " --path builtin:press");  // so that the driver has translated the shaders by then
   const char* elsewhere = std::getenv("PALPATE_PROGRAM");
   const std::string command = "timeout -s INT 6 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " +
                               model + " --realtime --path " + (folder / "long.csv").string() + " --trace " +
@@ -202,6 +203,27 @@ TEST_CASE("real time ends by itself and reports its ticks") {
   CHECK(outcome.code == 0);
   CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
   CHECK(std::filesystem::exists(folder / "p.png"));
+}
+
+// A software driver would translate the shaders in its first ticks, for ten seconds, and leave the hand without a
+// force.
+TEST_CASE("a session in real time begins when the driver has translated every shader") {
+  if (std::getenv("PALPATE_GPU") == nullptr || std::string(std::getenv("PALPATE_GPU")) != "llvmpipe") {
+    MESSAGE("skipped: for lavapipe, which PALPATE_GPU does not name");
+    return;
+  }
+  const ScratchFolder folder;
+  const std::string model = (folder / "sphere.ply").string();
+  works("make sphere -n 20000 -o " + model);
+  ::setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+  const auto outcome =
+      palpate("touch " + model + " --edit push --penetration 4 --realtime --json " + (folder / "t.json").string());
+  ::unsetenv("MESA_SHADER_CACHE_DISABLE");
+  CHECK(outcome.code == 0);
+  const auto json = jsonOf(folder / "t.json");
+  CHECK(json["contact_ticks"] > json["ticks"].get<int>() / 2);
+  CHECK(json["moved_points"] > 0);
+  CHECK(json["safety"]["stale_ticks"] < json["ticks"].get<int>() / 4);
 }
 
 TEST_CASE("info and make tell what there is") {
