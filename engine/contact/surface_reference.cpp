@@ -59,10 +59,22 @@ double wideningFor(double noise_spacings) {
   return std::clamp(spacings / static_cast<double>(shared::kSupportSpacings), 1.0, kMost);
 }
 
+namespace {
+
+double smoothstep(double low, double high, double x) {
+  const double share = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return share * share * (3.0 - 2.0 * share);
+}
+
+}  // namespace
+
+double turnWeight(SurfaceKind kind, double cosine) {
+  if (kind != SurfaceKind::sharp) return facingWeight(cosine);
+  return smoothstep(shared::kAcrossEdge, shared::kThisSide, cosine);
+}
+
 double wideWhereFlat(double narrow, double wide, double meanNormal) {
-  const double flat = shared::kFlatTurn, fold = shared::kFoldTurn;
-  const double folded = std::clamp((1.0 - meanNormal - flat) / (fold - flat), 0.0, 1.0);
-  return wide + (narrow - wide) * folded * folded * (3.0 - 2.0 * folded);
+  return std::lerp(wide, narrow, smoothstep(shared::kFlatTurn, shared::kFoldTurn, 1.0 - meanNormal));
 }
 
 double averageSurfaceBias(double radius, double sphereRadius) { return 0.0694 * radius * radius / sphereRadius; }

@@ -65,8 +65,6 @@ class SurfaceSums {
     ++neighbours_;
   }
   SurfaceSample sample() const;
-  /// Length of the weighted mean of the normals: 1 where all are the same. 0 for no neighbours.
-  double meanNormal() const { return weights_ > 0 ? glm::length(normals_) / weights_ : 0; }
 
  private:
   double robustWeight(const DVec3& d, const DVec3& normal) const;
@@ -94,6 +92,10 @@ double localRadius(double radius, double weights, double smallest, double larges
 /// (SpacingRange::noise): 1 up to an eighth of a spacing, no more than 2.
 double wideningFor(double noise_spacings);
 
+/// How much a normal counts where the turn of a surface of this kind is judged; `cosine`: of it and the side that is
+/// felt.
+double turnWeight(SurfaceKind kind, double cosine);
+
 /// The support radius between a narrow and a wide one, where the weighted mean of the normals within the wide one is
 /// `meanNormal` long.
 double wideWhereFlat(double narrow, double wide, double meanNormal);
@@ -115,9 +117,16 @@ SurfaceSample surfaceOf(const SurfaceOptions& options, const DVec3& facing, ForE
   }
   if (options.widening > 1) {
     const double wide = options.widening * radius;
-    SurfaceSums sums(SurfaceKind::average, wide, facing, nullptr);
-    forEachNear(wide, [&](const DVec3& offset, const Vec3& normal) { sums.add(offset, normal); });
-    radius = wideWhereFlat(radius, wide, sums.meanNormal());
+    DVec3 normals(0);
+    double weights = 0;
+    forEachNear(wide, [&](const DVec3& offset, const Vec3& normal) {
+      const DVec3 n(normal);
+      double w = wendland(std::min(1.0, glm::length(offset) / wide));
+      if (facing != DVec3(0)) w *= turnWeight(options.kind, glm::dot(n, facing));
+      normals += w * n;
+      weights += w;
+    });
+    radius = wideWhereFlat(radius, wide, weights > 0 ? glm::length(normals) / weights : 0);
   }
   SurfaceSample sample;
   for (std::uint32_t pass = 0; pass < surfacePasses(options.kind); ++pass) {

@@ -85,6 +85,12 @@ float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
   return local;
 }
 
+// How much a normal counts where the turn of the surface is judged; `cosine`: of it and the side that is felt.
+float turnWeight(float cosine) {
+  if (kSurface == kSurfaceSharp) return smoothstep(kAcrossEdge, kThisSide, cosine);
+  return clamp(1.0 + 2.0 * cosine, 0.0, 1.0);
+}
+
 // A radius between `narrow` and the widened one: wide where the normals within that agree, as far as they face the side
 // `facing`.
 float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
@@ -96,7 +102,7 @@ float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
     if (r >= 1.0) continue;
     const vec3 n = patchNormal(spill, i);
     float w = wendland(r);
-    if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+    if (sided) w *= turnWeight(dot(n, facing));
     sums.offsets.w += w;
     sums.normals.xyz += w * n;
   }

@@ -47,6 +47,11 @@ const float kLeastLocalRadius = 0.125f;
 // of radius rho, 0.29 on an edge of 90 degrees. Less is wary of noisy normals, more rounds edges off and loses folds.
 const float kFlatTurn = 0.01f;
 const float kFoldTurn = 0.06f;
+// The sharp surface keeps points across an edge out by itself. For it the radius shrinks where the surface on this side
+// of the edge turns: points count whose normal and the side that is felt make at least the first cosine, in full from
+// the second on. More is blind to folds, less rounds off the edges of noisy normals.
+const float kAcrossEdge = 0.3f;
+const float kThisSide = 0.5f;
 
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
