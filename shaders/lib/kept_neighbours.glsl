@@ -4,6 +4,7 @@
 
 #extension GL_KHR_shader_subgroup_ballot : require
 
+const bool kWalkNormals = false;
 #include "shaders/lib/neighbour_walk.glsl"
 
 // Neighbours that a workgroup keeps, each subgroup its part.

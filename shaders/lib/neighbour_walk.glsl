@@ -19,6 +19,7 @@ const uint kPointsInFlight = 4;
 uint walkedSlots[kPointsInFlight];
 vec4 walkedPositions[kPointsInFlight];
 bool walkedNear[kPointsInFlight];
+vec3 walkedNormals[kPointsInFlight];  // where whoever includes this sets kWalkNormals
 
 ivec3 walkLow;
 uvec3 walkSize;
@@ -81,6 +82,9 @@ bool walkOn(CloudView cloud, vec3 center, float radius, uint budget) {
   }
   [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
     walkedPositions[i] = cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
+  if (kWalkNormals)
+    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
+      walkedNormals[i] = cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
   [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
     const vec3 d = walkedPositions[i].xyz - center;
     // Another of these cells may share the bucket: its points are visited as that one's.

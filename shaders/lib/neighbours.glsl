@@ -2,6 +2,7 @@
 #ifndef PALPATE_LIB_NEIGHBOURS_GLSL
 #define PALPATE_LIB_NEIGHBOURS_GLSL
 
+const bool kWalkNormals = true;  // of all candidates: to ask for them later would be to wait twice
 #include "shaders/lib/neighbour_walk.glsl"
 
 // Whoever includes this says what to do with a neighbour, which is `d` away. One invocation of the subgroup calls it.
@@ -12,12 +13,9 @@ void visitNeighbour(uint id, vec3 normal, vec3 d);
 void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget) {
   beginWalk(cloud, center, radius);
   while (walkOn(cloud, center, radius, budget)) {
-    vec3 normals[kPointsInFlight];
-    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
-      normals[i] = cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
     [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
       if (walkedNear[i])
-        visitNeighbour(floatBitsToUint(walkedPositions[i].w), normals[i], walkedPositions[i].xyz - center);
+        visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);
   }
 }
 
