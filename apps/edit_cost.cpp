@@ -57,6 +57,9 @@ std::vector<EditCost> only(const std::vector<EditCost>& costs, bool realtime) {
   return chosen;
 }
 
+// One of so many updates may have needed a build: their median is still that of updates.
+constexpr std::uint64_t kUpdatesPerBuild = 10;
+
 // Share of the points touched, time with an update, time with a build.
 struct Duel {
   double share, update_us, build_us;
@@ -69,7 +72,7 @@ std::vector<Duel> duels(const std::vector<EditCost>& costs, const std::string& s
     for (const EditCost& build : costs)
       if (update.subject == subject && update.points == points && build.subject == subject && build.points == points &&
           update.asked == build.asked && update.index == "incremental" && build.index == "rebuild" &&
-          update.builds == 0 && update.edit_us.count > 0 && build.edit_us.count > 0)
+          kUpdatesPerBuild * update.builds <= update.edits && update.edit_us.count > 0 && build.edit_us.count > 0)
         all.push_back({update.touched.p50 / static_cast<double>(points), update.edit_us.p50, build.edit_us.p50});
   std::ranges::sort(all, {}, &Duel::share);
   return all;
