@@ -75,14 +75,15 @@ void Viewer::step() {
 void Viewer::playScript() {
   const auto& script = options_.script;
   if (nextAction_ >= script.size()) return;
-  if (loader_.isLoading() && !impatient_) return;
+  const auto waits = [&] { return (loader_.isLoading() || announcesMesh_) && !impatient_; };
+  if (waits()) return;
   const bool clicks = looks_ > 0 || nextAction_ < clickEnd_;  // that takes no time
   if (pictures_ > 0 && !clicks) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
   while (nextAction_ < script.size() && script[nextAction_].time_s <= scriptTime_s_) {
     const ScriptAction action = script[nextAction_++].action;
     act(action);
     // What follows finds the model loaded, and each press of a button a picture that has seen the one before.
-    if (loader_.isLoading() && !impatient_) return;
+    if (waits()) return;
     if (const auto* event = std::get_if<WindowEvent>(&action))
       if (std::holds_alternative<ButtonEvent>(*event) || std::holds_alternative<KeyEvent>(*event)) return;
     if (std::holds_alternative<ScreenshotAction>(action) || std::holds_alternative<ClickAction>(action)) return;

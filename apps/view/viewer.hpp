@@ -107,6 +107,7 @@ class Viewer {
   std::unique_ptr<MarchingCubes> mesh_;
   std::uint32_t meshLattice_ = 0, frameSupersample_ = 0;
   double meshTime_ms_ = 0;
+  bool announcesMesh_ = false;  // the next picture waits for it
 
   ViewSettings view_;
   ToolSettings tool_;

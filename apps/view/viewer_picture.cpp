@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "apps/mesh_options.hpp"
 #include "apps/picture.hpp"
@@ -44,6 +45,7 @@ ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
 void Viewer::updateMesh() {
   if (!view_.mesh) {
     mesh_.reset();
+    announcesMesh_ = false;
     return;
   }
   const Stopwatch watch;
@@ -51,6 +53,9 @@ void Viewer::updateMesh() {
     const Model& model = session_->model();
     const auto lattice = static_cast<std::uint32_t>(view_.lattice);
     if (!mesh_ || meshLattice_ != lattice) {
+      // A software driver holds the picture up for it: one that says so comes first.
+      if (sight_.isCpu() && !std::exchange(announcesMesh_, true)) return say("making the triangles");
+      announcesMesh_ = false;
       mesh_.reset();
       const MeshPlan plan = planMesh(session_->bounds(), model.spacing, {.lattice = lattice, .room = 0.2});
       const auto points = session_->journal().points();

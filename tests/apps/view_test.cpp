@@ -178,7 +178,10 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 480x240 --edit carve", R"(
 0.1 mouse 300 120
+0.2 impatient
 0.3 key m
+0.3 state %/announced.json
+0.3 patient
 0.6 state %/mesh.json
 0.7 key space down
 0.9 button left down
@@ -196,6 +199,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
   CAPTURE(played->outcome.text);
   CHECK(played->outcome.code == 0);
   const auto mesh = played->state("mesh.json"), undone = played->state("undone.json");
+  CHECK(played->state("announced.json")["last_message"] == "making the triangles");
   CHECK(mesh["mesh_triangles"] > 1000);
   CHECK(played->state("carved.json")["edits"] > 0);
   CHECK(played->state("carved.json")["mesh_triangles"] != mesh["mesh_triangles"]);
