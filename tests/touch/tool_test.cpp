@@ -9,6 +9,7 @@
 #include "haptics/force_law.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/busy.hpp"
 
 namespace palpate {
 
@@ -98,21 +99,6 @@ void onBoth(Device& device, const Scene& scene, const ToolShape& tool, Check&& c
     check(hand);
   }
 }
-
-class Busy {
- public:
-  Busy(Device& device, int fills)
-      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
-    list_.begin();
-    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
-    list_.end();
-    device.touch().submit(list_);
-  }
-
- private:
-  Buffer buffer_;
-  CommandList list_;
-};
 
 /// Both wander over the same surface, in and out of it, and turn as they go.
 void compareBackends(Device& device, std::string_view name, ToolKind kind, std::size_t points, std::size_t ticks,

@@ -7,6 +7,7 @@
 #include "engine/touch/memory.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/busy.hpp"
 
 namespace palpate {
 
@@ -24,22 +25,6 @@ std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::R
   }
   return contacts;
 }
-
-// Keeps the touch queue busy for some time, so that whatever is asked next comes late.
-class Busy {
- public:
-  Busy(Device& device, int fills)
-      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
-    list_.begin();
-    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
-    list_.end();
-    device.touch().submit(list_);
-  }
-
- private:
-  Buffer buffer_;
-  CommandList list_;
-};
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
+#include "tests/touch/busy.hpp"
 
 namespace palpate {
 
@@ -71,21 +72,6 @@ Story wander(TouchBackend& together, TouchBackend& first, TouchBackend& second, 
   }
   return story;
 }
-
-class Busy {
- public:
-  Busy(Device& device, int fills)
-      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
-    list_.begin();
-    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
-    list_.end();
-    device.touch().submit(list_);
-  }
-
- private:
-  Buffer buffer_;
-  CommandList list_;
-};
 
 }  // namespace
 

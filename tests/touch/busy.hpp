@@ -1,0 +1,26 @@
+// Work that stands before whatever is asked next.
+#pragma once
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/queue.hpp"
+
+namespace palpate {
+
+// Keeps the touch queue busy for some time, so that whatever is asked next comes late.
+class Busy {
+ public:
+  Busy(Device& device, int fills)
+      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
+    list_.begin();
+    for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
+    list_.end();
+    device.touch().submit(list_);
+  }
+
+ private:
+  Buffer buffer_;
+  CommandList list_;
+};
+
+}  // namespace palpate
