@@ -1,11 +1,5 @@
 // Haptic devices as a user meets them: by a driver library that is found at run time, and by recordings.
-#include <signal.h>
-#include <unistd.h>
-
-#include <chrono>
-#include <thread>
-
-#include "tests/apps/program.hpp"
+#include "tests/apps/running_program.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
 
@@ -110,18 +104,11 @@ TEST_CASE("a session that is interrupted or that crashes leaves no force behind"
   int signal = SIGTERM;
   SUBCASE("interrupted") {}
   SUBCASE("crashed") { signal = SIGSEGV; }
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string command = std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " " +
-                              scene.touch("--device openhaptics --realtime --map identity --duration 60 ") +
-                              "> /dev/null 2>&1 & echo $!";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  int child = 0;
-  REQUIRE(std::fscanf(pipe, "%d", &child) == 1);
-  ::pclose(pipe);
-  CHECK(driver.waitForForce_N(0.15) >= 0.15);
-  CHECK(::kill(child, signal) == 0);
-  for (int i = 0; i < 2000 && ::kill(child, 0) == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  RunningProgram session(scene.touch("--device openhaptics --realtime --map identity --duration 60"),
+                         scene.folder / "said");
+  REQUIRE_MESSAGE(session.waitFor([&] { return glm::length(driver.lastForce_N()) >= 0.15; }),
+                  contentOf(scene.folder / "said"));
+  session.wait(signal);
   CHECK(driver.lastForce_N() == DVec3(0));
 }
 

@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "engine/cloud/ply_reader.hpp"
-#include "tests/apps/program.hpp"
+#include "tests/apps/running_program.hpp"
 
 namespace palpate {
 
@@ -167,13 +167,12 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
-  works("touch " + model + " --path builtin:press");  // so that the driver has translated the shaders by then
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string command = "timeout -s INT 6 " + std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " touch " +
-                              model + " --realtime --path " + (folder / "long.csv").string() + " --trace " +
-                              (folder / "t.csv").string() + " --json " + (folder / "t.json").string() +
-                              " 2>/dev/null >&2";
-  CHECK(std::system(command.c_str()) != 0);
+  const auto file = [&](const char* name) { return (folder / name).string(); };
+  RunningProgram session("touch " + model + " --realtime --path " + file("long.csv") + " --trace " + file("t.csv") +
+                             " --json " + file("t.json") + " --log " + file("log"),
+                         folder / "said");
+  REQUIRE_MESSAGE(session.waitForTicks(folder / "log"), contentOf(folder / "said"));
+  CHECK(session.wait(SIGINT) != 0);
   CHECK(jsonOf(folder / "t.json")["interrupted"] == true);
   CHECK(readTrace(folder / "t.csv").size() > 10);
 }

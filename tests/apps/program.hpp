@@ -21,9 +21,13 @@ struct Outcome {
   std::string text;  // stdout and stderr
 };
 
-inline Outcome palpate(const std::string& arguments) {
+inline std::string program() {
   const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
-  const std::string command = std::string(elsewhere ? elsewhere : PALPATE_PROGRAM) + " " + arguments + " 2>&1";
+  return elsewhere ? elsewhere : PALPATE_PROGRAM;
+}
+
+inline Outcome palpate(const std::string& arguments) {
+  const std::string command = program() + " " + arguments + " 2>&1";
   Outcome outcome;
   std::FILE* pipe = ::popen(command.c_str(), "r");
   REQUIRE(pipe);

@@ -1,24 +1,14 @@
 // Undo, saving, session logs and their replay, as a user meets them.
-#include <signal.h>
-#include <unistd.h>
-
-#include <chrono>
 #include <cstring>
-#include <thread>
 
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/core/checksum.hpp"
 #include "haptics/session_log.hpp"
-#include "tests/apps/program.hpp"
+#include "tests/apps/running_program.hpp"
 
 namespace palpate {
 
 namespace {
-
-std::string program() {
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  return elsewhere ? elsewhere : PALPATE_PROGRAM;
-}
 
 /// A sphere, and a path that taps on it `taps` times, each time elsewhere.
 struct Scene {
@@ -247,40 +237,25 @@ TEST_CASE("against the clock only what can be the same is compared, and the edit
 
 TEST_CASE("a killed session loses no more than its last second, and the rest is recovered and runs again") {
   const Scene scene(60, 2'000);  // 12 s of taps
-  const pid_t child = ::fork();
-  if (child == 0) {
-    // A process group of its own, so that killing it leaves no shell behind.
-    ::execl("/bin/sh", "sh", "-c",
-            ("exec " + program() + " " +
-             scene.touch("--backend cpu --realtime --log " + scene.file("log") + " >" + scene.file("said") + " 2>&1"))
-                .c_str(),
-            nullptr);
-    ::_exit(127);
-  }
-  const auto begin = std::chrono::steady_clock::now();
-  while (!std::filesystem::exists(scene.folder / "log") &&
-         std::chrono::steady_clock::now() - begin < std::chrono::seconds(20))
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  RunningProgram session(scene.touch("--backend cpu --realtime --log " + scene.file("log")), scene.folder / "said");
+  REQUIRE_MESSAGE(session.waitForTicks(scene.folder / "log"), contentOf(scene.folder / "said"));
   std::this_thread::sleep_for(std::chrono::milliseconds(3000));
-  ::kill(child, SIGKILL);
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  REQUIRE_MESSAGE(WIFSIGNALED(status), contentOf(scene.folder / "said"));
+  REQUIRE_MESSAGE(WIFSIGNALED(session.wait(SIGKILL)), contentOf(scene.folder / "said"));
   const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("t.csv"));
   CHECK(json["ended"] == false);
   CHECK(json["edits"] > 0);                                   // a busy machine leaves most of them out
-  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 3 s, less what the start takes
+  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 3 s and more
   replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
 }
 
 TEST_CASE("an interrupted session has its log to the end, undo included") {
   const Scene scene(60, 2'000);
-  const std::string command = "timeout -s INT 2 " + program() + " " +
-                              scene.touch("--backend cpu --realtime --undo 99 --log " + scene.file("log") + " --save " +
-                                          scene.file("saved.ply")) +
-                              " >" + scene.file("said") + " 2>&1";
-  CHECK(std::system(command.c_str()) != 0);
+  RunningProgram session(scene.touch("--backend cpu --realtime --undo 99 --log " + scene.file("log") + " --save " +
+                                     scene.file("saved.ply")),
+                         scene.folder / "said");
+  REQUIRE_MESSAGE(session.waitForTicks(scene.folder / "log"), contentOf(scene.folder / "said"));
+  CHECK(session.wait(SIGINT) != 0);
   CHECK(contentOf(scene.folder / "said").find("interrupted") != std::string::npos);
   CHECK(contentOf(scene.folder / "saved.ply") == contentOf(scene.folder / "model.ply"));
   const auto json = replay(scene, scene.file("log"));

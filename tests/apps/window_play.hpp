@@ -44,8 +44,7 @@ inline std::unique_ptr<Played> play(const std::string& arguments, const std::str
   const std::filesystem::path& folder = played->folder.path();
   if (prepare) prepare(folder);
   std::ofstream(folder / "script.txt") << inFolder(script, folder);
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");
-  const std::string program = std::filesystem::absolute(elsewhere ? elsewhere : PALPATE_PROGRAM).string();
+  const std::string program = std::filesystem::absolute(palpate::program()).string();
   const std::string command =
       inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 300 ", folder) +
       program + " " + before + " view " + inFolder(arguments, folder) + inFolder(" --script %/script.txt", folder) +

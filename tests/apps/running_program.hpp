@@ -1,0 +1,73 @@
+// The program while it runs: started beside the test, met by a signal when its session is under way.
+#pragma once
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+class RunningProgram {
+ public:
+  /// What it prints goes to `said`.
+  RunningProgram(const std::string& arguments, const std::filesystem::path& said) : child_(::fork()) {
+    if (child_ == 0) {
+      // The shell becomes the program, so that a signal meets the program itself.
+      const std::string command = "exec " + program() + " " + arguments + " >'" + said.string() + "' 2>&1";
+      ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      ::_exit(127);
+    }
+    REQUIRE(child_ > 0);
+  }
+  ~RunningProgram() {
+    if (!ended()) wait(SIGKILL);
+  }
+  RunningProgram(const RunningProgram&) = delete;
+  RunningProgram& operator=(const RunningProgram&) = delete;
+
+  bool ended() {
+    if (!ended_) ended_ = ::waitpid(child_, &status_, WNOHANG) == child_;
+    return ended_;
+  }
+  /// Waits until `sign` is seen; false when the program ends before, or when two minutes have gone.
+  bool waitFor(const std::function<bool()>& sign) {
+    const auto begin = std::chrono::steady_clock::now();
+    while (!sign()) {
+      if (ended() || std::chrono::steady_clock::now() - begin > std::chrono::minutes(2)) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+  /// Waits until the session's `log` has ticks. What comes before takes its time where the driver still has to
+  /// translate the shaders.
+  bool waitForTicks(const std::filesystem::path& log) {
+    const auto bytes = [&] {
+      std::error_code none;
+      const auto size = std::filesystem::file_size(log, none);
+      return none ? 0 : size;
+    };
+    constexpr std::uintmax_t kHeaderAndTicks = 16'384;  // a hundred ticks of 128
+    return waitFor([&] { return bytes() > kHeaderAndTicks; });
+  }
+  /// Sends `signal` and waits for the end; returns what waitpid() says of it.
+  int wait(int signal) {
+    if (!ended()) {
+      ::kill(child_, signal);
+      ::waitpid(child_, &status_, 0);
+      ended_ = true;
+    }
+    return status_;
+  }
+
+ private:
+  pid_t child_;
+  int status_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace palpate
