@@ -45,7 +45,7 @@ struct ViewStatus {
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
   double fps = 0;
-  std::vector<PassRecord> passes;  ///< of the last picture
+  std::vector<PassRecord> passes;  ///< of the last picture of the model
 };
 
 /// What a person asks for.

@@ -64,6 +64,7 @@ void Viewer::step() {
     leave([this] { isClosed_ = true; });
   }
   pictures_ms_.push_back(static_cast<float>(watch.elapsed_us() * 1e-3));
+  if (madeScene_) scene_ms_ = pictures_ms_.back();
   constexpr std::size_t kCurve = 300;
   if (pictures_ms_.size() > kCurve) pictures_ms_.pop_front();
   ++pictures_;
@@ -187,6 +188,7 @@ void Viewer::install(std::unique_ptr<Session> session) {
   holdStylus(false);
   swapchain_.waitForLast();
   mesh_.reset();
+  scene_.reset();
   tryTo([&] {
     if (session_) session_->endRecording();
   });
@@ -285,6 +287,7 @@ void Viewer::writeState(const std::string& file) {
              {"mesh_triangles", mesh_ ? mesh_->triangleCount() : 0},
              {"fps", fps_},
              {"pictures", pictures_},
+             {"pictures_of_model", scenes_},
              {"picked_depth", picked_.depth},
              {"asks_about_changes", asksAboutChanges()},
              {"last_message", lastMessage_}};

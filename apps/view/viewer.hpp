@@ -76,7 +76,9 @@ class Viewer {
   FrameOptions frameOptions() const;
   ViewStatus::ScaleBar scaleOfPicture() const;
   PictureSize pictureSize() const { return {swapchain_.size_px().x, swapchain_.size_px().y}; }
-  void recordPicture(CommandList& list);
+  // Makes the picture of the model where it would differ from the last one.
+  void recordScene(CommandList& list);
+  void recordPick(CommandList& list);
   void takePick();
   ViewStatus status();
   void screenshot(const std::string& file);
@@ -97,8 +99,16 @@ class Viewer {
   PanelPass panelPass_;
   Swapchain swapchain_;
   CommandList list_;
+  // What a picture of the model is made of: of the same comes the same picture.
+  struct Scene {
+    Camera camera;
+    FrameOptions options;
+    std::uint64_t edits = 0, mesh = 0;  // how many; which one, where it is drawn
+    bool operator==(const Scene&) const = default;
+  };
   std::unique_ptr<Frame> frame_;
-  std::uint32_t shrink_ = 1;  // pixels of the window for one of the picture, along each side
+  std::optional<Scene> scene_;  // of the picture that the frame has
+  std::uint32_t shrink_ = 1;    // pixels of the window for one of the picture, along each side
   Buffer shown_, pick_;
   RecentFiles recent_;
   Loader loader_;
@@ -106,6 +116,7 @@ class Viewer {
   EditBatch edited_;  // since the last picture
   std::unique_ptr<MarchingCubes> mesh_;
   std::uint32_t meshLattice_ = 0, frameSupersample_ = 0;
+  std::uint64_t meshes_ = 0;  // made or changed so far
   double meshTime_ms_ = 0;
   bool announcesMesh_ = false;  // the next picture waits for it
 
@@ -144,7 +155,10 @@ class Viewer {
   std::deque<Message> messages_;
   std::string lastMessage_;
   std::deque<float> pictures_ms_;
-  std::uint64_t pictures_ = 0;
+  std::uint64_t pictures_ = 0, scenes_ = 0;  // shown; for which that of the model was made
+  bool madeScene_ = false;                   // for the last one
+  double scene_ms_ = 0;                      // of the last one of these
+  std::vector<PassRecord> passes_;           // of that
   Stopwatch sinceStill_;
   double fps_ = 0;
   std::string pendingScreenshot_;

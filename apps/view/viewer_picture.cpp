@@ -69,6 +69,7 @@ void Viewer::updateMesh() {
     } else {
       return;
     }
+    ++meshes_;
     meshTime_ms_ = watch.elapsed_us() * 1e-3;
   } catch (const DeviceLost&) {
     throw;
@@ -79,20 +80,28 @@ void Viewer::updateMesh() {
   }
 }
 
-void Viewer::recordPicture(CommandList& list) {
-  if (!session_) return;
+void Viewer::recordScene(CommandList& list) {
   camera_.setDepthRange(session_->bounds());
-  if (mesh_ && mesh_->triangleCount() > 0) {
+  const bool drawsMesh = mesh_ && mesh_->triangleCount() > 0;
+  const Scene scene{camera_, frameOptions(), session_->edits(), drawsMesh ? meshes_ : 0};
+  if (scene_ == scene) return;
+  scene_ = scene;
+  madeScene_ = true;
+  ++scenes_;
+  if (drawsMesh) {
     const DrawnMesh drawn{.vertices = mesh_->vertices().address(),
                           .triangles = mesh_->triangles().address(),
                           .triangleCount = mesh_->triangleCount(),
                           .hasColors = mesh_->hasColors(),
                           .bounds = session_->bounds(),
                           .cell = static_cast<double>(mesh_->plan().lattice.cell)};
-    frame_->record(list, drawn, camera_, frameOptions());
+    frame_->record(list, drawn, camera_, scene.options);
   } else {
-    frame_->record(list, session_->drawn(), camera_, frameOptions());
+    frame_->record(list, session_->drawn(), camera_, scene.options);
   }
+}
+
+void Viewer::recordPick(CommandList& list) {
   const UVec2 at(glm::clamp(glm::floor(cursor_px_), DVec2(0), size() - 1.0) / double(shrink_));
   asked_ = {.place_px = cursor_px_};
   list.copy(frame_->depthImage(), pick_, sizeof(float), sizeof(float) * (std::uint64_t{at.y} * frame_->width() + at.x));
@@ -123,24 +132,28 @@ void Viewer::draw(double dt_s) {
   const bool moves = drag_ != Drag::none || (session_ && !edited_.points.empty()) || stylus_;
   if (moves) sinceStill_ = Stopwatch();
   const bool still = sinceStill_.elapsed_s() > kStill_s;
-  const double last_ms = pictures_ms_.empty() ? 0.0 : double{pictures_ms_.back()};
   if (still)
     shrink_ = 1;
-  else if (last_ms > kSlow_ms && shrink_ < 3)
+  else if (scene_ms_ > kSlow_ms && shrink_ < 3)
     ++shrink_;
   const UVec2 picture_px = (size_px + (shrink_ - 1)) / shrink_;
   const std::uint32_t supersample = view_.smoothOutlines ? 2 : 1;
   if (session_ && (!frame_ || frame_->width() != picture_px.x || frame_->height() != picture_px.y ||
                    frameSupersample_ != supersample)) {
     frame_.reset();
+    scene_.reset();
     frame_ = std::make_unique<Frame>(sight_, picture_px.x, picture_px.y, supersample);
     frameSupersample_ = supersample;
   }
   const std::uint64_t bytes = std::uint64_t{4} * size_px.x * size_px.y;
   if (shown_.bytes() != bytes) shown_ = Buffer(sight_, bytes, Memory::device, "shown");
   const bool hasPicture = session_ && frame_;
+  madeScene_ = false;
   swapchain_.show(list_, shown_, [&] {
-    if (hasPicture) recordPicture(list_);
+    if (hasPicture) {
+      recordScene(list_);
+      recordPick(list_);
+    }
     panelPass_.record(list_, hasPicture ? &frame_->image() : nullptr, shrink_, shapes, size_px, shown_,
                       view_.dark ? kDark : kLight, swapchain_.blueFirst());
   });
@@ -209,7 +222,8 @@ ViewStatus Viewer::status() {
   status.fps = fps_;
   if (pictures_ > 0 && swapchain_.size_px().x > 0) {
     swapchain_.waitForLast();
-    status.passes = list_.passes();
+    if (madeScene_) passes_ = list_.passes();
+    status.passes = passes_;
   }
   return status;
 }

@@ -18,6 +18,8 @@ struct Camera {
   double nearDepth = 0.01;  ///< nothing closer is drawn
   double farDepth = 100;    ///< for projection() only
 
+  bool operator==(const Camera&) const = default;
+
   /// Sees everything from the front (+z), a little above, in a picture of width / height `aspect`: all of a box, or all
   /// points of a cloud, which fills the picture better. The target is at the depth of the box's middle.
   static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45);

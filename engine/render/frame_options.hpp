@@ -45,21 +45,25 @@ struct Overlays {
   struct Ball {
     DVec3 center{0};
     double radius = 0;
+    bool operator==(const Ball&) const = default;
   };
   struct Disc {
     DVec3 center{0};
     DVec3 normal{0, 1, 0};  ///< unit
     double radius = 0;
+    bool operator==(const Disc&) const = default;
   };
   struct Arrow {
     DVec3 from{0};
     DVec3 along{0};  ///< the force times a length per newton; its tip is at from + along
     double shaftRadius = 0;
+    bool operator==(const Arrow&) const = default;
   };
   struct Bar {
     DVec3 from{0};
     DVec3 along{0};  ///< its other end is at from + along
     double radius = 0;
+    bool operator==(const Bar&) const = default;
   };
   std::optional<Ball> hip;
   std::optional<Disc> proxy;
@@ -68,6 +72,7 @@ struct Overlays {
   std::optional<Bar> scale;
 
   bool any() const { return hip || proxy || force || tool || scale; }
+  bool operator==(const Overlays&) const = default;
 };
 
 struct FrameOptions {
@@ -82,6 +87,8 @@ struct FrameOptions {
   Raster raster = Raster::compute;
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
+
+  bool operator==(const FrameOptions&) const = default;
 };
 
 }  // namespace palpate

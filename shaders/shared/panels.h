@@ -26,25 +26,37 @@ PALPATE_SIZE(PanelTriangle, 16);
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelVertices { PanelVertex at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelTriangles { PanelTriangle at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelClips { vec4 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PanelLayer { uvec2 at[]; };
 #endif
 
-struct PanelArgs {
-  PALPATE_ADDRESS(Uints) picture;  // RGBA8; null: there is none, and `background` is seen
-  PALPATE_ADDRESS(Uints) shown;    // out, size_px
+// What lies over a picture, for each of its pixels: its own light, and how much it lets through of what is below, in
+// pairs of 16 bits from 0 to 1 (red and green, blue and through).
+struct PanelLayerArgs {
+  PALPATE_ADDRESS(PanelLayer) layer;  // out, size_px; only the tiles to be made
   PALPATE_ADDRESS(PanelVertices) vertices;
   PALPATE_ADDRESS(PanelTriangles) triangles;
   PALPATE_ADDRESS(PanelClips) clips;  // left, top, right, bottom; pixels
   PALPATE_ADDRESS(Uints) starts;      // of each tile's entries; one more at the end
   PALPATE_ADDRESS(Uints) entries;     // triangles of the tiles, from the lowest to the uppermost
+  PALPATE_ADDRESS(Uints) tiles;       // to be made
   PALPATE_ADDRESS(Uints) texture;     // how much of a texel is covered, 8 bits each
   uvec2 size_px;
   uvec2 texture_px;
+  uint tileCount;  // to be made
+};
+PALPATE_SIZE(PanelLayerArgs, 88);
+
+struct PanelComposeArgs {
+  PALPATE_ADDRESS(Uints) picture;  // RGBA8; null: there is none, and `background` is seen
+  PALPATE_ADDRESS(PanelLayer) layer;
+  PALPATE_ADDRESS(Uints) shown;  // out, size_px
+  uvec2 size_px;
   uint background;  // RGBA8
   uint blueFirst;   // not 0: blue is in the lowest byte of what is shown
   uint shrink;      // pixels that one of the picture covers, along each side
   uint pictureWidth_px;
 };
-PALPATE_SIZE(PanelArgs, 96);
+PALPATE_SIZE(PanelComposeArgs, 48);
 
 PALPATE_SHARED_END
 #endif

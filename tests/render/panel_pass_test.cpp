@@ -82,10 +82,9 @@ Reference reference(const Scene& scene, const UVec2& size_px, const std::vector<
   return result;
 }
 
-std::vector<std::uint32_t> drawn(Device& device, const Scene& scene, const UVec2& size_px,
+std::vector<std::uint32_t> drawn(Device& device, PanelPass& pass, const Scene& scene, const UVec2& size_px,
                                  const std::vector<std::uint32_t>& picture, std::uint32_t shrink, bool blueFirst,
-                                 std::uint32_t background) {
-  PanelPass pass(device, scene.texture, scene.texture_px);
+                                 std::uint32_t background, std::uint64_t* layerThreads = nullptr) {
   const Buffer from = Buffer::of<std::uint32_t>(device, picture.size(), Memory::device, "picture");
   upload(device, from, picture);
   const std::uint64_t count = std::uint64_t{size_px.x} * size_px.y;
@@ -95,7 +94,19 @@ std::vector<std::uint32_t> drawn(Device& device, const Scene& scene, const UVec2
   pass.record(list, picture.empty() ? nullptr : &from, shrink, scene.shapes(), size_px, shown, background, blueFirst);
   list.end();
   device.sight().run(list);
+  if (layerThreads) {
+    *layerThreads = 0;
+    for (const PassRecord& each : list.passes())
+      if (each.name == "render_panel_layer") *layerThreads += each.threads;
+  }
   return download<std::uint32_t>(device, shown, count);
+}
+
+std::vector<std::uint32_t> drawn(Device& device, const Scene& scene, const UVec2& size_px,
+                                 const std::vector<std::uint32_t>& picture, std::uint32_t shrink, bool blueFirst,
+                                 std::uint32_t background) {
+  PanelPass pass(device, scene.texture, scene.texture_px);
+  return drawn(device, pass, scene, size_px, picture, shrink, blueFirst, background);
 }
 
 Scene randomScene(std::uint32_t seed, int triangles, const UVec2& size_px) {
@@ -190,6 +201,78 @@ TEST_CASE_FIXTURE(GpuFixture, "a smaller picture is stretched, blue may come fir
                                                 picture[2], picture[2], picture[3]});
   const auto swapped = drawn(device, none, {2, 2}, picture, 1, true, 0);
   CHECK(swapped == std::vector<std::uint32_t>{0xffff0000u, 0xff00ff00u, 0xff0000ffu, 0xff332211u});
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "of what is shown again only the tiles are made that show something else") {
+  const UVec2 size_px(70, 33);  // five columns and three rows of tiles
+  constexpr std::uint64_t kTile = shared::kPanelWorkgroup;
+  std::vector<std::uint32_t> picture(std::size_t{size_px.x} * size_px.y, 0xff336699u);
+  Scene scene = randomScene(3, 40, size_px);
+  PanelPass pass(device, scene.texture, scene.texture_px);
+  std::uint64_t threads = 0;
+  const auto same = [&](const Scene& shown, const UVec2& px, std::uint32_t background = 0) {
+    const auto& below = px == size_px ? picture : std::vector<std::uint32_t>{};
+    CHECK(drawn(device, pass, shown, px, below, 1, false, background, &threads) ==
+          drawn(device, shown, px, below, 1, false, background));
+  };
+  same(scene, size_px);
+  CHECK(threads == 15 * kTile);
+  same(scene, size_px);
+  CHECK(threads == 0);
+  picture.assign(picture.size(), 0xff998877u);  // below, the panels are what they were
+  same(scene, size_px);
+  CHECK(threads == 0);
+
+  const auto small = [](float x, std::uint32_t color) {
+    return std::array<shared::PanelVertex, 3>{
+        {{{x, 20}, {0, 0}, color}, {{x + 4, 20}, {0, 0}, color}, {{x, 24}, {0, 0}, color}}};
+  };
+  const Vec4 all(0, 0, 70, 33);
+  scene.add(all, small(34, 0xff0000ffu));
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  scene.vertices[scene.vertices.size() - 2].color = 0xff00ff00u;
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  scene.clips.back() = {0, 0, 36, 33};
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  for (std::size_t k = 1; k <= 3; ++k)
+    scene.vertices[scene.vertices.size() - k].place_px.x += 16;  // and out of its clip
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  scene.clips.back() = all;
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  scene.add(all, small(2, 0x800000ffu));
+  scene.add(all, small(2, 0x80ff0000u));
+  same(scene, size_px);
+  CHECK(threads == kTile);
+  std::swap(scene.triangles.back(), scene.triangles[scene.triangles.size() - 2]);  // which of them is above the other
+  same(scene, size_px);
+  CHECK(threads == kTile);
+
+  same(scene, {16, 16}, 0xff112233u);
+  CHECK(threads == kTile);
+  same(scene, {17, 16}, 0xff112233u);
+  CHECK(threads == 2 * kTile);
+  same(scene, size_px);
+  CHECK(threads == 15 * kTile);
+}
+
+TEST_CASE("a triangle stands in the tiles that it reaches, not in all those around it") {
+  Scene scene;
+  const auto vertex = [](float x, float y) { return shared::PanelVertex{{x, y}, {0, 0}, 0}; };
+  const Vec4 all(0, 0, 160, 160);
+  scene.add(all, {vertex(4, 2), vertex(158, 156), vertex(156, 158)});
+  scene.add(all, {vertex(4, 2), vertex(156, 158), vertex(158, 156)});  // the other way round
+  const PanelTiles tiles = tilesOf(scene.shapes(), {160, 160});
+  for (std::size_t row = 0; row < 10; ++row)
+    for (std::size_t column = 0; column < 10; ++column) {
+      const std::uint32_t count = tiles.starts[10 * row + column + 1] - tiles.starts[10 * row + column];
+      if (row == column) CHECK(count == 2);
+      if (row > column + 1 || column > row + 1) CHECK(count == 0);
+    }
 }
 
 TEST_CASE("triangles without a place, without area or outside of their clip stand in no tile") {
