@@ -21,6 +21,7 @@ TEST_CASE("the mouse and the keys move the view") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600", R"(
 0.1 mouse 400 300
+0.2 state %/still.json
 0.4 state %/begin.json
 0.5 button middle down
 0.6 mouse 440 320
@@ -72,6 +73,12 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(glm::distance(eye("y.json").direction(), DVec3(0, 1, 0)) < 0.2);  // not quite, so that up stays up
   CHECK(glm::distance(eye("z.json").direction(), DVec3(0, 0, 1)) < 0.01);
   CHECK_FALSE(std::filesystem::exists(played->folder.path() / "after.json"));  // Q is the end
+  // Where nothing moves the model is not drawn again.
+  const auto count = [&](const char* name, const char* what) { return played->state(name)[what].get<int>(); };
+  CHECK(count("begin.json", "pictures") > count("still.json", "pictures"));
+  CHECK(count("begin.json", "pictures_of_model") == count("still.json", "pictures_of_model"));
+  CHECK(count("panned.json", "pictures_of_model") > count("begin.json", "pictures_of_model"));
+  CHECK(count("y.json", "pictures_of_model") == count("behind_x.json", "pictures_of_model") + 1);
 }
 
 TEST_CASE("keys choose the tool, keep the stylus and put the forces down") {
