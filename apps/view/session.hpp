@@ -67,6 +67,8 @@ class Session {
   /// wrong since the last time; the session ends with it.
   std::optional<std::string> follow();
   const TickHistory& history() const { return history_; }
+  /// Of the servo thread, where it last was; negative before its first tick.
+  int servoCore() const { return feed_.core(); }
   /// What was done to the points since the last call, by whatever: for one who follows with a picture of his own.
   EditBatch takeBatch() { return std::exchange(batch_, {}); }
   std::uint64_t edits() const { return edits_; }  ///< states of points so far

@@ -1,11 +1,14 @@
 #include "apps/view/tick_feed.hpp"
 
+#include <sched.h>
+
 #include <cmath>
 #include <utility>
 
 namespace palpate {
 
 void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
+  core_.store(::sched_getcpu(), std::memory_order_relaxed);
   if (listener_) listener_->ticked(row, device);
   const std::uint64_t added = added_.load(std::memory_order_relaxed);
   if (added - taken_.load(std::memory_order_acquire) >= kRing) return;

@@ -20,12 +20,15 @@ class TickFeed final : public TickRecorder {
 
   /// Appends the rows since the last call. For one thread.
   void take(std::vector<TraceRow>& rows);
+  /// On which core the last tick was served; negative before the first.
+  int core() const { return core_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr std::uint64_t kRing = 1 << 15;  // half a minute at 1 kHz; rows past it are left out
 
   std::vector<TraceRow> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0;
+  std::atomic<int> core_ = -1;
   TickRecorder* listener_ = nullptr;
 };
 

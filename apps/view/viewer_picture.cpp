@@ -8,6 +8,7 @@
 #include "apps/picture.hpp"
 #include "apps/probe_overlays.hpp"
 #include "apps/view/viewer.hpp"
+#include "engine/core/thread_priority.hpp"
 
 namespace palpate {
 
@@ -149,14 +150,19 @@ void Viewer::draw(double dt_s) {
   if (shown_.bytes() != bytes) shown_ = Buffer(sight_, bytes, Memory::device, "shown");
   const bool hasPicture = session_ && frame_;
   madeScene_ = false;
-  swapchain_.show(list_, shown_, [&] {
-    if (hasPicture) {
-      recordScene(list_);
-      recordPick(list_);
-    }
-    panelPass_.record(list_, hasPicture ? &frame_->image() : nullptr, shrink_, shapes, size_px, shown_,
-                      view_.dark ? kDark : kLight, swapchain_.blueFirst());
-  });
+  {
+    // A software driver hands the picture to the display in one long call; the servo thread may need its core
+    // meanwhile.
+    const AwayFromCore away(session_ && sight_.isCpu() ? session_->servoCore() : -1);
+    swapchain_.show(list_, shown_, [&] {
+      if (hasPicture) {
+        recordScene(list_);
+        recordPick(list_);
+      }
+      panelPass_.record(list_, hasPicture ? &frame_->image() : nullptr, shrink_, shapes, size_px, shown_,
+                        view_.dark ? kDark : kLight, swapchain_.blueFirst());
+    });
+  }
   if (!pendingScreenshot_.empty()) {
     const std::string file = std::exchange(pendingScreenshot_, {});
     tryTo([&] {

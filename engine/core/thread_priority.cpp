@@ -47,4 +47,15 @@ void RunningThreads::laterOnesGiveWay() const noexcept {
   }
 }
 
+AwayFromCore::AwayFromCore(int core) noexcept {
+  if (core < 0 || core >= CPU_SETSIZE || ::sched_getaffinity(0, sizeof before_, &before_) != 0) return;
+  cpu_set_t others = before_;
+  CPU_CLR(static_cast<std::size_t>(core), &others);
+  away_ = CPU_COUNT(&others) > 0 && ::sched_setaffinity(0, sizeof others, &others) == 0;
+}
+
+AwayFromCore::~AwayFromCore() {
+  if (away_) ::sched_setaffinity(0, sizeof before_, &before_);
+}
+
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <sched.h>
 #include <sys/types.h>
 
 #include <vector>
@@ -21,6 +22,21 @@ class RunningThreads {
 
  private:
   std::vector<id_t> threads_;  // in order
+};
+
+/// While it lives, the calling thread and those that it starts stay away from a core, where there are others that they
+/// may use: some kernels interrupt no call, not even a long one, for whoever waits for its core.
+class AwayFromCore {
+ public:
+  /// Negative: away from none.
+  explicit AwayFromCore(int core) noexcept;
+  ~AwayFromCore();
+  AwayFromCore(const AwayFromCore&) = delete;
+  AwayFromCore& operator=(const AwayFromCore&) = delete;
+
+ private:
+  cpu_set_t before_;
+  bool away_ = false;
 };
 
 }  // namespace palpate

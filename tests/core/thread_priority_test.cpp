@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -58,6 +59,40 @@ TEST_CASE("a thread that gives way does so alone, and for good") {
     CHECK(::getpriority(PRIO_PROCESS, 0) > usual);
   }).join();
   CHECK(::getpriority(PRIO_PROCESS, 0) == usual);
+}
+
+TEST_CASE("a thread stays away from a core for a while, unless it has no other") {
+  const auto allowed = [] {
+    cpu_set_t cores;
+    REQUIRE(::sched_getaffinity(0, sizeof cores, &cores) == 0);
+    return cores;
+  };
+  const auto checkUsual = [&](const cpu_set_t& usual) {
+    const cpu_set_t now = allowed();
+    CHECK(CPU_EQUAL(&now, &usual));
+  };
+  std::thread([&] {
+    const cpu_set_t usual = allowed();
+    const int core = ::sched_getcpu();
+    REQUIRE(core >= 0);
+    {
+      const AwayFromCore away(core);
+      const cpu_set_t now = allowed();
+      CHECK(CPU_COUNT(&now) == std::max(1, CPU_COUNT(&usual) - 1));
+      if (CPU_COUNT(&usual) > 1) CHECK(::sched_getcpu() != core);
+    }
+    checkUsual(usual);
+    for (const int none : {-1, CPU_SETSIZE, 1'000'000}) {
+      const AwayFromCore away(none);
+      checkUsual(usual);
+    }
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(core), &one);
+    REQUIRE(::sched_setaffinity(0, sizeof one, &one) == 0);
+    const AwayFromCore away(core);
+    checkUsual(one);
+  }).join();
 }
 
 }  // namespace palpate
