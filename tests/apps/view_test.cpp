@@ -185,15 +185,15 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
 0.6 state %/mesh.json
 0.7 key space down
 0.9 button left down
-1.1 wheel 4
-2.2 button left up
-2.3 key space up
-2.6 state %/carved.json
-2.7 key ctrl+z
-3.0 state %/undone.json
-3.1 resize 420 200
-3.3 screenshot %/last.png
-3.4 quit
+1.0 wheel 4
+1.6 button left up
+1.7 key space up
+1.9 state %/carved.json
+2.0 key ctrl+z
+2.2 state %/undone.json
+2.3 resize 420 200
+2.5 screenshot %/last.png
+2.6 quit
 )",
                            "--validate", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
   CAPTURE(played->outcome.text);
