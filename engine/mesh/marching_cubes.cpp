@@ -64,10 +64,10 @@ Buffer words(Device& device, std::uint64_t count, const char* name) {
   return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
 }
 
-// Blocks along an axis that a box of two reaches and `more` may touch.
-std::uint32_t rowsFor(const shared::MeshLattice& lattice, float reach, float more) {
+// Blocks along an axis that a box of two reaches, and a little more for rounding, may touch.
+std::uint32_t rowsFor(const shared::MeshLattice& lattice, float reach) {
   const float side = static_cast<float>(shared::kMeshBlockSide) * lattice.cell;
-  return static_cast<std::uint32_t>(std::ceil((2.001f * reach + more) / side)) + 2;
+  return static_cast<std::uint32_t>(std::ceil(2.001f * reach / side)) + 1;
 }
 
 std::uint64_t threadsFor(std::uint64_t places, std::uint64_t rows) {
@@ -100,7 +100,8 @@ MarchingCubes::MarchingCubes(Device& device, const PointCloud& cloud, const Mesh
               .constants = {static_cast<std::uint32_t>(plan.surface)}}),
       classify_(device, shader_code::mesh_classify,
                 {.workgroupSize = shared::kMeshWorkgroup, .pushBytes = sizeof(shared::MeshArgs)}),
-      count_(device, shader_code::mesh_count, {.pushBytes = sizeof(shared::MeshArgs)}),
+      count_(device, shader_code::mesh_count,
+             {.workgroupSize = shared::kMeshMaskWords, .pushBytes = sizeof(shared::MeshArgs)}),
       vertices_(device, shader_code::mesh_vertices,
                 {.workgroupSize = shared::kMeshVertexWorkgroup,
                  .pushBytes = sizeof(shared::MeshArgs),
@@ -223,7 +224,7 @@ void MarchingCubes::listBlocks(MeshStep& step) {
     const auto section = list.section("list");
     list.fill(now().table, 0, entries * kWord);
     shared::MeshArgs mark = args(live_.slots());
-    mark.rows = rowsFor(plan_.lattice, plan_.lattice.reach, 0);
+    mark.rows = rowsFor(plan_.lattice, plan_.lattice.reach);
     list.dispatch(mark_, threadsFor(mark.count, mark.rows), mark);
     scan_.record(list, {now().table.address(), scratch_.address()}, entries);
   }
@@ -247,18 +248,26 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   grow(masks_, slots * shared::kMeshMaskWords * kWord);
   grow(ranks_, slots * shared::kMeshMaskWords * kWord);
   if (update) grow(touched_, slots * kWord);
-  grow(scratch_, PrefixScan::scratchBytes(ends));
+  const std::uint64_t scanBytes = PrefixScan::scratchBytes(ends);
+  grow(scratch_, 2 * scanBytes);
   writeAddresses();
   const Buffer totals = Buffer::of<std::uint32_t>(device_, 2, Memory::readback, "mesh totals");
   CommandList list(device_, device_.sight(), "mesh lattice", CommandList::Timing::sections);
   list.begin();
   {
     const auto section = list.section("list");
-    list.dispatch(list_, shared::blockCount(plan_.lattice), args(shared::blockCount(plan_.lattice)));
+    {
+      const auto overlap = list.independent();
+      list.dispatch(list_, shared::blockCount(plan_.lattice), args(shared::blockCount(plan_.lattice)));
+      list.fill(masks_, 0, slots * shared::kMeshMaskWords * kWord);
+      list.fill(now().vertexStarts, 0, kWord, slots * kWord);
+      list.fill(triangleStarts_, 0, kWord, slots * kWord);
+      if (update) list.fill(touched_, 0, slots * kWord);
+    }
     if (update) {
-      list.fill(touched_, 0, slots * kWord);
       shared::MeshArgs touch = args(moveCount_);
-      touch.rows = rowsFor(plan_.lattice, plan_.lattice.radius + plan_.lattice.cell, plan_.lattice.cell);
+      // From one block further down: its uppermost cells end where the next one begins.
+      touch.rows = rowsFor(plan_.lattice, plan_.lattice.radius + plan_.lattice.cell) + 1;
       list.dispatch(touch_, threadsFor(2 * std::uint64_t{moveCount_}, touch.rows), touch);
     }
   }
@@ -268,16 +277,15 @@ void MarchingCubes::fillLattice(MeshStep& step, bool update) {
   }
   {
     const auto section = list.section("classify");
-    list.fill(masks_, 0, slots * shared::kMeshMaskWords * kWord);
     list.dispatch(classify_, slots * shared::kMeshWorkgroup, args(slots));
   }
   {
     const auto section = list.section("scan");
-    list.fill(now().vertexStarts, 0, kWord, slots * kWord);
-    list.fill(triangleStarts_, 0, kWord, slots * kWord);
-    list.dispatch(count_, slots, args(slots));
-    scan_.record(list, {now().vertexStarts.address(), scratch_.address()}, static_cast<std::uint32_t>(ends));
-    scan_.record(list, {triangleStarts_.address(), scratch_.address()}, static_cast<std::uint32_t>(ends));
+    list.dispatch(count_, slots * shared::kMeshMaskWords, args(slots));
+    scan_.record(list,
+                 std::array{PrefixScan::Io{now().vertexStarts.address(), scratch_.address()},
+                            PrefixScan::Io{triangleStarts_.address(), scratch_.address() + scanBytes}},
+                 static_cast<std::uint32_t>(ends));
   }
   list.copy(now().vertexStarts, totals, kWord, slots * kWord);
   list.copy(triangleStarts_, totals, kWord, slots * kWord, kWord);

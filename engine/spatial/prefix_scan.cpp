@@ -25,11 +25,20 @@ PrefixScan::PrefixScan(Device& device)
 std::uint64_t PrefixScan::scratchBytes(std::uint64_t count) { return tilesFor(count) * sizeof(std::uint32_t); }
 
 void PrefixScan::record(CommandList& list, const Io& io, std::uint32_t count) const {
-  const shared::PrefixScanArgs args{
-      .values = io.values, .tileSums = io.scratch, .count = count, .tiles = tilesFor(count)};
-  const std::uint64_t threads = std::uint64_t{args.tiles} * shared::kScanWorkgroup;
-  if (args.tiles > 1) list.dispatch(reduce_, threads, args);
-  list.dispatch(scan_, threads, args);
+  record(list, std::span(&io, 1), count);
+}
+
+void PrefixScan::record(CommandList& list, std::span<const Io> arrays, std::uint32_t count) const {
+  const std::uint32_t tiles = tilesFor(count);
+  const auto forEach = [&](const ComputePipeline& pass) {
+    const auto overlap = list.independent();
+    for (const Io& io : arrays)
+      list.dispatch(
+          pass, std::uint64_t{tiles} * shared::kScanWorkgroup,
+          shared::PrefixScanArgs{.values = io.values, .tileSums = io.scratch, .count = count, .tiles = tiles});
+  };
+  if (tiles > 1) forEach(reduce_);
+  forEach(scan_);
 }
 
 void PrefixScan::recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const {

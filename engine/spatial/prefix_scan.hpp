@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "engine/gpu/command_list.hpp"
 
 namespace palpate {
@@ -16,6 +18,8 @@ class PrefixScan {
   };
   static std::uint64_t scratchBytes(std::uint64_t count);
   void record(CommandList& list, const Io& io, std::uint32_t count) const;
+  /// The same for several arrays of `count` values, each with a scratch of its own, side by side.
+  void record(CommandList& list, std::span<const Io> arrays, std::uint32_t count) const;
   /// Scans counts into ranges: `ranges` gets the first and one-past-last place of each of `count` values (uvec2), the
   /// counts become zero.
   void recordRanges(CommandList& list, const Io& io, DeviceAddress ranges, std::uint32_t count) const;

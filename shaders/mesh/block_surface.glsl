@@ -22,6 +22,9 @@ const uint kBricks = kLanes / kBrick;
 const uint kShare = kSharers == 1 ? 0xffffffffu : kSharers == 2 ? 0x55555555u : 0x11111111u;
 // Points in shared memory. More leave room for fewer workgroups at a time, fewer cost more looks of the bricks.
 const uint kPiece = max(512, kLanes);
+// Candidates that an invocation fetches at a time: what it waits for comes together. More take registers, and with them
+// room for other workgroups: 4 of them made an H200 a third slower.
+const uint kFetched = 2;
 const uint kPieceWords = kPiece / kBrick;
 // What rounding may add to the square of a distance, support radii: a brick must not miss a point.
 const float kSlack = 1e-4;
@@ -129,42 +132,59 @@ void putInPiece(uint at, Box box, vec3 position, vec3 normal, uint id) {
   if (kMeshColored) pieceColors[at] = args.buffers.at[0].colors.at[id];
 }
 
-// One look at all points that the box sees, of which every `stride`th is taken. `firstRange`: rangeOf() the cell of
-// this invocation's number.
-void sumBox(Box box, uvec2 firstRange, uint stride, vec3 place, Brick brick, bool wanted, Surface before) {
+// The candidates of as many cells as there are invocations, each of which knows those of its own.
+struct Round {
+  uvec2 range;  // of points
+  uint start;   // candidates before them
+  uint total;   // in the round
+};
+Round roundOf(Box box, uint firstCell) {
+  Round here;
+  here.range = rangeOf(box, firstCell + scanIndex());
+  here.start = workgroupExclusiveScan(here.range.y - here.range.x, here.total);
+  return here;
+}
+
+// One look at all points that the box sees, of which every `stride`th is taken. `cells`: the first round of them.
+void sumBox(Box box, Round cells, uint stride, vec3 place, Brick brick, bool wanted, Surface before) {
   const uint lane = scanIndex();
   const float radius = 1.0001 * args.lattice.radius;
   pieceCount = 0;
   for (uint firstCell = 0; firstCell < box.cells; firstCell += kLanes) {
-    const uvec2 range = firstCell == 0 ? firstRange : rangeOf(box, firstCell + lane);
-    uint total;
-    cellStart[lane] = workgroupExclusiveScan(range.y - range.x, total);
-    cellFirst[lane] = range.x;
+    if (firstCell > 0) cells = roundOf(box, firstCell);
+    cellStart[lane] = cells.start;
+    cellFirst[lane] = cells.range.x;
     barrier();
-    for (uint base = 0; base < total; base += kLanes * stride) {
-      const uint candidate = base + lane * stride;
-      bool near = false;
-      vec4 point = vec4(0.0);
-      vec3 normal = vec3(0.0);
-      if (candidate < total) {
+    for (uint base = 0; base < cells.total; base += kLanes * kFetched * stride) {
+      vec4 points[kFetched];
+      vec3 normals[kFetched];
+      uint near = 0;  // a bit for each that is
+      for (uint k = 0; k < kFetched; ++k) {
+        const uint candidate = base + (lane * kFetched + k) * stride;
+        points[k] = vec4(0.0);
+        normals[k] = vec3(0.0);
+        if (candidate >= cells.total) continue;
         const uint owner = cellOfCandidate(candidate);
         const uint slot = cellFirst[owner] + candidate - cellStart[owner];
-        point = args.cloud.positions.at[slot];
-        const vec3 away = point.xyz - clamp(point.xyz, box.low, box.high);
+        points[k] = args.cloud.positions.at[slot];
+        normals[k] = args.cloud.normals.at[slot].xyz;  // at once, though few need it: to wait again costs more
+        const vec3 away = points[k].xyz - clamp(points[k].xyz, box.low, box.high);
         // Another cell of the box may share the bucket: its points are taken as that one's.
-        near = dot(away, away) < radius * radius && isInCell(box, point.xyz, firstCell + owner);
-        if (near) normal = args.cloud.normals.at[slot].xyz;
+        if (!(dot(away, away) < radius * radius) || !isInCell(box, points[k].xyz, firstCell + owner)) continue;
+        near |= 1u << k;
       }
       uint found;
-      const uint at = pieceCount + workgroupExclusiveScan(near ? 1 : 0, found);
-      if (near && at < kPiece) putInPiece(at, box, point.xyz, normal, floatBitsToUint(point.w));
-      pieceCount += found;
-      if (pieceCount < kPiece) continue;
-      const uint rest = pieceCount - kPiece;
-      pieceCount = kPiece;
-      sumPiece(place, brick, wanted, before);
-      if (near && at >= kPiece) putInPiece(at - kPiece, box, point.xyz, normal, floatBitsToUint(point.w));
-      pieceCount = rest;
+      const uint at = pieceCount + workgroupExclusiveScan(bitCount(near), found);
+      const uint end = pieceCount + found;
+      for (uint first = 0; first <= end; first += kPiece) {
+        for (uint k = 0; k < kFetched; ++k) {
+          const uint there = at + bitCount(near & ((1u << k) - 1)) - first;
+          if ((near >> k & 1) != 0 && there < kPiece)
+            putInPiece(there, box, points[k].xyz, normals[k], floatBitsToUint(points[k].w));
+        }
+        pieceCount = min(end - first, kPiece);
+        if (pieceCount == kPiece) sumPiece(place, brick, wanted, before);
+      }
     }
     barrier();
   }
@@ -189,18 +209,21 @@ bool isFirstSharer() { return scanIndex() % kSharers == 0; }
 // The surface at `place`, as placeInBox(), if it is wanted; all places lie in the box, those of a brick in that. The
 // whole workgroup calls it together.
 Answer findSurface(Box box, Brick brick, vec3 place, bool wanted) {
-  const uvec2 firstRange = rangeOf(box, scanIndex());
-  uint own = 0, candidates;
-  for (uint c = scanIndex(); c < box.cells; c += kLanes) {
-    const uvec2 range = c < kLanes ? firstRange : rangeOf(box, c);
-    own += min(range.y - range.x, 1u << 22);
+  const Round cells = roundOf(box, 0);
+  uint candidates = cells.total;
+  if (box.cells > kLanes) {
+    uint own = 0;
+    for (uint c = scanIndex(); c < box.cells; c += kLanes) {
+      const uvec2 range = rangeOf(box, c);
+      own += min(range.y - range.x, 1u << 22);
+    }
+    workgroupExclusiveScan(own, candidates);
   }
-  workgroupExclusiveScan(own, candidates);
   Surface surface = kNoSurface;
   for (uint pass = 0; pass < kFieldPasses; ++pass) {
     placeSums = noSums();
     colorSums = vec4(0.0);
-    sumBox(box, firstRange, strideFor(candidates), place, brick, wanted, surface);
+    sumBox(box, cells, strideFor(candidates), place, brick, wanted, surface);
     joinShares();
     const Surface next = surfaceOf(placeSums);
     if (next.defined) surface = next;

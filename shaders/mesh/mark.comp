@@ -23,6 +23,8 @@ void main() {
     const uvec3 block = uvec3(x, y, z);
     const vec3 first = vec3(block) * side, last = first + (side - args.lattice.cell);
     const vec3 away = place - clamp(place, first, last);
-    if (dot(away, away) < reach * reach) table.at[blockNumber(args.lattice, block)] = 1;
+    if (dot(away, away) >= reach * reach) continue;
+    const uint number = blockNumber(args.lattice, block);
+    if (table.at[number] == 0) table.at[number] = 1;  // most points find it marked, and looking costs less than writing
   }
 }

@@ -30,7 +30,7 @@ const uint kMeshFieldWorkgroup = 512;
 const uint kMeshFieldSharers = 2;
 const uint kMeshFieldParts = kMeshBlockNodes * kMeshFieldSharers / kMeshFieldWorkgroup;
 // The same for the vertices of a block.
-const uint kMeshVertexWorkgroup = 512;
+const uint kMeshVertexWorkgroup = 256;
 const uint kMeshVertexSharers = 2;
 
 // The value of a node that no surface is known about. A number, since shaders may take not-a-number for one.

@@ -29,4 +29,32 @@ TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the 
   }
 }
 
+TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed side by side, each for itself") {
+  const PrefixScan scan(device);
+  for (const std::uint32_t count : {1u, 2049u, 70'001u}) {
+    CAPTURE(count);
+    const std::uint64_t scratchBytes = PrefixScan::scratchBytes(count);
+    const Buffer scratch(device, 3 * scratchBytes, Memory::device, "scratch");
+    std::vector<Buffer> data;
+    std::vector<PrefixScan::Io> arrays;
+    std::vector<std::vector<std::uint32_t>> expected;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      std::mt19937 random(count + k);
+      std::vector<std::uint32_t> values(count);
+      for (auto& value : values) value = static_cast<std::uint32_t>(random());
+      data.push_back(Buffer::of<std::uint32_t>(device, count, Memory::device, "values"));
+      upload(device, data.back(), values);
+      arrays.push_back({data.back().address(), scratch.address() + k * scratchBytes});
+      std::exclusive_scan(values.begin(), values.end(), values.begin(), 0u);
+      expected.push_back(std::move(values));
+    }
+    CommandList list(device, device.touch(), "scan");
+    list.begin();
+    scan.record(list, arrays, count);
+    list.end();
+    device.touch().run(list);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(download<std::uint32_t>(device, data[k], count) == expected[k]);
+  }
+}
+
 }  // namespace palpate
