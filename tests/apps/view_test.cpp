@@ -272,25 +272,26 @@ TEST_CASE("a session that was recorded in the window runs again, in the window a
 
 TEST_CASE("another device draws what this one touches: edits cross through the host") {
   if (!hasDisplay()) return;
-  const auto played = play("%/sphere.ply --size 600x400 --edit push --backend vulkan --sight-gpu 0", R"(
+  // Paint is seen after a few edits, however seldom two software devices on two cores come to one.
+  const auto played = play("%/sphere.ply --size 600x400 --edit paint --backend vulkan --sight-gpu 0", R"(
 0.1 mouse 300 190
 0.6 screenshot %/before.png
 0.7 key space down
 1.0 button left down
 1.3 wheel 8
-4.0 button left up
-4.1 key space up
-5.0 screenshot %/dent.png
-5.0 state %/dent.json
-5.1 quit
+3.0 button left up
+3.1 key space up
+4.0 screenshot %/painted.png
+4.0 state %/painted.json
+4.1 quit
 )",
                            "", [](const std::filesystem::path& folder) { makeSphere(folder); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  const auto dent = played->state("dent.json");
-  CHECK(dent["backend"] == "vulkan");
-  CHECK(dent["edits"] > 0);
-  const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "dent.png");
+  const auto painted = played->state("painted.json");
+  CHECK(painted["backend"] == "vulkan");
+  CHECK(painted["edits"] > 0);
+  const Picture before(played->folder.path() / "before.png"), after(played->folder.path() / "painted.png");
   CHECK(differing(before, after, 300, 190, 30) > 20);
 }
 
