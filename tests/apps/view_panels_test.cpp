@@ -16,10 +16,10 @@ constexpr const char* kStroke = R"(
 0.1 mouse 400 300
 0.4 key space down
 0.5 button left down
-2.0 button left up
-2.1 key space up
-2.3 ask
-2.4 state %/dent.json
+4.0 button left up
+4.1 key space up
+4.3 ask
+4.4 state %/dent.json
 )";
 
 }  // namespace
@@ -81,16 +81,16 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
 TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-2.5 drop %/torus.ply
-2.7 state %/asked.json
-2.8 key ctrl+z
-2.9 click Cancel
-3.1 state %/cancelled.json
-3.2 drop %/torus.ply
-3.4 click Do not save
-3.7 state %/discarded.json
-3.8 quit
-29.9 state %/after.json
+4.5 drop %/torus.ply
+4.7 state %/asked.json
+4.8 key ctrl+z
+4.9 click Cancel
+5.1 state %/cancelled.json
+5.2 drop %/torus.ply
+5.4 click Do not save
+5.7 state %/discarded.json
+5.8 quit
+31.9 state %/after.json
 )",
                            "", [](const auto& folder) {
                              makeTwo(folder);
@@ -118,23 +118,23 @@ TEST_CASE("another model is not opened over changes before the person has said w
 TEST_CASE("changes are saved first where the person says so, and the window closes only then") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(
-2.5 drop %/torus.ply
-2.7 click Save
-3.0 state %/torus.json
-3.1 drop %/sphere.ply
-3.3 state %/again.json
-3.4 mouse 400 300
-3.7 key space down
-3.8 button left down
-5.8 button left up
-5.9 key space up
-6.1 quit
-6.3 state %/asked.json
-6.4 key escape
-6.6 state %/stays.json
-6.7 key q
-6.9 click Save
-29.9 state %/after.json
+4.5 drop %/torus.ply
+4.7 click Save
+5.0 state %/torus.json
+5.1 drop %/sphere.ply
+5.3 state %/again.json
+5.4 mouse 400 300
+5.7 key space down
+5.8 button left down
+9.8 button left up
+9.9 key space up
+10.1 quit
+10.3 state %/asked.json
+10.4 key escape
+10.6 state %/stays.json
+10.7 key q
+10.9 click Save
+33.9 state %/after.json
 )",
                            "", makeTwo);
   CAPTURE(played->outcome.text);
@@ -158,12 +158,12 @@ TEST_CASE("what cannot be saved is not left behind") {
   // No file can be written under a longer name, as is done before the model's own name is given to it.
   const std::string name = std::string(248, 's') + ".ply";
   const auto played = play("%/" + name + " --size 800x600 --edit push", std::string(kStroke) + R"(
-2.5 quit
-2.7 click Save
-3.3 state %/failed.json
-3.4 quit
-3.6 click Do not save
-29.9 state %/after.json
+4.5 quit
+4.7 click Save
+5.3 state %/failed.json
+5.4 quit
+5.6 click Do not save
+31.9 state %/after.json
 )",
                            "", [&](const auto& folder) {
                              makeSphere(folder, 2000);
