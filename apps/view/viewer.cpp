@@ -64,7 +64,10 @@ void Viewer::step() {
     leave([this] { isClosed_ = true; });
   }
   pictures_ms_.push_back(static_cast<float>(watch.elapsed_us() * 1e-3));
-  if (madeScene_) scene_ms_ = pictures_ms_.back();
+  if (std::exchange(madeScene_, false)) {
+    scene_ms_ = pictures_ms_.back();
+    passesAreNew_ = true;
+  }
   constexpr std::size_t kCurve = 300;
   if (pictures_ms_.size() > kCurve) pictures_ms_.pop_front();
   ++pictures_;
@@ -76,7 +79,10 @@ void Viewer::step() {
 void Viewer::playScript() {
   const auto& script = options_.script;
   if (nextAction_ >= script.size()) return;
-  const auto waits = [&] { return (loader_.isLoading() || announcesMesh_) && !impatient_; };
+  const auto waits = [&] {
+    const bool savesFirst = afterQuestion_ && isSavingForIt_;  // another model follows, or the end
+    return (loader_.isLoading() || announcesMesh_ || savesFirst) && !impatient_;
+  };
   if (waits()) return;
   const bool clicks = looks_ > 0 || nextAction_ < clickEnd_;  // that takes no time
   if (pictures_ > 0 && !clicks) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);

@@ -156,7 +156,8 @@ class Viewer {
   std::string lastMessage_;
   std::deque<float> pictures_ms_;
   std::uint64_t pictures_ = 0, scenes_ = 0;  // shown; for which that of the model was made
-  bool madeScene_ = false;                   // for the last one
+  bool madeScene_ = false;                   // in this step
+  bool passesAreNew_ = false;                // of the last picture, not looked at yet
   double scene_ms_ = 0;                      // of the last one of these
   std::vector<PassRecord> passes_;           // of that
   Stopwatch sinceStill_;

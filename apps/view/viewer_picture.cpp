@@ -149,7 +149,6 @@ void Viewer::draw(double dt_s) {
   const std::uint64_t bytes = std::uint64_t{4} * size_px.x * size_px.y;
   if (shown_.bytes() != bytes) shown_ = Buffer(sight_, bytes, Memory::device, "shown");
   const bool hasPicture = session_ && frame_;
-  madeScene_ = false;
   {
     // A software driver hands the picture to the display in one long call; the servo thread may need its core
     // meanwhile.
@@ -228,7 +227,7 @@ ViewStatus Viewer::status() {
   status.fps = fps_;
   if (pictures_ > 0 && swapchain_.size_px().x > 0) {
     swapchain_.waitForLast();
-    if (madeScene_) passes_ = list_.passes();
+    if (std::exchange(passesAreNew_, false)) passes_ = list_.passes();
     status.passes = passes_;
   }
   return status;
