@@ -61,13 +61,13 @@ void printStrokes(std::FILE* out, const std::vector<StrokeRecord>& records) {
              "spacings of their place; out: new points off the old surface, and how far, support radii; normals: 95 % "
              "of the changed ones are nearer than so to a plane fit, degrees, then how many look to the other side, "
              "changed / at rest; looks: points changed before / after the stroke\n");
-  fmt::print(out, "{:<20}{:>8} {:<7}{:<8}{:<6}{:>7}{:>7}{:>7}{:>9}{:>9}{:>8}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
+  fmt::print(out, "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
              "model", "points", "backend", "brush", "way", "moved", "new", "gone", "far moved", "far new", "close",
              "out", "normals", "turned", "settle", "looks", "broken");
   for (const StrokeRecord& r : records) {
     const EditVerdict& v = r.verdict;
     const auto changes = [](const LookRecord& look) { return look.moved + look.inserted + look.removed; };
-    fmt::print(out, "{:<20}{:>8} {:<7}{:<8}{:<6}{:>7}{:>7}{:>7}{:>9}{:>9}{:>8}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
+    fmt::print(out, "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
                r.subject, r.points, r.backend, r.brush, r.gesture, v.moved + v.painted, v.inserted, v.removed,
                v.moved + v.removed + v.painted > 0 ? fmt::format("{:.2f}", v.farthestMoved) : "–",
                v.inserted > 0 ? fmt::format("{:.2f}", v.farthestInserted) : "–",
