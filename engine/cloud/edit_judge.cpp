@@ -20,6 +20,7 @@ constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs
 constexpr std::size_t kOfAPlace = 6;                   // points whose spacing makes that of a place
 constexpr std::size_t kOfAFit = 16, kFewestOfAFit = 6;
 constexpr std::size_t kTangentPlanes = 4;
+constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
 constexpr double kSided = 0.3;  // cosine of fit and known side, from which on the fit's side is known
 
 struct Near {
@@ -63,7 +64,11 @@ double wendlandWeight(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1
 // All points after the edit, and what can be said of one of them.
 class Aftermath {
  public:
-  Aftermath(const PointCloud& before, std::span<const PointState> after) : before_(before), after_(after) {
+  /// `tree`: of the points before; `support`: support radius.
+  Aftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after, double support)
+      : before_(before), after_(after), facings_(before.normals.begin(), before.normals.end()) {
+    for (std::uint32_t i = static_cast<std::uint32_t>(before.size()); i < after.size(); ++i)
+      facings_.push_back(facingOfNew(i, tree, support));
     for (std::uint32_t i = 0; i < after.size(); ++i)
       if (!after[i].gone()) {
         there_.push_back(i);
@@ -78,14 +83,8 @@ class Aftermath {
   DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
   DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
 
-  // Which way its sheet faced before: that of the point of the file that it goes back to.
-  DVec3 facing(std::uint32_t i) const {
-    while (isNew(i)) {
-      PALPATE_CHECK_LT(after_[i].parent, i);
-      i = after_[i].parent;
-    }
-    return DVec3(before_.normals[i]);
-  }
+  // Which way its sheet faced before.
+  const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
 
   // To the nearest other point that faces the same way, `most` at most.
   double nearestOfSheet(std::uint32_t i, double most) const {
@@ -119,8 +118,20 @@ class Aftermath {
   }
 
  private:
+  // That of the file's point that it goes back to; of the nearest one where it has come too far for that.
+  DVec3 facingOfNew(std::uint32_t i, const PointTree& tree, double support) const {
+    std::uint32_t ancestor = i;
+    while (isNew(ancestor)) {
+      PALPATE_CHECK_LT(after_[ancestor].parent, ancestor);
+      ancestor = after_[ancestor].parent;
+    }
+    if (glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * support) return facings_[ancestor];
+    return facings_[nearestTo(tree, position(i)).points[0]];
+  }
+
   const PointCloud& before_;
   std::span<const PointState> after_;
+  std::vector<DVec3> facings_;  // by number
   std::vector<std::uint32_t> there_;
   std::vector<Vec3> positions_;
   std::optional<PointTree> tree_;
@@ -180,12 +191,16 @@ double EditJudge::spacingOf(std::uint32_t point) {
   if (spacing > 0) return spacing;
   const Near near = nearestTo(tree_, position(point));
   double areas = 0;
-  std::size_t k = 0, discs = 0;
-  for (std::size_t i = 0; i < near.count && k < kLastDisc; ++i) {
-    if (near.squared[i] == 0 || glm::dot(normal(near.points[i]), normal(point)) <= 0) continue;
+  std::size_t discs = 0;
+  std::vector<Vec3> places{before_.positions[point]};  // coincident points count once
+  for (std::size_t i = 0; i < near.count && places.size() <= kLastDisc; ++i) {
+    const Vec3& place = before_.positions[near.points[i]];
+    if (glm::dot(normal(near.points[i]), normal(point)) <= 0 || std::ranges::find(places, place) != places.end())
+      continue;
+    places.push_back(place);
+    if (places.size() <= kFirstDisc) continue;
     // The disc to the k-th neighbour holds k areas where points lie at random, k + 1/2 where they lie on a lattice.
-    if (++k < kFirstDisc) continue;
-    areas += std::numbers::pi * near.squared[i] / (static_cast<double>(k) + 0.25);
+    areas += std::numbers::pi * near.squared[i] / (static_cast<double>(places.size() - 1) + 0.25);
     ++discs;
   }
   spacing = discs > 0 ? std::sqrt(areas / static_cast<double>(discs)) : kFar;  // alone: nothing can crowd it
@@ -236,7 +251,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
   const auto beyond = [&](const DVec3& place) {
     return (distanceToWay(place, way.centers) - way.toolRadius) / way.support;
   };
-  const Aftermath aftermath(before_, after);
+  const Aftermath aftermath(before_, tree_, after, way.support);
   for (std::uint32_t i = 0; i < before_.size(); ++i) {
     const bool gone = after[i].gone(), moved = !gone && aftermath.moved(i);
     verdict.removed += gone;
