@@ -79,7 +79,7 @@ bool asksFor(const BenchOptions& options, std::string_view name) {
 // The one of the benches that are asked for alone; empty where there is none. Their pages have nothing in common with
 // the plot of times.
 std::string aloneOf(const BenchOptions& options) {
-  for (const char* name : {"touch", "edit", "mesh", "splat", "coexist"})
+  for (const char* name : {"touch", "edit", "mesh", "splat", "coexist", "locality"})
     if (asksFor(options, name)) return name;
   return "";
 }
@@ -102,7 +102,11 @@ void benchAlone(Context& context, const BenchOptions& options, const std::string
   if (name == "mesh") result[name] = benchMesh(context, subjectsOf(options), options);
   if (name == "splat") result[name] = benchSplat(context, subjectsOf(options), options);
   if (name == "coexist") result[name] = benchCoexist(context, subjectsOf(options), options);
+  if (name == "locality") result[name] = benchLocality(context, options);
   context.writeJson(result);
+  if (name == "locality" && result[name]["broken"] > 0)
+    throw Error("bench locality: {} of {} strokes changed what an edit may not; the table says what",
+                result[name]["broken"].get<std::size_t>(), result[name]["strokes"].size());
   if (!options.plotFile.empty()) plot(name == "touch" ? PlotScript::touch : PlotScript::edit, result, options.plotFile);
 }
 
@@ -205,12 +209,12 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "haptic tick), edit (a tick that sculpts), mesh (marching cubes), splat (a picture, and how true it is), coexist "
       "(touch beside pictures that are drawn as fast as they go); touch "
       "judges what is felt against surfaces "
-      "that are known");
+      "that are known; locality judges what an edit changes that it may not");
   auto options = std::make_shared<BenchOptions>();
   options->backend.surface = "average";  // which every back end has
-  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh; or splat; or coexist")
+  sub->add_option("names", options->names, "build, sort, query, step; or touch; or edit; or mesh; or splat; or coexist; or locality")
       ->required()
-      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist"}))
+      ->check(CLI::IsMember({"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality"}))
       ->type_name("NAME...");
   sub->add_option("--models,--model", options->models, "PLY files")->type_name("FILE...");
   sub->add_option("--sizes", options->sizes, "numbers of points; a sculpture is made for each")
@@ -272,6 +276,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   addEditBenchOptions(*sub, options->edit);
   addMeshBenchOptions(*sub, options->mesh);
   addCoexistBenchOptions(*sub, options->coexist);
+  addLocalityBenchOptions(*sub, options->locality);
   sub->add_option("--friction", options->backend.friction, "touch, step, query: coefficient of a proxy that slides")
       ->check(notNegative())
       ->capture_default_str();
@@ -301,12 +306,18 @@ void addBench(CLI::App& app, Context& context, Command& command) {
       "in all and off edges, M5 pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 "
       "force in the air, M10 "
       "tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same path "
-      "twice, and the CPU against the back end.\n");
+      "twice, and the CPU against the back end.\n"
+      "locality: each brush, a press that is held and a slide, with a tool of 3 mm 3 mm deep, on vulkan and cpu; then "
+      "the hand is lifted until nothing changes. Points that moved or went beyond the tool's radius from its way, new "
+      "ones beyond that and a support radius, or nearer than 0.4 spacings of their place to another, or, carving, "
+      "outside the old surface; normals that look to the other side; changes by a brush without effect, before and "
+      "after. Exit code 1 when an edit changed what it may not.\n");
   sub->callback([&, options, backends, sub] {
     if (sub->get_option("--surface")->count() > 0) options->surfaces = options->touch.surfaces;
     command = [&context, sub, options, chosen = backends->count() > 0] {
       const std::string alone = aloneOf(*options);
       if (alone.empty()) return bench(context, *options);
+      if (alone == "locality" && !chosen) options->backends = {"vulkan", "cpu"};
       if (alone == "touch" && !chosen) options->backends = {ownTouchBackend(context)};
       if (alone == "coexist") setCoexistDefaults(*sub, *options);
       benchAlone(context, *options, alone);

@@ -43,6 +43,14 @@ struct CoexistBenchOptions {
 /// Adds them, and sets them to all that there is.
 void addCoexistBenchOptions(CLI::App& sub, CoexistBenchOptions& options);
 
+/// Of `bench locality` alone.
+struct LocalityBenchOptions {
+  std::vector<std::string> clouds, brushes, gestures{"press", "slide"};
+  double hold_s = 2, toolRadius_mm = 3, depth_mm = 3;
+};
+/// Adds them, and sets them to all that there is.
+void addLocalityBenchOptions(CLI::App& sub, LocalityBenchOptions& options);
+
 struct BenchOptions {
   std::vector<std::string> names, models, backends{"vulkan"}, methods;
   std::vector<std::string> surfaces{"average"};  ///< of query and step; every back end has the average
@@ -65,6 +73,7 @@ struct BenchOptions {
   EditBenchOptions edit;
   MeshBenchOptions mesh;
   CoexistBenchOptions coexist;
+  LocalityBenchOptions locality;
 
   bool wants(std::string_view name) const;  ///< whether a back end is to be measured
 };
@@ -132,6 +141,10 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
 /// How touch fares beside pictures that are drawn as fast as they go, and those beside it. Prints a table, and gives
 /// the numbers back.
 Json benchCoexist(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options);
+/// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of
+/// each brush, judged by what is known of the points before and after alone (engine/cloud/edit_judge.hpp). Prints a
+/// table, and gives the numbers back; `broken` counts the strokes that broke a promise.
+Json benchLocality(Context& context, const BenchOptions& options);
 /// What answers in bench touch unless the user says: vulkan on a real GPU; cpu where there is none, or only a software
 /// driver, which is slower than the CPU back end by far and feels the same.
 std::string ownTouchBackend(Context& context);
