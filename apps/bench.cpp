@@ -107,7 +107,7 @@ void checkMethods(const BenchOptions& options) {
   }
 }
 
-void measureAlone(Context& context, const BenchOptions& options, const std::string& name,
+Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script) {
   checkMethods(options);
   Context::checkWritable(options.plotFile);
@@ -118,6 +118,7 @@ void measureAlone(Context& context, const BenchOptions& options, const std::stri
   result[name] = measure();
   context.writeJson(result);
   if (!options.plotFile.empty()) plot(script, result, options.plotFile);
+  return result[name];
 }
 
 void addBench(CLI::App& app, Context& context, Command& command) {
@@ -131,6 +132,7 @@ void addBench(CLI::App& app, Context& context, Command& command) {
   addMeshBench(*sub, context, command);
   addSplatBench(*sub, context, command);
   addCoexistBench(*sub, context, command);
+  addLocalityBench(*sub, context, command);
   for (CLI::App* bench : sub->get_subcommands({}))
     if (!std::ranges::count(together, bench)) bench->group("Alone, with tables of their own");
   sub->footer("palpate bench NAME --help shows the options of that bench.\n");

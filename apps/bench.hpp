@@ -50,8 +50,8 @@ std::vector<SubjectMaker> subjectsOf(const BenchOptions& options);
 void checkMethods(const BenchOptions& options);
 
 /// A bench that is asked for alone, with a result of its own under its name: says which machines it runs on, measures,
-/// writes what --json asks for, and plots it by `script` where --plot asks for that.
-void measureAlone(Context& context, const BenchOptions& options, const std::string& name,
+/// writes what --json asks for, and plots it by `script` where --plot asks for that. Gives back what was measured.
+Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
                   const std::function<Json()>& measure, PlotScript script = PlotScript::bench);
 
 /// Repeats `once` as the options say: `repeat` times, or until the limit has passed with five samples at least.
@@ -78,5 +78,8 @@ void addMeshBench(CLI::App& bench, Context& context, Command& command);
 void addSplatBench(CLI::App& bench, Context& context, Command& command);
 /// How touch fares beside pictures that are drawn as fast as they go, and those beside it.
 void addCoexistBench(CLI::App& bench, Context& context, Command& command);
+/// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of
+/// each brush, judged by what is known of the points before and after alone (engine/cloud/edit_judge.hpp).
+void addLocalityBench(CLI::App& bench, Context& context, Command& command);
 
 }  // namespace palpate

@@ -146,7 +146,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   frame.record(list, drawn, camera, frameOf);
   list.end();
   device.sight().run(list);
-  writePng(file, frame.readColor());
+  writeImage(file, frame.readColor());
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
   if (options.printFrame) printPasses(context.tables(), list.passes());
 }

@@ -139,7 +139,9 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
                   "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
                   "blanks and without names in any other file")
       ->type_name("FILE");
-  command.add_option("--picture", options.pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
+  command
+      .add_option("--picture", options.pictureFile,
+                  "the model at the end, with HIP, proxy disc and force arrow: .png or .jpg")
       ->type_name("IMG.png");
   addPictureOptions(command, options.picture);
   command
@@ -157,6 +159,7 @@ void checkTouchOptions(const TouchCommandOptions& options) {
   if (options.edit != "none" && options.edit != "push" && options.backend.backend == "cuda")
     throw UsageError("--edit: --backend cuda has only push; take vulkan or cpu for {}", options.edit);
   checkPictureOptions(options.picture);
+  imageFormatOf(options.pictureFile);
   checkStylusOptions(options.stylus, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {

@@ -184,7 +184,7 @@ void Viewer::writeShown(const std::string& file, const UVec2& size_px) {
   std::memcpy(image.rgba.data(), staging.mapped<std::byte>().data(), shown_.bytes());
   if (swapchain_.blueFirst())
     for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
-  writePng(file, image);
+  writeImage(file, image);
 }
 
 void Viewer::screenshot(const std::string& file) {

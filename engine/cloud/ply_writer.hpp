@@ -14,6 +14,9 @@ struct PlyWriteOptions {
   bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
 };
 
+/// Extra attributes that are not written because the cloud's normals or colours are, under their names.
+std::vector<std::string> namesGivingWay(const PointCloud& cloud);
+
 /// Writes x y z [nx ny nz] [red green blue [alpha]] and the extra attributes, in the types that the cloud was stored
 /// as, and an element of faces where there are triangles. Binary little-endian unless ASCII is asked for. The file
 /// appears under its name only when it is whole. Throws FileError.

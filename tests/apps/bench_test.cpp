@@ -51,7 +51,7 @@ TEST_CASE("each bench shows and takes its own options, and those that are measur
   const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != text.npos; };
   const Outcome all = palpate("bench --help"), edit = palpate("bench edit --help"), build = palpate("bench build --help");
   CHECK(all.code == 0);
-  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist"})
+  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality"})
     CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
   CHECK(says(edit.text, "--touched"));
   for (const char* other : {"--queues", "--lattice", "--raster", "--conditions", "--moved"})
