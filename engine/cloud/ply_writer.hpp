@@ -12,6 +12,8 @@ struct PlyWriteOptions {
   /// Faces, by the numbers of their points; null: none.
   const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
   bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
+  /// An older file of the name is kept, and this is told as what (AtomicFile::commitAndKeep()); null: it is replaced.
+  std::filesystem::path* keptAs = nullptr;
 };
 
 /// Writes x y z [nx ny nz] [red green blue [alpha]] and the extra attributes, in the types that the cloud was stored
