@@ -79,6 +79,7 @@ ViewWishes Panels::draw(const ViewStatus& status, ViewSettings& view, ToolSettin
   if (view.help) drawHelp(view);
   drawMessages(status, view);
   drawQuestion(status, wishes);
+  drawSaveQuestion(status, wishes);
   return wishes;
 }
 
@@ -244,7 +245,7 @@ void Panels::drawSession(const ViewStatus& status, ViewWishes& wishes) {
   ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
   if (button("Save")) wishes.save = true;
   ImGui::EndDisabled();
-  help(("writes " + status.model).c_str());
+  help(("writes " + status.saveFile).c_str());
   ImGui::SameLine();
   if (session.isSaving())
     ImGui::TextDisabled("saving...");

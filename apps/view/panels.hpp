@@ -25,6 +25,12 @@ struct ViewSettings {
   bool panels = true, plots = true, help = false;
 };
 
+/// Whether to save beside a file or over it.
+struct SaveQuestion {
+  std::string loses;         ///< what that file would lose, in words
+  std::string beside, kept;  ///< the name beside it, and the one that it is kept under
+};
+
 /// What is going on, for the panels.
 struct ViewStatus {
   const Session* session = nullptr;  ///< null: none is open
@@ -32,8 +38,10 @@ struct ViewStatus {
   std::string loadingWhat;
   std::vector<std::string> messages;  ///< the newest last; each is shown for a while
   std::span<const std::string> models, recent;
-  std::string model;  ///< the one that is open
+  std::string model;     ///< the one that is open
+  std::string saveFile;  ///< where Save goes
   bool asksAboutChanges = false;
+  std::optional<SaveQuestion> saveQuestion;
   bool stylus = false;  ///< the mouse holds it
   std::string device;   ///< that a person holds; empty for the mouse
   std::string gpu;
@@ -53,6 +61,7 @@ struct ViewWishes {
   bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
        endRecording = false, endPlaying = false, quit = false;
   bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
+  bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
   std::optional<int> axis;
   std::string open, saveAs, record, play;
 };
@@ -92,6 +101,7 @@ class Panels {
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar) const;
   void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
+  void drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes);
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   const Gui& gui_;

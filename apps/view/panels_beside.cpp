@@ -177,4 +177,28 @@ void Panels::drawQuestion(const ViewStatus& status, ViewWishes& wishes) {
   ImGui::EndPopup();
 }
 
+void Panels::drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes) {
+  if (status.saveQuestion && !ImGui::IsPopupOpen("How to save")) ImGui::OpenPopup("How to save");
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal("How to save", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove))
+    return;
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const auto nameOf = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
+  if (const auto& question = status.saveQuestion) {
+    ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
+    ImGui::TextWrapped("%s.", question->loses.c_str());
+    wishes.saveBeside = button("Save beside") || pressed(ImGuiKey_Enter);
+    ImGui::SameLine();
+    wishes.saveOver = button("Save over");
+    ImGui::SameLine();
+    wishes.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
+    ImGui::TextWrapped("Beside (Enter): as %s", nameOf(question->beside).c_str());
+    ImGui::TextWrapped("Over: what is there now stays as %s", nameOf(question->kept).c_str());
+    ImGui::PopTextWrapPos();
+  }
+  if (wishes.saveBeside || wishes.saveOver || wishes.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
 }  // namespace palpate

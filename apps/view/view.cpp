@@ -77,7 +77,7 @@ void addView(CLI::App& app, Context& context, Command& command) {
                   "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
                   "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
                   "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
-                  "impatient, patient, ask (about changes), quit; # comments")
+                  "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), quit; # comments")
       ->type_name("FILE");
   sub->add_option("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name")
       ->type_name("N|NAME");

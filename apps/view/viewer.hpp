@@ -56,11 +56,16 @@ class Viewer {
   // Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
   bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
+  // To where Ctrl+S goes; asks first where a file would lose something.
+  void save();
+  void saveTo(const std::string& file);
+  void answer(const ViewWishes& wishes);
   void install(std::unique_ptr<Session> session);
   void fitCamera();
   void obey(const ViewWishes& wishes);
   void tryTo(const std::function<void()>& act);
   void say(const std::string& message);
+  void playLog(const std::string& log);
 
   void followSession();
   void moveStylus(double dt_s);
@@ -128,6 +133,8 @@ class Viewer {
   bool closes_ = false, isClosed_ = false;
   std::function<void()> afterQuestion_;  // waits for the answer about changes
   bool isSavingForIt_ = false;
+  std::optional<SaveQuestion> saveQuestion_;  // waits for its answer
+  std::string saveFile_;                      // the model's own, or the one beside it
 
   std::array<bool, 512> keys_{};
   DVec2 cursor_px_{0};

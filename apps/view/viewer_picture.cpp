@@ -218,6 +218,8 @@ ViewStatus Viewer::status() {
   if (session_) status.model = session_->file();
   if (session_ && view_.scaleBar && swapchain_.size_px().x > 0) status.scaleBar = scaleOfPicture();
   status.asksAboutChanges = asksAboutChanges();
+  status.saveQuestion = saveQuestion_;
+  status.saveFile = saveFile_;
   status.stylus = stylus_;
   status.device = options_.session.deviceFacts.model;
   status.gpu = sight_.name();
