@@ -304,7 +304,8 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   for (const SubjectMaker& makeOne : subjects) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
+    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y, 45,
+                                          {subject.model.shown, subject.model.upright.up});
     forEachWay(context, subject.model, options, [&](const PictureWay& way) {
       costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
     });

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 #include <span>
 
 namespace palpate {
@@ -12,14 +11,14 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kMostSamples = 1 << 15;
-constexpr double kTail = 0.02;    // of the points, that may lie anywhere at each end of an axis
-constexpr double kBeyond = 1.0;   // of the extent between the tails: farther out nothing belongs to the shape
+constexpr double kTail = 0.02;     // of the points, that may lie anywhere at each end of an axis
+constexpr double kBeyond = 1.0;    // of the extent between the tails: farther out nothing belongs to the shape
 constexpr double kFineCells = 64;  // along the longest side, for the places
 // Cells in which company is counted are so large that a surface has about as many points in each.
 constexpr double kPointsInCell = 12, kFewestCells = 4, kMostCells = 32;
 // A cell is alone where it and those around it have less than this share of what is usual.
 constexpr double kCompany = 0.05;
-constexpr double kPlacesCompany = 0.3;  // the same for places, which are as dense everywhere
+constexpr double kPlacesCompany = 0.3;      // the same for places, which are as dense everywhere
 constexpr std::size_t kEnoughToTell = 256;  // points: with fewer, none can be called stray
 constexpr double kMostStrays = 0.02;        // of the points: more are a part of the model, and so is
 constexpr double kMuchLarger = 1.25;        // what makes the box larger by less
@@ -60,8 +59,7 @@ class Cells {
       : window_(window), side_(side) {
     for (const std::uint32_t i : sample) {
       const DVec3 p(cloud.positions[i]);
-      if (!(glm::all(glm::greaterThanEqual(p, window.min)) && glm::all(glm::lessThanEqual(p, window.max)))) continue;
-      entries_.push_back({keyOf(p), i});
+      if (window.contains(p)) entries_.push_back({keyOf(p), i});
     }
     std::ranges::sort(entries_);
     for (std::size_t i = 0; i < entries_.size(); ++i)

@@ -15,20 +15,20 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kFewest = 100;      // places: fewer are no shape
-constexpr double kFlat = 0.005;           // of the longest side: a sheet as flat as that may hang or lie
-constexpr double kThin = 0.35;            // of the next longer side: a sheet may be ground
-constexpr double kMostLayers = 1.4;       // of a sheet, along its thin side
-constexpr double kOneSided = 0.2;         // mean of the normals, along the thin side
-constexpr double kTail = 0.005;           // of the places, at each end of a height
-constexpr double kBase = 0.02;            // of the height: what stands, stands on that
-constexpr double kContact = 0.015;        // share of the places that is in such a base at least
-constexpr double kSteady = 0.15;          // tangent of the tilt at which it would fall: more is no better
-constexpr double kOpenBelow = 1.5;        // how much the mean of the normals counts: what is open is open below
-constexpr double kOneView = 0.55;         // mean of the normals towards the only side from which a thing was seen
-constexpr double kLeast = 0.12;           // score of what stands at all
-constexpr double kClearly = 1.15;         // better than y, or it stays y
-constexpr double kAlike = 0.03;           // share of the places in which a shape differs from itself upside down
+constexpr std::size_t kFewest = 100;  // places: fewer are no shape
+constexpr double kFlat = 0.005;       // of the longest side: a sheet as flat as that may hang or lie
+constexpr double kThin = 0.35;        // of the next longer side: a sheet may be ground
+constexpr double kMostLayers = 1.4;   // of a sheet, along its thin side
+constexpr double kOneSided = 0.2;     // mean of the normals, along the thin side
+constexpr double kTail = 0.005;       // of the places, at each end of a height
+constexpr double kBase = 0.02;        // of the height: what stands, stands on that
+constexpr double kContact = 0.015;    // share of the places that is in such a base at least
+constexpr double kSteady = 0.15;      // tangent of the tilt at which it would fall: more is no better
+constexpr double kOpenBelow = 1.5;    // how much the mean of the normals counts: what is open is open below
+constexpr double kOneView = 0.55;     // mean of the normals towards the only side from which a thing was seen
+constexpr double kLeast = 0.12;       // score of what stands at all
+constexpr double kClearly = 1.15;     // better than y, or it stays y
+constexpr double kAlike = 0.03;       // share of the places in which a shape differs from itself upside down
 constexpr double kLikelyY = 1.0, kLikelyZ = 0.97, kUnlikely = 0.9;  // how files mostly are
 
 struct Sides {
@@ -240,10 +240,14 @@ DVec3 directionOf(UpAxis up) {
 
 DVec3 frontOf(UpAxis up) {
   switch (up) {
-    case UpAxis::z: return {0, -1, 0};
-    case UpAxis::minusZ: return {0, 1, 0};
-    case UpAxis::minusY: return {0, 0, -1};
-    default: return {0, 0, 1};
+    case UpAxis::z:
+      return {0, -1, 0};
+    case UpAxis::minusZ:
+      return {0, 1, 0};
+    case UpAxis::minusY:
+      return {0, 0, -1};
+    default:
+      return {0, 0, 1};
   }
 }
 

@@ -266,20 +266,20 @@ TEST_CASE("a few points far away do not widen what a picture shows") {
 
 TEST_CASE("real scans stand upright, whichever way their file has them") {
   const std::pair<std::string_view, UpAxis> kTruth[] = {{"armadillo_43243.ply", UpAxis::y},
-                                                   {"armadillo_1037774.ply", UpAxis::y},
-                                                   {"bunny_34834.ply", UpAxis::y},
-                                                   {"bunny_208347.ply", UpAxis::y},
-                                                   {"bunny_mesh_69451.ply", UpAxis::y},
-                                                   {"dragon_437645.ply", UpAxis::y},
-                                                   {"dragon_res3.ply", UpAxis::y},
-                                                   {"building_100000.ply", UpAxis::z},
-                                                   {"horse_48485.ply", UpAxis::z},
-                                                   {"lion_takanawa_341989.ply", UpAxis::z},
-                                                   {"pond_pmvs_70051.ply", UpAxis::minusY},
-                                                   {"wild/opencv__ape.ply", UpAxis::minusZ},
-                                                   {"wild/trimesh__fuze_ascii.ply", UpAxis::z},
-                                                   {"wild/tinyply__elephant.ply", UpAxis::y},
-                                                   {"wild/vtkdata__shark.ply", UpAxis::y}};
+                                                        {"armadillo_1037774.ply", UpAxis::y},
+                                                        {"bunny_34834.ply", UpAxis::y},
+                                                        {"bunny_208347.ply", UpAxis::y},
+                                                        {"bunny_mesh_69451.ply", UpAxis::y},
+                                                        {"dragon_437645.ply", UpAxis::y},
+                                                        {"dragon_res3.ply", UpAxis::y},
+                                                        {"building_100000.ply", UpAxis::z},
+                                                        {"horse_48485.ply", UpAxis::z},
+                                                        {"lion_takanawa_341989.ply", UpAxis::z},
+                                                        {"pond_pmvs_70051.ply", UpAxis::minusY},
+                                                        {"wild/opencv__ape.ply", UpAxis::minusZ},
+                                                        {"wild/trimesh__fuze_ascii.ply", UpAxis::z},
+                                                        {"wild/tinyply__elephant.ply", UpAxis::y},
+                                                        {"wild/vtkdata__shark.ply", UpAxis::y}};
   if (!std::filesystem::exists(modelsFolder())) {
     MESSAGE("skipped: no ", modelsFolder().string());
     return;
