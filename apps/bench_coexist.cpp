@@ -5,6 +5,7 @@
 
 #include "apps/bench.hpp"
 #include "apps/coexistence.hpp"
+#include "apps/look.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/sculpting_hand.hpp"
 #include "engine/render/frame.hpp"
@@ -60,7 +61,7 @@ class Sight {
         drawn_(device, model.cloud, {.spare = spareFor(backend, model), .spacing = model.spacing, .edited = sculpts}),
         frame_(device, size.width, size.height, size.supersample),
         camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height, 45,
-                                {model.shown, model.upright.up})),
+                                framingOf(model, model.upright.up))),
         list_(device, device.sight(), "frame") {
     if (sculpts && log)
       reader_.emplace(*log);

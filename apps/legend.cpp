@@ -27,7 +27,7 @@ void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
   auto& pixel = image.rgba[static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)];
   for (int k = 0; k < 3; ++k) {
     auto& channel = pixel[static_cast<std::size_t>(k)];
-    channel = static_cast<std::uint8_t>(std::lround(glm::mix(double{channel}, color[k], alpha)));
+    channel = static_cast<std::uint8_t>(std::lround(glm::mix(static_cast<double>(channel), color[k], alpha)));
   }
 }
 

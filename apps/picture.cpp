@@ -19,6 +19,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
   frame.up = directionOf(uprightOf(model, options.look).up);
   frame.shown = model.shown;
+  frame.splatRadius = loneDiscRadius(model);
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
   frame.everyPoint = options.everyPoint;
@@ -148,7 +149,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
     context.log().say("{}: the model has no points, and the picture is empty", file);
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
-  const Camera camera = Camera::parse(options.camera, model.cloud, aspect, {model.shown, upright.up});
+  const Camera camera = Camera::parse(options.camera, model.cloud, aspect, framingOf(model, upright.up));
   const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size);

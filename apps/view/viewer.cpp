@@ -214,7 +214,9 @@ void Viewer::install(std::unique_ptr<Session> session) {
 
 void Viewer::fitCamera() {
   const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1));
-  if (session_) camera_ = Camera::fitting(session_->model().shownBounds(), window.x / window.y, 45, up());
+  if (session_)
+    camera_ = Camera::fitting(session_->model().shownBounds(), window.x / window.y, 45, up(),
+                              framingOf(session_->model(), up()).margin);
   fittedUp_ = view_.up;
 }
 

@@ -28,6 +28,7 @@ FrameOptions Viewer::frameOptions() const {
   const Model& model = session_->model();
   options.up = directionOf(up());
   options.shown = model.shown;
+  options.splatRadius = loneDiscRadius(model);
   if (view_.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view_.discRadius_mm);
   const TickHistory& history = session_->history();
   if ((stylus_ || options_.session.device || session_->isPlaying()) && !history.rows().empty())

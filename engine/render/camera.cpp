@@ -36,22 +36,24 @@ double sizeOf(const Bounds& box) {
 
 /// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A
 /// point at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the
-/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once.
+/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once. A ball around the
+/// point moves each bound outwards by its radius over the cosine of the half field of view.
 template <class Points>
-Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect) {
+Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect, double margin) {
   const Camera::Axes axes = camera.axes();
   const double ty = kFill * std::tan(glm::radians(camera.fov_deg) / 2), tx = ty * aspect;
+  const double mx = margin * std::sqrt(1 + tx * tx), my = margin * std::sqrt(1 + ty * ty);
   const DVec3 center = bounds.center();
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   double right = kNone, left = kNone, top = kNone, bottom = kNone, nearest = kNone;
   for (const auto& point : points) {
     const DVec3 p = DVec3(point) - center;
     const double x = glm::dot(p, axes.right), y = glm::dot(p, axes.up), z = glm::dot(p, axes.forward);
-    right = std::max(right, x - tx * z);
-    left = std::max(left, -x - tx * z);
-    top = std::max(top, y - ty * z);
-    bottom = std::max(bottom, -y - ty * z);
-    nearest = std::max(nearest, -z);
+    right = std::max(right, x - tx * z + mx);
+    left = std::max(left, -x - tx * z + mx);
+    top = std::max(top, y - ty * z + my);
+    bottom = std::max(bottom, -y - ty * z + my);
+    nearest = std::max(nearest, -z + margin);
   }
   const bool any = nearest > kNone;
   const double x = any ? (right - left) / 2 : 0, y = any ? (top - bottom) / 2 : 0;
@@ -134,18 +136,18 @@ Wishes parseWishes(std::string_view text) {
 
 }  // namespace
 
-Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg, UpAxis up) {
-  return fitted(frontCamera(bounds, fov_deg, up), bounds, cornersOf(bounds), aspect);
+Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg, UpAxis up, double margin) {
+  return fitted(frontCamera(bounds, fov_deg, up), bounds, cornersOf(bounds), aspect, margin);
 }
 
 Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, const Framing& framing) {
   const Bounds all = boundsOf(cloud), shown = framing.shown.value_or(all);
   const Camera front = frontCamera(shown, fov_deg, framing.up);
-  if (shown == all) return fitted(front, all, cloud.positions, aspect);
+  if (shown == all) return fitted(front, all, cloud.positions, aspect, framing.margin);
   std::vector<Vec3> inside;
   for (const Vec3& p : cloud.positions)
     if (shown.contains(DVec3(p))) inside.push_back(p);
-  Camera camera = fitted(front, shown, inside, aspect);
+  Camera camera = fitted(front, shown, inside, aspect, framing.margin);
   camera.setDepthRange(all);
   return camera;
 }

@@ -13,6 +13,7 @@ namespace palpate {
 struct Framing {
   std::optional<Bounds> shown;  ///< the points in it (coreBoundsOf()); all of them when not given
   UpAxis up = UpAxis::y;
+  double margin = 0;  ///< around each point, model units: the disc as which it is drawn
 };
 
 /// A pinhole camera. Positions are model units relative to the cloud's origin, as in PointCloud::positions.
@@ -30,7 +31,8 @@ struct Camera {
   /// Sees everything from the front (frontOf()), a little above, and more so what lies flat, in a picture of width /
   /// height `aspect`: all of a box, or all points of a cloud, which fills the picture better. The target is at the
   /// depth of the box's middle.
-  static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45, UpAxis up = UpAxis::y);
+  static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45, UpAxis up = UpAxis::y,
+                        double margin = 0);
   static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45, const Framing& framing = {});
 
   /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is

@@ -131,6 +131,33 @@ TEST_CASE("what a picture cannot show is said") {
   CHECK(painted(" --pass normal"));
 }
 
+TEST_CASE("a few points are discs that can be told apart, and none is cut off") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "few.ply").string(), image = (folder / "i.png").string();
+  for (const int points : {1, 2, 4, 8, 20}) {
+    CAPTURE(points);
+    {
+      std::ofstream out(file);
+      out << "ply\nformat ascii 1.0\nelement vertex " << points;
+      for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) out << "\nproperty float " << name;
+      out << "\nend_header\n";
+      for (int i = 0; i < points; ++i) out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << " 0 0 1\n";
+    }
+    works("--quiet render " + file + " -o " + image + " --size 200x150 --background 0,0,0");
+    const Picture picture(image);
+    int lit = 0, atBorder = 0;
+    for (int y = 0; y < 150; ++y)
+      for (int x = 0; x < 200; ++x) {
+        const bool shows = picture.at(x, y)[0] > 20;
+        lit += shows;
+        atBorder += shows && (x == 0 || y == 0 || x == 199 || y == 149);
+      }
+    CHECK(lit > 40 * points);
+    CHECK(lit < 200 * 150 / 2);
+    CHECK(atBorder == 0);
+  }
+}
+
 TEST_CASE("the window has a model upright, turns it over on demand, and shows what is painted") {
   if (!hasDisplay()) return;
   const auto played = play("%/cone.ply --size 800x700", R"(

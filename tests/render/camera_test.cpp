@@ -78,6 +78,27 @@ TEST_CASE("whichever way is up, the fitted camera sees the same of a model that 
   }
 }
 
+TEST_CASE("discs of a few points have room in the picture") {
+  const DVec2 size(900, 600);
+  PointCloud few;
+  few.positions = {Vec3(0), Vec3(1, 2, 0), Vec3(-1, 0, 1)};
+  for (const PointCloud& cloud : {few, PointCloud{.positions = {Vec3(5, 6, 7)}}}) {
+    const double margin = 0.4;
+    const Camera camera = Camera::fitting(cloud, 1.5, 45, {.margin = margin});
+    for (const Vec3& p : cloud.positions)
+      for (const DVec3& aside : {camera.axes().right, camera.axes().up, camera.axes().forward})
+        for (const double sign : {-1.0, 1.0}) {
+          const auto place = camera.project(DVec3(p) + sign * margin * aside, size);
+          REQUIRE(place);
+          CHECK(std::min(place->x, place->y) >= 0);
+          CHECK(place->x <= size.x);
+          CHECK(place->y <= size.y);
+        }
+    // And not more than that.
+    CHECK(glm::distance(camera.eye, camera.target) < 20 * margin);
+  }
+}
+
 TEST_CASE("what lies flat is seen from higher up") {
   const auto elevation = [](const DVec3& half) { return -Camera::fitting(Bounds{-half, half}, 1.5).axes().forward.y; };
   CHECK(elevation({1, 1, 1}) == doctest::Approx(elevation({1, 0.31, 1})));
