@@ -5,6 +5,7 @@
 
 #include "apps/bench.hpp"
 #include "apps/coexistence.hpp"
+#include "apps/look.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/picture.hpp"
 #include "apps/sculpting_hand.hpp"
@@ -70,7 +71,8 @@ class Sight {
         sculpts_(sculpts),
         drawn_(device, model.cloud, {.spare = spareFor(backend, model), .spacing = model.spacing, .edited = sculpts}),
         frame_(device, size.width, size.height, size.supersample),
-        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height)),
+        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height, 45,
+                                framingOf(model, model.upright.up))),
         list_(device, device.sight(), "frame") {
     if (sculpts && log)
       reader_.emplace(*log);

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "apps/bench.hpp"
+#include "apps/look.hpp"
 #include "apps/parse_list.hpp"
 #include "apps/picture.hpp"
 #include "apps/picture_judge.hpp"
@@ -314,7 +315,8 @@ Json benchSplat(Context& context, const SplatBenchOptions& options) {
   for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
+    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y, 45,
+                                          framingOf(subject.model, subject.model.upright.up));
     forEachWay(context, subject.model, options, [&](const PictureWay& way) {
       costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
     });

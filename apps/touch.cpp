@@ -237,6 +237,9 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   outputs.write([&] {
     if (options.pictureFile.empty()) return;
     // A back end without an edit log is drawn once, as it ended.
+    if (options.edit == "paint" && !showsPaint(options.picture))
+      context.log().say("{}: --color {} and --pass {} do not show what was painted; --color rgb does",
+                        options.pictureFile, options.picture.color, options.picture.pass);
     std::optional<DrawnCloud> ended;
     if (!followers.drawn())
       ended.emplace(context.device(), brush ? end.cloud : model.cloud, DrawnOptions{.spacing = model.spacing});

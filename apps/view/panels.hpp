@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "apps/look.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/session.hpp"
 #include "engine/render/frame_options.hpp"
@@ -15,6 +16,8 @@ namespace palpate {
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
   ColorBy color = ColorBy::rgb;
+  std::optional<UpAxis> up;  ///< nothing: by the model's shape
+  std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
   bool mesh = false;
@@ -46,9 +49,12 @@ struct ViewStatus {
   std::string device;   ///< that a person holds; empty for the mouse
   std::string gpu;
   struct ScaleBar {
-    double width_px = 0, length_mm = 0;
+    double width_px = 0, length = 0;  ///< of the file's units
   };
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
+  Upright upright;                   ///< by the model's shape
+  LengthUnit unit = LengthUnit::unknown;
+  std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
@@ -86,6 +92,8 @@ class Panels {
   bool drag(const char* name, double& value, float speed, double least, double most, const char* format);
   template <class Names, class Value>
   bool choose(const char* name, const Names& names, Value& value);
+  template <class Names, class Value>
+  void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
   bool field(const char* hint, std::array<char, 512>& text);
   bool noted(std::string_view name, bool result);
 
@@ -99,7 +107,8 @@ class Panels {
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
-  void drawScale(const ViewStatus::ScaleBar& bar) const;
+  void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
+  void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
   void drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes);
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }

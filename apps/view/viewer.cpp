@@ -34,6 +34,8 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions opti
       loader_(context, sight),
       tool_(options_.tool),
       feel_(options_.feel) {
+  view_.up = upNamed(options_.look.up);
+  view_.unit = unitNamed(options_.look.unit);
   // Under a script the display's pace means nothing, and it has saved what it wants to keep unless it says `ask`.
   if (!options_.script.empty()) view_.waitsForDisplay = false;
   asks_ = options_.script.empty();
@@ -211,13 +213,26 @@ void Viewer::install(std::unique_ptr<Session> session) {
   if (!session_) return;
   saveFile_ = session_->file();
   session_->setForces(forcesOn_);
+  inStroke_ = false;
   fitCamera();
+  const Upright& upright = session_->model().upright;
+  if (!view_.up) say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
   window_.setTitle(std::filesystem::path(session_->file()).filename().string() + " - palpate");
 }
 
 void Viewer::fitCamera() {
   const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1));
-  if (session_) camera_ = Camera::fitting(session_->bounds(), window.x / window.y);
+  if (session_)
+    camera_ = Camera::fitting(session_->model().shownBounds(), window.x / window.y, 45, up(),
+                              framingOf(session_->model(), up()).margin);
+  fittedUp_ = view_.up;
+}
+
+UpAxis Viewer::up() const { return view_.up.value_or(session_ ? session_->model().upright.up : UpAxis::y); }
+
+LengthUnit Viewer::unit() const {
+  if (view_.unit || !session_) return view_.unit.value_or(LengthUnit::unknown);
+  return unitSaidIn(session_->model().cloud.storedAs.comments);
 }
 
 void Viewer::followSession() {
@@ -236,6 +251,7 @@ void Viewer::followSession() {
       if (saved->failure.empty() && then) then();
     }
   }
+  showPaint();
   updateMesh();
 }
 
@@ -256,6 +272,15 @@ void Viewer::save() {
                                .kept = AtomicFile::nameToKeep(saveFile_).string()};
   if (!asks_) return answer({.saveBeside = true});
   if (window_.isMinimised()) window_.minimise(false);
+}
+
+// What is painted is to be seen.
+void Viewer::showPaint() {
+  const bool begins = session_->journal().inStroke() && !inStroke_;
+  inStroke_ = session_->journal().inStroke();
+  if (!begins || session_->tool().brush != BrushKind::paint || view_.color == ColorBy::rgb) return;
+  view_.color = ColorBy::rgb;
+  say("coloured by the points' own colours, which show what is painted");
 }
 
 void Viewer::answer(const ViewWishes& wishes) {
@@ -296,11 +321,12 @@ void Viewer::obey(const ViewWishes& wishes) {
     if (wishes.screenshot) screenshot("");
   });
   if (wishes.resetView) fitCamera();
-  if (wishes.axis) camera_ = alongAxis(camera_, *wishes.axis, true);
+  if (wishes.axis) camera_ = alongAxis(camera_, *wishes.axis, true, up());
 }
 
 void Viewer::applySettings() {
   gui_.setDark(view_.dark);
+  if (view_.up != fittedUp_) fitCamera();
   if (!session_ || gui_.isBusy()) return;  // not in the middle of a drag
   session_->setForces(forcesOn_);
   tryTo([&] {
@@ -347,6 +373,9 @@ void Viewer::writeState(const std::string& file) {
       if (session_->tool().brush == kind) state["tool"] = name;
     for (const auto& [name, kind] : kSurfaceKinds)
       if (session_->feel().surface == kind) state["surface"] = name;
+    state["up"] = nameOf(up());
+    for (const auto& [name, color] : kColorNames)
+      if (view_.color == color) state["color"] = name;
     state["tool_radius_mm"] = session_->tool().radius_mm;
     state["strokes"] = journal.strokes();
     state["undoable"] = journal.undoable();

@@ -22,6 +22,7 @@ struct ViewOptions {
   SessionOptions session;  ///< the model's file is not looked at
   ToolSettings tool;
   FeelSettings feel;
+  LookOptions look;
   UVec2 size_px{1280, 720};
   std::vector<TimedAction> script;
 };
@@ -62,12 +63,15 @@ class Viewer {
   void answer(const ViewWishes& wishes);
   void install(std::unique_ptr<Session> session);
   void fitCamera();
+  UpAxis up() const;
+  LengthUnit unit() const;
   void obey(const ViewWishes& wishes);
   void tryTo(const std::function<void()>& act);
   void say(const std::string& message);
   void playLog(const std::string& log);
 
   void followSession();
+  void showPaint();
   void moveStylus(double dt_s);
   void holdStylus(bool on);
   void useGamepad(double dt_s);
@@ -129,6 +133,8 @@ class Viewer {
   ToolSettings tool_;
   FeelSettings feel_;
   bool forcesOn_ = true;
+  bool inStroke_ = false;
+  std::optional<UpAxis> fittedUp_;  // as the settings had it when the camera was fitted last
   Camera camera_;
   bool closes_ = false, isClosed_ = false;
   std::function<void()> afterQuestion_;  // waits for the answer about changes

@@ -67,7 +67,7 @@ void Viewer::handleKey(const KeyEvent& event) {
     case GLFW_KEY_X:
     case GLFW_KEY_Y:
     case GLFW_KEY_Z:
-      camera_ = alongAxis(camera_, event.key - GLFW_KEY_X, !shift);
+      camera_ = alongAxis(camera_, event.key - GLFW_KEY_X, !shift, up());
       break;
     case GLFW_KEY_R:
       fitCamera();
