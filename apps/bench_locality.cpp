@@ -263,8 +263,10 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
       if (cloud != "none")
         subjects.emplace_back(
             [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
-  std::vector<StrokeRecord> records;
-  Json result{{"strokes", Json::array()}, {"broken", 0}};
+  if (subjects.empty()) throw UsageError("bench locality: --clouds none and no --models leave nothing to edit");
+  std::size_t broken = 0;
+  Json strokes = Json::array();
+  printStrokeHeading(context.tables());
   for (const auto& makeOne : subjects) {
     const LocalitySubject subject = makeOne();
     EditJudge judge(subject.model.cloud);
@@ -273,16 +275,15 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
         for (const std::string& gesture : options.gestures) {
           context.log().say("locality: {}, {} points, {}, {}, {}", subject.name, subject.model.cloud.size(), backend,
                             brush, gesture);
-          records.push_back(
+          const StrokeRecord record =
               playStroke(context, subject, judge,
-                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options));
-          result["strokes"].push_back(toJson(records.back()));
+                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options);
+          broken += !record.broken().empty();
+          strokes.push_back(toJson(record));
+          printStroke(context.tables(), record);
         }
   }
-  if (records.empty()) throw UsageError("bench locality: --clouds none and no --models leave nothing to edit");
-  result["broken"] = std::ranges::count_if(records, [](const StrokeRecord& r) { return !r.broken().empty(); });
-  printStrokes(context.tables(), records);
-  return result;
+  return {{"strokes", std::move(strokes)}, {"broken", broken}};
 }
 
 void addOptions(CLI::App& bench, LocalityBenchOptions& options) {

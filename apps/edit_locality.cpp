@@ -6,6 +6,9 @@ namespace palpate {
 
 namespace {
 
+constexpr std::string_view kRow =
+    "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n";
+
 double share(std::size_t part, std::size_t all) {
   return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0;
 }
@@ -55,28 +58,30 @@ Json toJson(const StrokeRecord& record) {
           {"broken", record.broken()}};
 }
 
-void printStrokes(std::FILE* out, const std::vector<StrokeRecord>& records) {
+void printStrokeHeading(std::FILE* out) {
   fmt::print(out,
              "\nstrokes; far: beyond the tool's radius from its way, support radii; close: new points nearer than 0.4 "
              "spacings of their place; out: new points off the old surface, and how far, support radii; normals: 95 % "
              "of the changed ones are nearer than so to a plane fit, degrees, then how many look to the other side, "
-             "changed / at rest; looks: points changed before / after the stroke\n");
-  fmt::print(out, "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
-             "model", "points", "backend", "brush", "way", "moved", "new", "gone", "far moved", "far new", "close",
-             "out", "normals", "turned", "settle", "looks", "broken");
-  for (const StrokeRecord& r : records) {
-    const EditVerdict& v = r.verdict;
-    const auto changes = [](const LookRecord& look) { return look.moved + look.inserted + look.removed; };
-    fmt::print(out, "{:<20}{:>8} {:<8}{:<8}{:<6}{:>7}{:>7}{:>7}{:>11}{:>9}{:>9}{:>13}{:>8}{:>12}{:>7}{:>10}  {}\n",
-               r.subject, r.points, r.backend, r.brush, r.gesture, v.moved + v.painted, v.inserted, v.removed,
-               v.moved + v.removed + v.painted > 0 ? fmt::format("{:.2f}", v.farthestMoved) : "–",
-               v.inserted > 0 ? fmt::format("{:.2f}", v.farthestInserted) : "–",
-               v.inserted > 0 ? fmt::format("{:.1f} %", 100 * share(v.crowded, v.inserted)) : "–",
-               v.outside > 0 ? fmt::format("{}, {:.2f}", v.outside, v.farthestOutside) : "–",
-               v.fitted > 0 ? fmt::format("{:.1f}", v.normal_deg) : "–",
-               fmt::format("{} / {}", v.turned, v.turnedAtRest), r.settled ? fmt::format("{}", r.settling) : "never",
-               fmt::format("{} / {}", changes(r.before), changes(r.after)), fmt::join(r.broken(), ", "));
-  }
+             "changed / at rest; settle: ticks until nothing changed any more; looks: points changed by a brush "
+             "without effect, before / after the stroke\n");
+  fmt::print(out, kRow, "model", "points", "backend", "brush", "way", "moved", "new", "gone", "far moved", "far new",
+             "close", "out", "normals", "turned", "settle", "looks", "broken");
+}
+
+void printStroke(std::FILE* out, const StrokeRecord& record) {
+  const EditVerdict& v = record.verdict;
+  const auto changes = [](const LookRecord& look) { return look.moved + look.inserted + look.removed; };
+  const bool changed = v.moved + v.removed + v.painted > 0;
+  fmt::print(out, kRow, record.subject, record.points, record.backend, record.brush, record.gesture,
+             v.moved + v.painted, v.inserted, v.removed, changed ? fmt::format("{:.2f}", v.farthestMoved) : "–",
+             v.inserted > 0 ? fmt::format("{:.2f}", v.farthestInserted) : "–",
+             v.inserted > 0 ? fmt::format("{:.1f} %", 100 * share(v.crowded, v.inserted)) : "–",
+             v.outside > 0 ? fmt::format("{}, {:.2f}", v.outside, v.farthestOutside) : "–",
+             v.fitted > 0 ? fmt::format("{:.1f}", v.normal_deg) : "–", fmt::format("{} / {}", v.turned, v.turnedAtRest),
+             record.settled ? fmt::format("{}", record.settling) : "never",
+             fmt::format("{} / {}", changes(record.before), changes(record.after)), fmt::join(record.broken(), ", "));
+  std::fflush(out);
 }
 
 }  // namespace palpate

@@ -30,6 +30,8 @@ struct StrokeRecord {
 };
 Json toJson(const StrokeRecord& record);
 
-void printStrokes(std::FILE* out, const std::vector<StrokeRecord>& records);
+/// A table, row by row: a stroke may take minutes.
+void printStrokeHeading(std::FILE* out);
+void printStroke(std::FILE* out, const StrokeRecord& record);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "engine/edit/resample_reference.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace palpate {
@@ -77,6 +78,34 @@ DVec3 halfWay(const DVec3& offset, const DVec3& normal, const DVec3& otherNormal
 
 }  // namespace
 
+namespace {
+
+bool facesAway(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  return glm::dot(a.normal, b.normal) <= static_cast<double>(shared::kFarSheet);
+}
+
+// Whether a place near `self` has come through the far sheet of a plate.
+bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours) {
+  return std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
+    return facesAway(self, other) &&
+           shared::isThrough(Vec3(place - other.offset), Vec3(other.normal), static_cast<float>(self.spacing));
+  });
+}
+
+bool hasRisen(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+  double all = 0, outside = 0;
+  for (const ResampleNeighbour& other : neighbours) {
+    const double distance = glm::length(other.offset);
+    if (!other.atRest || facesAway(self, other) || distance == 0) continue;
+    const double weight = std::pow(self.spacing / distance, 4);
+    all += weight;
+    if (-glm::dot(other.offset, other.normal) > static_cast<double>(shared::kSkin) * self.spacing) outside += weight;
+  }
+  return outside > static_cast<double>(shared::kNearlyAll) * all;
+}
+
+}  // namespace
+
 double sectorSpacing(SectorDistances distances) {
   std::ranges::sort(distances);
   const auto there = static_cast<std::size_t>(std::ranges::find(distances, kFar) - distances.begin());
@@ -85,6 +114,8 @@ double sectorSpacing(SectorDistances distances) {
 
 ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& view) {
   const std::span<const ResampleNeighbour> neighbours = view.neighbours;
+  if (view.carves && !self.atRest && (standsThrough(self, DVec3(0), neighbours) || hasRisen(self, neighbours)))
+    return {.goes = true};
   ResampleWish wish;
   const ResampleNeighbour* first = nullptr;  // of those that crowd this point
   for (const ResampleNeighbour& other : neighbours)
@@ -111,6 +142,7 @@ ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& vie
       return glm::distance(point.offset, place) < clearance && sameSheet(self.normal, point.normal);
     };
     if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
+    if (view.carves && standsThrough(self, place, neighbours)) continue;
     narrowest = gap;
     wish.inserts = wish.unsettled = true;
     wish.offset = place;

@@ -22,6 +22,7 @@ struct ResampleNeighbour {
   DVec3 rest{0};             ///< where it stood in the cloud as loaded; a new one where its ends did; model units
   double spacing = 0;        ///< target, model units
   bool isNew = false;        ///< it was not in the cloud as loaded
+  bool atRest = false;       ///< it stands as it was loaded
   std::uint32_t number = 0;  ///< of the point; in the order of ids
   bool unsettled = false;    ///< has moved, or is new, or has not yet got what it wished for
 };
@@ -41,8 +42,10 @@ struct ResampleView {
   std::span<const ResampleNeighbour> neighbours;  ///< all others within the look radius
   double reach = std::numeric_limits<double>::infinity();  ///< it may have a new point no further away, model units
   bool complete = true;  ///< false: there are more than could be looked at, and so no new point is asked for
+  bool carves = false;   ///< a ball cuts a solid: what stands outside it goes
 };
 
+/// While a ball carves, a point goes that stands outside the solid (shared::kSkin).
 /// Points nearer than kCrowded to one another rank settled before unsettled, then by number. A point goes where the
 /// first of those before it stays itself in this tick. Otherwise it wishes for a new point in the middle of the
 /// narrowest gap where none stands: a gap has a neighbour on its other side, within the look radius, so that borders do

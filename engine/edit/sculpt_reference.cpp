@@ -27,14 +27,15 @@ void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
   });
 }
 
-double widestSpacing(const SculptOptions& options) {
+// Insertions that are nearer to one another than this asks for wait for one another.
+double claimSpacing(const SculptOptions& options) {
   return options.radius / static_cast<double>(shared::kSupportSpacings);
 }
 
 }  // namespace
 
 SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
-    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(widestSpacing(options)) {
+    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(claimSpacing(options)) {
   PALPATE_CHECK_LT(0.0, options.radius);
   const Stopwatch watch;
   build();
@@ -62,9 +63,9 @@ double SculptReference::spacingAt(std::uint32_t point, std::span<const std::uint
   return std::max(options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 0.1)), sectorSpacing(nearest));
 }
 
-// Never wider than the support radius is made for.
 void SculptReference::measureSpacings() {
   const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
+  const double most = static_cast<double>(shared::kMostSpacing) * options_.radius;
   std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
     counts[i] = 1;
@@ -74,8 +75,13 @@ void SculptReference::measureSpacings() {
   points_.spacings.resize(points_.size());
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
     points_.spacings[i] = static_cast<float>(
-        std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, widestSpacing(options_)));
+        std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, most));
   });
+}
+
+bool SculptReference::isAtRest(std::uint32_t point) const {
+  return glm::distance(points_.positions[point], points_.rests[point]) <=
+         shared::kAtRest * static_cast<float>(points_.spacing(point));
 }
 
 double SculptReference::reachOf(std::uint32_t point) const {
@@ -86,6 +92,7 @@ double SculptReference::reachOf(std::uint32_t point) const {
 void SculptReference::edit(const BrushTool& tool) {
   for (const std::uint32_t point : changed_) told_[point] = 0;
   changed_.clear();
+  carves_ = tool.kind() == BrushKind::carve;
   if (tool.acts()) applyBrush(tool);
   findUnsettled();
   refit();
@@ -188,6 +195,7 @@ ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours
                              .rest = DVec3(points_.rests[number]),
                              .spacing = points_.spacing(number),
                              .isNew = number >= points_.fromFile,
+                             .atRest = isAtRest(number),
                              .number = number,
                              .unsettled = points_.unsettled[number] != 0};
   };
@@ -202,7 +210,7 @@ ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours
     else
       complete = false;
   });
-  return resampleWish(seen(point, DVec3(0)), {.neighbours = neighbours, .reach = reachOf(point), .complete = complete});
+  return resampleWish(seen(point, DVec3(0)), {.neighbours = neighbours, .reach = reachOf(point), .complete = complete, .carves = carves_});
 }
 
 void SculptReference::resample() {

@@ -42,6 +42,7 @@ class SculptReference {
   void measureSpacings();
   double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
+  bool isAtRest(std::uint32_t point) const;
   void build() { grid_.build(points_.positions, points_.there); }
   void applyBrush(const BrushTool& tool);
   DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
@@ -58,7 +59,7 @@ class SculptReference {
   SortedGrid grid_;
   InsertionClaims claims_;
   double buildTime_us_ = 0;
-  bool settled_ = true;
+  bool settled_ = true, carves_ = false;
   // Of one tick.
   struct Wish : ResampleWish {
     Vec3 place{0};  // of the new point

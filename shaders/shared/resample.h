@@ -46,6 +46,8 @@ const float kReach = 0.75f;
 // Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
 // are measured, so that a heap of points in one place does not ask for more of them all around.
 const float kLeastSpacing = 0.03125f;
+// Of the support radius: no target is larger, or a gap could be wider than what a point sees.
+const float kMostSpacing = 0.5f;
 
 // Directions in the tangent plane that are looked at by themselves: each neighbour of an even lattice has its own.
 const uint kSectors = 6u;
@@ -54,6 +56,19 @@ const float kSameSheet = 0.0f;
 // The most that they may be against one another for a point to count when another one's normal is fitted: beyond a
 // right angle, since a normal may turn by one at a fresh edge, and short of the far sheet of a plate.
 const float kFarSheet = -0.5f;
+// While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A point is through where
+// one that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where nearly
+// all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it stands
+// more than kSkin outside their tangent planes. At rest is what stands no further than kAtRest from where it stood.
+const float kSkin = 0.1f, kBeside = 1.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
+
+// Whether a point has come through, `offset` from one that faces the other way, whose unit normal is `normal`.
+PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing) {
+  const float before = dot(offset, normal);  // negative inside
+  const vec3 aside = offset - before * normal;
+  return before > -kSkin * spacing && dot(aside, aside) < kBeside * kBeside * spacing * spacing;
+}
+
 // Slots of the table in which insertions claim their place: a power of two. A slot that two far places share makes one
 // of them wait for the next tick.
 const uint kClaimSlots = 65536u;

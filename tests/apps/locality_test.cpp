@@ -37,6 +37,7 @@ TEST_CASE("bench locality refuses what it does not know, and having nothing to e
   CHECK(palpate("bench locality --backend cpu --clouds cheese").code == 2);
   CHECK(palpate("bench locality --backend cpu --brushes comb").code == 2);
   CHECK(palpate("bench locality --backend cpu --clouds none").code == 2);
+  CHECK(palpate("bench locality --backend cuda").code == 2);
   CHECK(palpate("bench locality build --backend cpu").code == 2);
 }
 
