@@ -48,7 +48,7 @@ DVec3 inkOn(const Image& image, int x, int y, int width, int height) {
 class Letters {
  public:
   explicit Letters(double height_px) {
-    addFont(atlas_, static_cast<float>(height_px));
+    addFont(atlas_, static_cast<float>(height_px), Texels::pixels);
     atlas_.GetTexDataAsAlpha8(&texels_, &width_, &height_);
     font_ = atlas_.Fonts[0];
   }

@@ -57,7 +57,11 @@ Model loadModel(Context& context, const ModelOptions& options, EstimateOn where)
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);
   model.shown = coreBoundsOf(cloud);
+  const bool estimates = !cloud.hasNormals() || options.normals == "estimate";
   seeToNormals(context, options, where, cloud);
+  // One or two points lie in no plane: their discs face whoever looks at them.
+  constexpr std::size_t kNoPlane = 2;
+  if (estimates && cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
   model.scale =
       options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
   const SpacingRange spacing = spacingRange(cloud, context.threads());

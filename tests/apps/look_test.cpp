@@ -136,12 +136,16 @@ TEST_CASE("a few points are discs that can be told apart, and none is cut off") 
   const std::string file = (folder / "few.ply").string(), image = (folder / "i.png").string();
   for (const int points : {1, 2, 4, 8, 20}) {
     CAPTURE(points);
+    // One or two have discs that face the eye also where the file gives no normals.
+    const bool bare = points <= 2;
     {
       std::ofstream out(file);
       out << "ply\nformat ascii 1.0\nelement vertex " << points;
-      for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) out << "\nproperty float " << name;
+      for (const char* name : {"x", "y", "z"}) out << "\nproperty float " << name;
+      if (!bare)
+        for (const char* name : {"nx", "ny", "nz"}) out << "\nproperty float " << name;
       out << "\nend_header\n";
-      for (int i = 0; i < points; ++i) out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << " 0 0 1\n";
+      for (int i = 0; i < points; ++i) out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << (bare ? "\n" : " 0 0 1\n");
     }
     works("--quiet render " + file + " -o " + image + " --size 200x150 --background 0,0,0");
     const Picture picture(image);
