@@ -69,6 +69,7 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
                                            .spacings = resample_ ? resample_->spacings() : 0,
                                            .rests = resample_ ? resample_->rests() : 0,
                                            .reaches = resample_ ? resample_->reaches() : 0,
+                                           .brush = brush_.address(),
                                            .looks = resample_ ? resample_->looks() : 0,
                                            .lists = resample_ ? resample_->lists() : 0,
                                            .moves = update_.moves(),

@@ -167,10 +167,11 @@ Vec3 SculptReference::refitted(std::uint32_t point) const {
   const Vec3 old = points_.normals[point];
   grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
     const Vec3 theirs = points_.normals[near.number];
-    if (glm::dot(theirs, old) <= shared::kFarSheet) return;
+    const double share = shared::fitShare(glm::dot(theirs, old));
+    if (share <= 0) return;
     const DVec3 offset = DVec3(near.position) - place;
-    fit.add(offset);
-    side += wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
+    fit.add(offset, share);
+    side += share * wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
   });
   const DVec3 normal = fit.normal(DVec3(old)).normal;
   return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);

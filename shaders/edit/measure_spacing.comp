@@ -84,5 +84,5 @@ void main() {
   while (!look(position.xyz) && radius > 2.0 * least) radius *= 0.5;
   const float spacing = max(radius * sqrt(0.448798951 / max(subgroupAdd(weights), 0.1)), sectorSpacing());
   if (subgroupElect())
-    args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, args.radius / kSupportSpacings);
+    args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, kMostSpacing * args.radius);
 }

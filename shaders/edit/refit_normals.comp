@@ -17,8 +17,9 @@ Moments moments;
 vec3 sides;  // sum of w n, with the normals as they were
 
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
-  if (dot(normal, facing) <= kFarSheet) return;
-  const float w = wendland(length(d) / args.radius);
+  const float share = fitShare(dot(normal, facing));
+  if (share <= 0.0) return;
+  const float w = share * wendland(length(d) / args.radius);
   addNeighbour(moments, d, w);
   sides += w * normal;
 }

@@ -48,10 +48,13 @@ float reach;  // of the point that decides: how far from it a new one may come
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
+bool through;               // the point has come through the sheet of one of them
+vec2 votes;                 // of those at rest: whether it has risen, and all
 Seen first;
 bool firstYields;
 uint blocked;  // a bit for each sector
 bool crowded, leaves;
+bool carves, selfAtRest;
 
 // What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
 struct Sector {
@@ -77,6 +80,7 @@ bool hasToYield(Seen point, Seen other) {
   const float now = distance(point.offset, other.offset), before = distance(point.rest, other.rest);
   return now < closest && (anyNew || now < kComeNearer * before || before < kSamePlace * least);
 }
+bool isAtRest(vec3 position, vec3 rest, float spacing) { return distance(position, rest) <= kAtRest * spacing; }
 bool nearer(vec3 d, float than) { return dot(d, d) < than * than; }
 Seen seenAt(uint at, uint slot) {
   const uint id = keptIds[at];
@@ -84,7 +88,7 @@ Seen seenAt(uint at, uint slot) {
 }
 
 // Nobody crowds another one from further away.
-float mostCrowded() { return kCrowded * args.radius / kSupportSpacings; }
+float mostCrowded() { return kCrowded * kMostSpacing * args.radius; }
 
 void noteCrowding(uint at, uint slot) {
   const Seen other = seenAt(at, slot);
@@ -97,16 +101,40 @@ void noteYielding(uint at, uint slot) {
   firstYields = firstYields || hasToYield(first, seenAt(at, slot));
 }
 
+// Of a ball that carves: whether one neighbour says that the point stands outside the solid.
+void noteOutside(uint id, vec3 normal, vec3 d) {
+  if (dot(self.normal, normal) <= kFarSheet) {
+    through = through || isThrough(-d, normal, self.spacing);
+    return;
+  }
+  const float far = length(d);
+  if (far == 0.0 || !isAtRest(center + d, rests.at[id], targetOf(id))) return;
+  const float share = self.spacing / far, weight = share * share * share * share;
+  votes += weight * vec2(-dot(d, normal) > kSkin * self.spacing ? 1.0 : 0.0, 1.0);
+}
+
+// Where new points would have come through the sheet of one that faces the other way.
+void noteThrough(uint slot, vec3 d) {
+  const vec3 normal = args.cloud.normals.at[slot].xyz;
+  if (dot(self.normal, normal) > kFarSheet) return;
+  for (uint s = 0; s < kSectors; ++s)
+    if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing)) blocked |= 1u << s;
+}
+
 void visitNeighbour(uint at) {
   uint slot = keptSlot(at);
   if (slot == selfSlot) return;
   const vec3 d = keptOffset(at);
+  if (carves && look == kLookBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
   if (look == kLookYields) {
     if (nearer(d - first.offset, mostCrowded())) noteYielding(at, slot & ~kOtherSheet);
     return;
   }
   if (!visitedBefore) {
-    if (!sameSheet(self.normal, args.cloud.normals.at[slot].xyz)) slot |= kOtherSheet;
+    const vec3 normal = args.cloud.normals.at[slot].xyz;
+    if (carves && look == kLookAround) noteOutside(keptIds[at], normal, d);
+    if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
+    if (carves && look == kLookBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);
   }
   if ((slot & kOtherSheet) != 0) return;
@@ -138,6 +166,8 @@ void begin() {
   firstSlot = kNobody;
   firstYields = false;
   blocked = 0;
+  through = false;
+  votes = vec2(0.0);
   crowded = false;
   leaves = false;
   for (uint s = gl_SubgroupInvocationID; s < kSectors; s += gl_SubgroupSize) {
@@ -195,8 +225,19 @@ bool placeInGaps() {
   return subgroupAny(any);
 }
 
+// While a ball carves, what stands outside the solid goes.
+bool isOutside() {
+  if (!carves || selfAtRest) return false;
+  const vec2 all = subgroupAdd(votes);
+  return subgroupAny(through) || all.x > kNearlyAll * all.y;
+}
+
 // What comes next.
 uint nextLook() {
+  if (look == kLookAround && isOutside()) {
+    leaves = true;
+    return kLookNoMore;
+  }
   if (look == kLookAround && findFirst()) return kLookYields;
   if (look == kLookYields) leaves = !subgroupAny(firstYields);
   if (look <= kLookYields) return leaves || spent || !allAreSeen || !anyWide() ? kLookNoMore : kLookIds;
@@ -260,6 +301,7 @@ void wishForAll() {
   parentsOf = args.tables.at[0].parents;
   spacings = args.tables.at[0].spacings;
   rests = args.tables.at[0].rests;
+  carves = args.tables.at[0].brush.at[0].kind == kBrushCarve;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
@@ -270,6 +312,7 @@ void wishForAll() {
     const uint id = floatBitsToUint(position.w);
     self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, 0x80000000u | id);
     center = position.xyz;
+    selfAtRest = isAtRest(center, self.rest, self.spacing);
     reach = id < firstNew ? kReach * args.radius : args.tables.at[0].reaches.at[id - firstNew];
     begin();
     uint reached = kLookAround;

@@ -41,6 +41,7 @@ struct PointTables {
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
   PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
   PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
+  PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
@@ -52,7 +53,7 @@ struct PointTables {
   uint mostMoves;  // that there is room for; as many wishes
   uint unused;
 };
-PALPATE_SIZE(PointTables, 104);
+PALPATE_SIZE(PointTables, 112);
 
 // What a point that was looked at wishes for in the next tick. To be looked at again is the least.
 struct PointWish {

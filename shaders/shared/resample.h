@@ -53,14 +53,19 @@ const float kMostSpacing = 0.5f;
 const uint kSectors = 6u;
 // The least cosine between the normals of two points of one sheet; others are not neighbours here.
 const float kSameSheet = 0.0f;
-// The most that they may be against one another for a point to count when another one's normal is fitted: beyond a
-// right angle, since a normal may turn by one at a fresh edge, and short of the far sheet of a plate.
+// At most so much are two points of the two sheets of a plate for one another.
 const float kFarSheet = -0.5f;
+
+// How much a neighbour counts when the normal of a point is fitted, 0 to 1, from the cosine between the two as they
+// were: wholly along a bent sheet, a little across a right angle, by which a normal may turn at a fresh edge, and not at
+// all from the far sheet of a plate.
+PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f + cosine)); }
+
 // While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A point is through where
 // one that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where nearly
 // all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it stands
 // more than kSkin outside their tangent planes. At rest is what stands no further than kAtRest from where it stood.
-const float kSkin = 0.1f, kBeside = 1.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
+const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
 
 // Whether a point has come through, `offset` from one that faces the other way, whose unit normal is `normal`.
 PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing) {
