@@ -48,6 +48,7 @@ void SteppedClock::waitUntil_ns(std::int64_t time_ns) noexcept {
 void SteppedClock::hold() noexcept {
   const std::scoped_lock lock(guard_);
   held_ = ticks_ = true;
+  now_ns_ = std::max(now_ns_, limit_ns_);  // what passed while nobody ticked is not made up for
 }
 
 void SteppedClock::leave() noexcept {
