@@ -73,6 +73,7 @@ void addTouch(CLI::App& app, Context& context, Command& command);
 void addReplay(CLI::App& app, Context& context, Command& command);
 void addRender(CLI::App& app, Context& context, Command& command);
 void addView(CLI::App& app, Context& context, Command& command);
+void addConvert(CLI::App& app, Context& context, Command& command);
 void addMesh(CLI::App& app, Context& context, Command& command);
 void addBench(CLI::App& app, Context& context, Command& command);
 void addDoctor(CLI::App& app, Context& context, Command& command);

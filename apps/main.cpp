@@ -24,6 +24,7 @@ int run(int argc, char** argv) {
   addRender(app, context, command);
   addView(app, context, command);
   addMesh(app, context, command);
+  addConvert(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);
   for (CLI::App* sub : app.get_subcommands({}))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "engine/cloud/gist.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -53,7 +54,14 @@ Model loadModel(Context& context, const ModelOptions& options, EstimateOn where)
   Log& log = context.log();
   model.cloud = readPly(options.file, &log, {.normalsFromFaces = options.normals == "face"});
   PointCloud& cloud = model.cloud;
+  // Before normals are estimated, so that all who read the file find the same.
+  model.upright = findUp(cloud);
+  model.shown = coreBoundsOf(cloud);
+  const bool estimates = !cloud.hasNormals() || options.normals == "estimate";
   seeToNormals(context, options, where, cloud);
+  // One or two points lie in no plane: their discs face whoever looks at them.
+  constexpr std::size_t kNoPlane = 2;
+  if (estimates && cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
   model.scale =
       options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
   const SpacingRange spacing = spacingRange(cloud, context.threads());

@@ -21,6 +21,7 @@ void drawMesh(Context& context, const Model& model, const RenderOptions& options
 
 void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
+  imageFormatOf(options.output);
   context.checkWritable(options.output);
   const Model model = loadModel(context, options.model, EstimateOn::gpu);
   if (options.mode == "mesh") {
@@ -41,7 +42,7 @@ void addRender(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand("render", "a picture of a model, headless");
   auto options = std::make_shared<RenderOptions>();
   addModelOptions(*sub, options->model);
-  sub->add_option("-o,--output", options->output, "PNG file to write")->required()->type_name("IMG.png");
+  sub->add_option("-o,--output", options->output, "picture to write: .png or .jpg")->required()->type_name("IMG.png");
   sub->add_option("--mode", options->mode,
                   "splat: every point a disc; points: each a sample and no more; mesh: the "
                   "triangles of `palpate mesh`")

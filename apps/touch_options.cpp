@@ -53,7 +53,8 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->check(positive())
       ->capture_default_str();
   sub.add_option("--save", options.saveFile,
-                 "write the edited points, with all their other properties (faces and other elements are not kept)")
+                 "write the edited points, with all their other properties; faces and other elements are left out, and a file "
+                 "of that name which has some, or is not palpate's, stays as OUT.ply.bak")
       ->type_name("OUT.ply");
   sub.add_option("--undo", options.undo,
                  "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
@@ -139,13 +140,15 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
                   "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
                   "blanks and without names in any other file")
       ->type_name("FILE");
-  command.add_option("--picture", options.pictureFile, "the model at the end, with HIP, proxy disc and force arrow")
+  command
+      .add_option("--picture", options.pictureFile,
+                  "the model at the end, with HIP, proxy disc and force arrow: .png or .jpg")
       ->type_name("IMG.png");
   addPictureOptions(command, options.picture);
   command
       .add_option("--log", options.logFile,
                   "record the session: device poses, forces and edits, for palpate replay; what is there survives "
-                  "a crash")
+                  "a crash, and on a full disk the session goes on")
       ->type_name("SESSION");
   command.add_flag("--print-tick", options.backend.timePasses,
                    "list the passes of a tick with threads, bytes and GPU us");
@@ -157,6 +160,7 @@ void checkTouchOptions(const TouchCommandOptions& options) {
   if (options.edit != "none" && options.edit != "push" && options.backend.backend == "cuda")
     throw UsageError("--edit: --backend cuda has only push; take vulkan or cpu for {}", options.edit);
   checkPictureOptions(options.picture);
+  imageFormatOf(options.pictureFile);
   checkStylusOptions(options.stylus, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {

@@ -7,6 +7,7 @@
 
 #include "apps/view/window.hpp"
 #include "engine/core/error.hpp"
+#include "engine/render/image.hpp"
 
 namespace palpate {
 
@@ -109,6 +110,16 @@ WindowEvent pushEvent(Line& line) {
   return event;
 }
 
+ScreenshotAction screenshotOf(Line& line) {
+  ScreenshotAction action{line.rest("the file")};
+  try {
+    imageFormatOf(action.file);
+  } catch (const UsageError& error) {
+    line.fail(error.what());
+  }
+  return action;
+}
+
 ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "mouse") {
     const double x = line.number("x");
@@ -123,7 +134,7 @@ ScriptAction actionOf(Line& line, const std::string& what) {
     return ResizeAction{{width, line.size("the height")}};
   }
   if (what == "minimise" || what == "restore") return MinimiseAction{what == "minimise"};
-  if (what == "screenshot") return ScreenshotAction{line.rest("the file")};
+  if (what == "screenshot") return screenshotOf(line);
   if (what == "state") return StateAction{line.rest("the file")};
   if (what == "save") return SaveAction{line.rest("the file")};
   if (what == "record") return RecordAction{line.atEnd() ? "" : line.rest("the file")};

@@ -61,13 +61,31 @@ bool ChunkedFile::skip(std::uint64_t bytes) {
   return true;
 }
 
+char ChunkedFile::lineEndOfFirstLine(std::size_t longest) {
+  for (std::size_t searched = 0;;) {
+    const auto unread = peek(searched + 1);
+    const std::string_view text(reinterpret_cast<const char*>(unread.data()), unread.size());
+    const std::size_t end = text.find_first_of("\r\n", searched);
+    if (end != text.npos) {
+      const auto further = peek(end + 2);
+      return further[end] == std::byte{'\r'} && further.size() > end + 1 && further[end + 1] != std::byte{'\n'} ? '\r'
+                                                                                                                : '\n';
+    }
+    if (text.size() == searched || text.size() > longest) return '\n';
+    searched = text.size();
+  }
+}
+
 std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
+  if (lineEnd_ == 0) lineEnd_ = lineEndOfFirstLine(longest);
+  // A line of such a file that ends with CR LF after all leaves its LF to the next one.
+  if (linesEndWithCr() && !peek(1).empty() && peek(1)[0] == std::byte{'\n'}) consume(1);
   std::size_t searched = 0;
   for (;;) {
     const auto unread = peek(searched + 1);
     if (unread.empty()) return std::nullopt;
     const auto* text = reinterpret_cast<const char*>(unread.data());
-    const void* newline = std::memchr(text + searched, '\n', unread.size() - searched);
+    const void* newline = std::memchr(text + searched, lineEnd_, unread.size() - searched);
     const bool lastLine = !newline && unread.size() == searched;
     std::size_t length = newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text) : unread.size();
     if (length > longest) {

@@ -42,12 +42,15 @@ class ChunkedFile {
   /// Passes over `bytes`; false when the file ends before.
   bool skip(std::uint64_t bytes);
 
-  /// The next line without its LF or CRLF; nothing at the end of the file. Valid until the next call. A line longer
-  /// than `longest` bytes is an error.
+  /// The next line without its end; nothing at the end of the file. Valid until the next call. The first line says how
+  /// all of them end: with LF, CR LF or CR. A line longer than `longest` bytes is an error.
   std::optional<std::string_view> readLine(std::size_t longest);
+  /// Whether the first line ended with a CR alone.
+  bool linesEndWithCr() const { return lineEnd_ == '\r'; }
 
  private:
   void fill(std::size_t wanted);
+  char lineEndOfFirstLine(std::size_t longest);
 
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
@@ -58,6 +61,7 @@ class ChunkedFile {
   bool atEnd_ = false;
   std::uint64_t offset_ = 0;
   std::uint64_t line_ = 0;
+  char lineEnd_ = 0;  // last byte of a line's end; 0: not known yet
 };
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 #include "engine/core/error.hpp"
 
@@ -132,9 +133,27 @@ void checkMagic(ChunkedFile& file) {
     throw FileError::atLine(file.path(), 1,
                             fmt::format("not a PLY file: it begins with {}, expected 'ply'", inQuotes(firstLine)));
   }
-  if (text.size() > 4 && text[3] == '\r' && text[4] != '\n') {
-    throw FileError::atLine(file.path(), 1, "lines end with CR alone; convert them to LF");
+}
+
+// Of a binary body; nothing where lists make it depend on the rows.
+std::optional<std::uint64_t> bodyBytes(const PlyInfo& info) {
+  std::uint64_t bytes = 0;
+  for (const PlyElement& element : info.elements) {
+    const std::uint64_t rowBytes = element.scalarBytes();
+    if (element.hasLists() || (rowBytes > 0 && element.count > (UINT64_MAX - bytes) / rowBytes)) return std::nullopt;
+    bytes += element.count * rowBytes;
   }
+  return bytes;
+}
+
+// Where lines end with CR, an LF behind the last one is the body's first byte. But where the file has one byte more
+// than the body takes, that line ended with CR LF after all.
+void passLineFeed(ChunkedFile& file, const PlyInfo& info) {
+  if (info.format == PlyFormat::ascii || !file.linesEndWithCr()) return;
+  const auto next = file.peek(1);
+  if (next.empty() || next[0] != std::byte{'\n'}) return;
+  const auto body = bodyBytes(info), left = file.remaining();
+  if (body && left && *left == *body + 1) file.consume(1);
 }
 
 }  // namespace
@@ -177,7 +196,11 @@ PlyInfo readPlyHeader(ChunkedFile& file) {
   HeaderParser parser(file);
   file.readLine(kLongestHeaderLine);  // ply
   while (const auto line = file.readLine(kLongestHeaderLine)) {
-    if (!parser.take(*line)) return parser.finish();
+    if (!parser.take(*line)) {
+      PlyInfo info = parser.finish();
+      passLineFeed(file, info);
+      return info;
+    }
     if (file.offset() > kLongestHeader) {
       throw FileError::atLine(file.path(), file.line(),
                               fmt::format("no 'end_header' in the first {} bytes", kLongestHeader));

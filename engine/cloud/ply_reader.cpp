@@ -41,6 +41,7 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
   ChunkedFile file(path);
   if (log) file.onProgress([&](double share) { log->progress(path.filename().string(), share); });
   const PlyInfo info = readPlyHeader(file);
+  if (options.info) *options.info = info;
   const PlyElement* vertex = info.find("vertex");
   if (!vertex) {
     throw FileError::atLine(path, file.line(),
@@ -63,7 +64,7 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
                : passBinaryElement(file, element, swapBytes, wanted);
   }
   if (log) {
-    remarkOnLostElements(info, path, log);
+    if (!options.info) remarkOnLostElements(info, path, log);
     remarkOnRest(file, log);
   }
 

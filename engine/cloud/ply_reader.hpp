@@ -12,6 +12,7 @@ namespace palpate {
 struct PlyReadOptions {
   bool normalsFromFaces = false;  ///< area-weighted from the face element, in place of any that the file gives
   std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;  ///< where to put those of the faces, if anywhere
+  PlyInfo* info = nullptr;  ///< where to put the header, if anywhere; who takes it says itself which elements are lost
 };
 
 /// Reads the vertex element. The whole file is walked, so a truncated one is refused wherever it ends; bytes after the

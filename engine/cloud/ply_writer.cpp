@@ -48,9 +48,12 @@ class Output {
     text_.append(line);
     text_.push_back('\n');
   }
-  void finish() {
+  void finish(std::filesystem::path* keptAs) {
     flush();
-    file_.commit();
+    if (keptAs)
+      *keptAs = file_.commitAndKeep();
+    else
+      file_.commit();
   }
 
  private:
@@ -74,20 +77,22 @@ struct Layout {
   std::vector<const Attribute*> extra;
 };
 
+std::size_t channelsOf(const PointCloud& cloud) { return cloud.storedAs.alpha ? 4 : 3; }
+
+// A lone nx of the input became an attribute; it gives way once the cloud has real normals.
+bool givesWay(const PointCloud& cloud, const std::string& name) {
+  const bool isNormal = name == "nx" || name == "ny" || name == "nz";
+  const auto* end = kColorNames.begin() + channelsOf(cloud);
+  return (cloud.hasNormals() && isNormal) || (cloud.hasColors() && std::find(kColorNames.begin(), end, name) != end);
+}
+
 Layout layoutOf(const PointCloud& cloud, bool doubles) {
   const StoredAs& stored = cloud.storedAs;
   const bool wide =
       doubles || stored.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
-  Layout layout{wide ? ScalarType::f64 : ScalarType::f32, stored.normal, stored.color, stored.alpha ? 4u : 3u, {}};
-  // A lone nx of the input became an attribute; it gives way once the cloud has real normals.
-  const auto taken = [&](const std::string& name) {
-    const bool isNormal = name == "nx" || name == "ny" || name == "nz";
-    const auto* color = std::find(kColorNames.begin(), kColorNames.begin() + layout.colorChannels, name);
-    return (cloud.hasNormals() && isNormal) ||
-           (cloud.hasColors() && color != kColorNames.begin() + layout.colorChannels);
-  };
+  Layout layout{wide ? ScalarType::f64 : ScalarType::f32, stored.normal, stored.color, channelsOf(cloud), {}};
   for (const Attribute& attribute : cloud.extra)
-    if (!taken(attribute.name)) layout.extra.push_back(&attribute);
+    if (!givesWay(cloud, attribute.name)) layout.extra.push_back(&attribute);
   return layout;
 }
 
@@ -139,6 +144,13 @@ void checkSizes(const PointCloud& cloud) {
 
 }  // namespace
 
+std::vector<std::string> namesGivingWay(const PointCloud& cloud) {
+  std::vector<std::string> names;
+  for (const Attribute& attribute : cloud.extra)
+    if (givesWay(cloud, attribute.name)) names.push_back(attribute.name);
+  return names;
+}
+
 void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWriteOptions options) {
   checkSizes(cloud);
   const Layout layout = layoutOf(cloud, options.doubles);
@@ -159,7 +171,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWri
     out.endRow();
   }
   if (options.triangles) writeTriangles(out, *options.triangles);
-  out.finish();
+  out.finish(options.keptAs);
 }
 
 }  // namespace palpate

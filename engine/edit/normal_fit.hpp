@@ -13,9 +13,10 @@ class NormalFit {
   /// `radius`: support radius, model units.
   explicit NormalFit(double radius) : inverseRadius_(1.0 / radius) {}
 
-  /// `offset`: from the place to a neighbour within the support radius, the place itself among them.
-  void add(const DVec3& offset) {
-    const double w = wendland(glm::length(offset) * inverseRadius_);
+  /// `offset`: from the place to a neighbour within the support radius, the place itself among them. `share`: how much
+  /// it counts, 0 to 1.
+  void add(const DVec3& offset, double share = 1) {
+    const double w = share * wendland(glm::length(offset) * inverseRadius_);
     weights_ += w;
     sum_ += w * offset;
     squares_.addSquare(std::sqrt(w) * offset);

@@ -1,6 +1,10 @@
 #include "engine/render/image.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cctype>
+#include <string>
+#include <string_view>
 
 #include "engine/core/atomic_file.hpp"
 #include "engine/core/check.hpp"
@@ -16,17 +20,42 @@
 
 namespace palpate {
 
-void writePng(const std::filesystem::path& path, const Image& image) {
+namespace {
+
+constexpr int kJpegQuality = 92;  // of 100; above 90 colours keep their full resolution
+
+struct Ending {
+  std::string_view text;
+  ImageFormat format;
+};
+constexpr std::array<Ending, 4> kEndings{
+    {{"", ImageFormat::png}, {".png", ImageFormat::png}, {".jpg", ImageFormat::jpeg}, {".jpeg", ImageFormat::jpeg}}};
+
+void append(void* to, void* data, int size) {
+  auto& encoded = *static_cast<std::vector<std::byte>*>(to);
+  const auto* bytes = static_cast<const std::byte*>(data);
+  encoded.insert(encoded.end(), bytes, bytes + size);
+}
+
+}  // namespace
+
+ImageFormat imageFormatOf(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto* known = std::ranges::find(kEndings, ending, &Ending::text);
+  if (known == kEndings.end())
+    throw UsageError("{}: pictures are written as .png, .jpg or .jpeg, not as {}; name it so", path.string(), ending);
+  return known->format;
+}
+
+void writeImage(const std::filesystem::path& path, const Image& image) {
   PALPATE_CHECK_EQ(image.rgba.size(), std::size_t{image.width} * image.height);
   std::vector<std::byte> encoded;
-  const auto append = [](void* to, void* data, int size) {
-    const auto* bytes = static_cast<const std::byte*>(data);
-    static_cast<std::vector<std::byte>*>(to)->insert(static_cast<std::vector<std::byte>*>(to)->end(), bytes,
-                                                     bytes + size);
-  };
   const int width = static_cast<int>(image.width), height = static_cast<int>(image.height);
-  if (!stbi_write_png_to_func(append, &encoded, width, height, 4, image.rgba.data(), width * 4))
-    throw FileError(path, fmt::format("a picture of {} x {} pixels cannot be written as PNG", width, height));
+  const int written = imageFormatOf(path) == ImageFormat::png
+                          ? stbi_write_png_to_func(append, &encoded, width, height, 4, image.rgba.data(), width * 4)
+                          : stbi_write_jpg_to_func(append, &encoded, width, height, 4, image.rgba.data(), kJpegQuality);
+  if (!written) throw FileError(path, fmt::format("a picture of {} x {} pixels cannot be written", width, height));
   AtomicFile file(path);
   file.write(encoded);
   file.commit();

@@ -27,8 +27,14 @@ struct DepthImage {
   float at(std::uint32_t x, std::uint32_t y) const { return depth[std::size_t{y} * width + x]; }
 };
 
-/// The same picture gives the same bytes. Throws FileError.
-void writePng(const std::filesystem::path& path, const Image& image);
+enum class ImageFormat : std::uint8_t { png, jpeg };
+/// By the ending of the name, in any case; a name without one is a PNG. Throws UsageError, naming the endings that
+/// there are, for another one.
+ImageFormat imageFormatOf(const std::filesystem::path& path);
+
+/// Writes what the name says. The same picture gives the same bytes. A PNG holds every pixel, a JPEG no alpha and what
+/// the eye sees. Throws FileError, and UsageError as imageFormatOf() does.
+void writeImage(const std::filesystem::path& path, const Image& image);
 /// Portable float map, one channel, little-endian. Throws FileError.
 void writePfm(const std::filesystem::path& path, const DepthImage& image);
 

@@ -262,6 +262,8 @@ TEST_CASE("render writes a picture and a depth file; every pass, colour and came
     CHECK(contentOf(image).starts_with("\x89PNG"));
     std::filesystem::remove(image);
   }
+  works("render " + model + " -o " + (folder / "i.jpg").string() + " --size 160x100");
+  CHECK(contentOf(folder / "i.jpg").starts_with("\xff\xd8\xff"));
   CHECK(contentOf(folder / "d.pfm").starts_with("Pf"));
 }
 
@@ -291,6 +293,8 @@ TEST_CASE("wrong usage is exit code 2 with a reason; what could not be done is 1
   fails("touch " + model + " --device joystick", 2, "joystick");
   fails("touch " + model + " --rumble", 2, "--rumble: a gamepad rumbles in real time");
   fails("touch " + model + " --save x.ply", 2, "--edit");
+  fails("render " + model + " -o " + (folder / "o.tif").string(), 2, ".png, .jpg or .jpeg");
+  fails("touch " + model + " --picture " + (folder / "o.bmp").string(), 2, ".png, .jpg or .jpeg");
   fails("render " + model + " -o " + out + " --size 10", 2, "--size");
   fails("render " + model + " -o " + out + " --camera 'eye=1,2'", 2, "eye");
   fails("render " + model + " -o " + out + " --pass none", 2, "none");

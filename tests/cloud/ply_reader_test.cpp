@@ -88,6 +88,48 @@ TEST_CASE("line ends may be LF and CRLF in one header, also before a binary body
   }
 }
 
+TEST_CASE("lines may end with CR alone, in every encoding, and errors name them as they name others") {
+  const std::string header = "element vertex 2\rproperty float x\rproperty float y\r\rproperty float z\rend_header\r";
+  for (const PlyFormat format : kAllFormats) {
+    BodyWriter body(format);
+    for (const double value : {1, 2, 3, 4, 5, 6}) body.put(ScalarType::f32, value);
+    std::string text = body.text();
+    if (format == PlyFormat::ascii) text = "1 2 3\r\r4 5 6";  // the last line has no end
+    const TemporaryFile file(fmt::format("ply\rcomment one\rformat {} 1.0\r", plyName(format)) + header + text);
+    const PointCloud cloud = readPly(file.path());
+    CHECK(cloud.positions == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
+    CHECK(cloud.storedAs.comments == std::vector<std::string>{"comment one"});
+  }
+  const std::string ascii = "ply\rformat ascii 1.0\r";
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(ascii + header + "1 2 3\r4 x 6\r").path()); }), ":10: found 'x'"));
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(ascii + "element vertex -1\r").path()); }), ":3: the count"));
+}
+
+TEST_CASE("an LF behind a header of CR lines is data, unless the file is a byte too long for that") {
+  const std::string header =
+      "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar y\r"
+      "property uchar z\rend_header\r";
+  CHECK(readPly(TemporaryFile(header + "\n\x02\x03").path()).positions.at(0) == Vec3(10, 2, 3));
+  CHECK(readPly(TemporaryFile(header + "\n\x01\x02\x03").path()).positions.at(0) == Vec3(1, 2, 3));
+  // More than a byte too long: what follows is not ours, and the style of the header stands.
+  CHECK(readPly(TemporaryFile(header + "\n\x02\x03junk").path()).positions.at(0) == Vec3(10, 2, 3));
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(header + "\n\x02").path()); }), "truncated"));
+}
+
+TEST_CASE("a CR that is the last byte in memory waits for what follows before it counts as a line's end") {
+  for (const std::size_t length : {(std::size_t{1} << 20) - 2, (std::size_t{1} << 20) - 1, std::size_t{1} << 20}) {
+    const std::string line(length, 'a');
+    for (const std::string_view end : {"\r\n", "\r", "\n"}) {
+      const TemporaryFile written(fmt::format("{}{}next{}", line, end, end));
+      ChunkedFile file(written.path());
+      CHECK(file.readLine(std::size_t{1} << 21) == line);
+      CHECK(file.readLine(100) == "next");
+      CHECK_FALSE(file.readLine(100));
+      CHECK(file.linesEndWithCr() == (end == "\r"));
+    }
+  }
+}
+
 TEST_CASE("float colours become bytes and alpha is kept") {
   const TemporaryFile file(
       magic(PlyFormat::ascii) +

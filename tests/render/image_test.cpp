@@ -13,6 +13,7 @@
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #include <stb/stb_image.h>
@@ -41,8 +42,8 @@ TEST_CASE("a PNG holds the picture, pixel by pixel, in the same bytes every time
   const ScratchFolder folder;
   for (const auto& [width, height] : {std::pair{1u, 1u}, {33u, 17u}, {200u, 150u}}) {
     const Image image = testImage(width, height);
-    writePng(folder / "a.png", image);
-    writePng(folder / "b.png", image);
+    writeImage(folder / "a.png", image);
+    writeImage(folder / "b.png", image);
     CHECK(bytesOf(folder / "a.png") == bytesOf(folder / "b.png"));
     int w = 0, h = 0, channels = 0;
     unsigned char* pixels = stbi_load((folder / "a.png").c_str(), &w, &h, &channels, 4);
@@ -52,6 +53,39 @@ TEST_CASE("a PNG holds the picture, pixel by pixel, in the same bytes every time
     CHECK(std::memcmp(pixels, image.rgba.data(), image.rgba.size() * 4) == 0);
     stbi_image_free(pixels);
   }
+}
+
+TEST_CASE("a name that ends in .jpg or .jpeg gets a JPEG of the same picture") {
+  const ScratchFolder folder;
+  Image image{200, 150, {}};
+  for (int y = 0; y < 150; ++y)
+    for (int x = 0; x < 200; ++x)
+      image.rgba.push_back({static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(y), 128, 255});
+  for (const char* name : {"a.jpg", "b.jpeg", "c.JPG"}) {
+    writeImage(folder / name, image);
+    CHECK(bytesOf(folder / name).starts_with("\xff\xd8\xff"));
+    int w = 0, h = 0, channels = 0;
+    unsigned char* pixels = stbi_load((folder / name).c_str(), &w, &h, &channels, 4);
+    REQUIRE(pixels);
+    CHECK(w == 200);
+    CHECK(h == 150);
+    int furthest = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) furthest = std::max(furthest, std::abs(pixels[4 * i + k] - image.rgba[i][k]));
+    CHECK(furthest < 8);
+    stbi_image_free(pixels);
+  }
+}
+
+TEST_CASE("a name that promises another kind of picture is refused with those that there are") {
+  const ScratchFolder folder;
+  for (const char* name : {"a.tif", "b.png.bak", "c.pngx"}) {
+    CHECK_THROWS_WITH_AS(writeImage(folder / name, testImage(2, 2)), doctest::Contains(".jpg"), UsageError);
+    CHECK_FALSE(std::filesystem::exists(folder / name));
+  }
+  writeImage(folder / "bare", testImage(2, 2));
+  writeImage(folder / "LOUD.PNG", testImage(2, 2));
+  for (const char* name : {"bare", "LOUD.PNG"}) CHECK(bytesOf(folder / name).starts_with("\x89PNG"));
 }
 
 TEST_CASE("a PFM holds the depths bit by bit, bottom row first") {
@@ -69,7 +103,8 @@ TEST_CASE("a PFM holds the depths bit by bit, bottom row first") {
 
 TEST_CASE("a picture that cannot be written says where") {
   const ScratchFolder folder;
-  CHECK_THROWS_WITH_AS(writePng(folder / "no" / "such.png", testImage(2, 2)), doctest::Contains("such.png"), FileError);
+  CHECK_THROWS_WITH_AS(writeImage(folder / "no" / "such.png", testImage(2, 2)), doctest::Contains("such.png"),
+                       FileError);
   CHECK_THROWS_AS(writePfm(folder / "no" / "such.pfm", DepthImage{1, 1, {0}}), FileError);
 }
 

@@ -1,0 +1,340 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "apps/bench.hpp"
+#include "apps/edit_locality.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/uneven_clouds.hpp"
+#include "engine/edit/journal.hpp"
+#include "haptics/surface_walk.hpp"
+#include "haptics/touch_target.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRate_Hz = 1000;
+constexpr double kAbove_mm = 3, kDown_mm_per_s = 25, kAlong_mm_per_s = 50;
+constexpr double kSlide_mm = 20, kStep_mm = 0.5;
+constexpr int kDirections = 8;
+constexpr std::size_t kCoarse = 32'768, kFine = 524'288;  // points looked at, to choose a place and to walk from it
+constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
+constexpr std::size_t kLookTicks = 100;
+constexpr double kLookDeeper_mm = 1;  // than the stroke, so that the tool acts in what that has left
+constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
+constexpr std::int64_t kUsualPoints = 15'000;
+
+struct LocalityBenchOptions : BenchOptions {
+  std::vector<std::string> clouds, brushes, gestures{"press", "slide"};
+  double hold_s = 2, toolRadius_mm = 3, depth_mm = 3;
+};
+
+struct LocalitySubject {
+  std::string name;
+  Model model;
+  std::vector<SurfaceSpot> way;  // of a slide, from the place of the press on; relative to the cloud's origin
+};
+
+std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot& start, const DVec3& towards,
+                                 const ModelScale& scale) {
+  std::vector<SurfaceSpot> way{start};
+  const auto spots =
+      walk(surface, start, towards, scale.toUnits(kStep_mm), static_cast<std::size_t>(kSlide_mm / kStep_mm));
+  way.insert(way.end(), spots.begin(), spots.end());
+  return way;
+}
+
+// Of a few directions the one along which the surface goes on and turns least.
+std::vector<SurfaceSpot> wayOn(const Model& model) {
+  const ThinnedCloud surface(model.cloud, kFine);
+  const TouchTarget target = chooseTarget(ThinnedCloud(model.cloud, kCoarse), boundsOf(model.cloud));
+  const SurfaceSpot start = settle(surface, target.position, target.normal);
+  const Frame3 frame = frameAround(start.normal);
+  std::vector<SurfaceSpot> best;
+  double most = -1e9;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kDirections;
+    auto way = wayFrom(surface, start, std::cos(angle) * frame.u + std::sin(angle) * frame.v, model.scale);
+    double score = 0;
+    for (const SurfaceSpot& spot : way) score += spot.supported ? glm::dot(spot.normal, start.normal) : -4;
+    if (score <= most) continue;
+    most = score;
+    best = std::move(way);
+  }
+  return best;
+}
+
+LocalitySubject fileSubject(Context& context, const std::string& file, EstimateOn where) {
+  LocalitySubject subject{.name = std::filesystem::path(file).stem().string(),
+                          .model = loadModel(context, {.file = file}, where),
+                          .way = {}};
+  subject.way = wayOn(subject.model);
+  return subject;
+}
+
+LocalitySubject unevenSubject(Context& context, const std::string& name, std::size_t count) {
+  UnevenCloud uneven = makeUnevenCloud(name, count);
+  LocalitySubject subject{.name = name, .model = {.cloud = std::move(uneven.cloud), .scale = {1}}, .way = {}};
+  const SpacingRange spacing = spacingRange(subject.model.cloud, context.threads());
+  subject.model.spacing = spacing.mean;
+  subject.model.wideSpacing = spacing.wide;
+  subject.model.noise = spacing.noise;
+  subject.way = wayFrom(ThinnedCloud(subject.model.cloud, kFine), {.position = uneven.place, .normal = uneven.normal},
+                        uneven.towards, subject.model.scale);
+  return subject;
+}
+
+// Where the HIP is in each tick; relative to the cloud's origin.
+class HipWay {
+ public:
+  explicit HipWay(const DVec3& start) : hips_{start} {}
+
+  void moveTo(const DVec3& end, double speed) {  // units per second
+    const DVec3 start = hips_.back();
+    const auto ticks = static_cast<int>(std::ceil(glm::distance(start, end) / speed * kRate_Hz));
+    for (int k = 1; k <= ticks; ++k) hips_.push_back(start + (static_cast<double>(k) / ticks) * (end - start));
+  }
+  void rest(std::size_t ticks) { hips_.insert(hips_.end(), ticks, hips_.back()); }
+  const std::vector<DVec3>& hips() const { return hips_; }
+
+ private:
+  std::vector<DVec3> hips_;
+};
+
+std::vector<DVec3> pressHips(const LocalitySubject& subject, double depth_mm, std::size_t restTicks) {
+  const ModelScale& scale = subject.model.scale;
+  const SurfaceSpot& spot = subject.way.front();
+  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
+  way.moveTo(spot.position - scale.toUnits(depth_mm) * spot.normal, scale.toUnits(kDown_mm_per_s));
+  way.rest(restTicks);
+  return way.hips();
+}
+
+std::vector<DVec3> slideHips(const LocalitySubject& subject, double depth_mm) {
+  const ModelScale& scale = subject.model.scale;
+  const SurfaceSpot& spot = subject.way.front();
+  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
+  for (const SurfaceSpot& next : subject.way)
+    way.moveTo(next.position - scale.toUnits(depth_mm) * next.normal,
+               scale.toUnits(&next == &subject.way.front() ? kDown_mm_per_s : kAlong_mm_per_s));
+  return way.hips();
+}
+
+// The brush of a stroke, or, `idle`, the same without any effect.
+BrushOptions brushFor(BrushKind kind, const LocalityBenchOptions& options, const ModelScale& scale, bool idle) {
+  return {.kind = kind,
+          .tau = scale.toUnits(kTau_mm),
+          .beta = idle ? 0 : kBeta,
+          .toolRadius = scale.toUnits(options.toolRadius_mm),
+          .strength = idle ? 0 : kStrength};
+}
+
+// Moves a tool over a back end in virtual time, and follows what becomes of the points.
+class Play {
+ public:
+  Play(TouchBackend& backend, const PointCloud& cloud) : backend_(backend), origin_(cloud.origin), journal_(cloud) {
+    backend.keepEdits();
+  }
+
+  std::span<const PointState> points() const { return journal_.points(); }
+  /// Of the tool's ball, tick by tick, since the last call of begin().
+  const std::vector<DVec3>& centers() const { return centers_; }
+
+  void begin(const BrushOptions& brush) {
+    backend_.setBrush(brush);
+    brush_ = brush;
+    centers_.clear();
+  }
+  void follow(const std::vector<DVec3>& hips) {
+    for (const DVec3& hip : hips) tick(hip);
+    finish();
+  }
+  /// Lifts the hand to `hip` and waits until nothing changes any more: how many ticks that took, and whether it came.
+  std::pair<std::size_t, bool> settle(const DVec3& hip) {
+    std::size_t last = 0;
+    for (std::size_t ticks = 0; ticks < kMostSettling; ticks += kDrain) {
+      if (ticks - last >= kQuiet) return {last, true};
+      std::size_t states = 0;
+      for (std::size_t k = 0; k < kDrain; ++k) states += tick(hip);
+      states += finish();
+      if (states > 0) last = ticks + kDrain;
+    }
+    return {last, false};
+  }
+
+ private:
+  std::size_t tick(const DVec3& hip) {
+    const Contact contact =
+        backend_.query({.time_s = static_cast<double>(ticks_++) / kRate_Hz, .hip = origin_ + hip}, 0);
+    if (!contact.valid) backend_.finish();  // throws what was wrong
+    backend_.prepare();
+    const DVec3 spring = contact.proxy - origin_ - hip;
+    const double depth = glm::length(spring);
+    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the proxy.
+    const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
+    if (contact.touching && depth > brush_.tau)
+      centers_.push_back(hip + (tip ? (brush_.tau + brush_.toolRadius) / depth * spring : spring));
+    return ticks_ % kDrain == 0 ? drain() : 0;
+  }
+  std::size_t finish() {
+    backend_.finish();
+    return drain();
+  }
+  std::size_t drain() {
+    batch_.clear();
+    backend_.takeEdits(batch_);
+    journal_.follow(batch_);
+    return batch_.points.size();
+  }
+
+  TouchBackend& backend_;
+  DVec3 origin_;
+  Journal journal_;
+  EditBatch batch_;
+  BrushOptions brush_;
+  std::vector<DVec3> centers_;
+  std::uint64_t ticks_ = 0;
+};
+
+LookRecord look(Play& play, const LocalitySubject& subject, const BrushOptions& idle, double depth_mm) {
+  const std::vector<PointState> before(play.points().begin(), play.points().end());
+  play.begin(idle);
+  play.follow(pressHips(subject, depth_mm, kLookTicks));
+  play.settle(subject.way.front().position + subject.model.scale.toUnits(2 * kAbove_mm) * subject.way.front().normal);
+  const auto after = play.points();
+  LookRecord record{.ticks = play.centers().size()};
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const bool wasThere = i < before.size() && !before[i].gone();
+    record.inserted += !wasThere && !after[i].gone();
+    record.removed += wasThere && after[i].gone();
+    record.moved += wasThere && !after[i].gone() && after[i].position != before[i].position;
+  }
+  return record;
+}
+
+StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJudge& judge, const StrokeRecord& what,
+                        const LocalityBenchOptions& options) {
+  const Model& model = subject.model;
+  const BrushKind kind = std::ranges::find(kBrushKinds, what.brush, [](const auto& b) { return b.first; })->second;
+  const BrushOptions brush = brushFor(kind, options, model.scale, false),
+                     idle = brushFor(kind, options, model.scale, true);
+  BackendOptions way = options.backend;
+  way.backend = what.backend;
+  const auto backend = makeBackend(context, model, way, brush);
+  const SurfaceOptions surface = surfaceOptions(model, way);
+  const double support = surface.radius / surface.widening;  // edits are narrow
+
+  StrokeRecord record = what;
+  record.points = model.cloud.size();
+  record.spacing_mm = model.scale.toMm(model.spacing);
+  record.radius_mm = model.scale.toMm(support);
+  record.toolRadius_mm = options.toolRadius_mm;
+  record.carves = kind == BrushKind::carve;
+  Play play(*backend, model.cloud);
+  record.before = look(play, subject, idle, options.depth_mm);
+
+  const auto hips = what.gesture == "press"
+                        ? pressHips(subject, options.depth_mm, static_cast<std::size_t>(options.hold_s * kRate_Hz))
+                        : slideHips(subject, options.depth_mm);
+  play.begin(brush);
+  play.follow(hips);
+  record.ticks = hips.size();
+  record.acting = play.centers().size();
+  const SurfaceSpot& end = what.gesture == "press" ? subject.way.front() : subject.way.back();
+  std::tie(record.settling, record.settled) =
+      play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
+  record.verdict = judge.judge(
+      play.points(),
+      {.centers = play.centers(), .toolRadius = brush.toolRadius, .support = support, .carves = record.carves});
+  record.after = look(play, subject, idle, options.depth_mm + kLookDeeper_mm);
+  return record;
+}
+
+Json benchLocality(Context& context, const LocalityBenchOptions& options) {
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
+  std::vector<std::function<LocalitySubject()>> subjects;
+  for (const std::string& file : options.models)
+    subjects.emplace_back([&context, file, where] { return fileSubject(context, file, where); });
+  const std::vector<std::int64_t> sizes = options.sizes.empty() ? std::vector{kUsualPoints} : options.sizes;
+  for (const std::int64_t size : sizes)
+    for (const std::string& cloud : options.clouds)
+      if (cloud != "none")
+        subjects.emplace_back(
+            [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
+  if (subjects.empty()) throw UsageError("bench locality: --clouds none and no --models leave nothing to edit");
+  std::size_t broken = 0;
+  Json strokes = Json::array();
+  printStrokeHeading(context.tables());
+  for (const auto& makeOne : subjects) {
+    const LocalitySubject subject = makeOne();
+    EditJudge judge(subject.model.cloud);
+    for (const std::string& backend : options.backends)
+      for (const std::string& brush : options.brushes)
+        for (const std::string& gesture : options.gestures) {
+          context.log().say("locality: {}, {} points, {}, {}, {}", subject.name, subject.model.cloud.size(), backend,
+                            brush, gesture);
+          const StrokeRecord record =
+              playStroke(context, subject, judge,
+                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options);
+          broken += !record.broken().empty();
+          strokes.push_back(toJson(record));
+          printStroke(context.tables(), record);
+        }
+  }
+  return {{"strokes", std::move(strokes)}, {"broken", broken}};
+}
+
+void addOptions(CLI::App& bench, LocalityBenchOptions& options) {
+  bench.add_option("--models,--model", options.models, "PLY files")->type_name("FILE...");
+  bench.add_option("--sizes", options.sizes, "points of the built-in clouds (default: 15000)")
+      ->check(between(1, 2e9))
+      ->type_name("N...");
+  for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
+  std::vector<std::string> clouds = options.clouds;
+  clouds.emplace_back("none");
+  bench
+      .add_option("--clouds", options.clouds, "built-in uneven clouds of --sizes points, or none of them but --models")
+      ->check(CLI::IsMember(std::move(clouds)))
+      ->delimiter(',')
+      ->capture_default_str();
+  for (const auto& [name, kind] : kBrushKinds) options.brushes.emplace_back(name);
+  addListOption(bench, "--brushes", options.brushes, "which are tried");
+  addListOption(bench, "--gestures", options.gestures, "a press that is held, a slide of 20 mm");
+  bench.add_option("--hold", options.hold_s, "s that a press is held")->check(between(0, 60))->capture_default_str();
+  bench.add_option("--tool-radius", options.toolRadius_mm, "of the brush, mm")
+      ->check(positive())
+      ->capture_default_str();
+  bench.add_option("--depth", options.depth_mm, "of the HIP below the unmoved surface, mm")
+      ->check(positive())
+      ->capture_default_str();
+  addFrictionOption(bench, options);
+  options.backends = {"vulkan", "cpu"};
+  addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda tells nobody of its edits
+  addIndexOptions(bench, options.backend);
+}
+
+}  // namespace
+
+void addLocalityBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("locality", "judges what an edit changes that it may not");
+  const auto options = std::make_shared<LocalityBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(*sub, *options);
+  sub->footer(
+      "Each brush, a press that is held and a slide; then the hand is lifted until nothing changes. Points that moved "
+      "or went beyond the tool's radius from its way, new ones beyond that and a support radius, or nearer than 0.4 "
+      "spacings of their place to another, or, carving, outside the old surface; normals that look to the other side; "
+      "changes by a brush without effect, before and after. Exit code 1 when an edit changed what it may not.\n");
+  sub->callback([&, options] {
+    command = [&context, options] {
+      const Json found = measureAlone(context, *options, "locality", [&] { return benchLocality(context, *options); });
+      if (found["broken"] > 0)
+        throw Error("bench locality: {} of {} strokes changed what an edit may not; the table says what",
+                    found["broken"].get<std::size_t>(), found["strokes"].size());
+    };
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,87 @@
+#include <fmt/ranges.h>
+
+#include "apps/context.hpp"
+#include "engine/cloud/cloud_format.hpp"
+#include "engine/cloud/normals.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct ConvertOptions {
+  std::string input, output, normals = "keep";
+  bool ascii = false, force = false;
+};
+
+// What exists is not destroyed unasked; a device or a pipe can be written to.
+void checkTarget(const ConvertOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(options.output, ignored) || options.force) return;
+  const bool itself = std::filesystem::equivalent(options.input, options.output, ignored);
+  throw Error("{}: {}; name another file, or add --force to replace it", options.output,
+              itself ? "is the file that is read" : "exists");
+}
+
+// Attributes by the names that they have in a PLY file.
+std::vector<std::string> attributesOf(const StoredCloud& stored) {
+  const PointCloud& cloud = stored.cloud;
+  std::vector<std::string> names{"positions"};
+  if (cloud.hasNormals()) names.emplace_back("normals");
+  if (cloud.hasColors()) names.emplace_back("colours");
+  for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
+  if (!stored.triangles.empty()) names.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  return names;
+}
+
+void convert(Context& context, const ConvertOptions& options) {
+  const CloudFormat &from = formatToRead(options.input), &to = formatToWrite(options.output);
+  checkTarget(options);
+  context.checkWritable(options.output);
+  StoredCloud stored = from.read(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"});
+  if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
+  std::vector<std::string> lost = stored.lost;
+  for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  const std::vector<std::string> kept = attributesOf(stored);
+  // Before it is gone.
+  if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
+  to.write(options.output, stored, {.ascii = options.ascii});
+  context.log().say("{}: {} points with {}", options.output, stored.cloud.size(), fmt::join(kept, ", "));
+  context.writeJson({{"input", options.input},
+                     {"output", options.output},
+                     {"from", from.name},
+                     {"to", to.name},
+                     {"points", stored.cloud.size()},
+                     {"triangles", stored.triangles.size()},
+                     {"kept", kept},
+                     {"lost", lost}});
+}
+
+}  // namespace
+
+void addConvert(CLI::App& app, Context& context, Command& command) {
+  CLI::App* sub = app.add_subcommand("convert", "a cloud from one file into another; says what is lost on the way");
+  auto options = std::make_shared<ConvertOptions>();
+  std::vector<std::string_view> read, written;
+  for (const CloudFormat& format : cloudFormats()) {
+    if (format.read) read.push_back(format.ending);
+    if (format.write) written.push_back(format.ending);
+  }
+  sub->add_option("input", options->input, fmt::format("file to read: {}", fmt::join(read, ", ")))
+      ->required()
+      ->type_name("IN");
+  sub->add_option("output", options->output, fmt::format("file to write: {}", fmt::join(written, ", ")))
+      ->required()
+      ->type_name("OUT");
+  sub->add_option("--normals", options->normals,
+                  "keep: the file's, or none where it has none; estimate: from the points; face: from the faces")
+      ->check(CLI::IsMember({"keep", "estimate", "face"}))
+      ->capture_default_str();
+  sub->add_flag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
+  sub->add_flag("--force", options->force, "replace OUT where it exists");
+  sub->footer(
+      "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
+      "carried through. Faces are written as triangles. What OUT cannot hold is named before it is written.\n");
+  sub->callback([&, options] { command = [&context, options] { convert(context, *options); }; });
+}
+
+}  // namespace palpate

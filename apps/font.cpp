@@ -1,0 +1,26 @@
+#include "apps/font.hpp"
+
+#include <imgui.h>
+
+#include <filesystem>
+
+namespace palpate {
+
+namespace {
+constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // where Debian has it
+}
+
+void addFont(ImFontAtlas& atlas, float height_px, Texels texels) {
+  ImFontConfig config;
+  if (texels == Texels::pixels) {
+    config.OversampleH = config.OversampleV = 1;
+    config.PixelSnapH = true;
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(kFont, ignored))
+    atlas.AddFontFromFileTTF(kFont, height_px, &config);
+  else
+    atlas.AddFontDefault();
+}
+
+}  // namespace palpate

@@ -1,0 +1,297 @@
+#include "engine/cloud/edit_judge.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/eigen3.hpp"
+#include "engine/core/check.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr std::size_t kLookedAt = 48;                  // nearest points, of which those of one sheet are taken
+constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs make a point's area
+constexpr std::size_t kOfAPlace = 6;                   // points whose spacing makes that of a place
+constexpr std::size_t kOfAFit = 16, kFewestOfAFit = 6;
+constexpr std::size_t kTangentPlanes = 4;
+constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
+constexpr double kSided = 0.3;  // cosine of fit and known side, from which on the fit's side is known
+
+struct Near {
+  std::array<std::uint32_t, kLookedAt> points;
+  std::array<double, kLookedAt> squared;
+  std::size_t count = 0;
+};
+
+Near nearestTo(const PointTree& tree, const DVec3& place) {
+  Near near;
+  near.count = tree.nearest(Vec3(place), near.points, near.squared);
+  return near;
+}
+
+// The algebraic sphere that fits places and normals (Guennebaud, Germann and Gross 2008, "Dynamic sampling and
+// rendering of algebraic point set surfaces", section 3), relative to some place.
+class SphereFit {
+ public:
+  void add(const DVec3& p, const DVec3& n, double w) {
+    weights_ += w, places_ += w * p, normals_ += w * n;
+    squares_ += w * glm::dot(p, p), heights_ += w * glm::dot(p, n);
+  }
+  double height(const DVec3& x) const {
+    const double spread = squares_ - glm::dot(places_, places_) / weights_;
+    const double bend = heights_ - glm::dot(places_, normals_) / weights_;
+    const double q = spread > 0 ? 0.5 * bend / spread : 0;
+    const DVec3 l = (normals_ - 2 * q * places_) / weights_;
+    const double c = -(glm::dot(l, places_) + q * squares_) / weights_;
+    const double root = std::sqrt(std::max(0.0, glm::dot(l, l) - 4 * q * c));
+    const double slope = glm::length(l + 2 * q * x) + root;
+    return slope > 0 ? 2 * (c + glm::dot(l, x) + q * glm::dot(x, x)) / slope : 0;
+  }
+
+ private:
+  double weights_ = 0, squares_ = 0, heights_ = 0;
+  DVec3 places_{0}, normals_{0};
+};
+
+double wendlandWeight(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1) : 0; }
+
+// All points after the edit, and what can be said of one of them.
+class Aftermath {
+ public:
+  /// `tree`: of the points before; `support`: support radius.
+  Aftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after, double support)
+      : before_(before), after_(after), facings_(before.normals.begin(), before.normals.end()) {
+    for (std::uint32_t i = static_cast<std::uint32_t>(before.size()); i < after.size(); ++i)
+      facings_.push_back(facingOfNew(i, tree, support));
+    for (std::uint32_t i = 0; i < after.size(); ++i)
+      if (!after[i].gone()) {
+        there_.push_back(i);
+        positions_.push_back(after[i].position);
+      }
+    tree_.emplace(positions_);
+  }
+
+  std::span<const std::uint32_t> there() const { return there_; }
+  bool isNew(std::uint32_t i) const { return i >= before_.size(); }
+  bool moved(std::uint32_t i) const { return !isNew(i) && after_[i].position != before_.positions[i]; }
+  DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
+  DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
+
+  // Which way its sheet faced before.
+  const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
+
+  // To the nearest other point that faces the same way, `most` at most.
+  double nearestOfSheet(std::uint32_t i, double most) const {
+    std::vector<std::uint32_t> found;
+    tree_->within(position(i), most, found);
+    double nearest = most;
+    for (const std::uint32_t k : found)
+      if (there_[k] != i && glm::dot(normal(there_[k]), normal(i)) > 0)
+        nearest = std::min(nearest, glm::distance(position(there_[k]), position(i)));
+    return nearest;
+  }
+
+  // Normal of the plane through the nearest points of its sheet, of either sign; nothing where there are too few.
+  std::optional<DVec3> fit(std::uint32_t i) const {
+    const Near near = nearestTo(*tree_, position(i));
+    const DVec3 side = facing(i);
+    std::vector<DVec3> offsets;
+    DVec3 mean(0);
+    for (std::size_t k = 0; k < near.count && offsets.size() < kOfAFit; ++k)
+      if (glm::dot(facing(there_[near.points[k]]), side) > 0) {
+        offsets.push_back(position(there_[near.points[k]]) - position(i));
+        mean += offsets.back();
+      }
+    if (offsets.size() < kFewestOfAFit) return std::nullopt;
+    mean /= static_cast<double>(offsets.size());
+    SymmetricMatrix3 spread;
+    for (const DVec3& offset : offsets) spread.addSquare(offset - mean);
+    const Eigen3 axes = eigenSymmetric(spread);
+    if (axes.values[0] > 0.25 * axes.values[1]) return std::nullopt;  // no plane
+    return axes.vectors[0];
+  }
+
+ private:
+  // That of the file's point that it goes back to; of the nearest one where it has come too far for that.
+  DVec3 facingOfNew(std::uint32_t i, const PointTree& tree, double support) const {
+    std::uint32_t ancestor = i;
+    while (isNew(ancestor)) {
+      PALPATE_CHECK_LT(after_[ancestor].parent, ancestor);
+      ancestor = after_[ancestor].parent;
+    }
+    if (glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * support) return facings_[ancestor];
+    return facings_[nearestTo(tree, position(i)).points[0]];
+  }
+
+  const PointCloud& before_;
+  std::span<const PointState> after_;
+  std::vector<DVec3> facings_;  // by number
+  std::vector<std::uint32_t> there_;
+  std::vector<Vec3> positions_;
+  std::optional<PointTree> tree_;
+};
+
+DVec3 nearestCenter(const DVec3& place, std::span<const DVec3> centers) {
+  return *std::ranges::min_element(centers, {}, [&](const DVec3& c) { return glm::distance(c, place); });
+}
+
+void judgeNormals(const Aftermath& aftermath, const PointCloud& before, const ToolWay& way, EditVerdict& verdict) {
+  std::vector<double> angles;
+  for (const std::uint32_t i : aftermath.there()) {
+    if (!aftermath.isNew(i) && !aftermath.moved(i)) {
+      verdict.turnedAtRest += glm::dot(aftermath.normal(i), DVec3(before.normals[i])) < 0;
+      continue;
+    }
+    const std::optional<DVec3> fit = aftermath.fit(i);
+    if (!fit) continue;
+    const double angle = angleBetween_deg(*fit, aftermath.normal(i));
+    angles.push_back(std::min(angle, 180 - angle));
+    // A carved wall faces the ball; elsewhere a sheet goes on to face as it did.
+    const bool wall = way.carves && !way.centers.empty();
+    const DVec3 outward =
+        wall ? nearestCenter(aftermath.position(i), way.centers) - aftermath.position(i) : aftermath.facing(i);
+    const double side = glm::dot(*fit, outward);
+    if (std::abs(side) <= kSided * glm::length(outward)) continue;
+    ++verdict.sided;
+    verdict.turned += glm::dot(aftermath.normal(i), side > 0 ? *fit : -*fit) < 0;
+  }
+  verdict.fitted = angles.size();
+  if (angles.empty()) return;
+  const auto p95 = angles.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(angles.size() - 1));
+  std::ranges::nth_element(angles, p95);
+  verdict.normal_deg = *p95;
+}
+
+}  // namespace
+
+double distanceToWay(const DVec3& place, std::span<const DVec3> centers) {
+  if (centers.empty()) return kFar;
+  double least = glm::distance(place, centers.front());
+  for (std::size_t k = 1; k < centers.size(); ++k) {
+    const DVec3 step = centers[k] - centers[k - 1], offset = place - centers[k - 1];
+    const double squared = glm::dot(step, step);
+    const double along = squared > 0 ? std::clamp(glm::dot(offset, step) / squared, 0.0, 1.0) : 0;
+    least = std::min(least, glm::length(offset - along * step));
+  }
+  return least;
+}
+
+EditJudge::EditJudge(const PointCloud& before) : before_(before), tree_(before.positions), spacings_(before.size()) {
+  PALPATE_CHECK(before.hasNormals());
+}
+
+double EditJudge::spacingOf(std::uint32_t point) {
+  double& spacing = spacings_[point];
+  if (spacing > 0) return spacing;
+  const Near near = nearestTo(tree_, position(point));
+  double areas = 0;
+  std::size_t discs = 0;
+  std::vector<Vec3> places{before_.positions[point]};  // coincident points count once
+  for (std::size_t i = 0; i < near.count && places.size() <= kLastDisc; ++i) {
+    const Vec3& place = before_.positions[near.points[i]];
+    if (glm::dot(normal(near.points[i]), normal(point)) <= 0 || std::ranges::find(places, place) != places.end())
+      continue;
+    places.push_back(place);
+    if (places.size() <= kFirstDisc) continue;
+    // The disc to the k-th neighbour holds k areas where points lie at random, k + 1/2 where they lie on a lattice.
+    areas += std::numbers::pi * near.squared[i] / (static_cast<double>(places.size() - 1) + 0.25);
+    ++discs;
+  }
+  spacing = discs > 0 ? std::sqrt(areas / static_cast<double>(discs)) : kFar;  // alone: nothing can crowd it
+  return spacing;
+}
+
+double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
+  const Near near = nearestTo(tree_, place);
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < near.count && count < kOfAPlace; ++i) {
+    if (glm::dot(normal(near.points[i]), facing) <= 0) continue;
+    sum += spacingOf(near.points[i]);
+    ++count;
+  }
+  if (count == 0 && near.count > 0) return spacingOf(near.points[0]);
+  return count > 0 ? sum / static_cast<double>(count) : kFar;
+}
+
+double EditJudge::heightAt(const DVec3& place) const {
+  const Near toPlace = nearestTo(tree_, place);
+  if (toPlace.count == 0) return kFar;
+  const DVec3 middle = position(toPlace.points[0]), facing = normal(toPlace.points[0]);
+  const auto sameSheet = [&](std::uint32_t i) { return glm::dot(normal(i), facing) > -kSided; };
+  const Near around = nearestTo(tree_, middle);
+  const double reach = 1.2 * std::sqrt(around.squared[std::min(kOfAFit, around.count) - 1]);
+  SphereFit sphere;
+  for (std::size_t k = 0; k < around.count; ++k) {
+    const std::uint32_t i = around.points[k];
+    const double r = reach > 0 ? std::sqrt(around.squared[k]) / reach : 0;
+    if (sameSheet(i)) sphere.add(position(i) - middle, normal(i), wendlandWeight(r));
+  }
+  double highest = -kFar;
+  for (std::size_t k = 0, planes = 0; k < toPlace.count && planes < kTangentPlanes; ++k) {
+    const std::uint32_t i = toPlace.points[k];
+    if (!sameSheet(i)) continue;
+    highest = std::max(highest, glm::dot(place - position(i), normal(i)));
+    ++planes;
+  }
+  return std::min(sphere.height(place - middle), highest);
+}
+
+EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& way) {
+  PALPATE_CHECK_LE(before_.size(), after.size());
+  EditVerdict verdict{.farthestMoved = -way.toolRadius / way.support,
+                      .farthestInserted = -way.toolRadius / way.support,
+                      .farthestOutside = -kFar};
+  const auto beyond = [&](const DVec3& place) {
+    return (distanceToWay(place, way.centers) - way.toolRadius) / way.support;
+  };
+  const Aftermath aftermath(before_, tree_, after, way.support);
+  for (std::uint32_t i = 0; i < before_.size(); ++i) {
+    const bool gone = after[i].gone(), moved = !gone && aftermath.moved(i);
+    verdict.removed += gone;
+    verdict.moved += moved;
+    const bool painted = !gone && after[i].color != packedColor(before_, i);
+    verdict.painted += painted;
+    if (gone || moved || painted) verdict.farthestMoved = std::max(verdict.farthestMoved, beyond(position(i)));
+  }
+  for (const std::uint32_t i : aftermath.there()) {
+    if (!aftermath.isNew(i)) continue;
+    ++verdict.inserted;
+    const DVec3 place = aftermath.position(i);
+    verdict.farthestInserted = std::max(verdict.farthestInserted, beyond(place));
+    const double spacing = spacingAt(place, aftermath.facing(i));
+    if (spacing == kFar) continue;  // what was alone had no surface around it
+    const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
+    verdict.nearest = std::min(verdict.nearest, nearest);
+    verdict.crowded += nearest < EditTolerance::kCrowded;
+    const double height = heightAt(place);
+    verdict.farthestOutside = std::max(verdict.farthestOutside, height / way.support);
+    verdict.outside += height > EditTolerance::kOutside * spacing;
+  }
+  if (verdict.farthestOutside == -kFar) verdict.farthestOutside = 0;
+  judgeNormals(aftermath, before_, way, verdict);
+  return verdict;
+}
+
+std::vector<std::string_view> EditVerdict::broken(bool carves) const {
+  const auto share = [](std::size_t part, std::size_t all) {
+    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+  };
+  std::vector<std::string_view> broken;
+  if (farthestMoved > EditTolerance::kReach) broken.emplace_back("moves far");
+  if (inserted > 0 && farthestInserted > 1 + EditTolerance::kReach) broken.emplace_back("inserts far");
+  if (nearest < EditTolerance::kNearest || share(crowded, inserted) > EditTolerance::kMostCrowded)
+    broken.emplace_back("crowds");
+  if (carves && outside > 0) broken.emplace_back("grows");
+  if (share(turned, sided) > EditTolerance::kMostTurned) broken.emplace_back("turns normals");
+  if (turnedAtRest > 0) broken.emplace_back("turns normals at rest");
+  return broken;
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+#include "tests/apps/program.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kMesh =
+    "ply\nformat ascii 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty float y\nproperty float z\n"
+    "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int label\nproperty float heat\n"
+    "element face 2\nproperty list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n"
+    "400000.123456789 0 0 1 2 3 7 0.5\n400001 0 0 4 5 6 8 0.25\n400000 1 0 7 8 9 9 1\n400001 1 0 1 1 1 -1 2\n"
+    "3 0 1 2\n3 1 3 2\n5\n";
+
+}  // namespace
+
+TEST_CASE("convert keeps points, properties and faces, and names what is lost") {
+  const ScratchFolder folder;
+  const std::string in = (folder / "in.ply").string(), out = (folder / "out.ply").string();
+  std::ofstream(in) << kMesh;
+  const Outcome outcome = palpate("convert " + in + " " + out + " --json " + (folder / "c.json").string());
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK(outcome.text.find("not kept: 1 edge") != std::string::npos);
+  const auto json = jsonOf(folder / "c.json");
+  CHECK(json["points"] == 4);
+  CHECK(json["triangles"] == 2);
+  CHECK(json["lost"] == std::vector<std::string>{"1 edge"});
+  CHECK(json["kept"] == std::vector<std::string>{"positions", "colours", "label", "heat", "2 triangles"});
+  CHECK(contentOf(out).find("binary_little_endian") != std::string::npos);
+
+  const std::string text = (folder / "text.ply").string();
+  works("convert " + out + " " + text + " --ascii");
+  const std::string content = contentOf(text);
+  for (const char* line : {"comment by hand", "element vertex 4", "property int label", "property float heat",
+                           "\n400000.123456789 0 0 1 2 3 7 0.5\n", "\n400001 1 0 1 1 1 -1 2\n", "\n3 0 1 2\n3 1 3 2\n"})
+    CHECK_MESSAGE(content.find(line) != std::string::npos, line << "\n" << content);
+  CHECK(content.find("nx") == std::string::npos);
+}
+
+TEST_CASE("convert adds normals where it is told to, and only there") {
+  const ScratchFolder folder;
+  const std::string in = (folder / "in.ply").string();
+  std::ofstream(in) << kMesh;
+  const std::string face = (folder / "face.ply").string(), estimated = (folder / "estimated.ply").string();
+  works("convert " + in + " " + face + " --normals face --ascii");
+  CHECK(contentOf(face).find("\n400000.123456789 0 0 0 0 1 1 2 3 7 0.5\n") != std::string::npos);
+  works("convert " + in + " " + estimated + " --normals estimate");
+  CHECK(contentOf(estimated).find("property float nz") != std::string::npos);
+  CHECK(palpate("convert " + in + " " + face + " --normals guess").code == 2);
+}
+
+TEST_CASE("convert destroys nothing that exists: not the file that it reads, not another one") {
+  const ScratchFolder folder;
+  const std::string in = (folder / "in.ply").string(), other = (folder / "other.ply").string();
+  const std::string link = (folder / "link.ply").string();
+  std::ofstream(in) << kMesh;
+  std::ofstream(other) << "mine";
+  std::filesystem::create_symlink(in, link);
+  for (const std::string& target : {in, link}) {
+    const Outcome itself = palpate("convert " + in + " " + target);
+    CHECK(itself.code == 1);
+    CHECK(itself.text.find("is the file that is read; name another file, or add --force") != std::string::npos);
+  }
+  CHECK(contentOf(in) == kMesh);
+  const Outcome taken = palpate("convert " + in + " " + other);
+  CHECK(taken.code == 1);
+  CHECK(taken.text.find("exists; name another file, or add --force") != std::string::npos);
+  CHECK(contentOf(other) == "mine");
+  works("convert " + in + " " + other + " --force");
+  CHECK(contentOf(other).starts_with("ply\n"));
+  works("convert " + in + " " + in + " --force --ascii");
+  CHECK(contentOf(in).starts_with("ply\nformat ascii"));
+
+  std::ofstream(in) << "ply\nformat ascii 1.0\nelement vertex 2\n";
+  CHECK(palpate("convert " + in + " " + other + " --force").code == 1);
+  CHECK(contentOf(other).starts_with("ply\nformat binary"));  // as it was
+}
+
+TEST_CASE("convert refuses names that it writes nothing under, and says what is wrong with a file") {
+  const ScratchFolder folder;
+  const std::string in = (folder / "in.ply").string();
+  std::ofstream(in) << kMesh;
+  const Outcome unknown = palpate("convert " + in + " " + (folder / "out.xyzzy").string());
+  CHECK(unknown.code == 2);
+  CHECK(unknown.text.find("clouds are written as .ply") != std::string::npos);
+  CHECK(palpate("convert " + in).code == 2);
+  std::ofstream(in) << "solid cube";
+  const Outcome foreign = palpate("convert " + in + " " + (folder / "out.ply").string());
+  CHECK(foreign.code == 1);
+  CHECK(foreign.text.find("not a PLY file") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(folder / "out.ply"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,224 @@
+#include "engine/cloud/edit_judge.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/uneven_clouds.hpp"
+
+namespace palpate::test {
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+// A square grid, 1 apart, that looks up.
+PointCloud grid(int side, double spacing = 1) {
+  PointCloud cloud;
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      cloud.positions.emplace_back(spacing * (x - side / 2), spacing * (y - side / 2), 0);
+      cloud.normals.emplace_back(0, 0, 1);
+    }
+  return cloud;
+}
+
+// A tool of radius 3 that stands at the middle, a carving one a little above it; support radius 4.
+ToolWay middleTool(bool carves = false) {
+  return {.centers = {DVec3(0, 0, carves ? 2 : 0)}, .toolRadius = 3, .support = 4, .carves = carves};
+}
+
+struct Edited {
+  PointCloud cloud;
+  std::vector<PointState> states;
+
+  explicit Edited(PointCloud before) : cloud(std::move(before)), states(statesOf(cloud)) {}
+  std::uint32_t at(double x, double y) const {
+    const auto found = std::ranges::find_if(cloud.positions, [&](const Vec3& p) {
+      return glm::distance(DVec3(p), {x, y, p.z}) < 0.1;
+    });
+    return static_cast<std::uint32_t>(found - cloud.positions.begin());
+  }
+  void insert(const DVec3& place, std::uint32_t parent, const DVec3& normal = {0, 0, 1}) {
+    states.push_back({.position = Vec3(place),
+                      .id = static_cast<std::uint32_t>(states.size()),
+                      .normal = Vec3(normal),
+                      .parent = parent});
+  }
+  EditVerdict verdict(const ToolWay& way = middleTool()) const { return EditJudge(cloud).judge(states, way); }
+};
+
+}  // namespace
+
+TEST_CASE("the way of a tool is the line through its places") {
+  const std::vector<DVec3> way{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
+  CHECK(distanceToWay({5, 3, 0}, way) == doctest::Approx(3));
+  CHECK(distanceToWay({12, 5, 0}, way) == doctest::Approx(2));
+  CHECK(distanceToWay({-3, -4, 0}, way) == doctest::Approx(5));
+  CHECK(distanceToWay({1, 2, 2}, std::span(way).first(1)) == doctest::Approx(3));
+  CHECK(std::isinf(distanceToWay({0, 0, 0}, {})));
+}
+
+TEST_CASE("an edit within its bounds breaks nothing") {
+  Edited edited(grid(41));
+  const std::uint32_t moved = edited.at(1, 0), gone = edited.at(2, 0), painted = edited.at(0, 1);
+  edited.states[moved].position.z = -0.1F;
+  edited.states[gone].id |= PointState::kGone;
+  edited.states[painted].color = 0xff0000ff;
+  edited.insert({6.5, 0.5, 0}, moved);
+  const EditVerdict verdict = edited.verdict();
+  CHECK(verdict.moved == 1);
+  CHECK(verdict.removed == 1);
+  CHECK(verdict.painted == 1);
+  CHECK(verdict.inserted == 1);
+  CHECK(verdict.farthestMoved == doctest::Approx((2 - 3) / 4.0));
+  CHECK(verdict.farthestInserted == doctest::Approx((std::hypot(6.5, 0.5) - 3) / 4));
+  CHECK(verdict.nearest == doctest::Approx(std::sqrt(0.5)).epsilon(0.03));
+  CHECK(verdict.broken(true) == Words{});
+}
+
+TEST_CASE("points that move, go or change colour beyond the tool are told") {
+  for (const int what : {0, 1, 2}) {
+    Edited edited(grid(41));
+    PointState& far = edited.states[edited.at(4, 0)];
+    if (what == 0) far.position.z = -1e-4F;
+    if (what == 1) far.id |= PointState::kGone;
+    if (what == 2) far.color = 1;
+    CHECK(edited.verdict().farthestMoved == doctest::Approx(0.25));
+    CHECK(edited.verdict().broken(false) == Words{"moves far"});
+  }
+}
+
+TEST_CASE("new points beyond the tool and a support radius are told") {
+  Edited edited(grid(41));
+  edited.insert({7.5, 0.5, 0}, 0);
+  CHECK(edited.verdict().broken(false) == Words{"inserts far"});
+  // Where no tool acted, nothing may change at all.
+  CHECK(edited.verdict({.centers = {}, .toolRadius = 3, .support = 4}).broken(false) == Words{"inserts far"});
+}
+
+TEST_CASE("a new point too near to another of its sheet is told, and one near to another sheet is not") {
+  Edited edited(grid(41));
+  edited.insert({0.2, 0, 0}, edited.at(0, 0));
+  CHECK(edited.verdict().crowded == 1);
+  CHECK(edited.verdict().nearest == doctest::Approx(0.2).epsilon(0.03));
+  CHECK(edited.verdict().broken(false) == Words{"crowds"});
+  edited.states.back().normal = Vec3(0, 0, -1);
+  CHECK(edited.verdict().crowded == 0);
+}
+
+TEST_CASE("two new points on top of one another are told, whatever stands around them") {
+  Edited edited(grid(41));
+  edited.insert({0.5, 0.5, 0}, edited.at(0, 0));
+  CHECK(edited.verdict().broken(false) == Words{});
+  edited.insert({0.5, 0.5001, 0}, edited.at(0, 0));
+  CHECK(edited.verdict().crowded == 2);
+  CHECK(edited.verdict().broken(false) == Words{"crowds"});
+}
+
+TEST_CASE("the spacing of a place is that of its own sheet and density") {
+  for (const double spacing : {0.1, 1.0, 20.0}) {
+    const PointCloud even = grid(41, spacing);
+    CHECK(EditJudge(even).spacingAt({0.3 * spacing, 0, 0}, {0, 0, 1}) == doctest::Approx(spacing).epsilon(0.03));
+  }
+  const UnevenCloud patches = makeUnevenCloud("patches", 15'000);
+  EditJudge judge(patches.cloud);
+  const DVec3 side = 8.0 * patches.towards;
+  CHECK(judge.spacingAt(patches.place - side, patches.normal) == doctest::Approx(0.91).epsilon(0.06));
+  CHECK(judge.spacingAt(patches.place + side, patches.normal) == doctest::Approx(4.1).epsilon(0.15));
+  // Two sheets do not count as one that is denser.
+  const PointCloud plate = makePlate(20'000, 0.8);
+  CHECK(EditJudge(plate).spacingAt({0, 0, 0.4}, {0, 0, 1}) == doctest::Approx(1).epsilon(0.03));
+  // Coincident points count once.
+  PointCloud twice = grid(41);
+  twice.positions.insert(twice.positions.end(), twice.positions.begin(), twice.positions.end());
+  twice.normals.insert(twice.normals.end(), twice.normals.begin(), twice.normals.end());
+  CHECK(EditJudge(twice).spacingAt({0.3, 0, 0}, {0, 0, 1}) == doctest::Approx(1).epsilon(0.1));
+}
+
+TEST_CASE("height above a surface is that of the truth, on curves, on plates and at edges") {
+  const UnevenCloud sphere = makeUnevenCloud("gradient", 15'000), plate = makeUnevenCloud("plate", 20'000);
+  const EditJudge onSphere(sphere.cloud), onPlate(plate.cloud);
+  for (const double height : {-3.0, -0.5, 0.0, 0.2, 2.0, 6.0})
+    for (const DVec3& d : {DVec3(0, 0, 1), DVec3(0.8, 0.6, 0), DVec3(-0.6, 0, 0.8)})
+      CHECK(onSphere.heightAt((50 + height) * d) == doctest::Approx(height).epsilon(0.01).scale(1));
+  for (const double z : {-3.0, -0.4, 0.0, 0.3, 0.9}) {
+    const DVec3 p(7.3, -11.1, z);
+    CHECK(onPlate.heightAt(p) == doctest::Approx(plate.signedDistance(p)).epsilon(0.01).scale(1));
+  }
+  const auto cube = makeShape("cube", 20);
+  const PointCloud points = sampleShape(*cube, {.count = 2400});  // 1 apart
+  const EditJudge onCube(points);
+  CHECK(onCube.heightAt({9.99, 0, 9.99}) < 0.1);    // on the edge, where a round fit falls short
+  CHECK(onCube.heightAt({12, 0.3, 10}) > 0.5);      // a fin that goes on along a face
+  CHECK(onCube.heightAt({10.7, 0.3, 10.7}) > 0.5);  // and one beyond the edge
+  CHECK(onCube.heightAt({0, 0, 0}) < -8);
+}
+
+TEST_CASE("new points outside the old surface are growth where the tool carves, and only there") {
+  Edited edited(grid(41));
+  edited.insert({0.5, 0.5, 0.4}, edited.at(0, 0));
+  CHECK(edited.verdict(middleTool(true)).broken(true) == Words{});
+  edited.insert({2.5, 0.5, 1.2}, edited.at(0, 0));
+  const EditVerdict verdict = edited.verdict(middleTool(true));
+  CHECK(verdict.outside == 1);
+  CHECK(verdict.farthestOutside == doctest::Approx(0.3));
+  CHECK(verdict.broken(true) == Words{"grows"});
+  CHECK(verdict.broken(false) == Words{});
+}
+
+TEST_CASE("normals are held against a fit of their own sheet, and those that look inwards are counted") {
+  Edited edited(makePlate(20'000, 0.8));
+  std::vector<std::uint32_t> near;
+  for (std::uint32_t i = 0; i < edited.cloud.size(); ++i)
+    if (glm::length(DVec3(edited.cloud.positions[i])) < 2.5) near.push_back(i);
+  REQUIRE(near.size() > 20);
+  for (const std::uint32_t i : near) edited.states[i].position.z -= 0.05F;
+  CHECK(edited.verdict().normal_deg < 3);
+  CHECK(edited.verdict().sided == near.size());
+  CHECK(edited.verdict().turned == 0);
+  CHECK(edited.verdict().broken(false) == Words{});
+
+  for (const std::uint32_t i : near)
+    edited.states[i].normal = Vec3(0, std::sin(0.5), edited.states[i].normal.z > 0 ? std::cos(0.5) : -std::cos(0.5));
+  CHECK(edited.verdict().normal_deg == doctest::Approx(28.6).epsilon(0.1));
+
+  for (const std::uint32_t i : near) edited.states[i].normal = Vec3(0, 0, 1);  // the lower sheet's look inwards
+  CHECK(edited.verdict().turned == doctest::Approx(0.5 * static_cast<double>(near.size())).epsilon(0.2));
+  CHECK(edited.verdict().broken(false) == Words{"turns normals"});
+}
+
+TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
+  // A ball of radius 3 cut 5 deep into a block: the lower half of its wall hangs over what was the surface's side.
+  Edited edited(grid(61, 0.4));
+  const DVec3 center(0, 0, -2);
+  const PointCloud wall = sampleShape(*makeShape("sphere", 6, center), {.count = 700});
+  for (std::size_t k = 0; k < wall.size(); ++k)
+    if (wall.positions[k].z < -0.2F) edited.insert(DVec3(wall.positions[k]), edited.at(0, 0), -DVec3(wall.normals[k]));
+  const ToolWay way{.centers = {center}, .toolRadius = 3, .support = 4, .carves = true};
+  CHECK(edited.verdict(way).sided > 400);
+  CHECK(edited.verdict(way).turned == 0);
+  for (std::size_t i = edited.cloud.size(); i < edited.states.size(); ++i) edited.states[i].normal *= -1;
+  CHECK(edited.verdict(way).turned == edited.verdict(way).sided);
+}
+
+TEST_CASE("a new point near its ancestor is of that one's sheet, one far from it of the sheet that it is on") {
+  Edited edited(makePlate(20'000, 0.8));
+  const auto lower = static_cast<std::uint32_t>(edited.cloud.size() - 1);
+  REQUIRE(edited.cloud.normals[lower].z == -1);
+  edited.insert({0.3, 0.3, 0.4}, lower, {0, 0, 1});
+  CHECK(edited.verdict().turned == 0);
+  const DVec3 near = DVec3(edited.cloud.positions[lower]) + DVec3(0, 0, 0.8);
+  edited.insert(near, lower, {0, 0, 1});
+  CHECK(edited.verdict().turned == 1);
+}
+
+TEST_CASE("a normal at rest that turns over is told wherever it is") {
+  Edited edited(grid(41));
+  edited.states[edited.at(15, 15)].normal = Vec3(0, 0, -1);
+  CHECK(edited.verdict().turnedAtRest == 1);
+  CHECK(edited.verdict().broken(false) == Words{"turns normals at rest"});
+}
+
+}  // namespace palpate::test
