@@ -27,14 +27,14 @@ Log& Context::log() {
 Device& Context::device() {
   if (!device_)
     device_ = std::make_unique<Device>(
-        DeviceOptions{.gpu = gpu_, .validate = validate_, .queues = queues_, .windowExtensions = windowExtensions_});
+        DeviceOptions{.gpu = gpu_, .validate = validate_, .queues = queues_, .shows = shows_, .windowExtensions = windowExtensions_});
   return *device_;
 }
 
 Device& Context::sightDevice(const std::string& gpu) {
   if (!sightDevice_)
     sightDevice_ = std::make_unique<Device>(
-        DeviceOptions{.gpu = gpu, .validate = validate_, .windowExtensions = windowExtensions_});
+        DeviceOptions{.gpu = gpu, .validate = validate_, .shows = shows_, .windowExtensions = windowExtensions_});
   return *sightDevice_;
 }
 

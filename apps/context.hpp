@@ -25,7 +25,10 @@ class Context {
   /// Another GPU, for sight alone, that `gpu` names (DeviceOptions), opened at its first use. The same one each time.
   Device& sightDevice(const std::string& gpu);
   /// GPUs that are opened from now on can show pictures in windows of a system that needs these instance extensions.
-  void showInWindows(std::vector<std::string> extensions) { windowExtensions_ = std::move(extensions); }
+  void showInWindows(std::vector<std::string> extensions) {
+    shows_ = true;
+    windowExtensions_ = std::move(extensions);
+  }
   /// How the queues of device() are shared from now on: an open GPU is closed, once all that was made from it is gone.
   void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
@@ -48,6 +51,7 @@ class Context {
   std::unique_ptr<Log> log_;
   void close(std::unique_ptr<Device>& device);
 
+  bool shows_ = false;
   std::vector<std::string> windowExtensions_;
   QueueArrangement queues_ = QueueArrangement::separate;
   std::size_t messages_ = 0;  // of the GPUs that are closed

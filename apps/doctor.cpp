@@ -1,5 +1,6 @@
 #include "apps/context.hpp"
 #include "apps/tick_times.hpp"
+#include "apps/view/presentation.hpp"
 #include "haptics/devices/driver_survey.hpp"
 #include "haptics/devices/hid_choice.hpp"
 #include "haptics/pace_check.hpp"
@@ -189,15 +190,43 @@ Json servoPace(std::FILE* out, const DoctorOptions& options) {
           {"servo_thread", toJson(check.toll)}};
 }
 
+// How each GPU serves the display, if there is one.
+Json display(std::FILE* out) {
+  try {
+    const Window window({64, 64}, "palpate", false);
+    const Instance instance(false, window.extensions());
+    Json json = Json::array();
+    for (const VkPhysicalDevice gpu : instance.physicalDevices()) {
+      const PresentationFound found = findPresentation(window, instance, gpu);
+      VkPhysicalDeviceProperties properties;
+      vkGetPhysicalDeviceProperties(gpu, &properties);
+      const bool copies = found.presentation == Presentation::copy;
+      const std::string why = !copies ? "" : window.x11() ? found.why : found.why + ", and this is no X display";
+      fmt::print(out, "Display: {} {}\n", properties.deviceName,
+                 !copies        ? "presents its pictures there (--present swapchain)"
+                 : window.x11() ? "has its pictures copied there (--present copy): " + why
+                                : "shows nothing there: " + why);
+      json.push_back({{"gpu", properties.deviceName},
+                      {"present", !copies ? Json("swapchain") : window.x11() ? Json("copy") : Json(nullptr)},
+                      {"why", why}});
+    }
+    return json;
+  } catch (const Error& error) {
+    fmt::print(out, "Display: none. {}\n", error.what());
+    return nullptr;
+  }
+}
+
 void doctor(Context& context, const DoctorOptions& options) {
   const Instance instance(false);
   const auto devices = instance.physicalDevices();
   Json gpus = Json::array();
   for (std::size_t i = 0; i < devices.size(); ++i) gpus.push_back(describe(context.tables(), i, devices[i]));
   const Json haptics = hapticDevices(context.tables());
+  const Json shown = display(context.tables());
   Device& device = context.device();  // says what is wrong when none will do
   fmt::print(context.tables(), "GPU in use: {}. palpate can run here.\n", device.name());
-  Json result{{"gpus", gpus}, {"in_use", device.name()}, {"haptics", haptics}};
+  Json result{{"gpus", gpus}, {"in_use", device.name()}, {"display", shown}, {"haptics", haptics}};
   if (options.servo_s > 0) result["servo"] = servoPace(context.tables(), options);
   context.writeJson(result);
 }
@@ -208,7 +237,7 @@ void addDoctor(CLI::App& app, Context& context, Command& command) {
   CLI::App* sub = app.add_subcommand(
       "doctor",
       "the GPUs of this machine and which of their queues serve touch, sight and background; the haptic libraries and "
-      "devices that were found, and what is missing");
+      "devices that were found, and what is missing; how pictures come to the display");
   auto options = std::make_shared<DoctorOptions>();
   CLI::Option* servo =
       sub->add_option("--servo", options->servo_s,

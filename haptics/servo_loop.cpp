@@ -124,14 +124,16 @@ std::size_t ServoLoop::playAtOnce(const TickObserver& observer, ServoResult& res
 }
 
 double ServoLoop::budgetOf(const TickPacer& pacer, std::uint64_t index) const noexcept {
+  if (options_.clock) return 0;
   const double reserve_us = std::min(options_.reserve_us, kMostReserve * 1e6 / options_.rate_Hz);
   return std::max(pacer.remaining_us(index + 1) - reserve_us, kSmallestBudget_us);
 }
 
 std::size_t ServoLoop::playByClock(ServoResult& result) {
-  const RealtimePriority priority;
-  const TickPacer pacer(options_.rate_Hz, priority.granted());
-  result.realtimePriority = priority.granted();
+  std::optional<RealtimePriority> priority;
+  if (!options_.clock) priority.emplace();
+  result.realtimePriority = priority && priority->granted();
+  const TickPacer pacer(options_.rate_Hz, result.realtimePriority, options_.clock);
   const ThreadToll before = tollOfThisThread();
   const ZeroForceAtExit zero(hand_, second_);  // goes first, still under the raised priority
   Progress progress;
@@ -154,7 +156,7 @@ std::size_t ServoLoop::playByDevice(ServoResult& result) {
   std::optional<TickPacer> pacer;  // begins with the device's first tick
   std::uint64_t index = 0;
   const bool cameToEnd = hand_.device().pace(options_.rate_Hz, [&]() noexcept {
-    if (!pacer) pacer.emplace(options_.rate_Hz, false);
+    if (!pacer) pacer.emplace(options_.rate_Hz, false, options_.clock);
     // The device's pace wavers and is not quite that of our clock: only what is late by more than a tick is missed.
     const std::uint64_t due = std::min(std::max(index, pacer->passed()), plannedTicks_);
     if (isOver(due)) return false;

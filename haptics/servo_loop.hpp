@@ -31,6 +31,9 @@ struct ServoOptions {
   double begin_s = 0;     ///< the time of the first tick
   bool endless = false;  ///< against the wall clock until `stop`, whatever the duration; only a recorder sees the ticks
   bool realtime = false;  ///< the wall clock paces the ticks; otherwise they come as fast as they go
+  /// In place of the machine's clock in real time. It stands still while a tick runs, so that a query takes as long as
+  /// it likes and no tick is late, whoever paces them; outlives the loop.
+  SteppedClock* clock = nullptr;
   double reserve_us =
       200;           ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it
   WorkspaceMap map;  ///< at first; the device's clutch moves it

@@ -4,9 +4,7 @@
 #include <sys/prctl.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <ctime>
 
 #include "engine/core/error.hpp"
 
@@ -15,7 +13,6 @@ namespace {
 
 constexpr double kHighestRate_Hz = 100'000;
 constexpr double kMostTicks = 50'000'000;  // 14 hours at 1 kHz; their rows take about 10 GB
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 /// Waking up takes the kernel some tens of microseconds; spinning that long instead keeps a tick to the microsecond. A
 /// longer spin only burns a core.
@@ -30,12 +27,6 @@ int coresToUse() noexcept {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   return ::sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
-}
-
-std::int64_t now_ns() noexcept {
-  timespec now{};
-  ::clock_gettime(CLOCK_MONOTONIC, &now);
-  return now.tv_sec * kSecond_ns + now.tv_nsec;
 }
 
 }  // namespace
@@ -65,12 +56,13 @@ std::uint64_t plannedTicks(double rate_Hz, double duration_s) {
   return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::llround(ticks)));
 }
 
-TickPacer::TickPacer(double rate_Hz, bool wakesInTime) noexcept
-    : period_ns_(1e9 / rate_Hz),
-      spin_ns_(coresToUse() < kCoresToSpin ? 0
-               : wakesInTime               ? std::llround(std::min(kSpin_ns, kMostOfPeriod * period_ns_))
-                                           : std::llround(std::min(kSpinWithoutPriority_ns, period_ns_))),
-      start_ns_(now_ns()) {}
+TickPacer::TickPacer(double rate_Hz, bool wakesInTime, SessionClock* clock) noexcept
+    : clock_(clock ? *clock : machineClock()),
+      period_ns_(1e9 / rate_Hz),
+      spin_ns_(clock || coresToUse() < kCoresToSpin ? 0
+               : wakesInTime ? std::llround(std::min(kSpin_ns, kMostOfPeriod * period_ns_))
+                             : std::llround(std::min(kSpinWithoutPriority_ns, period_ns_))),
+      start_ns_(clock_.now_ns()) {}
 
 std::int64_t TickPacer::due_ns(std::uint64_t index) const noexcept {
   return start_ns_ + std::llround(static_cast<double>(index) * period_ns_);
@@ -78,23 +70,20 @@ std::int64_t TickPacer::due_ns(std::uint64_t index) const noexcept {
 
 std::uint64_t TickPacer::waitFor(std::uint64_t index) const noexcept {
   const std::int64_t due = due_ns(index);
-  const std::int64_t wake = due - spin_ns_;
-  const timespec until{.tv_sec = wake / kSecond_ns, .tv_nsec = wake % kSecond_ns};
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  clock_.waitUntil_ns(due - spin_ns_);
+  while (clock_.now_ns() < due) {
   }
-  while (now_ns() < due) {
-  }
-  const auto late_ns = static_cast<double>(now_ns() - due);
+  const auto late_ns = static_cast<double>(clock_.now_ns() - due);
   return late_ns > period_ns_ ? index + static_cast<std::uint64_t>(late_ns / period_ns_) : index;
 }
 
 std::uint64_t TickPacer::passed() const noexcept {
-  const auto since_ns = static_cast<double>(now_ns() - start_ns_);
+  const auto since_ns = static_cast<double>(clock_.now_ns() - start_ns_);
   return static_cast<std::uint64_t>(std::max(0.0, since_ns / period_ns_ - 1));
 }
 
 double TickPacer::remaining_us(std::uint64_t index) const noexcept {
-  return static_cast<double>(due_ns(index) - now_ns()) * 1e-3;
+  return static_cast<double>(due_ns(index) - clock_.now_ns()) * 1e-3;
 }
 
 }  // namespace palpate

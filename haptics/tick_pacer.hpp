@@ -1,9 +1,11 @@
-// Wall-clock pacing for the servo loop.
+// Pacing for the servo loop.
 #pragma once
 
 #include <sched.h>
 
 #include <cstdint>
+
+#include "haptics/session_clock.hpp"
 
 namespace palpate {
 
@@ -33,8 +35,8 @@ std::uint64_t plannedTicks(double rate_Hz, double duration_s);
 class TickPacer {
  public:
   /// `wakesInTime`: the thread has real-time priority. Where it has none, the kernel may wake it hundreds of
-  /// microseconds late.
-  TickPacer(double rate_Hz, bool wakesInTime) noexcept;
+  /// microseconds late. `clock`: the machine's unless given; outlives the pacer.
+  TickPacer(double rate_Hz, bool wakesInTime, SessionClock* clock = nullptr) noexcept;
 
   /// Waits until tick `index` is due, asleep but for the last moment where cores are to spare (for the last millisecond
   /// where it would not wake in time), and returns the tick to do now: `index`, or a later one when more than a whole
@@ -50,9 +52,10 @@ class TickPacer {
  private:
   std::int64_t due_ns(std::uint64_t index) const noexcept;
 
+  SessionClock& clock_;
   double period_ns_;
-  std::int64_t spin_ns_;   ///< of each wait, at its end
-  std::int64_t start_ns_;  ///< CLOCK_MONOTONIC
+  std::int64_t spin_ns_;  ///< of each wait, at its end
+  std::int64_t start_ns_;
 };
 
 }  // namespace palpate

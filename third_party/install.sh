@@ -21,6 +21,7 @@ packages=(
   libcli11-dev               # command line
   nlohmann-json3-dev         # --json
   libglfw3-dev               # the window of palpate view
+  libx11-dev                 # pictures for displays that a GPU cannot present to
   libimgui-dev               # its panels
   fonts-dejavu-core          # their font
   libstb-dev                 # PNG writing and reading

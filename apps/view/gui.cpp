@@ -72,6 +72,8 @@ void Gui::setDark(bool dark) {
   style.WindowRounding = 6;
   style.FrameRounding = style.GrabRounding = style.PopupRounding = 4;
   style.WindowBorderSize = 0;
+  // White boxes on a white panel are seen by their borders alone.
+  style.FrameBorderSize = dark ? 0 : 1;
   style.FramePadding = {6, 3};
   style.ItemSpacing = {6, 5};
   style.Colors[ImGuiCol_WindowBg].w = 0.88f;

@@ -69,6 +69,16 @@ bool Panels::choose(const char* label, const Names& names, Value& value) {
   return changed;
 }
 
+DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
+  DVec2 free(0, width_px);
+  if (!view.panels) return free;
+  free.x += double{em(kPanel_em + 2 * kMargin_em)};
+  if (view.plots) free.y -= double{em(kCurves_em + 2 * kMargin_em)};
+  // Where there is next to nothing between them, the model stands behind them.
+  constexpr double kLeast_em = 6;
+  return free.y - free.x < double{em(kLeast_em)} ? DVec2(0, width_px) : free;
+}
+
 // Names that are on the command line; `now` is what auto stands for.
 template <class Names, class Value>
 void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<Value>& value, std::string_view now) {
@@ -103,8 +113,8 @@ ViewWishes Panels::draw(const ViewStatus& status, ViewSettings& view, ToolSettin
 void Panels::drawPanel(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel,
                        bool& forcesOn, ViewWishes& wishes) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({em(0.6), em(0.6)});
-  ImGui::SetNextWindowSizeConstraints({em(18.5), 0}, {em(18.5), display.y - em(1.2)});
+  ImGui::SetNextWindowPos({em(kMargin_em), em(kMargin_em)});
+  ImGui::SetNextWindowSizeConstraints({em(kPanel_em), 0}, {em(kPanel_em), display.y - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));

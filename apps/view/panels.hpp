@@ -83,6 +83,8 @@ class Panels {
   std::optional<DVec2> placeOf(const std::string& name) const;
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
+  /// From where to where nothing is drawn over the model, from the left, in a window of that width, pixels.
+  DVec2 freeWidth_px(const ViewSettings& view, double width_px) const;
 
  private:
   // Each notes where it is.
@@ -111,6 +113,7 @@ class Panels {
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
   void drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes);
+  static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   const Gui& gui_;

@@ -49,8 +49,8 @@ void plot(const char* what, const std::vector<float>& curve, float least, float 
 
 void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos({display.x - em(0.6), em(0.6)}, ImGuiCond_Always, {1, 0});
-  ImGui::SetNextWindowSize({em(18), 0});
+  ImGui::SetNextWindowPos({display.x - em(kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
+  ImGui::SetNextWindowSize({em(kCurves_em), 0});
   ImGui::Begin("Curves", &view.plots, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize);
   const TickHistory& history = status.session->history();
   if (!paused_)

@@ -123,6 +123,7 @@ HapticDevice& Session::stylus() {
 void Session::start() {
   stop_ = false;
   ended_ = false;
+  if (options_.clock) options_.clock->hold();
   thread_ = std::jthread([this] {
     try {
       ServoLoop loop(playing_ ? *playing_->device : stylus(), *backend_, ForceLaw(forceOptions(feel_), model_.scale),
@@ -130,6 +131,7 @@ void Session::start() {
                       .begin_s = next_s_,
                       .endless = true,
                       .realtime = true,
+                      .clock = options_.clock.get(),
                       .map = playing_ ? playing_->map : map_,
                       .stop = &stop_,
                       .forcesOn = &forcesOn_,
@@ -141,11 +143,13 @@ void Session::start() {
       fault_ = error.what();
     }
     ended_ = true;
+    if (options_.clock) options_.clock->leave();
   });
 }
 
 void Session::stop() {
   stop_ = true;
+  if (options_.clock) options_.clock->letGo();
   if (thread_.joinable()) thread_.join();
 }
 
@@ -181,6 +185,18 @@ std::optional<std::string> Session::follow() {
   if (failure.empty()) return std::nullopt;
   lost_ = true;
   stop();
+  return failure;
+}
+
+std::optional<std::string> Session::tickUntil(double clock_s) {
+  // The back end keeps the edits of some ticks until they are taken.
+  constexpr double kTaken_s = 0.005;
+  std::optional<std::string> failure;
+  while (!lost_ && !failure && clock_s_ < clock_s) {
+    clock_s_ = std::min(clock_s_ + kTaken_s, clock_s);
+    options_.clock->goOnTo(clock_s_);
+    failure = follow();
+  }
   return failure;
 }
 

@@ -40,6 +40,8 @@ struct SessionOptions {
   std::uint64_t undo_bytes = 1ull << 30;
   /// In a person's hand, in place of the mouse; it goes from model to model.
   std::shared_ptr<TurnedDevice> device;
+  /// Of the ticks, in place of the machine's; it goes from model to model.
+  std::shared_ptr<SteppedClock> clock;
   HapticDeviceFacts deviceFacts;
 };
 
@@ -66,6 +68,8 @@ class Session {
   /// Once for each picture: takes in what the servo thread has done, to the ticks and to the points. Says what went
   /// wrong since the last time; the session ends with it.
   std::optional<std::string> follow();
+  /// With a clock of its own: plays the ticks until then, and follows.
+  std::optional<std::string> tickUntil(double clock_s);
   const TickHistory& history() const { return history_; }
   /// Of the servo thread, where it last was; negative before its first tick.
   int servoCore() const { return feed_.core(); }
@@ -159,7 +163,7 @@ class Session {
   std::uint64_t edits_ = 0, savedVersion_ = 0;
   std::atomic<bool> forcesOn_ = true, stop_ = false, ended_ = false;
   bool lost_ = false;
-  double next_s_ = 0;
+  double next_s_ = 0, clock_s_ = 0;
   std::string fault_;  // of the servo thread, once it has ended
   struct Playing {
     std::unique_ptr<HapticDevice> device;

@@ -13,8 +13,8 @@ struct ViewCommandOptions {
   LookOptions look;
   double mm_per_unit = 0;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
-              edit = "none", device = "mouse", scheduler = "device";
-  bool rumble = false;
+              edit = "none", device = "mouse", scheduler = "device", present = "auto";
+  bool rumble = false, realtime = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
@@ -47,9 +47,16 @@ void view(Context& context, const ViewCommandOptions& options) {
     if (options.edit == name) view.tool.brush = kind;
 
   if (options.device != "mouse") hold(context, options, view.session);
+  // A person who holds a device lives in real time, also while a script plays.
+  const bool realtime = options.script.empty() || options.realtime || options.device != "mouse";
+  if (!realtime) view.session.clock = std::make_shared<SteppedClock>();
 
   Window window(view.size_px, "palpate");
-  context.showInWindows(window.extensions());
+  for (const auto& [name, presentation] : kPresentations)
+    if (options.present == name) view.presentation = presentation;
+  // Where pictures are copied nothing is asked of the window system that its driver may not survive.
+  const bool copies = view.presentation == Presentation::copy;
+  context.showInWindows(copies ? std::vector<std::string>() : window.extensions());
   const RunningThreads ours;
   Device& touch = context.device();
   // A software driver draws with the cores that would answer; the CPU's own way is quicker there.
@@ -81,8 +88,16 @@ void addView(CLI::App& app, Context& context, Command& command) {
                   "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
                   "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), quit; # comments")
       ->type_name("FILE");
+  sub->add_flag("--realtime", options->realtime,
+                "the script goes by the wall clock, as a device in a hand makes it do; otherwise each picture is 0.05 s "
+                "of it, with all the ticks of that time, on the slowest machine, too");
   sub->add_option("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name")
       ->type_name("N|NAME");
+  sub->add_option("--present", options->present,
+                  "how pictures come to the display: swapchain (the GPU presents them), copy (through the host, to an X "
+                  "display that the GPU cannot present to: remote desktops), or auto; palpate doctor says which")
+      ->check(CLI::IsMember({"auto", "swapchain", "copy"}))
+      ->capture_default_str();
   sub->add_option("--device", options->device,
                   "what moves the stylus: mouse (or keys and a gamepad); " + heldDevicesHelp())
       ->check(CLI::Validator(

@@ -13,8 +13,8 @@ namespace palpate {
 namespace {
 
 constexpr double kMessage_s = 6;  // that a message is shown
-constexpr double kLongestStep_s =
-    0.1;                          // of a script's clock in one picture: slow machines play it slowly, not coarsely
+// Of a script in real time in one picture: slow machines play it slowly, not coarsely.
+constexpr double kLongestStep_s = 0.1;
 constexpr double kIdle_s = 0.02;  // wait for events while nothing is shown
 
 }  // namespace
@@ -27,7 +27,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions opti
       gui_(window),
       panels_(gui_),
       panelPass_(sight, gui_.texture(), gui_.texture_px()),
-      swapchain_(sight, window.surface(sight), window.size_px(), true),
+      presenter_(makePresenter(window, sight, options_.presentation, true)),
       list_(sight, sight.window(), "picture", CommandList::Timing::passes),
       shown_(sight, 0, Memory::device, "shown"),
       pick_(sight, sizeof(float), Memory::readback, "picked depth"),
@@ -44,7 +44,7 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions opti
   if (!options_.models.empty()) open(options_.models.front());
 }
 
-Viewer::~Viewer() { swapchain_.waitForLast(); }
+Viewer::~Viewer() { presenter_->waitForLast(); }
 
 void Viewer::run() {
   while (!isClosed_) step();
@@ -57,10 +57,13 @@ void Viewer::step() {
   playScript();
   load();
   static constexpr double kFirst_s = 1.0 / 60;
-  const double dt_s = pictures_ms_.empty() ? kFirst_s : static_cast<double>(pictures_ms_.back()) * 1e-3;
+  const double dt_s = ownClock()             ? kScriptStep_s
+                      : pictures_ms_.empty() ? kFirst_s
+                                             : static_cast<double>(pictures_ms_.back()) * 1e-3;
   const Stopwatch watch;
   followSession();
   moveStylus(dt_s);
+  playTicks();
   draw(dt_s);
   if (closes_ && !afterQuestion_) {
     closes_ = false;
@@ -84,11 +87,13 @@ void Viewer::playScript() {
   if (nextAction_ >= script.size()) return;
   const auto waits = [&] {
     const bool savesFirst = afterQuestion_ && isSavingForIt_;  // another model follows, or the end
-    return (loader_.isLoading() || announcesMesh_ || (savesFirst && !saveQuestion_)) && !impatient_;
+    const bool saves = ownClock() && session_ && session_->isSaving();
+    return (loader_.isLoading() || announcesMesh_ || (savesFirst && !saveQuestion_) || saves) && !impatient_;
   };
-  if (waits()) return;
+  if (waits() || (ownClock() && !wasShown_)) return;
   const bool clicks = looks_ > 0 || nextAction_ < clickEnd_;  // that takes no time
-  if (pictures_ > 0 && !clicks) scriptTime_s_ += std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
+  if (pictures_ > 0 && !clicks)
+    scriptTime_s_ += ownClock() ? kScriptStep_s : std::min(kLongestStep_s, double{pictures_ms_.back()} * 1e-3);
   while (nextAction_ < script.size() && script[nextAction_].time_s <= scriptTime_s_) {
     const ScriptAction action = script[nextAction_++].action;
     act(action);
@@ -200,7 +205,7 @@ void Viewer::load() {
 
 void Viewer::install(std::unique_ptr<Session> session) {
   holdStylus(false);
-  swapchain_.waitForLast();
+  presenter_->waitForLast();
   mesh_.reset();
   scene_.reset();
   tryTo([&] {
@@ -221,11 +226,12 @@ void Viewer::install(std::unique_ptr<Session> session) {
 }
 
 void Viewer::fitCamera() {
-  const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1));
-  if (session_)
-    camera_ = Camera::fitting(session_->model().shownBounds(), window.x / window.y, 45, up(),
-                              framingOf(session_->model(), up()).margin);
   fittedUp_ = view_.up;
+  if (!session_) return;
+  const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1)), free = panels_.freeWidth_px(view_, window.x);
+  camera_ = Camera::fitting(session_->model().shownBounds(), (free.y - free.x) / window.y, 45, up(),
+                            framingOf(session_->model(), up()).margin);
+  camera_.center.x = 0.5 * (free.x + free.y) / window.x;
 }
 
 UpAxis Viewer::up() const { return view_.up.value_or(session_ ? session_->model().upright.up : UpAxis::y); }
@@ -235,12 +241,14 @@ LengthUnit Viewer::unit() const {
   return unitSaidIn(session_->model().cloud.storedAs.comments);
 }
 
+void Viewer::sayLost(const std::string& failure) { say(failure + "; what was done is kept and can be saved"); }
+
 void Viewer::followSession() {
   while (!messages_.empty() && messages_.front().since.elapsed_s() > kMessage_s) messages_.pop_front();
   if (!session_ || loader_.isRead()) return;
   const auto failure = session_->follow();
   edited_ = session_->takeBatch();
-  if (failure) say(*failure + "; what was done is kept and can be saved");
+  if (failure) sayLost(*failure);
   if (const auto fault = session_->takeRecordingFault()) say(*fault);
   if (const auto saved = session_->takeSaved()) {
     const std::string kept = saved->kept.empty() ? "" : "; what was there before is " + saved->kept;
@@ -253,6 +261,11 @@ void Viewer::followSession() {
   }
   showPaint();
   updateMesh();
+}
+
+void Viewer::playTicks() {
+  if (!ownClock() || !session_ || loader_.isRead()) return;
+  if (const auto failure = session_->tickUntil(scriptTime_s_)) sayLost(*failure);
 }
 
 void Viewer::saveTo(const std::string& file) {
@@ -350,7 +363,7 @@ void Viewer::writeState(const std::string& file) {
   Json state{{"model", session_ ? Json(session_->file()) : Json(nullptr)},
              {"points", 0},
              {"camera", {{"eye", vec(camera_.eye)}, {"target", vec(camera_.target)}, {"up", vec(camera_.up)}}},
-             {"size", {swapchain_.size_px().x, swapchain_.size_px().y}},
+             {"size", {presenter_->size_px().x, presenter_->size_px().y}},
              {"tool", nullptr},
              {"stylus", stylus_ || options_.session.device},
              {"mesh_triangles", mesh_ ? mesh_->triangleCount() : 0},

@@ -8,10 +8,10 @@
 #include "apps/view/gui.hpp"
 #include "apps/view/loader.hpp"
 #include "apps/view/panels.hpp"
+#include "apps/view/presentation.hpp"
 #include "apps/view/recent_files.hpp"
 #include "apps/view/script.hpp"
 #include "apps/view/space_mouse.hpp"
-#include "engine/gpu/swapchain.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/render/frame.hpp"
 
@@ -25,6 +25,7 @@ struct ViewOptions {
   LookOptions look;
   UVec2 size_px{1280, 720};
   std::vector<TimedAction> script;
+  std::optional<Presentation> presentation;  ///< what is found unless given
 };
 
 /// The window: shows the models, takes what a person does, and lets the person feel, sculpt and save. The force goes
@@ -68,9 +69,11 @@ class Viewer {
   void obey(const ViewWishes& wishes);
   void tryTo(const std::function<void()>& act);
   void say(const std::string& message);
+  void sayLost(const std::string& failure);
   void playLog(const std::string& log);
 
   void followSession();
+  void playTicks();
   void showPaint();
   void moveStylus(double dt_s);
   void holdStylus(bool on);
@@ -84,7 +87,7 @@ class Viewer {
   void draw(double dt_s);
   FrameOptions frameOptions() const;
   ViewStatus::ScaleBar scaleOfPicture() const;
-  PictureSize pictureSize() const { return {swapchain_.size_px().x, swapchain_.size_px().y}; }
+  PictureSize pictureSize() const { return {presenter_->size_px().x, presenter_->size_px().y}; }
   // Makes the picture of the model where it would differ from the last one.
   void recordScene(CommandList& list);
   void recordPick(CommandList& list);
@@ -97,7 +100,7 @@ class Viewer {
   void writeState(const std::string& file);
   void exportTicks();
 
-  DVec2 size() const { return DVec2(swapchain_.size_px()); }
+  DVec2 size() const { return DVec2(presenter_->size_px()); }
 
   Context& context_;
   Window& window_;
@@ -106,7 +109,7 @@ class Viewer {
   Gui gui_;
   Panels panels_;
   PanelPass panelPass_;
-  Swapchain swapchain_;
+  std::unique_ptr<Presenter> presenter_;
   CommandList list_;
   // What a picture of the model is made of: of the same comes the same picture.
   struct Scene {
@@ -170,16 +173,20 @@ class Viewer {
   std::deque<float> pictures_ms_;
   std::uint64_t pictures_ = 0, scenes_ = 0;  // shown; for which that of the model was made
   bool madeScene_ = false;                   // in this step
+  bool wasShown_ = true;                     // the last picture, unless the display had no time for it
   bool passesAreNew_ = false;                // of the last picture, not looked at yet
   double scene_ms_ = 0;                      // of the last one of these
   std::vector<PassRecord> passes_;           // of that
-  Stopwatch sinceStill_;
+  double moved_s_ = 0;  // when something did last, on clock_s()
   double fps_ = 0;
   std::string pendingScreenshot_;
   bool tellsOfScreenshot_ = true;
 
   std::optional<SpaceMouse> spaceMouse_;  // unless a script plays or a device is held
 
+  // Under a script that goes by a clock of its own each picture is one step of it.
+  bool ownClock() const { return options_.session.clock != nullptr; }
+  static constexpr double kScriptStep_s = 0.05;
   // A person's, or the script's.
   double clock_s() const { return options_.script.empty() ? sinceStart_.elapsed_s() : scriptTime_s_; }
   Stopwatch sinceStart_;

@@ -259,11 +259,13 @@ void Viewer::moveStylus(double dt_s) {
     planeDepth_ = picked_.depth;
     planePlace_px_ = picked_.place_px;
   }
-  if (planeDepth_ == 0) planeDepth_ = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
+  // Until then a guess, which must not hold the stylus back from the surface once that is seen.
+  double depth = planeDepth_ > 0 ? planeDepth_ : picked_.depth;
+  if (!(depth > 0)) depth = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
   double inward_mm = -hover_mm_;
   if (pressing_) inward_mm = view_.press_mm + extraPress_mm_;
   if (padPress_ != 0) inward_mm = -hover_mm_ + padPress_ * (hover_mm_ + view_.press_mm);
-  const DVec3 place = camera_.unproject(cursor_px_, planeDepth_, size());
+  const DVec3 place = camera_.unproject(cursor_px_, depth, size());
   const DVec3 along = glm::normalize(place - camera_.eye);
   session_->aim(session_->model().cloud.origin + place + scale.toUnits(inward_mm) * along);
 }

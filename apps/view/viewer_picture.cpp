@@ -116,9 +116,10 @@ void Viewer::takePick() {
 
 void Viewer::draw(double dt_s) {
   const UVec2 window_px = window_.size_px();
-  if (window_px != swapchain_.size_px() || view_.waitsForDisplay != swapchain_.waitsForDisplay())
-    swapchain_.change(window_px, view_.waitsForDisplay);
-  const UVec2 size_px = swapchain_.size_px();
+  if (window_px != presenter_->size_px() || view_.waitsForDisplay != presenter_->waitsForDisplay())
+    presenter_->change(window_px, view_.waitsForDisplay);
+  const UVec2 size_px = presenter_->size_px();
+  wasShown_ = true;
   if (size_px.x == 0 || size_px.y == 0) return;
 
   gui_.begin(size_px, dt_s);
@@ -127,13 +128,14 @@ void Viewer::draw(double dt_s) {
   obey(wishes);
   applySettings();
   // What the last picture was made of is written anew from here on.
-  swapchain_.waitForLast();
+  presenter_->waitForLast();
   if (frame_ && pictures_ > 0 && session_) takePick();
   if (session_) session_->drawn().closeSurface();
 
   const bool moves = drag_ != Drag::none || (session_ && !edited_.points.empty()) || stylus_;
-  if (moves) sinceStill_ = Stopwatch();
-  const bool still = sinceStill_.elapsed_s() > kStill_s;
+  if (moves) moved_s_ = clock_s();
+  // By a clock of its own a script sees the same pictures on any machine.
+  const bool still = ownClock() || clock_s() - moved_s_ > kStill_s;
   if (still)
     shrink_ = 1;
   else if (scene_ms_ > kSlow_ms && shrink_ < 3)
@@ -154,13 +156,13 @@ void Viewer::draw(double dt_s) {
     // A software driver hands the picture to the display in one long call; the servo thread may need its core
     // meanwhile.
     const AwayFromCore away(session_ && sight_.isCpu() ? session_->servoCore() : -1);
-    swapchain_.show(list_, shown_, [&] {
+    wasShown_ = presenter_->show(list_, shown_, [&] {
       if (hasPicture) {
         recordScene(list_);
         recordPick(list_);
       }
       panelPass_.record(list_, hasPicture ? &frame_->image() : nullptr, shrink_, shapes, size_px, shown_,
-                        view_.dark ? kDark : kLight, swapchain_.blueFirst());
+                        view_.dark ? kDark : kLight, presenter_->blueFirst());
     });
   }
   if (!pendingScreenshot_.empty()) {
@@ -173,7 +175,7 @@ void Viewer::draw(double dt_s) {
 }
 
 void Viewer::writeShown(const std::string& file, const UVec2& size_px) {
-  swapchain_.waitForLast();
+  presenter_->waitForLast();
   Image image{size_px.x, size_px.y, {}};
   image.rgba.resize(std::size_t{size_px.x} * size_px.y);
   const Buffer staging(sight_, shown_.bytes(), Memory::readback, "screenshot");
@@ -183,7 +185,7 @@ void Viewer::writeShown(const std::string& file, const UVec2& size_px) {
   list.end();
   sight_.window().run(list);
   std::memcpy(image.rgba.data(), staging.mapped<std::byte>().data(), shown_.bytes());
-  if (swapchain_.blueFirst())
+  if (presenter_->blueFirst())
     for (auto& pixel : image.rgba) std::swap(pixel[0], pixel[2]);
   writeImage(file, image);
 }
@@ -217,7 +219,7 @@ ViewStatus Viewer::status() {
   status.models = options_.models;
   status.recent = recent_.files();
   if (session_) status.model = session_->file();
-  if (session_ && view_.scaleBar && swapchain_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+  if (session_ && view_.scaleBar && presenter_->size_px().x > 0) status.scaleBar = scaleOfPicture();
   if (session_) status.upright = session_->model().upright;
   status.unit = unit();
   if (session_ && view_.color == ColorBy::height) status.heights = heightsOf(session_->model(), up());
@@ -231,8 +233,8 @@ ViewStatus Viewer::status() {
   status.meshTriangles = mesh_ ? mesh_->triangleCount() : 0;
   status.pictures_ms = &pictures_ms_;
   status.fps = fps_;
-  if (pictures_ > 0 && swapchain_.size_px().x > 0) {
-    swapchain_.waitForLast();
+  if (pictures_ > 0 && presenter_->size_px().x > 0) {
+    presenter_->waitForLast();
     if (std::exchange(passesAreNew_, false)) passes_ = list_.passes();
     status.passes = passes_;
   }

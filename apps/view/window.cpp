@@ -2,6 +2,7 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <utility>
@@ -67,9 +68,10 @@ void listen(GLFWwindow* window) {
 
 }  // namespace
 
-Window::Window(const UVec2& size_px, const std::string& title) {
+Window::Window(const UVec2& size_px, const std::string& title, bool visible) {
   if (!glfwInit()) throw failure("no window system");
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  glfwWindowHint(GLFW_VISIBLE, visible ? GLFW_TRUE : GLFW_FALSE);
   window_ = glfwCreateWindow(static_cast<int>(size_px.x), static_cast<int>(size_px.y), title.c_str(), nullptr, nullptr);
   if (!window_) {
     const Error error = failure("no window");
@@ -88,15 +90,22 @@ Window::~Window() {
 std::vector<std::string> Window::extensions() const {
   std::uint32_t count = 0;
   const char** names = glfwGetRequiredInstanceExtensions(&count);
-  if (!names) throw failure("this window system has no way to show pictures of Vulkan");
+  if (!names) return {};
   return {names, names + count};
 }
 
-VkSurfaceKHR Window::surface(Device& device) const {
+VkSurfaceKHR Window::surface(const Instance& instance) const {
   VkSurfaceKHR surface = VK_NULL_HANDLE;
-  device.check(glfwCreateWindowSurface(device.instance().handle(), window_, nullptr, &surface),
-               "glfwCreateWindowSurface");
+  checkVk(glfwCreateWindowSurface(instance.handle(), window_, nullptr, &surface), "glfwCreateWindowSurface", "GLFW");
   return surface;
+}
+
+std::optional<X11Window> Window::x11() const {
+  // Looked up by name: GLFW for Wayland, under the same name of a library, has none of these.
+  const auto display = reinterpret_cast<void* (*)()>(::dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
+  const auto window = reinterpret_cast<unsigned long (*)(GLFWwindow*)>(::dlsym(RTLD_DEFAULT, "glfwGetX11Window"));
+  if (!display || !window || !display()) return std::nullopt;
+  return X11Window{display(), window(window_)};
 }
 
 std::vector<WindowEvent> Window::takeEvents(double wait_s) {

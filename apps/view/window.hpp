@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "apps/view/events.hpp"
+#include "apps/view/x11_canvas.hpp"
 #include "engine/gpu/device.hpp"
 
 struct GLFWwindow;
@@ -21,14 +22,17 @@ struct Gamepad {
 /// The window system, and one window on it. Throws Error where there is no display.
 class Window {
  public:
-  Window(const UVec2& size_px, const std::string& title);
+  /// One that is not visible only tells what could be shown.
+  Window(const UVec2& size_px, const std::string& title, bool visible = true);
   ~Window();
   Window(const Window&) = delete;
   Window& operator=(const Window&) = delete;
 
-  /// The instance extensions that surface() needs.
+  /// The instance extensions that surface() needs; none where there is no way to show pictures of Vulkan.
   std::vector<std::string> extensions() const;
-  VkSurfaceKHR surface(Device& device) const;
+  VkSurfaceKHR surface(const Instance& instance) const;
+  /// Where it is one of an X server.
+  std::optional<X11Window> x11() const;
 
   /// What has happened since the last call; waits for something for `wait_s` at most.
   std::vector<WindowEvent> takeEvents(double wait_s = 0);

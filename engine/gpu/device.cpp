@@ -11,14 +11,6 @@ namespace palpate {
 
 namespace {
 
-std::vector<VkQueueFamilyProperties> queueFamilies(VkPhysicalDevice device) {
-  std::uint32_t count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(count);
-  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
-  return families;
-}
-
 bool hasExtension(VkPhysicalDevice device, const char* name) {
   std::uint32_t count = 0;
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
@@ -28,6 +20,16 @@ bool hasExtension(VkPhysicalDevice device, const char* name) {
 }
 
 }  // namespace
+
+std::vector<VkQueueFamilyProperties> queueFamiliesOf(VkPhysicalDevice device) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+  return families;
+}
+
+bool canMakeSwapchains(VkPhysicalDevice device) { return hasExtension(device, VK_KHR_SWAPCHAIN_EXTENSION_NAME); }
 
 std::vector<GpuDescription> describeGpus(const Instance& instance) {
   std::vector<GpuDescription> gpus;
@@ -41,7 +43,8 @@ std::vector<GpuDescription> describeGpus(const Instance& instance) {
 
 Device::Device(const DeviceOptions& options)
     : instance_(std::make_unique<Instance>(options.validate, options.windowExtensions)),
-      shows_(!options.windowExtensions.empty()) {
+      shows_(options.shows),
+      presents_(!options.windowExtensions.empty()) {
   std::string selector = options.gpu;
   if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
   const auto gpus = describeGpus(*instance_);
@@ -69,7 +72,7 @@ Device::Device(const DeviceOptions& options)
 }
 
 void Device::createLogicalDevice(QueueArrangement arrangement) {
-  const auto roles = chooseQueues(queueFamilies(physical_), arrangement);
+  const auto roles = chooseQueues(queueFamiliesOf(physical_), arrangement);
   if (!roles) throw GpuError("{} has no queue that computes; choose another GPU with --gpu", name_);
   roles_ = *roles;
 
@@ -126,11 +129,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
-  if (shows_) {
-    if (!hasExtension(physical_, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
-      throw GpuError("{} cannot show pictures in a window; choose another GPU", name_);
-    extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
-  }
+  if (presents_ && canMakeSwapchains(physical_)) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
                                 .flags = 0,
@@ -188,7 +187,7 @@ Device::~Device() {
 }
 
 std::uint64_t Device::timestampMask(std::uint32_t queueFamily) const {
-  const std::uint32_t bits = queueFamilies(physical_).at(queueFamily).timestampValidBits;
+  const std::uint32_t bits = queueFamiliesOf(physical_).at(queueFamily).timestampValidBits;
   return bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
 }
 

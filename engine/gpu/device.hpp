@@ -15,9 +15,13 @@ struct DeviceOptions {
   std::string gpu;        ///< number or part of a name; empty: PALPATE_GPU, else the best there is
   bool validate = false;  ///< core, synchronisation and GPU-assisted validation
   QueueArrangement queues = QueueArrangement::separate;
-  /// Of the instance, for a device that shows its pictures in a window; empty for one that does not.
+  bool shows = false;  ///< pictures in a window: it has a queue for the thread that shows them
+  /// Of the instance, for a device that may present them to the window system itself.
   std::vector<std::string> windowExtensions = {};
 };
+
+std::vector<VkQueueFamilyProperties> queueFamiliesOf(VkPhysicalDevice device);
+bool canMakeSwapchains(VkPhysicalDevice device);
 
 /// A GPU in use: its logical device, its three queue roles and its limits. Everything made from it must go before it.
 class Device {
@@ -96,7 +100,7 @@ class Device {
   bool hasWideAtomics_ = false, hasClock_ = false;
   VkDriverId driverId_ = {};
   std::uint64_t largestBuffer_ = 0;
-  bool draws_ = false, shows_ = false;
+  bool draws_ = false, shows_ = false, presents_ = false;
   QueueRoles roles_;
   VkDevice device_ = VK_NULL_HANDLE;
   VolkDeviceTable table_{};

@@ -42,7 +42,7 @@ VkPresentModeKHR modeOf(const Device& device, VkSurfaceKHR surface, bool waitsFo
 }  // namespace
 
 Swapchain::Swapchain(Device& device, VkSurfaceKHR surface, const UVec2& size_px, bool waitsForDisplay)
-    : device_(device), surface_(surface), wanted_px_(size_px), waitsForDisplay_(waitsForDisplay) {
+    : Presenter(UVec2(0), waitsForDisplay), device_(device), surface_(surface), wanted_px_(size_px) {
   try {
     if (!device.window().canPresent(surface))
       throw GpuError("{} cannot show pictures in this window; choose another GPU", device.name());
@@ -134,6 +134,17 @@ void Swapchain::change(const UVec2& size_px, bool waitsForDisplay) {
   if (!stale_) return;
   device_.waitIdle();
   make();
+}
+
+bool Swapchain::show(CommandList& list, const Buffer& picture, const std::function<void()>& record) {
+  const auto image = acquire();
+  if (!image) return false;
+  list.begin();
+  record();
+  list.show(picture, images_[*image], size_px_);
+  list.end();
+  present(list, *image);
+  return true;
 }
 
 std::optional<std::uint32_t> Swapchain::acquire() {

@@ -190,7 +190,7 @@ double Camera::focal_px(double height_px) const { return 0.5 * height_px / std::
 
 DVec3 Camera::unproject(const DVec2& place_px, double depth, const DVec2& size_px) const {
   const Axes a = axes();
-  const DVec2 offset = depth / focal_px(size_px.y) * (place_px - size_px / 2.0);
+  const DVec2 offset = depth / focal_px(size_px.y) * (place_px - center * size_px);
   return eye + depth * a.forward + offset.x * a.right - offset.y * a.up;
 }
 
@@ -200,7 +200,8 @@ std::optional<DVec3> Camera::project(const DVec3& position, const DVec2& size_px
   const double depth = glm::dot(p, a.forward);
   if (depth < nearDepth) return std::nullopt;
   const double scale = focal_px(size_px.y) / depth;
-  return DVec3(size_px.x / 2 + scale * glm::dot(p, a.right), size_px.y / 2 - scale * glm::dot(p, a.up), depth);
+  const DVec2 middle_px = center * size_px;
+  return DVec3(middle_px.x + scale * glm::dot(p, a.right), middle_px.y - scale * glm::dot(p, a.up), depth);
 }
 
 Mat4 Camera::view() const {
@@ -220,6 +221,8 @@ Mat4 Camera::projection(double aspect) const {
   Mat4 m(0);
   m[0][0] = static_cast<float>(f / aspect);
   m[1][1] = static_cast<float>(-f);
+  m[2][0] = static_cast<float>(1 - 2 * center.x);  // depth is the negative of z
+  m[2][1] = static_cast<float>(1 - 2 * center.y);
   m[2][2] = static_cast<float>(-farDepth / range);
   m[2][3] = -1;
   m[3][2] = static_cast<float>(-farDepth * nearDepth / range);

@@ -25,6 +25,7 @@ struct Camera {
   double fov_deg = 45;      ///< vertical
   double nearDepth = 0.01;  ///< nothing closer is drawn
   double farDepth = 100;    ///< for projection() only
+  DVec2 center{0.5};        ///< where the target appears: shares of the picture's width and height, from the top left
 
   bool operator==(const Camera&) const = default;
 

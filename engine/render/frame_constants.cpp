@@ -38,7 +38,7 @@ shared::RenderView viewOf(const Camera& camera, const FrameSize& size) {
           .supersample = size.supersample,
           .forward = Vec3(axes.forward),
           .unused = 0,
-          .center_px = 0.5f * Vec2(size_px),
+          .center_px = Vec2(camera.center * DVec2(size_px)),
           .size_px = size_px};
 }
 
@@ -98,7 +98,7 @@ std::array<DVec2, 2> boxOf(const Overlays::Ball& ball, const Camera& camera, con
   constexpr double kSlack_px = 4;  // lines have a least width
   const double reach_px =
       focal_px * (ball.radius + glm::length(aside)) / nearest - focal_px * glm::length(aside) / depth + kSlack_px;
-  const DVec2 at_px = 0.5 * size_px + focal_px / depth * aside;
+  const DVec2 at_px = camera.center * size_px + focal_px / depth * aside;
   return {at_px - reach_px, at_px + reach_px};
 }
 

@@ -16,7 +16,7 @@ void checkRow(const nlohmann::json& row) {
   CHECK(row["step_us"]["n"] == row["ticks"]);
   CHECK(row["step_us"]["p50"] > 0);
   CHECK(row["step_us"]["max"] >= row["step_us"]["p999"].get<double>());
-  CHECK(row["contact_ticks"] > 20);
+  CHECK(row["contact_ticks"] > 0);
   const bool sculpts = situation.ends_with("sculpting");
   CHECK((row["edits"] > 0) == sculpts);
   CHECK((row["states_made"] > 0) == sculpts);

@@ -45,7 +45,7 @@ Compared compare(const std::vector<Row>& a, const std::vector<Row>& b) {
 
 TEST_CASE("the loop through a driver feels what the simulated Touch feels, and its log runs again") {
   const Scene scene;
-  const FakeDriver driver("fake_hd", "skip 1\nlead 0.5", kHand);
+  const FakeDriver driver("fake_hd", "hurry\nskip 1\nlead 0.5", kHand);
   const std::string hand = (driver.folder() / "hand.csv").string();
   works(scene.touch("--device sim --map identity --path " + hand + " --trace " + scene.file("sim.csv")));
   works(scene.held("--trace " + scene.file("held.csv") + " --log " + scene.file("log") + " --json " +
@@ -70,7 +70,7 @@ TEST_CASE("the loop through a driver feels what the simulated Touch feels, and i
 
 TEST_CASE("button 1 of a stylus sculpts") {
   const Scene scene;
-  std::string script = "lead 0.5";
+  std::string script = "hurry\nlead 0.5";
   bool pressed = false;
   SUBCASE("not without") {}
   SUBCASE("while it is pressed") {
@@ -86,12 +86,12 @@ TEST_CASE("button 1 of a stylus sculpts") {
 
 TEST_CASE("a device that fails in mid-touch leaves the trace, no force, and the driver's reason") {
   const Scene scene;
-  const FakeDriver driver("fake_hd", "lead 0.5\nfault error 770 0.95", kHand);
+  const FakeDriver driver("fake_hd", "hurry\nlead 0.5\nfault error 770 0.95", kHand);
   const Outcome outcome = palpate(scene.held("--trace " + scene.file("t.csv")));
   CHECK(outcome.code == 1);
   CHECK(says(outcome.text, "palpate: Touch: no communication with the device (0x0302); check cable and power"));
   const auto rows = readTrace(scene.folder / "t.csv");
-  REQUIRE(rows.size() > 500);
+  REQUIRE(rows.size() > 50);
   CHECK(rows.back().force == DVec3(0));
   CHECK(driver.lastForce_N() == DVec3(0));
   CHECK(driver.note().mostForce_N > 0.1);
@@ -114,10 +114,10 @@ TEST_CASE("a session that is interrupted or that crashes leaves no force behind"
 
 TEST_CASE("a Force Dimension is felt through its own library") {
   const Scene scene;
-  const FakeDriver driver("fake_dhd", "lead 0.5", kHand);
+  const FakeDriver driver("fake_dhd", "hurry\nlead 0.5", kHand);
   works(scene.held("--json " + scene.file("out.json"), "dhd"));
   CHECK(driver.note().mostForce_N > 0.3);
-  CHECK(jsonOf(scene.folder / "out.json")["contact_ticks"].get<int>() > 100);
+  CHECK(jsonOf(scene.folder / "out.json")["contact_ticks"].get<int>() > 10);
 }
 
 TEST_CASE("without a library, with a broken or an old one, a sentence says what to do") {
@@ -277,15 +277,21 @@ TEST_CASE("a 3D mouse pushes the stylus into the model, is unplugged, and comes 
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   CHECK(says(outcome.text, "the stylus is SpaceMouse Compact"));
   const auto rows = readTrace(scene.folder / "t.csv");
-  REQUIRE(rows.size() > 2000);
-  const auto at = [&](double t_s) {
-    return *std::ranges::min_element(rows, {}, [&](const Row& row) { return std::abs(row.t_s - t_s); });
+  REQUIRE(rows.size() > 100);
+  CHECK(rows.front().hip.z > 31);  // before the sphere
+  CHECK(glm::length(rows.front().force) == 0);
+  const auto felt = std::ranges::find_if(rows, [](const Row& row) { return row.force.z > 0.1; });  // in it
+  REQUIRE(bool(felt != rows.end()));
+  // While nobody holds it, it rests without a force.
+  const auto rests = [&](auto from) {
+    const auto moves = std::find_if(from, rows.end(), [&](const Row& row) {
+      return glm::length(row.force) > 0 || glm::distance(row.hip, from->hip) >= 0.2;
+    });
+    return (moves - 1)->t_s - from->t_s > 0.25;
   };
-  CHECK(at(0.5).hip.z > 31);  // before the sphere, where it began
-  CHECK(glm::length(at(0.5).force) == 0);
-  CHECK(at(1.9).force.z > 0.1);            // in it
-  CHECK(glm::length(at(2.5).force) == 0);  // nobody holds it
-  CHECK(glm::distance(at(2.3).hip, at(2.55).hip) < 0.2);
+  bool rested = false;
+  for (auto row = felt + 1; row != rows.end() && !rested; ++row) rested = glm::length(row->force) == 0 && rests(row);
+  CHECK(rested);
   CHECK(outcome.text.find("SpaceMouse Compact") != outcome.text.rfind("SpaceMouse Compact"));  // it is told of again
 }
 

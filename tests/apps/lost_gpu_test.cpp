@@ -9,23 +9,25 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 20000 -o " + model);
+  // Longer than a busy machine takes to that submission, when it leaves ticks out.
+  std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,53\n0.6,0,0,53\n0.8,0,0,47\n120,0,0,47\n";
+  const std::string path = "--path " + (folder / "long.csv").string() + " --realtime ";
   for (const std::string when : {"submit:200", "fence:200"})
-    for (const std::string way :
-         {"", "--realtime", "--realtime --edit push --penetration 4 --picture PICTURE --size 160x100"}) {
+    for (const std::string& way :
+         {std::string("--path builtin:press"), path, path + "--edit push --picture PICTURE --size 160x100"}) {
       CAPTURE(when);
       CAPTURE(way);
       std::string options = way;
       if (const auto at = options.find("PICTURE"); at != std::string::npos)
         options.replace(at, 7, (folder / "p.png").string());
       const LostGpuLayer layer(when);
-      const Outcome outcome =
-          palpate("touch " + model + " --device sim --path builtin:press --quiet --trace " + trace + " " + options);
+      const Outcome outcome = palpate("touch " + model + " --device sim --quiet --trace " + trace + " " + options);
       CHECK(outcome.code == 1);
       CHECK(outcome.text.find("VK_ERROR_DEVICE_LOST") != std::string::npos);
       CHECK(outcome.text.find("the GPU stopped; start again") != std::string::npos);
       CHECK(std::ranges::count(outcome.text, '\n') == 1);
       const auto rows = readTrace(trace);
-      REQUIRE(rows.size() > 100);
+      REQUIRE(rows.size() > 10);
       CHECK(rows.back().force == DVec3(0));
       CHECK_FALSE(std::filesystem::exists(folder / "p.png"));
       std::filesystem::remove(trace);

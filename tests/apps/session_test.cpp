@@ -284,7 +284,7 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   const Scene scene(60, 2'000);  // 12 s of taps
   RunningProgram session(scene.touch("--backend cpu --realtime --log " + scene.file("log")), scene.folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(scene.folder / "log"), contentOf(scene.folder / "said"));
-  std::this_thread::sleep_for(std::chrono::milliseconds(3000));
+  std::this_thread::sleep_for(std::chrono::milliseconds(5000));
   REQUIRE_MESSAGE(WIFSIGNALED(session.wait(SIGKILL)), contentOf(scene.folder / "said"));
   const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("t.csv"));
   CHECK(json["ended"] == false);
@@ -292,7 +292,7 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   const bool tells = said.text.find("session's end; what came after") != said.text.npos;
   CHECK_MESSAGE((tells || says(said.text, "it is torn at byte")), said.text);
   CHECK(json["edits"] > 0);                                   // a busy machine leaves most of them out
-  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 3 s and more
+  CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 5 s and more, on a machine with other work to do
   replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
 }

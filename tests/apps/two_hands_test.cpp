@@ -82,8 +82,8 @@ TEST_CASE("two styluses of one driver, one for each hand") {
     script = "\nfault error 770 0.95";
     fault = "palpate: Right Device: no communication with the device (0x0302); check cable and power";
   }
-  const FakeDriver left("fake_hd", "lead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
-  const SecondFakeStylus right("lead 0.5" + script, "0,40,0,0\n0.4,28.5,0,0\n");
+  const FakeDriver left("fake_hd", "hurry\nlead 0.5", "0,0,40,0\n0.4,0,28.5,0\n");
+  const SecondFakeStylus right("hurry\nlead 0.5" + script, "0,40,0,0\n0.4,28.5,0,0\n");
   const Outcome outcome = palpate(scene.touch(
       "--device openhaptics:Left\\ Device --second-device openhaptics:Right\\ Device --realtime --map identity "
       "--duration 1.2 --trace " +
@@ -99,7 +99,7 @@ TEST_CASE("two styluses of one driver, one for each hand") {
   }
   const auto first = readTrace(scene.folder / "first.csv"), second = readTrace(scene.folder / "second.csv");
   REQUIRE(first.size() == second.size());
-  REQUIRE(first.size() > 400);
+  REQUIRE(first.size() > 50);
   const std::size_t at = first.size() - 2;
   CHECK(first[at].t_s == second[at].t_s);
   CHECK(first[at].force.y > 0.1);

@@ -78,6 +78,56 @@ TEST_CASE("the curves pause, and go to CSV files, none over another") {
   CHECK(readTrace(folder / "sphere-ticks-2.csv").size() > rows.size());
 }
 
+TEST_CASE("the model stands in the middle of what the panels leave free, in dark and in light") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply", R"(
+0.4 screenshot %/large.png
+0.5 resize 600 400
+0.9 key r
+1.2 screenshot %/small.png
+1.3 key tab
+1.4 key r
+1.7 screenshot %/bare.png
+1.8 key tab
+1.9 click Look
+2.1 click dark
+2.4 screenshot %/light.png
+2.5 quit
+)",
+                           "", makeTwo);
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  // Columns that have something of the model, which alone is brown.
+  const auto columnsOf = [&](const char* name) {
+    const Picture picture(played->folder.path() / name);
+    std::pair<int, int> columns{picture.width, 0};
+    for (int y = 0; y < picture.height; ++y)
+      for (int x = 0; x < picture.width; ++x)
+        if (const auto p = picture.at(x, y); p[0] > p[1] + 15 && p[1] > p[2] + 8)
+          columns = {std::min(columns.first, x), std::max(columns.second, x)};
+    return columns;
+  };
+  const auto checkMiddle = [&](const char* name, int expected) {
+    CAPTURE(name);
+    const auto [first, last] = columnsOf(name);
+    CAPTURE(first);
+    CAPTURE(last);
+    CHECK(std::abs((first + last) / 2 - expected) < 8);
+    CHECK(last - first > 150);
+  };
+  checkMiddle("large.png", (276 + 1011) / 2);  // curves on the other side
+  checkMiddle("small.png", (276 + 600) / 2);
+  CHECK(columnsOf("small.png").first > 276);
+  checkMiddle("bare.png", 300);
+  // The boxes to tick stand out from the light panel: some line of it is darker than both of its neighbours.
+  const Picture light(played->folder.path() / "light.png");
+  int lines = 0;
+  for (int x = 12; x < 30; ++x)
+    for (int y = 20; y < 390; ++y)
+      if (light.at(x, y)[0] + 20 < light.at(x, y - 1)[0] && light.at(x, y)[0] + 20 < light.at(x, y + 1)[0]) ++lines;
+  CHECK(lines > 40);
+}
+
 TEST_CASE("another model is not opened over changes before the person has said what becomes of them") {
   if (!hasDisplay()) return;
   const auto played = play("%/sphere.ply --size 800x600 --edit push", std::string(kStroke) + R"(

@@ -56,6 +56,8 @@ void FakeDevice::read(const std::filesystem::path& script) {
       words >> options.lead_s;
     } else if (what == "skip") {
       words >> skip_;
+    } else if (what == "hurry") {
+      hurries_ = true;
     } else if (what == "turn") {
       words >> turn_.w >> turn_.x >> turn_.y >> turn_.z;
     } else if (what == "button") {
@@ -91,7 +93,14 @@ const FakeFault* FakeDevice::faultNow(const std::string& name) const {
 }
 
 void FakeDevice::advance(double dt_s) {
-  const std::uint64_t frame = note_->frames++;
+  std::uint64_t frame = note_->frames;
+  if (hurries_ && frame > skip_) {
+    constexpr double kBehind_s = 0.05;
+    if (!sinceFirst_) sinceFirst_.emplace();
+    const double due = static_cast<double>(skip_ + 1) + sinceFirst_->elapsed_s() / dt_s;
+    if (due > static_cast<double>(frame) + kBehind_s / dt_s) frame = static_cast<std::uint64_t>(due);
+  }
+  note_->frames = frame + 1;
   time_s_ = frame < skip_ ? 0 : static_cast<double>(frame - skip_) * dt_s;
   position_mm_ = touch_->read(time_s_).position;
   for (int k = 0; k < 3; ++k) note_->position_mm[k] = position_mm_[k];

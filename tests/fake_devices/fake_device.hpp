@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/clock.hpp"
 #include "haptics/devices/simulated_touch.hpp"
 
 namespace palpate {
@@ -19,6 +20,8 @@ namespace palpate {
 ///   map SCALE X Y Z      where the model lies in the device's space
 ///   lead S               the hand waits so long
 ///   skip N               the clock stands still for the first N frames
+///   hurry                the hand goes by the wall clock once frames have fallen behind that, as a person's does; else
+///                        it is as slow as they are
 ///   button BIT AT_S FOR_S
 ///   turn W X Y Z         how the stylus is held
 ///   note FILE            what happened, as a FakeNote
@@ -72,6 +75,8 @@ class FakeDevice {
   std::vector<FakeFault> faults_;
   std::vector<Press> presses_;
   std::uint64_t skip_ = 0;
+  bool hurries_ = false;
+  std::optional<Stopwatch> sinceFirst_;  // frame after those that are skipped, and the one that may be read at opening
   DQuat turn_{1, 0, 0, 0};
   std::atomic<double> time_s_ = 0;  // the scheduler looks, too
   DVec3 position_mm_{0};

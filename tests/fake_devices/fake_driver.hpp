@@ -63,6 +63,11 @@ class FakeStylus {
     const FakeNote seen = note();
     return {seen.force_N[0], seen.force_N[1], seen.force_N[2]};
   }
+  bool waitForZero() const {
+    for (int i = 0; i < 20'000 && lastForce_N() != DVec3(0); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return lastForce_N() == DVec3(0);
+  }
   /// Waits for a force of at least `least_N` and returns it: the stylus bounces, so that another look may find less.
   double waitForForce_N(double least_N) const {
     double felt_N = 0;

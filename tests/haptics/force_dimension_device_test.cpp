@@ -15,8 +15,9 @@ const char* const kPressing = "0,0,26,0\n0.1,0,26,0\n0.4,0,18,0\n";
 ServoResult feel(double duration_s = 0.6) {
   ForceDimensionDevice device;
   SphereContact sphere(20);
+  SteppedClock clock;
   ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
-                 {.duration_s = duration_s, .realtime = true});
+                 {.duration_s = duration_s, .realtime = true, .clock = &clock});
   return loop.run();
 }
 

@@ -301,8 +301,12 @@ TEST_CASE("a session with a 3D mouse runs through an unplugging without a missed
   SphereContact sphere(20);
   ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 2, .realtime = true});
   std::jthread hand([&](const std::stop_token& stop) {
-    for (int i = 0; !stop.stop_requested(); ++i) {
-      if (i == 150) hid->unplug(kPath);
+    const Stopwatch watch;
+    for (bool plugged = true; !stop.stop_requested();) {
+      if (plugged && watch.elapsed_s() > 1) {
+        hid->unplug(kPath);
+        plugged = false;
+      }
       hid->report(kPath, pushed({0, 0, -0.9}));
       std::this_thread::sleep_for(std::chrono::milliseconds(8));
     }

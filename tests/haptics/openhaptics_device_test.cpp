@@ -4,6 +4,7 @@
 #include <atomic>
 #include <thread>
 
+#include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
@@ -22,11 +23,13 @@ struct Felt {
   DeviceLimits limits;
 };
 
+// A tick of the session is one of the driver, however seldom that comes to one.
 Felt feel(const OpenHapticsOptions& options = {}, double duration_s = 0.6) {
   OpenHapticsDevice device(options);
   SphereContact sphere(kRadius);
+  SteppedClock clock;
   ServoLoop loop(device, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
-                 {.duration_s = duration_s, .realtime = true});
+                 {.duration_s = duration_s, .realtime = true, .clock = &clock});
   Felt felt{.result = loop.run(), .limits = device.limits()};
   return felt;
 }
@@ -76,18 +79,16 @@ TEST_CASE("the closed loop through the driver is that of the simulated Touch") {
   SphereContact sphere(kRadius);
   ServoLoop loop(touch, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}), {.duration_s = 0.7});
   const Trace expected = loop.run().trace;
-  double most_N = 0;
-  std::size_t compared = 0;
-  for (const TraceRow& row : felt.result.trace.rows) {
-    const auto tick = static_cast<std::size_t>(std::llround(row.time_s * 1000));
-    if (tick != compared) break;  // a tick was missed: from there on the hands differ
-    CHECK(glm::distance(row.force_N, expected.rows[tick].force_N) <= 1e-6);
-    most_N = std::max(most_N, glm::length(row.force_N));
-    ++compared;
+  CHECK(felt.result.trace.missedTicks == 0);
+  const auto& rows = felt.result.trace.rows;
+  REQUIRE(rows.size() == 700);
+  double most_N = 0, worst_N = 0;
+  for (std::size_t tick = 0; tick < rows.size(); ++tick) {
+    worst_N = std::max(worst_N, glm::distance(rows[tick].force_N, expected.rows[tick].force_N));
+    most_N = std::max(most_N, glm::length(rows[tick].force_N));
   }
-  if (compared < 700) MESSAGE("compared up to the first missed tick, " << compared << " of 700");
-  CHECK((compared == 700 || felt.result.trace.missedTicks > 0));
-  if (compared == 700) CHECK(most_N > 0.2);
+  CHECK(worst_N <= 1e-6);
+  CHECK(most_N > 0.2);
 }
 
 TEST_CASE("the first device that the driver knows is taken, or the one that is named") {
@@ -188,7 +189,8 @@ TEST_CASE("an error of the driver in mid-touch does to the force what it means")
     const FakeDriver driver("fake_hd", "fault temperature 0.97 0.3", kPressing);
     OpenHapticsDevice device({});
     SphereContact sphere(kRadius);
-    ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.6, .realtime = true});
+    SteppedClock clock;
+    ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = 0.6, .realtime = true, .clock = &clock});
     const ServoResult result = loop.run();
     CHECK_FALSE(result.deviceFailed);
     CHECK(device.motorTemperature() == 0.97);
@@ -276,8 +278,15 @@ TEST_CASE("an emergency stop from another thread waits for the driver to send th
                  {.duration_s = 30, .realtime = true, .stop = &stop});
   std::thread session([&] { loop.run(); });
   CHECK(driver.waitForForce_N(0.1) >= 0.1);
+  const Stopwatch watch;
   device.emergencyStop();
-  CHECK(driver.lastForce_N() == DVec3(0));
+  const double waited_us = watch.elapsed_us();
+  if (driver.lastForce_N() != DVec3(0)) {
+    // It may wait for some ticks, not for ever.
+    MESSAGE("this machine is too busy: no tick of the driver in " << waited_us << " us");
+    CHECK(waited_us >= 5000);
+  }
+  CHECK(driver.waitForZero());
   stop = true;
   session.join();
 }

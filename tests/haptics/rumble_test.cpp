@@ -167,7 +167,7 @@ TEST_CASE("reports go out at a modest rate, however wild the force") {
     std::this_thread::sleep_for(std::chrono::microseconds(300));
   }
   CHECK(scene.hid->sent(kPad).size() > 3);
-  CHECK(scene.hid->sent(kPad).size() < 60);
+  CHECK(static_cast<double>(scene.hid->sent(kPad).size()) < 120 * watch.elapsed_s());
 }
 
 TEST_CASE("a gamepad that is unplugged rumbles again when it is back, and a stop without one is no harm") {

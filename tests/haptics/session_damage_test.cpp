@@ -215,7 +215,14 @@ TEST_CASE("a killed process leaves all but the last moments of its session") {
       ::usleep(1000);
     }
   }
-  ::usleep(1'500'000);
+  // Until enough of it is on the disk, however slow the machine is.
+  constexpr std::uintmax_t kEnough = 200'000;
+  std::error_code none;
+  for (int i = 0; i < 60'000; ++i) {
+    const auto size = std::filesystem::file_size(folder / "log", none);
+    if (!none && size > kEnough) break;
+    ::usleep(1000);
+  }
   ::kill(child, SIGKILL);
   int status = 0;
   REQUIRE(::waitpid(child, &status, 0) == child);
@@ -223,7 +230,7 @@ TEST_CASE("a killed process leaves all but the last moments of its session") {
   const SessionRecord record = readSessionLog(folder / "log");
   checkBeginning(record);
   CHECK_FALSE(record.end);
-  CHECK(record.ticks.size() > 300);  // of about 1400, on a machine with other work to do
+  CHECK(record.ticks.size() > 300);
   CHECK(record.edits.points.size() > 900);
   CHECK(
       saysOneOf(whatIsMissing(record), fmt::format("what came after {:.3f} s is missing", record.ticks.back().time_s)));

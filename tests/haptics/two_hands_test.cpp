@@ -183,6 +183,8 @@ TEST_CASE("neither device keeps a force until a session has died down: both are 
     Pacing pacing(first, second);
     ServoOptions options = kSession;
     options.realtime = true;
+    SteppedClock clock;
+    options.clock = &clock;
     const ServoResult result = together(pacing, second, options);
     CHECK(result.pacedByDevice);
     CHECK(result.deviceFailed);
@@ -284,7 +286,9 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both are
     CHECK(first.facts().serial == "FAKE-0001");
     CHECK(second.facts().serial == "FAKE-0002");
     SharedSphere sphere(20);
-    ServoLoop loop(first, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}), {.duration_s = 0.6, .realtime = true},
+    SteppedClock clock;
+    ServoLoop loop(first, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
+                   {.duration_s = 0.6, .realtime = true, .clock = &clock},
                    SecondHand{.device = second, .law = ForceLaw({.stiffness_N_per_mm = 0.4}, {}), .options = {}});
     result = loop.run();
   }

@@ -1,7 +1,9 @@
 // A Vulkan layer that takes the GPU away: it stands between a program and its driver, lets everything pass, and from a
 // moment on answers as a driver does whose device is lost. What runs above it is the program's own code, to the last
 // call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
-// "count" takes nothing away and says at the end how many there were.
+// "count" takes nothing away and says at the end how many there were. "display" takes nothing away either: the driver
+// is one that calls itself NVIDIA's and does not survive a question about a surface, as that one on an X server without
+// its extension.
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -19,6 +21,7 @@ namespace {
 constexpr long kNever = std::numeric_limits<long>::max();
 
 // One instance and one device at a time, which is what the program makes.
+VkInstance theInstance = VK_NULL_HANDLE;
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
 PFN_vkQueueSubmit2 nextSubmit = nullptr;
@@ -72,6 +75,31 @@ VKAPI_ATTR VkResult VKAPI_CALL waitIdle(VkDevice device) {
   return lost ? VK_ERROR_DEVICE_LOST : result;
 }
 
+bool diesAtSurfaces() {
+  const char* text = std::getenv("PALPATE_LOST_GPU");
+  return text && std::strcmp(text, "display") == 0;
+}
+
+VKAPI_ATTR void VKAPI_CALL properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
+  reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
+      nextInstanceProc(theInstance, "vkGetPhysicalDeviceProperties2"))(gpu, told);
+  for (auto* each = static_cast<VkBaseOutStructure*>(told->pNext); each; each = each->pNext)
+    if (each->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES)
+      reinterpret_cast<VkPhysicalDeviceDriverProperties*>(each)->driverID = VK_DRIVER_ID_NVIDIA_PROPRIETARY;
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL askedAboutSurface() {
+  std::fprintf(stderr, "the driver was asked about a surface\n");
+  std::abort();
+}
+
+// Of the instance, where the driver is that one.
+PFN_vkVoidFunction surfaceCommand(std::string_view wanted) {
+  if (wanted == "vkGetPhysicalDeviceProperties2") return reinterpret_cast<PFN_vkVoidFunction>(properties);
+  const bool asks = wanted.starts_with("vkGetPhysicalDeviceSurface") || wanted.ends_with("PresentationSupportKHR");
+  return asks ? reinterpret_cast<PFN_vkVoidFunction>(askedAboutSurface) : nullptr;
+}
+
 template <class Info>
 Info* linkInfo(const void* chain, VkStructureType type) {
   auto* info = const_cast<Info*>(static_cast<const Info*>(chain));
@@ -87,7 +115,9 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   nextInstanceProc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
-  return create(info, allocator, instance);
+  const VkResult result = create(info, allocator, instance);
+  if (result == VK_SUCCESS) theInstance = *instance;
+  return result;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice gpu, const VkDeviceCreateInfo* info,
@@ -131,6 +161,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const
   if (wanted == "vkCreateInstance") return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
   if (wanted == "vkCreateDevice") return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
   if (const auto own = deviceCommand(name)) return own;
+  if (const auto own = diesAtSurfaces() ? surfaceCommand(wanted) : nullptr) return own;
   return nextInstanceProc ? nextInstanceProc(instance, name) : nullptr;
 }
 

@@ -172,7 +172,16 @@ TEST_CASE("a camera that makes no sense is refused with the word in question") {
 TEST_CASE("the matrices put points where project() does") {
   const PointCloud cloud = boxCloud(Vec3(1, 2, 3), Vec3(2), 50);
   const DVec2 size(640, 480);
-  const Camera camera = Camera::parse("eye=7,5,9 fov=50", cloud, size.x / size.y);
+  Camera camera = Camera::parse("eye=7,5,9 fov=50", cloud, size.x / size.y);
+  DVec2 middle = size / 2.0;
+  SUBCASE("with the target in the middle of the picture") {}
+  SUBCASE("with the target elsewhere") {
+    camera.center = {0.7, 0.4};
+    middle = {448, 192};
+  }
+  const auto target = camera.project(camera.target, size);
+  REQUIRE(target);
+  CHECK(glm::distance(DVec2(*target), middle) < 1e-9);
   const Mat4 matrix = camera.projection(size.x / size.y) * camera.view();
   for (const Vec3& p : cloud.positions) {
     const Vec4 clip = matrix * Vec4(p, 1);

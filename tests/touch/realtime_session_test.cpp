@@ -3,6 +3,7 @@
 
 #include "engine/touch/touch_side.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "haptics/pace_check.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
@@ -28,6 +29,7 @@ TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, 
   }
 }
 
+// Measured in every case; held against the clock where the machine would have let an idle loop keep to it.
 TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores") {
   const Scene scene = makeScene("sphere", 100'000);
   Device device({.gpu = "", .validate = false});
@@ -35,10 +37,24 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   Path way({{0, {0, 0, 52}}, {0.3, {0, 0, 49}}, {1.5, {30, 0, 38.7}}, {2.8, {0, 0, 49}}, {3, {0, 0, 49}}});
   PathDevice hand(std::move(way));
   ServoLoop loop(hand, touch, ForceLaw({}, {}), {.rate_Hz = 1000, .duration_s = 3, .realtime = true});
+  const PaceCheck before = checkPace(1000, 0.5);
   const ServoResult result = loop.run();
+  const PaceCheck after = checkPace(1000, 0.5);
   touch.finish();
   const TraceSummary summary = summarize(result.trace);
   CHECK(summary.faultTicks == 0);
+  CHECK(summary.contactTicks > 0);
+  MESSAGE(result.trace.missedTicks << " of 3000 ticks missed; half of the steps took "
+                                   << result.step_us.quantile_us(0.5) << " us or less, 95 of 100 "
+                                   << result.step_us.quantile_us(0.95));
+  constexpr double kShort_us = 30'000;  // of 3 s, that the servo thread had no core
+  const std::uint64_t missedIdly = before.missed + after.missed;
+  if (!result.realtimePriority || missedIdly > 10 || result.toll.waited_us > kShort_us) {
+    MESSAGE("this machine is too busy to tell whether ticks are in time: an idle loop missed "
+            << missedIdly << " of 1000, and the servo thread had no core for " << result.toll.waited_us << " us"
+            << (result.realtimePriority ? "" : "; it has no real-time priority"));
+    return;
+  }
   CHECK(summary.contactTicks > 500);
   CHECK(result.withheld.stale == 0);
   // Loose, since others may want these cores too; a servo thread that waited for the driver would miss most of them.

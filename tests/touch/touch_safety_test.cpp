@@ -1,4 +1,5 @@
 // Faults of the GPU in mid-touch, through the real query, the real loop and a simulated device.
+#include <algorithm>
 #include <functional>
 
 #include "engine/gpu/transfer.hpp"
@@ -134,11 +135,12 @@ TEST_CASE("a GPU that is lost in mid-touch: zero force from that tick on, the se
         const auto& rows = result.trace.rows;
         REQUIRE(lost);
         CHECK(hand.last_N == DVec3(0));
-        REQUIRE(rows.size() > 500);
+        REQUIRE(rows.size() > (realtime ? 50 : 500));
         CHECK(rows.back().force_N == DVec3(0));
         CHECK_FALSE(rows.back().valid);
         // In real time the patch may still answer for the ticks until the driver is asked.
-        CHECK(rows.back().time_s < kLost_s + (realtime ? 0.25 : 0.002));
+        const auto after = std::ranges::count_if(rows, [](const TraceRow& row) { return row.time_s >= kLost_s; });
+        CHECK(after < (realtime ? 250 : 2));
         double peak_N = 0;
         for (const TraceRow& row : rows) peak_N = std::max(peak_N, glm::length(row.force_N));
         CHECK(peak_N > 0.2);
@@ -162,7 +164,8 @@ TEST_CASE("a GPU that is lost while the index is compacted in the background let
       const double angle = 0.01 * ++tick, tilt = 0.1 + 0.0005 * tick;
       const double r = 51 - std::min(1.5, 0.05 * tick) - 0.004 * tick;
       const DVec3 way(std::sin(tilt) * std::cos(angle), std::sin(tilt) * std::sin(angle), std::cos(tilt));
-      return touch.query({.time_s = 10.0 * tick, .hip = r * way}, budget_us);
+      constexpr double kApart_s = 1e303;  // not even after a thousand slow edits on end does the next one rest
+      return touch.query({.time_s = kApart_s * tick, .hip = r * way}, budget_us);
     };
     constexpr double kEver_us = 1e7, kSoon_us = 1e3;
     while (tick < 1000 && !touch.isCompacting()) CHECK(press(kEver_us).valid);

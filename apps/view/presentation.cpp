@@ -1,0 +1,55 @@
+#include "apps/view/presentation.hpp"
+
+#include "apps/view/copied_pictures.hpp"
+#include "engine/gpu/swapchain.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Of NVIDIA's own module in the X server; without it the driver has nobody to present to.
+constexpr const char* kNvidiaExtension = "NV-GLX";
+
+bool isNvidias(VkPhysicalDevice gpu) {
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+  vkGetPhysicalDeviceProperties2(gpu, &properties);
+  return driver.driverID == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
+}
+
+}  // namespace
+
+PresentationFound findPresentation(const Window& window, const Instance& instance, VkPhysicalDevice gpu) {
+  const auto copied = [](const char* why) { return PresentationFound{Presentation::copy, why}; };
+  if (window.extensions().empty()) return copied("the window system has no way to show pictures of Vulkan");
+  if (!canMakeSwapchains(gpu)) return copied("its driver has no swapchains");
+  const auto x11 = window.x11();
+  if (x11 && isNvidias(gpu) && !hasXExtension(*x11, kNvidiaExtension))
+    return copied("the X server has no NV-GLX, as remote desktops have none");
+  const auto roles = chooseQueues(queueFamiliesOf(gpu));
+  if (!roles) return copied("it has no queue that computes");
+  const VkSurfaceKHR surface = window.surface(instance);
+  VkBool32 can = VK_FALSE;
+  const VkResult result = vkGetPhysicalDeviceSurfaceSupportKHR(gpu, roles->sight.family, surface, &can);
+  vkDestroySurfaceKHR(instance.handle(), surface, nullptr);
+  if (result != VK_SUCCESS || can != VK_TRUE) return copied("its driver cannot present to this display");
+  return {};
+}
+
+std::unique_ptr<Presenter> makePresenter(const Window& window, Device& device, std::optional<Presentation> wanted,
+                                         bool waitsForDisplay) {
+  const PresentationFound found =
+      wanted == Presentation::copy ? PresentationFound{Presentation::copy, "--present copy"}
+                                   : findPresentation(window, device.instance(), device.physical());
+  if (found.presentation == Presentation::swapchain)
+    return std::make_unique<Swapchain>(device, window.surface(device.instance()), window.size_px(), waitsForDisplay);
+  if (wanted == Presentation::swapchain)
+    throw Error("--present swapchain: {} does not present here: {}; take copy or auto", device.name(), found.why);
+  const auto x11 = window.x11();
+  if (!x11)
+    throw Error("{} shows nothing in this window ({}), and pictures are copied only to an X display", device.name(),
+                found.why);
+  return std::make_unique<CopiedPictures>(device, *x11, window.size_px(), waitsForDisplay);
+}
+
+}  // namespace palpate

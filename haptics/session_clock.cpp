@@ -1,0 +1,73 @@
+#include "haptics/session_clock.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <ctime>
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+
+class MachineClock final : public SessionClock {
+ public:
+  std::int64_t now_ns() const noexcept override {
+    timespec now{};
+    ::clock_gettime(CLOCK_MONOTONIC, &now);
+    return now.tv_sec * kSecond_ns + now.tv_nsec;
+  }
+  void waitUntil_ns(std::int64_t time_ns) noexcept override {
+    const timespec until{.tv_sec = time_ns / kSecond_ns, .tv_nsec = time_ns % kSecond_ns};
+    while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+    }
+  }
+};
+
+}  // namespace
+
+SessionClock& machineClock() noexcept {
+  static MachineClock theMachines;
+  return theMachines;
+}
+
+std::int64_t SteppedClock::now_ns() const noexcept {
+  const std::scoped_lock lock(guard_);
+  return now_ns_;
+}
+
+void SteppedClock::waitUntil_ns(std::int64_t time_ns) noexcept {
+  std::unique_lock lock(guard_);
+  awaited_ns_ = time_ns;
+  arrived_.notify_all();
+  go_.wait(lock, [&] { return !held_ || time_ns <= limit_ns_; });
+  awaited_ns_ = kNotWaiting;
+  now_ns_ = std::max(now_ns_, time_ns);
+}
+
+void SteppedClock::hold() noexcept {
+  const std::scoped_lock lock(guard_);
+  held_ = ticks_ = true;
+  now_ns_ = std::max(now_ns_, limit_ns_);  // what passed while nobody ticked is not made up for
+}
+
+void SteppedClock::leave() noexcept {
+  const std::scoped_lock lock(guard_);
+  ticks_ = false;
+  arrived_.notify_all();
+}
+
+void SteppedClock::letGo() noexcept {
+  const std::scoped_lock lock(guard_);
+  held_ = false;
+  go_.notify_all();
+}
+
+void SteppedClock::goOnTo(double time_s) noexcept {
+  std::unique_lock lock(guard_);
+  limit_ns_ = std::llround(time_s * 1e9);
+  go_.notify_all();
+  arrived_.wait(lock, [&] { return !ticks_ || awaited_ns_ > limit_ns_; });
+}
+
+}  // namespace palpate

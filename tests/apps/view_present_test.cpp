@@ -1,0 +1,148 @@
+// How pictures come to the display: what stands in the memory of an X server, against what the window drew.
+#include <bit>
+
+#include "tests/apps/window_play.hpp"
+#include "tests/lost_gpu/lost_gpu.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A screen of an X server that keeps it in a file (Xvfb -fbdir), in the format of xwd.
+struct Screen {
+  explicit Screen(const std::filesystem::path& file) : bytes(contentOf(file)) {
+    REQUIRE(bytes.size() > 100);
+    depth = field(3);
+    width = field(4);
+    height = field(5);
+    bits = field(11);
+    stride = field(12);
+    pixels = field(0) + 12 * field(19);  // behind header and colours
+    REQUIRE(bytes.size() >= pixels + std::size_t{stride} * height);
+  }
+  std::array<int, 3> at(int x, int y) const {
+    const std::size_t place = pixels + std::size_t{stride} * std::size_t(y) + std::size_t(x) * (bits / 8);
+    const auto byte = [&](std::size_t i) { return int{static_cast<unsigned char>(bytes[place + i])}; };
+    if (bits == 32) return {byte(2), byte(1), byte(0)};
+    const int word = byte(0) | byte(1) << 8;  // 5, 6 and 5 bits
+    return {(word >> 11) * 255 / 31, (word >> 5 & 63) * 255 / 63, (word & 31) * 255 / 31};
+  }
+  std::string bytes;
+  std::uint32_t depth, width, height, bits, stride;
+  std::size_t pixels;
+
+ private:
+  std::uint32_t field(std::size_t i) const {
+    std::uint32_t value = 0;
+    for (std::size_t k = 0; k < 4; ++k) value = value << 8 | static_cast<unsigned char>(bytes[4 * i + k]);
+    return value;
+  }
+};
+
+struct Shown {
+  ScratchFolder folder;
+  Outcome outcome;
+  Picture picture() const { return Picture(folder / "picture.png"); }
+  Screen screen() const { return Screen(folder / "screen.xwd"); }
+};
+
+// Plays until seen.json is there, and keeps what is on the screen then.
+std::unique_ptr<Shown> show(const std::string& options, int depth) {
+  auto shown = std::make_unique<Shown>();
+  const std::filesystem::path& folder = shown->folder.path();
+  makeSphere(folder, 3000);
+  std::ofstream(folder / "script.txt") << inFolder(
+      "0.1 mouse 10 470\n0.9 screenshot %/picture.png\n1.1 resize 600 480\n1.7 screenshot %/picture.png\n"
+      "2.0 state %/seen.json\n",
+      folder);
+  std::ofstream(folder / "play.sh") << inFolder(
+      "timeout 300 " + std::filesystem::absolute(program()).string() + " view %/sphere.ply --size 640x480 " + options +
+          " --script %/script.txt &\npid=$!\n"
+          "while kill -0 $pid 2> /dev/null && [ ! -e %/seen.json ]; do sleep 0.05; done\n"
+          "cp %/Xvfb_screen0 %/screen.xwd\nkill $pid 2> /dev/null && exit 0\nwait $pid\n",
+      folder);
+  const std::string command = inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 800x600x" +
+                                           std::to_string(depth) + " -fbdir %' bash play.sh 2>&1",
+                                       folder);
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
+    shown->outcome.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  shown->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return shown;
+}
+
+// Pixels of the model's part of the window that are farther off than `tolerance` in some colour.
+int wrongPixels(const Screen& screen, const Picture& picture, int tolerance) {
+  return count(380, 240, 90, [&](int x, int y) {
+    const auto a = screen.at(x, y), b = picture.at(x, y);
+    return std::abs(a[0] - b[0]) > tolerance || std::abs(a[1] - b[1]) > tolerance || std::abs(a[2] - b[2]) > tolerance;
+  });
+}
+
+}  // namespace
+
+TEST_CASE("what is on the screen is what was drawn, presented by the GPU and copied, also with few colours") {
+  if (!hasDisplay()) return;
+  struct Case {
+    const char* options;
+    int depth, tolerance;
+  };
+  for (const Case& each : {Case{"", 24, 0}, {"--present swapchain", 24, 0}, {"--present copy", 24, 0},
+                           {"--present copy", 16, 8}, {"--present copy --sight-gpu 0", 24, 0}}) {
+    CAPTURE(each.options);
+    CAPTURE(each.depth);
+    const auto shown = show(each.options, each.depth);
+    REQUIRE_MESSAGE(shown->outcome.code == 0, shown->outcome.text);
+    const Screen screen = shown->screen();
+    const Picture picture = shown->picture();
+    CHECK(int(screen.depth) == each.depth);
+    CHECK(picture.width == 600);
+    CHECK(wrongPixels(screen, picture, each.tolerance) == 0);
+    // The model is there, and not the background alone.
+    CHECK(count(380, 240, 90, [&](int x, int y) { return picture.at(x, y) != picture.at(590, 470); }) > 5000);
+  }
+}
+
+// As NVIDIA's driver does on such a server.
+TEST_CASE("a driver that does not survive being asked on an X server without its extension is not asked") {
+  if (!hasDisplay()) return;
+  const LostGpuLayer layer("display");
+  const auto shown = show("", 24);
+  REQUIRE_MESSAGE(shown->outcome.code == 0, shown->outcome.text);
+  CHECK(wrongPixels(shown->screen(), shown->picture(), 0) == 0);
+  const ScratchFolder folder;
+  const std::string command = "xvfb-run -a " + std::filesystem::absolute(program()).string() + " doctor > " +
+                              (folder / "said").string() + " 2>&1";
+  CHECK(std::system(command.c_str()) == 0);
+  CHECK(says(contentOf(folder / "said"), "(--present copy): the X server has no NV-GLX"));
+}
+
+TEST_CASE("doctor says how pictures come to the display, or that there is none") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  const std::string json = (folder / "d.json").string();
+  const std::string command =
+      "xvfb-run -a " + std::filesystem::absolute(program()).string() + " --quiet doctor --json " + json + " > /dev/null";
+  REQUIRE(std::system(command.c_str()) == 0);
+  const auto display = jsonOf(json)["display"];
+  REQUIRE(display.size() == jsonOf(json)["gpus"].size());
+  bool presents = false;
+  for (const auto& gpu : display) {
+    CAPTURE(gpu.dump());
+    CHECK((gpu["present"] == "swapchain" || gpu["present"] == "copy"));
+    CHECK((gpu["present"] == "swapchain") == (gpu["why"] == ""));
+    presents = presents || gpu["present"] == "swapchain";
+  }
+  if (says(palpate("doctor").text, "llvmpipe")) CHECK(presents);
+  const std::string without = "env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " doctor --json " + json +
+                              " > " + (folder / "said").string();
+  CHECK(std::system(without.c_str()) == 0);
+  CHECK(says(contentOf(folder / "said"), "Display: none."));
+  CHECK(jsonOf(json)["display"].is_null());
+}
+
+}  // namespace palpate
