@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "apps/bench.hpp"
+#include "apps/bench_times.hpp"
 #include "apps/cuda_backend.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "engine/spatial/kd_tree_search.hpp"
@@ -96,7 +96,7 @@ Summary measureCpuMove(NeighbourSearch& search, PointCloud cloud, float distance
 
 }  // namespace
 
-void benchBuild(Context& context, const Subject& subject, const BenchOptions& options,
+void benchBuild(Context& context, const Subject& subject, const TimeBenchOptions& options,
                 std::vector<BenchRecord>& records) {
   const PointCloud& cloud = subject.model.cloud;
   const HashGrid grid = gridFor(subject.model, options.backend);

@@ -5,7 +5,9 @@
 
 #include "apps/bench.hpp"
 #include "apps/coexistence.hpp"
+#include "apps/look.hpp"
 #include "apps/parse_list.hpp"
+#include "apps/picture.hpp"
 #include "apps/sculpting_hand.hpp"
 #include "engine/render/frame.hpp"
 #include "engine/spatial/hash_update.hpp"
@@ -14,6 +16,17 @@
 namespace palpate {
 
 namespace {
+
+constexpr double kUsualDuration_s = 10;
+
+struct CoexistBenchOptions : BenchOptions {
+  std::vector<std::string> queues, situations;
+  std::string sightGpu;         // draws; empty: the one that touches
+  std::int64_t touched = 1000;  // points that an edit is to touch
+  double duration_s = kUsualDuration_s;
+  std::string size = "1920x1080";
+  std::uint32_t samples = 1;
+};
 
 struct Situation {
   std::string_view name;
@@ -24,7 +37,6 @@ constexpr std::array<Situation, 4> kSituations{{{"alone", false, false},
                                                 {"drawn", false, true},
                                                 {"drawn-sculpting", true, true}}};
 
-constexpr double kUsualDuration_s = 10;
 constexpr std::chrono::milliseconds kWarmUp{500};  // of drawing before the first tick: an idle GPU has a low clock
 
 // Tells the hand what it feels; on the servo thread.
@@ -59,7 +71,8 @@ class Sight {
         sculpts_(sculpts),
         drawn_(device, model.cloud, {.spare = spareFor(backend, model), .spacing = model.spacing, .edited = sculpts}),
         frame_(device, size.width, size.height, size.supersample),
-        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height)),
+        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height, 45,
+                                framingOf(model, model.upright.up))),
         list_(device, device.sight(), "frame") {
     if (sculpts && log)
       reader_.emplace(*log);
@@ -157,13 +170,13 @@ class Sight {
 struct Scene {
   Context& context;
   const Subject& subject;
-  const BenchOptions& options;
+  const CoexistBenchOptions& options;
   std::vector<SurfaceSpot> places;
   Stroke stroke;
 };
 
 Coexistence touchIn(const Scene& scene, const Situation& situation, const std::string& queues) {
-  const BenchOptions& options = scene.options;
+  const CoexistBenchOptions& options = scene.options;
   const Model& model = scene.subject.model;
   BackendOptions way = options.backend;
   way.backend = options.backends.front();
@@ -175,7 +188,7 @@ Coexistence touchIn(const Scene& scene, const Situation& situation, const std::s
   std::optional<Sight> sight;
   if (situation.draws) {
     const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
-    const std::string& gpu = options.coexist.sightGpu;
+    const std::string& gpu = options.sightGpu;
     sight.emplace(gpu.empty() ? scene.context.device() : scene.context.sightDevice(gpu), model, *backend,
                   side && gpu.empty() ? &side->editLog() : nullptr,
                   PictureSize{width, height, options.samples > 1 ? 2u : 1u}, situation.sculpts);
@@ -188,7 +201,7 @@ Coexistence touchIn(const Scene& scene, const Situation& situation, const std::s
                     .situation = std::string(situation.name),
                     .points = model.cloud.size(),
                     .rate_Hz = realtimeRate_Hz(options),
-                    .duration_s = options.edit.duration_s > 0 ? options.edit.duration_s : kUsualDuration_s};
+                    .duration_s = options.duration_s};
   ServoLoop loop(hand, feeling, ForceLaw({}, model.scale),
                  {.rate_Hz = found.rate_Hz, .duration_s = found.duration_s, .realtime = true});
   if (sight) sight->begin();
@@ -214,52 +227,29 @@ Coexistence touchIn(const Scene& scene, const Situation& situation, const std::s
   return found;
 }
 
-std::vector<Situation> situationsOf(const BenchOptions& options) {
+std::vector<Situation> situationsOf(const CoexistBenchOptions& options) {
   std::vector<Situation> situations;
   for (const Situation& situation : kSituations)
-    if (std::ranges::find(options.coexist.situations, situation.name) != options.coexist.situations.end())
+    if (std::ranges::find(options.situations, situation.name) != options.situations.end())
       situations.push_back(situation);
   return situations;
 }
 
-}  // namespace
-
-void addCoexistBenchOptions(CLI::App& sub, CoexistBenchOptions& options) {
-  std::vector<std::string> arrangements;
-  for (const auto& [name, arrangement] : kQueueArrangements) arrangements.emplace_back(name);
-  for (const Situation& situation : kSituations) options.situations.emplace_back(situation.name);
-  options.queues = arrangements;
-  sub.add_option("--queues", options.queues,
-                 "coexist: how touch and sight share a GPU: separate queues, touch first; the same without priorities; "
-                 "or one and the same queue; several are compared")
-      ->check(CLI::IsMember(arrangements))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--situations", options.situations,
-                 "coexist: touch alone or beside a cloud that is drawn, and with or without sculpting")
-      ->check(CLI::IsMember(options.situations))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--sight-gpu", options.sightGpu,
-                 "coexist: draw on this GPU, by number or part of its name; edits get there through the host");
-}
-
-Json benchCoexist(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
-  if (options.backends.size() != 1 || options.wants("cuda"))
-    throw UsageError("bench coexist: one --backend, vulkan or cpu; cuda tells nobody of its edits");
+Json benchCoexist(Context& context, const CoexistBenchOptions& options) {
+  if (options.backends.size() != 1) throw UsageError("bench coexist: one --backend, vulkan or cpu");
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
   // The CPU has no queues to share.
-  const std::size_t arrangements = options.wants("cpu") ? 1 : options.coexist.queues.size();
+  const std::size_t arrangements = options.wants("cpu") ? 1 : options.queues.size();
   std::vector<Coexistence> all;
-  for (const SubjectMaker& makeOne : subjects) {
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     const std::vector<SurfaceSpot> places = sculptingPlaces(subject.model);
-    const auto touched = static_cast<std::size_t>(options.coexist.touched);
+    const auto touched = static_cast<std::size_t>(options.touched);
     const Scene scene{
         context, subject, options, places,
         strokeThatReaches(touched, BrushKind::push, subject.model, places.front(), realtimeRate_Hz(options))};
-    for (const std::string& queues : std::span(options.coexist.queues).first(arrangements)) {
+    for (const std::string& queues : std::span(options.queues).first(arrangements)) {
       context.arrange(std::ranges::find(kQueueArrangements, queues, [](const auto& a) { return a.first; })->second);
       for (const Situation& situation : situationsOf(options)) {
         context.log().say("coexist: {}, {} points, {} queues, {}", subject.name, subject.model.cloud.size(), queues,
@@ -275,6 +265,54 @@ Json benchCoexist(Context& context, const std::vector<SubjectMaker>& subjects, c
   Json result{{"size", {width, height}}, {"samples", options.samples}, {"rows", Json::array()}};
   for (const Coexistence& found : all) result["rows"].push_back(toJson(found));
   return result;
+}
+
+void addOptions(CLI::App& bench, CoexistBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  std::vector<std::string> arrangements;
+  for (const auto& [name, arrangement] : kQueueArrangements) arrangements.emplace_back(name);
+  for (const Situation& situation : kSituations) options.situations.emplace_back(situation.name);
+  options.queues = arrangements;
+  addListOption(
+      bench, "--queues", options.queues,
+      "how touch and sight share a GPU: separate queues, touch first; the same without priorities; or one and "
+      "the same queue; several are compared");
+  addListOption(bench, "--situations", options.situations,
+                "touch alone or beside a cloud that is drawn, and with or without sculpting");
+  bench.add_option("--touched", options.touched, "points that an edit is to touch; the tool is as large as that takes")
+      ->check(between(1, 1e8))
+      ->capture_default_str();
+  bench.add_option("--duration", options.duration_s, "of each stroke, s")
+      ->check(between(1e-3, bounds::kLongest_s))
+      ->capture_default_str();
+  addRateOption(bench, options);
+  bench.add_option("--size", options.size, "of the pictures, width x height, pixels")->capture_default_str();
+  addSamplesOption(bench, options.samples);
+  bench.add_option("--sight-gpu", options.sightGpu,
+                   "draw on this GPU, by number or part of its name; edits get there through the host");
+  addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda tells nobody of its edits
+  addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  addIndexOptions(bench, options.backend);
+}
+
+}  // namespace
+
+void addCoexistBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("coexist", "touch beside pictures that are drawn as fast as they go");
+  const auto options = std::make_shared<CoexistBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(*sub, *options);
+  sub->footer(
+      "A tool slides over the surface in real time (at 1000 ticks per second unless --rate says otherwise), alone and "
+      "beside a thread that draws one picture after another, and sculpts or not; on 1, 5 and 20 million points unless "
+      "--sizes or --models say otherwise. Tables of us from pose to force, missed ticks, pictures per second and ms "
+      "that a picture takes.\n");
+  sub->callback([&, options] {
+    if (options->sizes.empty() && options->models.empty()) options->sizes = {1'000'000, 5'000'000, 20'000'000};
+    command = [&context, options] {
+      measureAlone(context, *options, "coexist", [&] { return benchCoexist(context, *options); });
+    };
+  });
 }
 
 }  // namespace palpate

@@ -14,6 +14,14 @@ namespace palpate {
 
 namespace {
 
+struct EditBenchOptions : BenchOptions {
+  std::string brush = "push";
+  std::vector<std::string> indexes{"incremental", "rebuild"};
+  std::vector<std::int64_t> touched{100, 1000, 10'000};
+  double duration_s = 0;  // of a stroke in real time; 0: virtual time
+  std::optional<std::uint32_t> spareSlots;
+};
+
 constexpr std::uint64_t kWarmUp = 10;         // edits before the first that is measured, in virtual time
 constexpr std::uint64_t kTicksPerEdit = 4;    // in virtual time, at most, on a surface that is worth measuring
 constexpr std::uint64_t kTicksToLand = 1000;  // at most
@@ -71,7 +79,7 @@ class Witness final : public ContactQuery {
 // Ends the session once there are as many measured edits as the options ask for; in virtual time.
 class Umpire {
  public:
-  Umpire(const BenchOptions& options, const Witness& witness) : options_(options), witness_(witness) {}
+  Umpire(const EditBenchOptions& options, const Witness& witness) : options_(options), witness_(witness) {}
 
   const std::atomic<bool>& enough() const { return enough_; }
   void ticked() {
@@ -86,7 +94,7 @@ class Umpire {
   }
 
  private:
-  const BenchOptions& options_;
+  const EditBenchOptions& options_;
   const Witness& witness_;
   std::uint64_t edits_ = 0;
   std::atomic<bool> enough_ = false;
@@ -156,37 +164,37 @@ struct Scene {
   std::vector<SurfaceSpot> places;
 };
 
-double ticksPerSecond(const BenchOptions& options) {
-  if (options.edit.duration_s == 0) return kRealtimeRate_Hz;  // of virtual time
+double ticksPerSecond(const EditBenchOptions& options) {
+  if (options.duration_s == 0) return kRealtimeRate_Hz;  // of virtual time
   return realtimeRate_Hz(options);
 }
 
-EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& stroke, const std::string& index) {
-  const bool realtime = options.edit.duration_s > 0;
+EditCost sculpt(const Scene& scene, const EditBenchOptions& options, const Stroke& stroke, const std::string& index) {
+  const bool realtime = options.duration_s > 0;
   const double rate_Hz = ticksPerSecond(options);
   const Model& model = scene.subject.model;
   BackendOptions way = options.backend;
   way.index = index;
   way.realtime = realtime;
-  way.spareSlots = options.edit.spareSlots;
+  way.spareSlots = options.spareSlots;
   if (!options.methods.empty()) way.method = options.methods.front();
   const auto backend = makeBackend(scene.context, model, way, stroke.brush);
   auto& side = dynamic_cast<TouchSide&>(*backend);
 
   EditCost cost{.subject = scene.subject.name,
-                .brush = options.edit.brush,
+                .brush = options.brush,
                 .index = index,
                 .points = model.cloud.size(),
                 .toolRadius_mm = model.scale.toMm(stroke.brush.toolRadius),
                 .spacing_mm = model.scale.toMm(model.spacing)};
-  if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = options.edit.duration_s};
+  if (realtime) cost.stroke = EditStroke{.rate_Hz = rate_Hz, .duration_s = options.duration_s};
   SculptingHand hand(model, scene.places, stroke, surfaceOptions(model, way).radius);
   Witness witness(side, hand);
   Umpire umpire(options, witness);
   const std::uint64_t longest = (static_cast<std::uint64_t>(options.repeat) + kWarmUp) * kTicksPerEdit + kTicksToLand;
   ServoLoop loop(hand, witness, ForceLaw({}, model.scale),
                  {.rate_Hz = rate_Hz,
-                  .duration_s = realtime ? options.edit.duration_s : static_cast<double>(longest) / rate_Hz,
+                  .duration_s = realtime ? options.duration_s : static_cast<double>(longest) / rate_Hz,
                   .realtime = realtime,
                   .stop = &umpire.enough()});
   witness.reserve(loop.plannedTicks());
@@ -209,14 +217,14 @@ EditCost sculpt(const Scene& scene, const BenchOptions& options, const Stroke& s
 
 // The stroke that touches so many points: of a few short ones the nearest. What lies around a place is a first guess,
 // which is off where the surface bends under the tool.
-Stroke strokeFor(const Scene& scene, const BenchOptions& options, std::size_t touched) {
-  const auto* const brush = std::ranges::find(kBrushKinds, options.edit.brush, [](const auto& b) { return b.first; });
-  BenchOptions trial = options;
+Stroke strokeFor(const Scene& scene, const EditBenchOptions& options, std::size_t touched) {
+  const auto* const brush = std::ranges::find(kBrushKinds, options.brush, [](const auto& b) { return b.first; });
+  EditBenchOptions trial = options;
   trial.repeat = kTrialEdits;
   trial.limit_s = 0;  // the same tool on every machine
   trial.rate_Hz = kHighestRate_Hz;
-  trial.edit.duration_s = 0;
-  const auto reaching = [&](double count, const BenchOptions& at) {
+  trial.duration_s = 0;
+  const auto reaching = [&](double count, const EditBenchOptions& at) {
     return strokeThatReaches(static_cast<std::size_t>(std::max(1.0, count)), brush->second, scene.subject.model,
                              scene.places.front(), ticksPerSecond(at));
   };
@@ -234,44 +242,13 @@ Stroke strokeFor(const Scene& scene, const BenchOptions& options, std::size_t to
   return reaching(best, options);
 }
 
-}  // namespace
-
-void addEditBenchOptions(CLI::App& sub, EditBenchOptions& options) {
-  std::vector<std::string> brushes;
-  for (const auto& [name, kind] : kBrushKinds) brushes.emplace_back(name);
-  sub.add_option("--edit", options.brush, "edit: the brush")->check(CLI::IsMember(brushes))->capture_default_str();
-  sub.add_option("--index", options.indexes, "edit: how the index follows")
-      ->check(CLI::IsMember(options.indexes))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--touched", options.touched,
-                 "edit, coexist: numbers of points that an edit is to touch; the tool is as large as that takes")
-      ->check(between(1, 1e8))
-      ->type_name("K...")
-      ->capture_default_str();
-  sub.add_option(
-         "--spare", options.spareSlots,
-         "edit: slots to spare, into which new points and buckets that grow go, and which compactions win back: "
-         "the fewer, the more compactions (default: a tenth of the points)")
-      ->check(between(1, 1e8))
-      ->type_name("SLOTS");
-  sub.add_option(
-         "--duration", options.duration_s,
-         "edit, coexist: s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: "
-         "virtual time, --repeat edits")
-      ->check(notNegative())
-      ->capture_default_str();
-}
-
-Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
-  if (options.backends != std::vector<std::string>{"vulkan"})
-    throw UsageError("bench edit: only --backend vulkan tells how many points an edit touched, and what it took");
+Json benchEdit(Context& context, const EditBenchOptions& options) {
   std::vector<EditCost> costs;
-  for (const SubjectMaker& makeOne : subjects) {
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     const std::size_t points = subject.model.cloud.size();
     const Scene scene{context, subject, sculptingPlaces(subject.model)};
-    for (const std::int64_t asked : options.edit.touched) {
+    for (const std::int64_t asked : options.touched) {
       const auto touched = static_cast<std::size_t>(asked);
       if (2 * touched > points) {
         context.log().say("edit: {}, {} of {} points: left out, a tool would swallow the model", subject.name, touched,
@@ -280,7 +257,7 @@ Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, cons
       }
       context.log().say("edit: {}, {} of {} points", subject.name, touched, points);
       const Stroke stroke = strokeFor(scene, options, touched);
-      for (const std::string& index : options.edit.indexes) {
+      for (const std::string& index : options.indexes) {
         costs.push_back(sculpt(scene, options, stroke, index));
         costs.back().asked = touched;
       }
@@ -293,6 +270,59 @@ Json benchEdit(Context& context, const std::vector<SubjectMaker>& subjects, cons
   for (const EditGrowth& growth : growths(costs)) result["growths"].push_back(toJson(growth));
   for (const EditCrossover& crossover : crossovers(costs)) result["crossovers"].push_back(toJson(crossover));
   return result;
+}
+
+void addOptions(CLI::App& bench, EditBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  std::vector<std::string> brushes;
+  for (const auto& [name, kind] : kBrushKinds) brushes.emplace_back(name);
+  bench.add_option("--edit", options.brush, "the brush")->check(CLI::IsMember(brushes))->capture_default_str();
+  addListOption(bench, "--index", options.indexes, "how the index follows");
+  bench
+      .add_option("--touched", options.touched,
+                  "numbers of points that an edit is to touch; the tool is as large as that takes")
+      ->check(between(1, 1e8))
+      ->type_name("K...")
+      ->capture_default_str();
+  bench
+      .add_option("--spare", options.spareSlots,
+                  "slots to spare, into which new points and buckets that grow go, and which compactions win back: the "
+                  "fewer, the more compactions (default: a tenth of the points)")
+      ->check(between(1, 1e8))
+      ->type_name("SLOTS");
+  bench
+      .add_option("--duration", options.duration_s,
+                  "s of a stroke in real time, at --rate ticks per second (1000 unless it says otherwise); 0: virtual "
+                  "time, --repeat edits")
+      ->check(between(0, bounds::kLongest_s))
+      ->capture_default_str();
+  addRateOption(bench, options);
+  addRepeatOptions(bench, options);
+  // No other tells how many points an edit touched, and what it took.
+  addBackendsOption(bench, options, {"vulkan"});
+  addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  addIndexOptions(bench, options.backend);
+  addPlotOption(bench, options, "draw steps against points, and against those that are touched");
+}
+
+}  // namespace
+
+void addEditBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("edit", "a tick that sculpts");
+  const auto options = std::make_shared<EditBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(*sub, *options);
+  sub->footer(
+      "A tool slides over the surface at 50 mm/s and sculpts at every tick. Tables of us on the GPU and from pose to "
+      "force (in virtual time with the whole edit), points that were touched, full builds of the index, MiB of index "
+      "and lists, and all memory of points, index and lists over that of the same cloud without edits; from which "
+      "share of the points on a full build is cheaper.\n");
+  sub->callback([&, options] {
+    command = [&context, options] {
+      measureAlone(
+          context, *options, "edit", [&] { return benchEdit(context, *options); }, PlotScript::edit);
+    };
+  });
 }
 
 }  // namespace palpate

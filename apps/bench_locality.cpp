@@ -26,6 +26,11 @@ constexpr double kLookDeeper_mm = 1;  // than the stroke, so that the tool acts 
 constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
 constexpr std::int64_t kUsualPoints = 15'000;
 
+struct LocalityBenchOptions : BenchOptions {
+  std::vector<std::string> clouds, brushes, gestures{"press", "slide"};
+  double hold_s = 2, toolRadius_mm = 3, depth_mm = 3;
+};
+
 struct LocalitySubject {
   std::string name;
   Model model;
@@ -210,11 +215,11 @@ LookRecord look(Play& play, const LocalitySubject& subject, const BrushOptions& 
 }
 
 StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJudge& judge, const StrokeRecord& what,
-                        const BenchOptions& options) {
-  const LocalityBenchOptions& of = options.locality;
+                        const LocalityBenchOptions& options) {
   const Model& model = subject.model;
   const BrushKind kind = std::ranges::find(kBrushKinds, what.brush, [](const auto& b) { return b.first; })->second;
-  const BrushOptions brush = brushFor(kind, of, model.scale, false), idle = brushFor(kind, of, model.scale, true);
+  const BrushOptions brush = brushFor(kind, options, model.scale, false),
+                     idle = brushFor(kind, options, model.scale, true);
   BackendOptions way = options.backend;
   way.backend = what.backend;
   const auto backend = makeBackend(context, model, way, brush);
@@ -225,14 +230,14 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.points = model.cloud.size();
   record.spacing_mm = model.scale.toMm(model.spacing);
   record.radius_mm = model.scale.toMm(support);
-  record.toolRadius_mm = of.toolRadius_mm;
+  record.toolRadius_mm = options.toolRadius_mm;
   record.carves = kind == BrushKind::carve;
   Play play(*backend, model.cloud);
-  record.before = look(play, subject, idle, of.depth_mm);
+  record.before = look(play, subject, idle, options.depth_mm);
 
   const auto hips = what.gesture == "press"
-                        ? pressHips(subject, of.depth_mm, static_cast<std::size_t>(of.hold_s * kRate_Hz))
-                        : slideHips(subject, of.depth_mm);
+                        ? pressHips(subject, options.depth_mm, static_cast<std::size_t>(options.hold_s * kRate_Hz))
+                        : slideHips(subject, options.depth_mm);
   play.begin(brush);
   play.follow(hips);
   record.ticks = hips.size();
@@ -243,52 +248,18 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   record.verdict = judge.judge(
       play.points(),
       {.centers = play.centers(), .toolRadius = brush.toolRadius, .support = support, .carves = record.carves});
-  record.after = look(play, subject, idle, of.depth_mm + kLookDeeper_mm);
+  record.after = look(play, subject, idle, options.depth_mm + kLookDeeper_mm);
   return record;
 }
 
-}  // namespace
-
-void addLocalityBenchOptions(CLI::App& sub, LocalityBenchOptions& options) {
-  for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
-  std::vector<std::string> clouds = options.clouds;
-  clouds.emplace_back("none");
-  for (const auto& [name, kind] : kBrushKinds) options.brushes.emplace_back(name);
-  sub.add_option("--clouds", options.clouds,
-                 "locality: built-in uneven clouds of --sizes points (15000), or none of them but --models")
-      ->check(CLI::IsMember(std::move(clouds)))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--brushes", options.brushes, "locality: which are tried")
-      ->check(CLI::IsMember(options.brushes))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--gestures", options.gestures, "locality: a press that is held, a slide of 20 mm")
-      ->check(CLI::IsMember(options.gestures))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--hold", options.hold_s, "locality: s that a press is held")
-      ->check(between(0, 60))
-      ->capture_default_str();
-  sub.add_option("--tool-radius", options.toolRadius_mm, "locality: of the brush, mm")
-      ->check(positive())
-      ->capture_default_str();
-  sub.add_option("--depth", options.depth_mm, "locality: of the HIP below the unmoved surface, mm")
-      ->check(positive())
-      ->capture_default_str();
-}
-
-Json benchLocality(Context& context, const BenchOptions& options) {
-  const LocalityBenchOptions& of = options.locality;
-  if (options.wants("cuda"))
-    throw UsageError("bench locality: --backend cuda tells nobody of its edits; take vulkan or cpu");
+Json benchLocality(Context& context, const LocalityBenchOptions& options) {
   const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
   std::vector<std::function<LocalitySubject()>> subjects;
   for (const std::string& file : options.models)
     subjects.emplace_back([&context, file, where] { return fileSubject(context, file, where); });
   const std::vector<std::int64_t> sizes = options.sizes.empty() ? std::vector{kUsualPoints} : options.sizes;
   for (const std::int64_t size : sizes)
-    for (const std::string& cloud : of.clouds)
+    for (const std::string& cloud : options.clouds)
       if (cloud != "none")
         subjects.emplace_back(
             [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
@@ -300,8 +271,8 @@ Json benchLocality(Context& context, const BenchOptions& options) {
     const LocalitySubject subject = makeOne();
     EditJudge judge(subject.model.cloud);
     for (const std::string& backend : options.backends)
-      for (const std::string& brush : of.brushes)
-        for (const std::string& gesture : of.gestures) {
+      for (const std::string& brush : options.brushes)
+        for (const std::string& gesture : options.gestures) {
           context.log().say("locality: {}, {} points, {}, {}, {}", subject.name, subject.model.cloud.size(), backend,
                             brush, gesture);
           const StrokeRecord record =
@@ -313,6 +284,57 @@ Json benchLocality(Context& context, const BenchOptions& options) {
         }
   }
   return {{"strokes", std::move(strokes)}, {"broken", broken}};
+}
+
+void addOptions(CLI::App& bench, LocalityBenchOptions& options) {
+  bench.add_option("--models,--model", options.models, "PLY files")->type_name("FILE...");
+  bench.add_option("--sizes", options.sizes, "points of the built-in clouds (default: 15000)")
+      ->check(between(1, 2e9))
+      ->type_name("N...");
+  for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
+  std::vector<std::string> clouds = options.clouds;
+  clouds.emplace_back("none");
+  bench
+      .add_option("--clouds", options.clouds, "built-in uneven clouds of --sizes points, or none of them but --models")
+      ->check(CLI::IsMember(std::move(clouds)))
+      ->delimiter(',')
+      ->capture_default_str();
+  for (const auto& [name, kind] : kBrushKinds) options.brushes.emplace_back(name);
+  addListOption(bench, "--brushes", options.brushes, "which are tried");
+  addListOption(bench, "--gestures", options.gestures, "a press that is held, a slide of 20 mm");
+  bench.add_option("--hold", options.hold_s, "s that a press is held")->check(between(0, 60))->capture_default_str();
+  bench.add_option("--tool-radius", options.toolRadius_mm, "of the brush, mm")
+      ->check(positive())
+      ->capture_default_str();
+  bench.add_option("--depth", options.depth_mm, "of the HIP below the unmoved surface, mm")
+      ->check(positive())
+      ->capture_default_str();
+  addFrictionOption(bench, options);
+  options.backends = {"vulkan", "cpu"};
+  addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda tells nobody of its edits
+  addIndexOptions(bench, options.backend);
+}
+
+}  // namespace
+
+void addLocalityBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("locality", "judges what an edit changes that it may not");
+  const auto options = std::make_shared<LocalityBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(*sub, *options);
+  sub->footer(
+      "Each brush, a press that is held and a slide; then the hand is lifted until nothing changes. Points that moved "
+      "or went beyond the tool's radius from its way, new ones beyond that and a support radius, or nearer than 0.4 "
+      "spacings of their place to another, or, carving, outside the old surface; normals that look to the other side; "
+      "changes by a brush without effect, before and after. Exit code 1 when an edit changed what it may not.\n");
+  sub->callback([&, options] {
+    command = [&context, options] {
+      const Json found = measureAlone(context, *options, "locality", [&] { return benchLocality(context, *options); });
+      if (found["broken"] > 0)
+        throw Error("bench locality: {} of {} strokes changed what an edit may not; the table says what",
+                    found["broken"].get<std::size_t>(), found["strokes"].size());
+    };
+  });
 }
 
 }  // namespace palpate

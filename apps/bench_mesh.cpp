@@ -15,6 +15,12 @@ namespace palpate {
 
 namespace {
 
+struct MeshBenchOptions : BenchOptions {
+  std::vector<std::int64_t> lattices{64, 128, 256};
+  std::vector<std::string> surfaces{"sphere"}, shapes;
+  std::int64_t truthPoints = 200'000;
+};
+
 using Samples = std::map<std::string, std::vector<double>>;
 
 // The passes in their order, with their times.
@@ -165,50 +171,68 @@ void printTruth(std::FILE* out, const Json& judgements) {
                            j["normal_deg"]["p95"].get<double>(), j["normal_deg"]["max"].get<double>()));
 }
 
-}  // namespace
-
-void addMeshBenchOptions(CLI::App& sub, MeshBenchOptions& options) {
-  std::vector<std::string> surfaces;
-  for (const auto& [name, unused] : kMeshSurfaces) surfaces.emplace_back(name);
-  sub.add_option("--lattice", options.lattices, "mesh: cells along the longest side")
-      ->check(between(1, kFinestLattice))
-      ->type_name("N...")
-      ->capture_default_str();
-  sub.add_option("--mesh-surface", options.surfaces, "mesh: what is meshed")
-      ->check(CLI::IsMember(surfaces))
-      ->delimiter(',')
-      ->capture_default_str();
-  sub.add_option("--truth-points", options.truthPoints,
-                 "mesh: points of the shapes (--shapes) that the mesh is held against; 0: none")
-      ->check(between(0, 1e8))
-      ->capture_default_str();
-}
-
-Json benchMesh(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
+Json benchMesh(Context& context, const MeshBenchOptions& options) {
   std::FILE* out = context.tables();
   Json result{{"records", Json::array()}, {"truth", Json::array()}};
-  for (const SubjectMaker& makeOne : subjects) {
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     if (subject.model.cloud.empty()) throw Error("{} has no points; there is nothing to mesh", subject.name);
-    for (const std::int64_t lattice : options.mesh.lattices)
-      for (const std::string& surface : options.mesh.surfaces) {
+    for (const std::int64_t lattice : options.lattices)
+      for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {}, {} points, lattice {}, {}", subject.name, subject.model.cloud.size(), lattice,
                           surface);
         result["records"].push_back(measure(context, subject, lattice, surface, options));
       }
   }
-  for (const std::int64_t lattice : options.mesh.lattices)
-    for (const std::string& surface : options.mesh.surfaces) printTimes(out, result["records"], lattice, surface);
-  if (options.mesh.truthPoints == 0) return result;
-  for (const std::string& shape : options.touch.shapes)
-    for (const std::int64_t lattice : options.mesh.lattices)
-      for (const std::string& surface : options.mesh.surfaces) {
+  for (const std::int64_t lattice : options.lattices)
+    for (const std::string& surface : options.surfaces) printTimes(out, result["records"], lattice, surface);
+  if (options.truthPoints == 0) return result;
+  for (const std::string& shape : options.shapes)
+    for (const std::int64_t lattice : options.lattices)
+      for (const std::string& surface : options.surfaces) {
         context.log().say("mesh: {} against the shape, lattice {}, {}", shape, lattice, surface);
         result["truth"].push_back(
-            judge(context, shape, static_cast<std::size_t>(options.mesh.truthPoints), lattice, surface));
+            judge(context, shape, static_cast<std::size_t>(options.truthPoints), lattice, surface));
       }
   printTruth(out, result["truth"]);
   return result;
+}
+
+void addOptions(CLI::App& bench, MeshBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  bench.add_option("--lattice", options.lattices, "cells along the longest side")
+      ->check(between(1, kFinestLattice))
+      ->type_name("N...")
+      ->capture_default_str();
+  std::vector<std::string> surfaces;
+  for (const auto& [name, unused] : kMeshSurfaces) surfaces.emplace_back(name);
+  bench.add_option("--mesh-surface", options.surfaces, "what is meshed")
+      ->check(CLI::IsMember(surfaces))
+      ->delimiter(',')
+      ->capture_default_str();
+  for (const std::string_view name : shapeNames()) options.shapes.emplace_back(name);
+  addListOption(bench, "--shapes", options.shapes, "that the mesh is held against");
+  bench.add_option("--truth-points", options.truthPoints, "points of those shapes; 0: none")
+      ->check(between(0, 1e8))
+      ->capture_default_str();
+  addRepeatOptions(bench, options);
+  addBackendsOption(bench, options, {"vulkan"});
+}
+
+}  // namespace
+
+void addMeshBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("mesh", "marching cubes");
+  const auto options = std::make_shared<MeshBenchOptions>();
+  addOptions(*sub, *options);
+  sub->footer(
+      "ms on the GPU for each pass of marching cubes and for a mesh that follows an edit, memory, and the distance of "
+      "vertices and the error of normals against shapes that are known.\n");
+  sub->callback([&, options] {
+    command = [&context, options] {
+      measureAlone(context, *options, "mesh", [&] { return benchMesh(context, *options); });
+    };
+  });
 }
 
 }  // namespace palpate

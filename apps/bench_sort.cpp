@@ -1,6 +1,6 @@
 #include <random>
 
-#include "apps/bench.hpp"
+#include "apps/bench_times.hpp"
 #include "apps/cuda_backend.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/look_back_sort.hpp"
@@ -48,7 +48,7 @@ Summary measureVulkan(Device& device, const PairSort& sort, const std::vector<st
 
 }  // namespace
 
-void benchSort(Context& context, const Subject& subject, const BenchOptions& options,
+void benchSort(Context& context, const Subject& subject, const TimeBenchOptions& options,
                std::vector<BenchRecord>& records) {
   const auto keys = randomKeys(subject.model.cloud.size());
   const auto add = [&](const char* backend, const char* way, const Summary& gpu_us) {

@@ -2,7 +2,9 @@
 #include <map>
 
 #include "apps/bench.hpp"
+#include "apps/look.hpp"
 #include "apps/parse_list.hpp"
+#include "apps/picture.hpp"
 #include "apps/picture_judge.hpp"
 #include "apps/picture_way.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -13,6 +15,15 @@
 namespace palpate {
 
 namespace {
+
+struct SplatBenchOptions : WayOptions {
+  std::string size = "1280x720";             // of the pictures
+  std::uint32_t samples = 4;                 // of a pixel
+  std::vector<std::uint32_t> smooths_px{0};  // FrameOptions::smooth_px
+  std::vector<std::string> shapes, conditions;
+  std::string truthFile;  // the mesh that the model is a scan of
+  bool quick = false;
+};
 
 // Of a frame, ms: on the GPU, by pass and in all, and from its submission until the picture is there.
 struct FrameTimes {
@@ -47,9 +58,10 @@ struct Condition {
   double thinning;  ///< density at one end over that at the other
 };
 constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
+constexpr std::array<std::string_view, 4> kShapes{"sphere", "torus", "bumpy-sphere", "cube"};
 
 FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, const Camera& camera,
-                         const BenchOptions& options) {
+                         const SplatBenchOptions& options) {
   FrameTimes times;
   CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
   list.begin();
@@ -95,7 +107,7 @@ std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& draw
 }
 
 SplatCost costOf(Context& context, const std::string& subject, const Model& model, const PictureWay& way,
-                 const Camera& camera, const UVec2& size, const BenchOptions& options) {
+                 const Camera& camera, const UVec2& size, const SplatBenchOptions& options) {
   Device& device = context.device();
   const std::uint64_t before = device.allocatedBytes();
   const std::uint32_t supersample = options.samples > 1 ? 2 : 1;
@@ -121,7 +133,7 @@ PictureJudgement judge(Device& device, const PictureTruth& truth, const PictureW
 // One cloud, drawn in each way and held against the truth. Where discs and meshes are compared, times of the same
 // pictures stand beside that.
 void judgeWays(Context& context, const std::string& shape, const std::string& condition, const Model& model,
-               const PictureTruth& truth, const BenchOptions& options, std::vector<SplatQuality>& results) {
+               const PictureTruth& truth, const SplatBenchOptions& options, std::vector<SplatQuality>& results) {
   forEachWay(context, model, options, [&](const PictureWay& way) {
     std::optional<SplatCost> cost;
     if (!options.meshes.empty())
@@ -138,14 +150,15 @@ void judgeWays(Context& context, const std::string& shape, const std::string& co
   });
 }
 
-void judgeShapes(Context& context, const UVec2& size, const BenchOptions& options, std::vector<SplatQuality>& results) {
+void judgeShapes(Context& context, const UVec2& size, const SplatBenchOptions& options,
+                 std::vector<SplatQuality>& results) {
   const auto points = static_cast<std::size_t>(options.sizes.empty() ? 200'000 : options.sizes.front());
-  for (const std::string_view name : {"sphere", "torus", "bumpy-sphere", "cube"}) {
-    if (std::ranges::find(options.touch.shapes, name) == options.touch.shapes.end()) continue;
+  for (const std::string_view name : kShapes) {
+    if (std::ranges::find(options.shapes, name) == options.shapes.end()) continue;
     const auto shape = makeShape(name);
     std::optional<PictureTruth> truth;
     for (const Condition& condition : kConditions) {
-      if (std::ranges::find(options.touch.conditions, condition.name) == options.touch.conditions.end()) continue;
+      if (std::ranges::find(options.conditions, condition.name) == options.conditions.end()) continue;
       context.log().say("splat: {}, {}, {} points, against truth", name, condition.name, points);
       const auto drawn = static_cast<double>(points) / shareThatStays(condition.thinning);
       PointCloud cloud =
@@ -162,11 +175,11 @@ void judgeShapes(Context& context, const UVec2& size, const BenchOptions& option
 }
 
 // A scan against the mesh that it was taken from.
-void judgeScan(Context& context, const Subject& subject, const UVec2& size, const BenchOptions& options,
+void judgeScan(Context& context, const Subject& subject, const UVec2& size, const SplatBenchOptions& options,
                std::vector<SplatQuality>& results) {
-  context.log().say("splat: {} against {}", subject.name, options.touch.truthFile);
+  context.log().say("splat: {} against {}", subject.name, options.truthFile);
   constexpr std::uint32_t kStride = 3;  // closest points of a mesh take a while
-  const TriangleMesh mesh = readTriangleMesh(options.touch.truthFile);
+  const TriangleMesh mesh = readTriangleMesh(options.truthFile);
   const PointCloud& cloud = subject.model.cloud;
   Bounds bounds = boundsOf(cloud);
   bounds.min += cloud.origin;
@@ -289,29 +302,28 @@ Json toJson(const SplatQuality& q) {
   return quality;
 }
 
-}  // namespace
-
-Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, const BenchOptions& options) {
+Json benchSplat(Context& context, const SplatBenchOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
   for (const std::string& raster : options.rasters) rasterNamed(raster);
   const UVec2 size(width, height);
-  const bool scan = !options.touch.truthFile.empty();
+  const bool scan = !options.truthFile.empty();
   if (scan && options.models.size() != 1)
     throw UsageError("bench splat: --truth is the mesh of one model; --models has {}", options.models.size());
   std::vector<SplatCost> costs;
   std::vector<SplatQuality> qualities;
-  for (const SubjectMaker& makeOne : subjects) {
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
     const Subject subject = makeOne(context);
     context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
-    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y);
+    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y, 45,
+                                          framingOf(subject.model, subject.model.upright.up));
     forEachWay(context, subject.model, options, [&](const PictureWay& way) {
       costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
     });
     if (scan) judgeScan(context, subject, size, options, qualities);
   }
   std::ranges::stable_sort(costs, {}, &SplatCost::points);
-  if (!options.touch.quick && !scan) judgeShapes(context, size, options, qualities);
+  if (!options.quick && !scan) judgeShapes(context, size, options, qualities);
   std::vector<std::string> ways;
   for (const SplatCost& cost : costs)
     if (std::ranges::find(ways, cost.raster) == ways.end()) ways.push_back(cost.raster);
@@ -327,6 +339,54 @@ Json benchSplat(Context& context, const std::vector<SubjectMaker>& subjects, con
   for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));
   for (const SplatQuality& quality : qualities) result["qualities"].push_back(toJson(quality));
   return result;
+}
+
+void addOptions(CLI::App& bench, SplatBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  bench.add_option("--size", options.size, "of the pictures, width x height, pixels")->capture_default_str();
+  addSamplesOption(bench, options.samples);
+  bench.add_option("--raster", options.rasters, "who draws the discs, as in render; several are compared")
+      ->delimiter(',')
+      ->capture_default_str();
+  bench
+      .add_option("--mesh", options.meshes,
+                  "draws marching cubes, too, with so many cells along the longest side, from the same clouds and "
+                  "cameras; one table of all ways")
+      ->check(between(1, kFinestLattice))
+      ->delimiter(',')
+      ->type_name("N,...");
+  bench
+      .add_option("--smooth", options.smooths_px,
+                  "pixels to each side over which depth is smoothed; several are judged")
+      ->check(CLI::Range(0u, shared::kMostSmooth_px / 2))
+      ->delimiter(',')
+      ->capture_default_str();
+  for (const std::string_view shape : kShapes) options.shapes.emplace_back(shape);
+  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
+  addListOption(bench, "--shapes", options.shapes, "that are seen");
+  addListOption(bench, "--conditions", options.conditions, "clouds that are exact, or ten times sparser at one end");
+  bench.add_option("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")
+      ->type_name("MESH.ply");
+  bench.add_flag("--quick", options.quick, "times alone");
+  addRepeatOptions(bench, options);
+  addBackendsOption(bench, options, {"vulkan"});
+}
+
+}  // namespace
+
+void addSplatBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("splat", "a picture, and how true it is");
+  const auto options = std::make_shared<SplatBenchOptions>();
+  addOptions(*sub, *options);
+  sub->footer(
+      "ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under --conditions "
+      "against rays cast in double precision: pixels without surface, overlap of the silhouettes, error of depth and "
+      "of normals. --quick leaves that out.\n");
+  sub->callback([&, options] {
+    command = [&context, options] {
+      measureAlone(context, *options, "splat", [&] { return benchSplat(context, *options); });
+    };
+  });
 }
 
 }  // namespace palpate

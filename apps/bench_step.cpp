@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "apps/bench.hpp"
+#include "apps/bench_times.hpp"
 #include "engine/spatial/kd_tree_search.hpp"
 #include "engine/spatial/multimap_hash.hpp"
 #include "engine/spatial/sorted_grid.hpp"
@@ -71,7 +71,7 @@ DVec3 placeAbove(const Model& model, double radius) {
   return model.cloud.fileCoordinates(nearest) + 0.5 * radius * DVec3(model.cloud.normals[nearest]);
 }
 
-std::vector<std::string> methodsOf(const std::string& backend, const BenchOptions& options) {
+std::vector<std::string> methodsOf(const std::string& backend, const TimeBenchOptions& options) {
   std::vector<std::string> methods = methodChoices(backend);
   if (!options.methods.empty())
     std::erase_if(methods, [&](const std::string& method) {
@@ -82,7 +82,7 @@ std::vector<std::string> methodsOf(const std::string& backend, const BenchOption
 
 // Calls measure(way) for every method and surface of every back end that is wanted.
 template <class Measure>
-void forEachMethod(const BenchOptions& options, Measure&& measure) {
+void forEachMethod(const TimeBenchOptions& options, Measure&& measure) {
   for (const std::string& backend : options.backends)
     for (const std::string& method : methodsOf(backend, options))
       for (const std::string& surface : options.surfaces) {
@@ -95,7 +95,7 @@ void forEachMethod(const BenchOptions& options, Measure&& measure) {
 }
 
 // The way itself, and by the same way each tool that is wanted, with its face along `down`.
-std::vector<BackendOptions> withTools(const BackendOptions& way, const BenchOptions& options, const DVec3& down) {
+std::vector<BackendOptions> withTools(const BackendOptions& way, const TimeBenchOptions& options, const DVec3& down) {
   std::vector<BackendOptions> ways{way};
   if (way.backend == "cuda" || (way.backend == "vulkan" && way.method != "fused")) return ways;
   for (const std::int64_t points : options.toolPoints) {
@@ -129,7 +129,7 @@ BenchRecord recordOf(const char* bench, const BackendOptions& way, const char* i
 
 }  // namespace
 
-void benchQuery(Context& context, const Subject& subject, const BenchOptions& options,
+void benchQuery(Context& context, const Subject& subject, const TimeBenchOptions& options,
                 std::vector<BenchRecord>& records) {
   const double radius = surfaceOptions(subject.model, options.backend).radius;
   const DVec3 hip = placeAbove(subject.model, radius);
@@ -162,7 +162,7 @@ void benchQuery(Context& context, const Subject& subject, const BenchOptions& op
   }
 }
 
-void benchStep(Context& context, const Subject& subject, const BenchOptions& options,
+void benchStep(Context& context, const Subject& subject, const TimeBenchOptions& options,
                std::vector<BenchRecord>& records) {
   const Model& model = subject.model;
   const auto press = pressOn(model);

@@ -14,6 +14,12 @@ namespace palpate {
 
 namespace {
 
+struct TouchBenchOptions : BenchOptions {
+  std::vector<std::string> surfaces, shapes, conditions;
+  std::string truthFile;  // the mesh that the models are scans of
+  bool quick = false;
+};
+
 struct Condition {
   std::string_view name;
   double noise = 0;        ///< of the positions, spacings
@@ -74,18 +80,17 @@ JudgeSubject scanSubject(Context& context, const std::string& scan, const std::s
   return subject;
 }
 
-std::vector<std::function<JudgeSubject()>> subjectsOf(Context& context, const BenchOptions& options) {
+std::vector<std::function<JudgeSubject()>> judgedBy(Context& context, const TouchBenchOptions& options) {
   std::vector<std::function<JudgeSubject()>> subjects;
-  const TouchBenchOptions& touch = options.touch;
   for (const std::string& scan : options.models)
-    subjects.emplace_back([&context, scan, mesh = touch.truthFile] { return scanSubject(context, scan, mesh); });
+    subjects.emplace_back([&context, scan, mesh = options.truthFile] { return scanSubject(context, scan, mesh); });
   if (!subjects.empty()) return subjects;
   std::vector<std::int64_t> sizes = options.sizes;
   if (sizes.empty()) sizes.push_back(200'000);
   for (const std::int64_t size : sizes)
-    for (const std::string& shape : touch.shapes)
+    for (const std::string& shape : options.shapes)
       for (const Condition& condition : kConditions)
-        if (std::ranges::find(touch.conditions, condition.name) != touch.conditions.end())
+        if (std::ranges::find(options.conditions, condition.name) != options.conditions.end())
           subjects.emplace_back([&context, shape, condition, size] {
             return shapeSubject(shape, condition, static_cast<std::size_t>(size), context.threads());
           });
@@ -93,9 +98,9 @@ std::vector<std::function<JudgeSubject()>> subjectsOf(Context& context, const Be
 }
 
 template <class Judge>
-void forEachSurface(const BenchOptions& options, Judge&& judgeOne) {
+void forEachSurface(const TouchBenchOptions& options, Judge&& judgeOne) {
   for (const std::string& backend : options.backends)
-    for (const std::string& surface : options.touch.surfaces) {
+    for (const std::string& surface : options.surfaces) {
       BackendOptions one = options.backend;
       one.backend = backend;
       one.surface = surface;
@@ -124,27 +129,8 @@ std::vector<StabilityJudgement> judgeStability() {
   return judgements;
 }
 
-}  // namespace
-
-void addTouchBenchOptions(CLI::App& sub, TouchBenchOptions& options) {
-  options.surfaces = surfaceChoices();
-  options.shapes = names(shapeNames());
-  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
-  const auto list = [&](const char* name, std::vector<std::string>& values, const char* what) {
-    sub.add_option(name, values, what)->check(CLI::IsMember(values))->delimiter(',')->capture_default_str();
-  };
-  list("--surface", options.surfaces,
-       "touch: surfaces that are judged; query, step: that are measured (default: average)");
-  list("--shapes", options.shapes, "touch, splat: shapes that are felt, or seen");
-  list("--conditions", options.conditions,
-       "touch, and of them clean and uneven splat: clouds that are exact, have positions noisy by so many spacings, or "
-       "normals estimated from the points, "
-       "are ten times sparser at one end, lie 1e6 mm from the origin");
-  sub.add_option("--truth", options.truthFile, "touch: the mesh that --models is a scan of, in the same coordinates")
-      ->type_name("MESH.ply");
-  sub.add_flag("--quick", options.quick, "touch: no slides at 5 mm/s, no plates, no edits; splat: times alone");
-}
-
+// On a real GPU that answers; the CPU where there is none, or only a software driver, which is slower than the CPU back
+// end by far and feels the same.
 std::string ownTouchBackend(Context& context) {
   try {
     return context.device().isCpu() ? "cpu" : "vulkan";
@@ -153,14 +139,14 @@ std::string ownTouchBackend(Context& context) {
   }
 }
 
-Json benchTouch(Context& context, const BenchOptions& options) {
-  if (options.models.empty() != options.touch.truthFile.empty())
+Json benchTouch(Context& context, const TouchBenchOptions& options) {
+  if (options.models.empty() != options.truthFile.empty())
     throw UsageError("bench touch: --models and --truth go together; without both, shapes are felt");
   JudgeOptions judgeOptions;
-  if (options.touch.quick) judgeOptions.speeds_mm_per_s = {50, 200};
+  if (options.quick) judgeOptions.speeds_mm_per_s = {50, 200};
   forEachSurface(options, [](const BackendOptions& one) { checkBackendOptions(one); });
   TouchResults results;
-  const auto subjects = subjectsOf(context, options);
+  const auto subjects = judgedBy(context, options);
   for (const auto& makeOne : subjects) {
     const JudgeSubject subject = makeOne();
     context.log().say("touch: {}, {}, {} points", subject.name, subject.condition, subject.model.cloud.size());
@@ -168,20 +154,68 @@ Json benchTouch(Context& context, const BenchOptions& options) {
     const JudgePlan plan = planFor(context, subject, widestRadius, judgeOptions);
     forEachSurface(options, [&](const BackendOptions& one) {
       results.judgements.push_back(judgeTouch(context, subject, plan, one, judgeOptions));
-      if (!options.touch.quick && (subject.condition == "clean" || subject.condition == "scan"))
+      if (!options.quick && (subject.condition == "clean" || subject.condition == "scan"))
         results.judgements.back().edit = judgeEdit(context, subject, one, judgeOptions);
     });
   }
-  if (!options.touch.quick && options.models.empty())
+  if (!options.quick && options.models.empty())
     forEachSurface(options, [&](const BackendOptions& one) {
       context.log().say("touch: thin plates, {}", one.surface);
       const std::int64_t points = options.sizes.empty() ? 200'000 : options.sizes.front();
       const auto plates = judgePlates(context, static_cast<std::size_t>(points), one);
       results.plates.insert(results.plates.end(), plates.begin(), plates.end());
     });
-  if (!options.touch.quick && options.models.empty()) results.stability = judgeStability();
+  if (!options.quick && options.models.empty()) results.stability = judgeStability();
   printTouchTables(context.tables(), results, judgeOptions.mainSpeed_mm_per_s);
   return toJson(results);
+}
+
+void addOptions(CLI::App& bench, TouchBenchOptions& options) {
+  options.surfaces = surfaceChoices();
+  options.shapes = names(shapeNames());
+  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
+  addListOption(bench, "--shapes", options.shapes, "that are felt");
+  addListOption(
+      bench, "--conditions", options.conditions,
+      "clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
+      "are ten times sparser at one end, lie 1e6 mm from the origin");
+  bench.add_option("--sizes", options.sizes, "numbers of points of the shapes (default: 200000)")
+      ->check(between(1, 2e9))
+      ->type_name("N...");
+  bench.add_option("--models,--model", options.models, "scans that are felt instead, with --truth")
+      ->type_name("FILE...");
+  bench.add_option("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")
+      ->type_name("MESH.ply");
+  bench.add_flag("--quick", options.quick, "no slides at 5 mm/s, no plates, no edits");
+  addListOption(bench, "--surface", options.surfaces, "surfaces that are judged");
+  addFrictionOption(bench, options);
+  addMethodsOption(bench, options, "how neighbours are found (default: the back end's own choice)");
+  addIndexOptions(bench, options.backend);
+  addPlotOption(bench, options, "draw a page of what was found");
+}
+
+}  // namespace
+
+void addTouchBench(CLI::App& bench, Context& context, Command& command) {
+  CLI::App* sub = bench.add_subcommand("touch", "judges what is felt against surfaces that are known");
+  const auto options = std::make_shared<TouchBenchOptions>();
+  addOptions(*sub, *options);
+  CLI::Option* backends = addBackendsOption(*sub, *options, backendChoices());
+  backends->description(
+      "what answers; several are judged one after another (default: cpu where there is no GPU but a software driver)");
+  sub->footer(
+      "Slides 1 mm deep at 5, 50 and 200 mm/s, presses, taps, pushes through plates; M1 angle between force and true "
+      "normal, M2 height of the proxy, M3 force against true depth, M4 dF/dt and its share in 50 to 500 Hz, in all and "
+      "off edges, M5 pushes that came through, M6 lag behind a god-object on the truth, M7 tick times, M8 force in the "
+      "air, M10 tangential force (there is no friction: mu is 0) and drift at rest, M11 after an edit, M12 the same "
+      "path twice, and the CPU against the back end.\n");
+  sub->callback([&, options, backends] {
+    command = [&context, options, chosen = backends->count() > 0] {
+      if (!chosen) options->backends = {ownTouchBackend(context)};
+      measureAlone(
+          context, *options, "touch", [&] { return benchTouch(context, *options); }, PlotScript::touch);
+    };
+  });
 }
 
 }  // namespace palpate

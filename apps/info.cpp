@@ -1,4 +1,5 @@
-#include "apps/context.hpp"
+#include "apps/look.hpp"
+#include "engine/cloud/gist.hpp"
 #include "engine/cloud/ply_header.hpp"
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -11,9 +12,15 @@ namespace {
 
 double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-void info(Context& context, const std::string& file) {
+void info(Context& context, const std::string& file, const LookOptions& look) {
   const PlyInfo header = readPlyInfo(file);
-  const PointCloud cloud = readPly(file);
+  Model model{.cloud = readPly(file)};
+  const PointCloud& cloud = model.cloud;
+  model.upright = findUp(cloud);
+  model.shown = coreBoundsOf(cloud);
+  const Upright upright = uprightOf(model, look);
+  const HeightRange heights = heightsOf(model, upright.up);
+  const LengthUnit unit = unitOf(cloud, look);
   const Bounds bounds = boundsOf(cloud);
   const SpacingRange spacings = spacingRange(cloud, context.threads());
   const double spacing = spacings.mean;
@@ -33,7 +40,11 @@ void info(Context& context, const std::string& file) {
   fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
              cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
   fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
-  fmt::print(out, "  mean spacing: {:.6g} units, {:.4g} mm where the longest side is {:g} mm\n", spacing,
+  const DVec3 size = bounds.max - bounds.min;
+  fmt::print(out, "  size: {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, nameOf(unit));
+  fmt::print(out, "  up: {} ({}); heights from {:.6g} to {:.6g} {}\n", nameOf(upright.up), upright.why, heights.low,
+             heights.high, nameOf(unit));
+  fmt::print(out, "  mean spacing: {:.6g} {}, {:.4g} mm where the longest side is {:g} mm\n", spacing, nameOf(unit),
              scale.toMm(spacing), kDefaultLongestSide_mm);
   fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
   fmt::print(
@@ -50,6 +61,10 @@ void info(Context& context, const std::string& file) {
                      {"colors", cloud.hasColors()},
                      {"attributes", attributes},
                      {"bounds", {{"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}}},
+                     {"unit", unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(unit))},
+                     {"up", nameOf(upright.up)},
+                     {"up_why", upright.why},
+                     {"heights", {heights.low, heights.high}},
                      {"mean_spacing", spacing},
                      {"noise_spacings", spacings.noise},
                      {"mm_per_unit", scale.mm_per_unit},
@@ -70,7 +85,9 @@ void addInfo(CLI::App& app, Context& context, Command& command) {
       app.add_subcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
   auto file = std::make_shared<std::string>();
   sub->add_option("model", *file, "PLY file")->required()->type_name("MODEL");
-  sub->callback([&, file] { command = [&context, file] { info(context, *file); }; });
+  auto look = std::make_shared<LookOptions>();
+  addLookOptions(*sub, *look);
+  sub->callback([&, file, look] { command = [&context, file, look] { info(context, *file, *look); }; });
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "apps/context.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/ply_writer.hpp"
+#include "engine/cloud/saving.hpp"
 #include "engine/core/clock.hpp"
 
 namespace palpate {
@@ -27,10 +28,11 @@ void make(Context& context, const MakeOptions& options) {
     throw UsageError("make: --center, --size and --noise give coordinates that no file can hold");
   context.checkWritable(options.output);
   const auto shape = makeShape(options.shape, options.size, center);
-  const PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
-                                                .seed = static_cast<std::uint64_t>(options.seed),
-                                                .noise = options.noise,
-                                                .threads = context.threads()});
+  PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
+                                          .seed = static_cast<std::uint64_t>(options.seed),
+                                          .noise = options.noise,
+                                          .threads = context.threads()});
+  markAsOurs(cloud);
   writePly(options.output, cloud, {.ascii = options.ascii});
   context.log().say("{}: {} points of {} in {:.2f} s", options.output, cloud.size(), options.shape, watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "engine/cloud/gist.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/spacing.hpp"
@@ -53,6 +54,9 @@ Model loadModel(Context& context, const ModelOptions& options, EstimateOn where)
   Log& log = context.log();
   model.cloud = readPly(options.file, &log, {.normalsFromFaces = options.normals == "face"});
   PointCloud& cloud = model.cloud;
+  // Before normals are estimated, so that all who read the file find the same.
+  model.upright = findUp(cloud);
+  model.shown = coreBoundsOf(cloud);
   seeToNormals(context, options, where, cloud);
   model.scale =
       options.mm_per_unit > 0 ? ModelScale{options.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());

@@ -3,6 +3,7 @@
 
 #include "apps/context.hpp"
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
 #include "engine/core/units.hpp"
 
 namespace palpate {
@@ -20,6 +21,10 @@ struct Model {
   double spacing = 0;      ///< model units
   double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
   double noise = 0;        ///< of the positions, off their surface (SpacingRange), spacings
+  Upright upright;         ///< by the shape
+  /// What a picture shows (coreBoundsOf()); all when not given.
+  std::optional<Bounds> shown;
+  Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 /// Where normals are estimated: on the GPU where one is going to be opened anyway; the CPU steps in for a software
 /// driver, which takes twice as long for the same.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/legend.hpp"
 #include "apps/parse_list.hpp"
 
 namespace palpate {
@@ -16,6 +17,9 @@ PictureSize parseSize(const std::string& text) {
 
 FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
+  frame.up = directionOf(uprightOf(model, options.look).up);
+  frame.shown = model.shown;
+  frame.splatRadius = loneDiscRadius(model);
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
   frame.everyPoint = options.everyPoint;
@@ -26,7 +30,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
     frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
   // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
   constexpr double kWidest = 0.1;  // of the longest side
-  const double widest = kWidest * boundsOf(model.cloud).longestSide();
+  const double widest = kWidest * model.shownBounds().longestSide();
   if (options.splatRadius != "auto") {
     const double radius_mm =
         parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
@@ -39,45 +43,44 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   }
   if (options.points) {
     constexpr double kBare = 1e-7;  // of the longest side: far below a sample
-    frame.splatRadius = kBare * std::max(boundsOf(model.cloud).longestSide(), 1e-30);
+    frame.splatRadius = kBare * std::max(model.shownBounds().longestSide(), 1e-30);
     frame.everyPoint = true;
     frame.closeHoles = false;
   }
   return frame;
 }
 
+DVec2 scaleBarCorner(const PictureSize& size) { return {0.04 * size.width, 0.94 * size.height}; }
+
 }  // namespace
 
-double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
+double scaleBarLength(const Camera& camera, const PictureSize& size) {
   const double depth = glm::distance(camera.eye, camera.target);
-  const double widest_mm = scale.toMm(0.2 * size.width * depth / camera.focal_px(size.height));
-  double length_mm = std::pow(10.0, std::floor(std::log10(widest_mm)));
-  for (const double factor : {5.0, 2.0})
-    if (factor * length_mm <= widest_mm) return factor * length_mm;
-  return length_mm;
+  return roundLength(0.2 * size.width * depth / camera.focal_px(size.height));
 }
 
-Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale) {
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
   const double depth = glm::distance(camera.eye, camera.target);
-  const double length = scale.toUnits(scaleBarLength_mm(camera, size, scale));
-  const DVec2 corner(0.04 * size.width, 0.94 * size.height);
-  return {.from = camera.unproject(corner, depth, {size.width, size.height}),
-          .along = length * camera.axes().right,
+  return {.from = camera.unproject(scaleBarCorner(size), depth, {size.width, size.height}),
+          .along = scaleBarLength(camera, size) * camera.axes().right,
           .radius = 0.003 * size.height * depth / camera.focal_px(size.height)};
 }
 
 void addPictureOptions(CLI::App& command, PictureOptions& options) {
+  addLookOptions(command, options.look);
   command.add_option("--size", options.size, "width x height, pixels")->capture_default_str();
   command.add_option(
       "--camera", options.camera,
       "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
-      "from the front, a little above)");
+      "from the front, a little above, as --up has it)");
   command
       .add_option("--splat-radius", options.splatRadius,
                   "of every point's disc, mm; auto: each as wide as closes the "
                   "surface around it")
       ->capture_default_str();
-  command.add_option("--color", options.color, "rgb (the file's, or one material), normal, depth, height")
+  command
+      .add_option("--color", options.color,
+                  "rgb (the file's, or one material), normal, depth, height (along up, with a legend)")
       ->capture_default_str();
   command.add_option("--pass", options.pass, "final, depth, smooth-depth, normal, color, position")
       ->capture_default_str();
@@ -98,7 +101,7 @@ void addPictureOptions(CLI::App& command, PictureOptions& options) {
   command.add_option("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM")
       ->type_name("FILE.pfm");
   command.add_flag("--scale-bar", options.scaleBar,
-                   "draw a bar of a round length at the depth of the camera's target, and say its mm");
+                   "draw a bar of a round length, in the file's unit, at the depth of the camera's target");
   command.add_flag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
 }
 
@@ -114,6 +117,11 @@ void checkPictureOptions(const PictureOptions& options) {
   frameOptions(options, Model{});
   Camera::parse(options.camera, PointCloud{}, 1);
   Context::checkWritable(options.depthFile);
+}
+
+bool showsPaint(const PictureOptions& options) {
+  const ImagePass pass = imagePassNamed(options.pass);
+  return colorByNamed(options.color) == ColorBy::rgb && (pass == ImagePass::final || pass == ImagePass::color);
 }
 
 void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
@@ -135,10 +143,18 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   FrameOptions frameOf = frameOptions(options, model);
   frameOf.overlays = overlays;
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
-  const Camera camera = Camera::parse(options.camera, model.cloud, aspect);
+  const Upright upright = uprightOf(model, options.look);
+  const LengthUnit unit = unitOf(model.cloud, options.look);
+  if (model.cloud.empty())
+    context.log().say("{}: the model has no points, and the picture is empty", file);
+  else if (!upNamed(options.look.up))
+    context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
+  const Camera camera = Camera::parse(options.camera, model.cloud, aspect, framingOf(model, upright.up));
+  const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
-    frameOf.overlays.scale = scaleBar(camera, size, model.scale);
-    context.log().say("{}: the scale bar is {:g} mm long", file, scaleBarLength_mm(camera, size, model.scale));
+    frameOf.overlays.scale = scaleBar(camera, size);
+    context.log().say("{}: the scale bar is {:g} {} long, {:.4g} mm in the hand", file, bar, nameOf(unit),
+                      model.scale.toMm(bar));
   }
   CommandList list(device, device.sight(), "frame",
                    options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
@@ -146,7 +162,13 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   frame.record(list, drawn, camera, frameOf);
   list.end();
   device.sight().run(list);
-  writeImage(file, frame.readColor());
+  Image image = frame.readColor();
+  if (options.scaleBar)
+    drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), fmt::format("{:g} {}", bar, nameOf(unit)));
+  const bool showsHeights = frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color;
+  if (showsHeights && frameOf.color == ColorBy::height && !model.cloud.empty())
+    drawLegend(image, heightsOf(model, upright.up), unit);
+  writeImage(file, image);
   if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
   if (options.printFrame) printPasses(context.tables(), list.passes());
 }

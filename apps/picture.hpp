@@ -1,12 +1,13 @@
 // Pictures as `render` and `touch --picture` take them.
 #pragma once
 
-#include "apps/model.hpp"
+#include "apps/look.hpp"
 #include "engine/render/frame.hpp"
 
 namespace palpate {
 
 struct PictureOptions {
+  LookOptions look;
   std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile,
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
@@ -18,13 +19,16 @@ void addPictureOptions(CLI::App& command, PictureOptions& options);
 struct PictureSize {
   std::uint32_t width, height;
 };
-/// The longest of 1, 2, 5, 10, … mm that is at most a fifth of the picture wide at the depth of the target.
-double scaleBarLength_mm(const Camera& camera, const PictureSize& size, const ModelScale& scale);
+/// The longest of 1, 2, 5, 10, … units that is at most a fifth of the picture wide at the depth of the target.
+double scaleBarLength(const Camera& camera, const PictureSize& size);
 /// A bar of that length at the lower left.
-Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size, const ModelScale& scale);
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
 
 /// --samples: 1 or 4.
 void addSamplesOption(CLI::App& command, std::uint32_t& samples);
+
+/// Whether a picture shows the points' own colours.
+bool showsPaint(const PictureOptions& options);
 
 /// Checks what can be checked before anything is loaded. Throws UsageError.
 void checkPictureOptions(const PictureOptions& options);

@@ -46,7 +46,7 @@ DrawnMesh drawnMesh(const MarchingCubes& cubes, const Model& model) {
           .cell = static_cast<double>(cubes.plan().lattice.cell)};
 }
 
-void forEachWay(Context& context, const Model& model, const BenchOptions& options,
+void forEachWay(Context& context, const Model& model, const WayOptions& options,
                 const std::function<void(const PictureWay&)>& visit) {
   for (const std::string& raster : options.rasters) visitDiscs(context, model, raster, visit);
   for (const std::int64_t lattice : options.meshes) visitMesh(context, model, lattice, options, visit);

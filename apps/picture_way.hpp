@@ -20,8 +20,13 @@ struct PictureWay {
   std::function<void(Frame&, CommandList&, const Camera&, const FrameOptions&)> record;
 };
 
+struct WayOptions : BenchOptions {
+  std::vector<std::string> rasters{"compute"};  ///< FrameOptions::raster
+  std::vector<std::int64_t> meshes;             ///< lattices
+};
+
 /// Makes what each way of the options draws, calls `visit`, and gives it back, one after the other.
-void forEachWay(Context& context, const Model& model, const BenchOptions& options,
+void forEachWay(Context& context, const Model& model, const WayOptions& options,
                 const std::function<void(const PictureWay&)>& visit);
 
 }  // namespace palpate

@@ -2,7 +2,7 @@
 #include "apps/replay_comparison.hpp"
 #include "apps/session_text.hpp"
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/cloud/saving.hpp"
 #include "haptics/devices/replay_device.hpp"
 
 namespace palpate {
@@ -24,9 +24,17 @@ struct Recorded {
   std::optional<bool> endsAsRecorded;  ///< nothing where the session did not come to its end
 };
 
+// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
+std::uint64_t mostMissingEdits(const SessionRecord& record) {
+  std::uint64_t most = 0;
+  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
+  return most;
+}
+
 // What a log of edits may do to the points: sets them, and adds some behind them.
-std::vector<PointState> edited(const ReplayOptions& options, const Model& model, const EditBatch& edits) {
-  const std::size_t most = model.cloud.size() + edits.points.size();
+std::vector<PointState> edited(const ReplayOptions& options, const Model& model, const SessionRecord& record) {
+  const EditBatch& edits = record.edits;
+  const std::size_t most = model.cloud.size() + edits.points.size() + mostMissingEdits(record);
   for (const PointState& state : edits.points)
     if (state.number() >= most || state.parent >= most)
       throw FileError(options.log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
@@ -40,13 +48,6 @@ Recorded load(Context& context, const ReplayOptions& options) {
   Recorded recorded{.record = readSessionLog(options.log)};
   recorded.session = parseSessionText(options.log, recorded.record.text);
   const SessionRecord& record = recorded.record;
-  if (!record.end)
-    context.log().say(
-        "{}: {}; {} ticks up to {:.3f} s and {} edits are whole", options.log,
-        record.wholeBytes < record.fileBytes
-            ? fmt::format("torn at byte {} of {}, the rest is left out", record.wholeBytes, record.fileBytes)
-            : fmt::format("ends at byte {} without the session's end", record.wholeBytes),
-        record.ticks.size(), record.ticks.empty() ? 0 : record.ticks.back().time_s, record.edits.points.size());
   ModelOptions model = recorded.session.options.model;
   model.file = options.model.empty() ? recorded.session.modelFile : options.model;
   if (!std::filesystem::exists(model.file))
@@ -63,7 +64,7 @@ Recorded load(Context& context, const ReplayOptions& options) {
   const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
   if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
     throw FileError(options.log, "its ticks do not follow one another in time; it is damaged");
-  recorded.points = edited(options, recorded.model, record.edits);
+  recorded.points = edited(options, recorded.model, record);
   if (record.end)
     recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
   return recorded;
@@ -123,7 +124,8 @@ Outcome compare(const Recorded& recorded, const Again& again, double tolerance) 
   Outcome outcome{.comparable = comparableTicks(recorded.record, options.rate_Hz, options.realtime, ordered)};
   outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
                                      outcome.comparable.count, allowed);
-  outcome.differences.ends = recorded.record.end && outcome.comparable.count == recorded.record.ticks.size();
+  outcome.differences.ends =
+      recorded.record.end && recorded.record.gaps.empty() && outcome.comparable.count == recorded.record.ticks.size();
   if (outcome.differences.ends) outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
   return outcome;
 }
@@ -133,13 +135,16 @@ void print(std::FILE* out, const Recorded& recorded, const Outcome* outcome, con
   const SessionRecord& record = recorded.record;
   row("session", fmt::format("{} ticks, {} edits of points, {}", record.ticks.size(), record.edits.points.size(),
                              record.end ? "to its end" : "not to its end"));
+  for (const std::string& sentence : whatIsMissing(record)) row("missing in the log", sentence);
   if (record.end && record.end->lostTicks)
     row("missing in the log", fmt::format("{} ticks: its thread had fallen behind", record.end->lostTicks));
   if (record.mergedEdits)
     row("merged in the log", fmt::format("{} edits that others of the same point followed", record.mergedEdits));
   row("recorded on", recorded.session.machine);
   if (recorded.endsAsRecorded)
-    row("recorded edits", *recorded.endsAsRecorded ? "give the recorded points" : "do NOT give the recorded points");
+    row("recorded edits", *recorded.endsAsRecorded ? "give the recorded points"
+                          : record.gaps.empty()    ? "do NOT give the recorded points"
+                                                   : "do not give the recorded points: some are missing");
   if (!outcome) return;
   const Differences& found = outcome->differences;
   row("run again on", machine);
@@ -154,14 +159,28 @@ void print(std::FILE* out, const Recorded& recorded, const Outcome* outcome, con
   if (found.first_s) row("first difference", fmt::format("{:.3f} s", *found.first_s));
 }
 
+Json toJson(const LogGap& gap) {
+  const auto count = [](const std::optional<std::uint64_t>& missing) {
+    return missing ? Json(*missing) : Json(nullptr);
+  };
+  return {{"begin_byte", gap.begin},
+          {"end_byte", gap.end},
+          {"ticks_before", gap.tick},
+          {"ticks", count(gap.ticks)},
+          {"edits", count(gap.states)}};
+}
+
 Json toJson(const Recorded& recorded, const Outcome* outcome) {
   const SessionRecord& record = recorded.record;
+  Json gaps = Json::array();
+  for (const LogGap& gap : record.gaps) gaps.push_back(toJson(gap));
   Json json{{"ticks", record.ticks.size()},
             {"edits", record.edits.points.size()},
             {"points", recorded.model.cloud.size()},
             {"whole_bytes", record.wholeBytes},
             {"file_bytes", record.fileBytes},
             {"ended", record.end.has_value()},
+            {"gaps", std::move(gaps)},
             {"merged_edits", record.mergedEdits},
             {"lost_ticks", record.end ? record.end->lostTicks : 0},
             {"ends_as_recorded", recorded.endsAsRecorded ? Json(*recorded.endsAsRecorded) : Json(nullptr)}};
@@ -182,11 +201,12 @@ void replay(Context& context, const ReplayOptions& options) {
   if (!options.recover && !options.saveFile.empty()) throw UsageError("--save: needs --recover");
   if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
   for (const std::string* file : {&options.saveFile, &options.traceFile}) Context::checkWritable(*file);
+  sayWhatIsLost(options.saveFile, context.log());
   const Recorded recorded = load(context, options);
   std::optional<Outcome> outcome;
   std::string machine;
   if (options.recover) {
-    writePly(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
+    saveKeeping(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
   } else {
     if (recorded.record.ticks.empty()) throw FileError(options.log, "has no whole tick; there is nothing to run again");
     const Again again = runAgain(context, recorded);
@@ -196,7 +216,7 @@ void replay(Context& context, const ReplayOptions& options) {
   }
   print(context.tables(), recorded, outcome ? &*outcome : nullptr, machine);
   context.writeJson(toJson(recorded, outcome ? &*outcome : nullptr));
-  if (recorded.endsAsRecorded == false)
+  if (recorded.endsAsRecorded == false && recorded.record.gaps.empty())
     throw FileError(options.log, "its edits do not give the points that the session ended with");
   if (outcome && outcome->differences.any())
     throw FileError(options.log, "the session did not come out the same; see above");
@@ -209,8 +229,10 @@ void addReplay(CLI::App& app, Context& context, Command& command) {
       "replay",
       "a recorded session again, in virtual time: force and points compared tick by tick; or its edits alone");
   auto options = std::make_shared<ReplayOptions>();
-  sub->add_option("log", options->log,
-                  "what palpate touch --log wrote; one that a crash cut off is read as far as it goes")
+  sub->add_option(
+         "log", options->log,
+         "what palpate touch --log wrote; of one that a crash cut off, that is damaged or met a full disk all that is "
+         "whole is read, and what is missing is said")
       ->required()
       ->type_name("LOG");
   sub->add_option("--model", options->model, "the model of the session (default: the file that the log names)")

@@ -40,12 +40,15 @@ ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, boo
     const auto stops = [&](std::string_view what) {
       return ComparableTicks{i, fmt::format("{} at {:.3f} s", what, tick.time_s)};
     };
+    if (!record.gaps.empty() && i == record.gaps.front().tick)
+      return stops("a part of the log is missing before the tick");
     if (tick.time_s != static_cast<double>(i) / rate_Hz) return stops("a tick was left out");
     if (realtime && !tick.has(LoggedTick::kFresh)) return stops("an answer came late");
     if (tick.has(LoggedTick::kEditLeftOut)) return {i + 1, stops("an edit was left out").because};
-    if (record.mergedEdits > 0 && tick.edits > record.countedEdits)
-      return stops("the log had fallen behind the edits and has only the last of them");
-    if (tick.edits > record.edits.points.size()) return stops("the log has no more edits");
+    if (tick.edits <= record.countedEdits) continue;
+    if (!record.gaps.empty()) return stops("edits are missing in the log");
+    return stops(record.mergedEdits > 0 ? "the log had fallen behind the edits and has only the last of them"
+                                        : "the log has no more edits");
   }
   return {record.ticks.size(), {}};
 }

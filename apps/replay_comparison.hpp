@@ -22,7 +22,8 @@ struct ComparableTicks {
   std::string because;  ///< empty where all of them can
 };
 /// Against the wall clock a run can be repeated up to the first tick that was answered late, left out, or left an edit
-/// out; and not at all where points were taken in the order of their arrival (`ordered` false).
+/// out, and not at all where points were taken in the order of their arrival (`ordered` false); any run up to the first
+/// gap of its log.
 ComparableTicks comparableTicks(const SessionRecord& record, double rate_Hz, bool realtime, bool ordered);
 
 struct Differences {

@@ -31,9 +31,10 @@ Stylus simulated(const StylusOptions& options, Path path, const ModelScale& scal
 
 constexpr std::string_view kReplay = "replay:";
 
-Stylus replayed(const std::string& file, const Model& model) {
+Stylus replayed(const std::string& file, const Model& model, Log& log) {
   if (isSessionLog(file)) {
     SessionRecord record = readSessionLog(file);
+    for (const std::string& sentence : whatIsMissing(record)) log.say("{}: {}", file, sentence);
     if (record.ticks.empty()) throw FileError(file, "has no whole tick; there is nothing to replay");
     const RecordedSession session = parseSessionText(file, record.text);
     const double duration_s = record.ticks.back().time_s;
@@ -129,7 +130,7 @@ Stylus makeStylus(const StylusOptions& options, const StylusFor& wanted) {
   if (options.device == "sim") {
     stylus = simulated(options, wanted.path(), scale);
   } else if (options.device.starts_with(kReplay)) {
-    stylus = replayed(options.device.substr(kReplay.size()), wanted.model);
+    stylus = replayed(options.device.substr(kReplay.size()), wanted.model, wanted.log);
   } else if (isHeldDevice(options.device)) {
     const Scheduler scheduler = options.scheduler == "own" ? Scheduler::own : Scheduler::device;
     OpenedDevice opened = openDevice(options.device, scheduler, wanted.rate_Hz, wanted.log, wanted.stop);

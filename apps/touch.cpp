@@ -7,7 +7,7 @@
 #include "apps/session_text.hpp"
 #include "apps/touch_report.hpp"
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/cloud/saving.hpp"
 #include "haptics/builtin_path.hpp"
 #include "haptics/servo_loop.hpp"
 
@@ -27,33 +27,46 @@ Path pathFor(const std::string& path, const TouchCommandOptions& options, const 
 /// The log of a session, where one is asked for, and what writes each tick into it.
 class Recording {
  public:
-  Recording(const std::string& file, const CLI::App& command, const TouchBackend& backend, const Model& model,
+  Recording(Log& log, const std::string& file, const CLI::App& command, const TouchBackend& backend, const Model& model,
             const TouchCommandOptions& options, const Stylus& stylus)
-      : writer_(file, sessionText(command, {.modelFile = options.model.file,
-                                            .points = model.cloud.size(),
-                                            .checksum = checksumOf(model),
-                                            .machine = backend.machine(),
-                                            .palpate = PALPATE_VERSION,
-                                            .limits = stylus.device->limits(),
-                                            .map = stylus.map,
-                                            .passivity = stylus.passivity})),
+      : writer_(file,
+                sessionText(command, {.modelFile = options.model.file,
+                                      .points = model.cloud.size(),
+                                      .checksum = checksumOf(model),
+                                      .machine = backend.machine(),
+                                      .palpate = PALPATE_VERSION,
+                                      .limits = stylus.device->limits(),
+                                      .map = stylus.map,
+                                      .passivity = stylus.passivity}),
+                [&log](const std::string& what) { log.say("{}", what); }),
         tap_(backend, [this](const LoggedTick& tick) { writer_.add(tick); }) {}
 
   SessionWriter& writer() { return writer_; }
   TickRecorder& tap() { return tap_; }
-  /// A log that could not be written is no reason to lose the rest: says why.
-  std::string finish(std::uint64_t points) {
-    try {
-      writer_.finish(points);
-      return {};
-    } catch (const FileError& error) {
-      return error.what();
-    }
-  }
 
  private:
   SessionWriter writer_;
   TickTap tap_;
+};
+
+/// What a session leaves, file by file: one that cannot be written is no reason to lose the others.
+class Outputs {
+ public:
+  void write(const std::function<void()>& file) {
+    try {
+      file();
+    } catch (const Error& error) {
+      failed(error.what());
+    }
+  }
+  void failed(const std::string& why) { failures_ += (failures_.empty() ? "" : "\npalpate: ") + why; }
+  /// Throws Error that names them all.
+  void check() const {
+    if (!failures_.empty()) throw Error("{}", failures_);
+  }
+
+ private:
+  std::string failures_;
 };
 
 /// The cloud as the session left it, and how many of its points were edited.
@@ -72,7 +85,7 @@ Sculpted sculpted(const Model& model, const TouchBackend& backend, const Journal
 [[noreturn]] void saveAndThrow(const Error& error, const Model& model, const Journal* journal,
                                const std::string& saveFile) {
   if (!journal || saveFile.empty()) throw;
-  writePly(saveFile, editedCloud(model.cloud, journal->points()));
+  saveKeeping(saveFile, editedCloud(model.cloud, journal->points()));
   throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
 }
 
@@ -119,6 +132,7 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   std::error_code ignored;
   if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
     throw UsageError("--log: {} is the model itself", options.logFile);
+  sayWhatIsLost(options.saveFile, context.log());
   const Model model = loadModel(context, options.model, estimateOn(options.backend));
   const Stylus stylus = stylusFor(context, model, options, options.stylus, options.path);
   std::optional<Stylus> second;
@@ -132,7 +146,8 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   const auto backend = makeBackend(context, model, backendOptions, brush);
   auto* touchSide = dynamic_cast<TouchSide*>(backend.get());
   std::optional<Recording> recording;
-  if (!options.logFile.empty()) recording.emplace(options.logFile, command, *backend, model, options, stylus);
+  if (!options.logFile.empty())
+    recording.emplace(context.log(), options.logFile, command, *backend, model, options, stylus);
   const bool journal = brush && backend->keepsEdits() && (!options.saveFile.empty() || options.undo > 0);
   Followers followers(context, model, *backend,
                       {.picture = !options.pictureFile.empty(),
@@ -156,9 +171,16 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                   .recorder = recording ? &recording->tap() : nullptr},
                  secondHand);
   const ServoResult result = play(loop, followers, options);
-  if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
-  if (!options.secondTraceFile.empty()) writeTraceCsv(options.secondTraceFile, result.second->trace);
-  if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace);
+  Outputs outputs;
+  outputs.write([&] {
+    if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
+  });
+  outputs.write([&] {
+    if (!options.secondTraceFile.empty()) writeTraceCsv(options.secondTraceFile, result.second->trace);
+  });
+  outputs.write([&] {
+    if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace);
+  });
   std::optional<StrokesTakenBack> back;
   try {
     backend->finish();
@@ -170,8 +192,9 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
     followers.stop();
     saveAndThrow(error, model, followers.journal(), options.saveFile);
   }
-  std::string logFault;
-  if (recording) logFault = recording->finish(checksumOf(model.cloud.origin, followers.journal()->points()));
+  outputs.write([&] {
+    if (recording) recording->writer().finish(checksumOf(model.cloud.origin, followers.journal()->points()));
+  });
 
   const Sculpted end = brush ? sculpted(model, *backend, followers.journal()) : Sculpted{};
   const auto bridged = backend->bridgeTimes_us();
@@ -208,9 +231,15 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   if (recording)
     report.log =
         LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
-  if (!options.saveFile.empty()) writePly(options.saveFile, end.cloud);
-  if (!options.pictureFile.empty()) {
+  outputs.write([&] {
+    if (!options.saveFile.empty()) saveKeeping(options.saveFile, end.cloud);
+  });
+  outputs.write([&] {
+    if (options.pictureFile.empty()) return;
     // A back end without an edit log is drawn once, as it ended.
+    if (options.edit == "paint" && !showsPaint(options.picture))
+      context.log().say("{}: --color {} and --pass {} do not show what was painted; --color rgb does",
+                        options.pictureFile, options.picture.color, options.picture.pass);
     std::optional<DrawnCloud> ended;
     if (!followers.drawn())
       ended.emplace(context.device(), brush ? end.cloud : model.cloud, DrawnOptions{.spacing = model.spacing});
@@ -219,12 +248,12 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                                           : overlaysOf(result.trace.rows.back(), model.cloud.origin,
                                                        boundsOf(model.cloud).longestSide(), brush),
                 options.pictureFile);
-  }
+  });
   if (options.backend.timePasses && touchSide) printPasses(context.tables(), touchSide->passes());
   printReport(context.tables(), report);
-  context.writeJson(toJson(report));
-  if (!logFault.empty()) throw Error("{}", logFault);
-  if (result.deviceFailed) throw Error("{}", result.fault);
+  outputs.write([&] { context.writeJson(toJson(report)); });
+  if (result.deviceFailed) outputs.failed(result.fault);
+  outputs.check();
   if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
   const std::uint64_t faults = std::max(report.trace.faultTicks, report.second ? report.second->trace.faultTicks : 0);
   if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);

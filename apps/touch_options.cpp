@@ -53,7 +53,8 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->check(positive())
       ->capture_default_str();
   sub.add_option("--save", options.saveFile,
-                 "write the edited points, with all their other properties (faces and other elements are not kept)")
+                 "write the edited points, with all their other properties; faces and other elements are left out, and a file "
+                 "of that name which has some, or is not palpate's, stays as OUT.ply.bak")
       ->type_name("OUT.ply");
   sub.add_option("--undo", options.undo,
                  "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
@@ -147,7 +148,7 @@ void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
   command
       .add_option("--log", options.logFile,
                   "record the session: device poses, forces and edits, for palpate replay; what is there survives "
-                  "a crash")
+                  "a crash, and on a full disk the session goes on")
       ->type_name("SESSION");
   command.add_flag("--print-tick", options.backend.timePasses,
                    "list the passes of a tick with threads, bytes and GPU us");

@@ -1,6 +1,8 @@
 #include "haptics/session_log.hpp"
 
+#include <algorithm>
 #include <fstream>
+#include <functional>
 #include <span>
 #include <utility>
 
@@ -11,6 +13,7 @@ namespace palpate {
 
 namespace {
 
+using session_file::Before;
 using session_file::Block;
 using session_file::Header;
 using session_file::Mark;
@@ -25,7 +28,13 @@ class Source {
   }
 
   std::uint64_t size() const { return size_; }
+  std::uint64_t at() const { return at_; }
   std::uint64_t left() const { return size_ - at_; }
+  void go(std::uint64_t to) {
+    at_ = std::min(to, size_);
+    in_.clear();
+    in_.seekg(static_cast<std::streamoff>(at_));
+  }
 
   template <class T>
   bool take(T& value) {
@@ -46,27 +55,31 @@ class Source {
     return in_.good();
   }
 
+  /// Goes to where `what` stands next, from `from` on; false, and at the end, where it does not.
+  bool find(std::string_view what, std::uint64_t from) {
+    constexpr std::size_t kPiece = 1 << 16;
+    for (std::string piece; from + what.size() <= size_; from += piece.size() - what.size() + 1) {
+      go(from);
+      piece.resize(std::min<std::uint64_t>(kPiece, left()));
+      if (!take(std::as_writable_bytes(std::span(piece)))) break;
+      const std::boyer_moore_horspool_searcher searcher(what.begin(), what.end());
+      const auto place = std::search(piece.begin(), piece.end(), searcher);
+      if (place == piece.end()) continue;
+      go(from + static_cast<std::uint64_t>(place - piece.begin()));
+      return true;
+    }
+    go(size_);
+    return false;
+  }
+
  private:
   std::ifstream in_;
   std::uint64_t size_ = 0, at_ = 0;
 };
 
-std::string readHeader(Source& source, const std::filesystem::path& file) {
-  Header header;
-  if (!source.take(header) || header.magic != session_file::kMagic)
-    throw FileError(file, "is no session log; palpate touch --log writes one");
-  if (header.version != session_file::kVersion)
-    throw FileError(file, fmt::format("is a session log of version {}, and this palpate reads version {}; take the "
-                                      "palpate that wrote it",
-                                      header.version, session_file::kVersion));
-  std::string text;
-  if (header.textBytes <= source.left()) text.resize(header.textBytes);
-  Checksum sum;
-  const bool whole = source.take(std::as_writable_bytes(std::span(text)));
-  sum.add(std::as_bytes(std::span(text)));
-  if (!whole || text.size() != header.textBytes || sum.value() != header.checksum)
-    throw FileError::atByte(file, sizeof(Header), "the header of the session log is damaged; nothing can be read");
-  return text;
+template <class T>
+std::string_view bytesOf(const T& value) {
+  return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
 template <class T>
@@ -74,42 +87,154 @@ void addFrom(Checksum& sum, const std::vector<T>& values, std::size_t first) {
   sum.add(std::as_bytes(std::span(values).subspan(first)));
 }
 
+/// Reads a log front to back; after what cannot be read it goes on with the next whole block.
+class LogReader {
+ public:
+  explicit LogReader(const std::filesystem::path& file) : file_(file), source_(file) {}
+
+  SessionRecord read() {
+    readHeader();
+    record_.fileBytes = source_.size();
+    record_.wholeBytes = source_.at();
+    const Block marker;
+    while (!record_.end && source_.left() > 0) {
+      if (readBlock()) continue;
+      std::uint64_t from = record_.wholeBytes;
+      do {
+        if (!source_.find(bytesOf(marker.magic), from + 1)) break;
+        from = source_.at();
+      } while (!readBlock());
+    }
+    if (!record_.end && record_.wholeBytes < record_.fileBytes)
+      record_.gaps.push_back({.begin = record_.wholeBytes, .end = record_.fileBytes, .tick = record_.ticks.size()});
+    return std::move(record_);
+  }
+
+ private:
+  void readHeader();
+  bool isWholeHeader(Header& header);
+  bool readBlock();
+  bool isWholeBlock(Block& block, std::vector<Mark>& marks);
+  void noteGap(std::uint64_t begin, const Block& block);
+
+  std::filesystem::path file_;
+  Source source_;
+  SessionRecord record_;
+  std::uint32_t version_ = 0, next_ = 0;  // number of the next block
+  Before before_, sofar_;                 // the one of the block that is read, and what the whole ones account for
+};
+
+bool LogReader::isWholeHeader(Header& header) {
+  if (!source_.take(header) || header.magic != session_file::kMagic) return false;
+  if (header.version < session_file::kOldestVersion || header.version > session_file::kVersion) return false;
+  record_.text.clear();
+  if (header.textBytes <= source_.left()) record_.text.resize(header.textBytes);
+  const std::uint64_t checksum = header.version > 2 ? std::exchange(header.checksum, 0) : header.checksum;
+  Checksum sum;
+  if (header.version > 2) sum.add(std::as_bytes(std::span(&header, 1)));
+  const bool whole = source_.take(std::as_writable_bytes(std::span(record_.text)));
+  sum.add(std::as_bytes(std::span(record_.text)));
+  return whole && record_.text.size() == header.textBytes && sum.value() == checksum;
+}
+
+// Where the first one is damaged the second one counts.
+void LogReader::readHeader() {
+  const std::string_view magic(session_file::kMagic.data(), session_file::kMagic.size());
+  Header first, header;
+  const bool isThere = source_.take(first) && first.magic == session_file::kMagic;
+  source_.go(0);
+  bool whole = isWholeHeader(header);
+  if (whole && header.version > 2) source_.go(2 * source_.at());
+  for (std::uint64_t from = 1; !whole && source_.find(magic, from); from = source_.at() + 1) {
+    const std::uint64_t place = source_.at();
+    whole = isWholeHeader(header);
+    if (!whole) source_.go(place);
+  }
+  version_ = header.version;
+  if (whole) return;
+  if (!isThere) throw FileError(file_, "is no session log; palpate touch --log writes one");
+  if (first.version < session_file::kOldestVersion || first.version > session_file::kVersion)
+    throw FileError(file_, fmt::format("is a session log of version {}, and this palpate reads versions {} to {}; take "
+                                       "the palpate that wrote it",
+                                       first.version, session_file::kOldestVersion, session_file::kVersion));
+  throw FileError::atByte(file_, sizeof(Header), "the header of the session log is damaged; nothing can be read");
+}
+
+bool LogReader::isWholeBlock(Block& block, std::vector<Mark>& marks) {
+  const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
+  if (!source_.take(block) || block.magic != Block().magic || block.number < next_) return false;
+  before_ = sofar_;
+  if (version_ > 2 && !source_.take(before_)) return false;
+  if (before_.ticks < sofar_.ticks || before_.states < sofar_.states) return false;
+  if (!source_.append(record_.ticks, block.ticks) || !source_.append(record_.edits.points, block.states) ||
+      !source_.append(marks, block.marks))
+    return false;
+  const std::uint64_t checksum = std::exchange(block.checksum, 0);
+  Checksum sum;
+  sum.addValue(block);
+  if (version_ > 2) sum.addValue(before_);
+  addFrom(sum, record_.ticks, ticks);
+  addFrom(sum, record_.edits.points, states);
+  addFrom(sum, marks, 0);
+  if (sum.value() != checksum) return false;
+  std::uint64_t last = 0;
+  for (const Mark& mark : marks) {
+    if (mark.at < last || mark.at > block.states || mark.kind > static_cast<std::uint64_t>(EditMark::Kind::change))
+      return false;
+    last = mark.at;
+  }
+  return true;
+}
+
+void LogReader::noteGap(std::uint64_t begin, const Block& block) {
+  if (begin == record_.wholeBytes && block.number == next_) return;
+  LogGap gap{.begin = record_.wholeBytes, .end = begin, .tick = record_.ticks.size() - block.ticks};
+  if (version_ > 2) {
+    gap.ticks = before_.ticks - sofar_.ticks;
+    gap.states = before_.states - sofar_.states;
+  }
+  record_.gaps.push_back(gap);
+}
+
 /// False, and the record as it was, for a block that is torn or damaged.
-bool readBlock(Source& source, std::uint32_t number, SessionRecord& record) {
+bool LogReader::readBlock() {
+  const std::uint64_t begin = source_.at();
+  const std::size_t ticks = record_.ticks.size(), states = record_.edits.points.size();
   Block block;
   std::vector<Mark> marks;
-  const std::size_t ticks = record.ticks.size(), states = record.edits.points.size();
-  const auto isWhole = [&] {
-    if (!source.take(block) || block.magic != Block().magic || block.number != number) return false;
-    if (!source.append(record.ticks, block.ticks) || !source.append(record.edits.points, block.states) ||
-        !source.append(marks, block.marks))
-      return false;
-    const std::uint64_t checksum = std::exchange(block.checksum, 0);
-    Checksum sum;
-    sum.addValue(block);
-    addFrom(sum, record.ticks, ticks);
-    addFrom(sum, record.edits.points, states);
-    addFrom(sum, marks, 0);
-    if (sum.value() != checksum) return false;
-    std::uint64_t last = 0;
-    for (const Mark& mark : marks) {
-      if (mark.at < last || mark.at > block.states || mark.kind > static_cast<std::uint64_t>(EditMark::Kind::change))
-        return false;
-      last = mark.at;
-    }
-    return true;
-  };
-  if (!isWhole()) {
-    record.ticks.resize(ticks);
-    record.edits.points.resize(states);
+  if (!isWholeBlock(block, marks)) {
+    record_.ticks.resize(ticks);
+    record_.edits.points.resize(states);
     return false;
   }
+  noteGap(begin, block);
+  next_ = block.number + 1;
+  sofar_ = {before_.ticks + block.ticks, before_.states + block.states};
+  record_.wholeBytes = source_.at();
   for (const Mark& mark : marks)
-    record.edits.marks.push_back({states + mark.at, static_cast<EditMark::Kind>(mark.kind)});
-  record.mergedEdits += block.merged;
-  if (record.mergedEdits == 0) record.countedEdits = record.edits.points.size();
-  if (block.last) record.end = block.end;
+    record_.edits.marks.push_back({states + mark.at, static_cast<EditMark::Kind>(mark.kind)});
+  record_.mergedEdits += block.merged;
+  if (record_.mergedEdits == 0 && record_.gaps.empty()) record_.countedEdits = record_.edits.points.size();
+  if (block.last) record_.end = block.end;
   return true;
+}
+
+std::string lastBefore(const SessionRecord& record, std::size_t tick) {
+  return tick > 0 ? fmt::format("{:.3f} s", record.ticks[tick - 1].time_s) : "its beginning";
+}
+
+std::string sentenceOf(const SessionRecord& record, const LogGap& gap) {
+  const std::string from = lastBefore(record, gap.tick);
+  if (gap.end == record.fileBytes && gap.begin == record.wholeBytes)
+    return fmt::format("it is torn at byte {} of {}; what came after {} is missing", gap.begin, gap.end, from);
+  const std::string when = gap.tick < record.ticks.size()
+                               ? fmt::format("between {} and {:.3f} s", from, record.ticks[gap.tick].time_s)
+                               : "after " + from;
+  const std::string what = gap.ticks
+                               ? fmt::format("{} ticks and {} edits of points, {},", *gap.ticks, *gap.states, when)
+                               : fmt::format("ticks and edits {}", when);
+  if (gap.begin == gap.end) return fmt::format("at byte {} {} are missing: they were not written", gap.begin, what);
+  return fmt::format("bytes {} to {} of {} are damaged: {} are missing", gap.begin, gap.end, record.fileBytes, what);
 }
 
 }  // namespace
@@ -120,14 +245,15 @@ bool isSessionLog(const std::filesystem::path& file) {
   return begin == session_file::kMagic;
 }
 
-SessionRecord readSessionLog(const std::filesystem::path& file) {
-  Source source(file);
-  SessionRecord record{.text = readHeader(source, file)};
-  record.fileBytes = source.size();
-  record.wholeBytes = source.size() - source.left();
-  for (std::uint32_t number = 0; source.left() > 0 && !record.end && readBlock(source, number, record); ++number)
-    record.wholeBytes = source.size() - source.left();
-  return record;
+SessionRecord readSessionLog(const std::filesystem::path& file) { return LogReader(file).read(); }
+
+std::vector<std::string> whatIsMissing(const SessionRecord& record) {
+  std::vector<std::string> sentences;
+  for (const LogGap& gap : record.gaps) sentences.push_back(sentenceOf(record, gap));
+  if (!record.end && record.wholeBytes == record.fileBytes)
+    sentences.push_back(fmt::format("it ends at byte {} without the session's end; what came after {} is missing",
+                                    record.fileBytes, lastBefore(record, record.ticks.size())));
+  return sentences;
 }
 
 }  // namespace palpate

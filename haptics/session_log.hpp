@@ -1,9 +1,12 @@
 // A touch session as a file: what came from the device, what went to it, and what was done to the points, so that it
 // can be run again, and so that a crash loses little.
 //
-// The file: a header (magic, version, a text that says how to run the session again), then blocks. A block has the
-// ticks and edits that have come since the last one, its number and a checksum; the last block of a session that ended
-// also says how it ended. All numbers are little-endian; all parts are multiples of four bytes.
+// The file: a header (magic, version, a text that says how to run the session again), the same header once more, then
+// blocks. A block has some of the ticks or edits that have come since the one before it, its number, how many there
+// were before it, and a checksum; the last block of a session that ended also says how it ended. Blocks are small, and
+// each is found by its marker and its checksum, so that what is damaged or could not be written costs little more than
+// itself. All numbers are little-endian; all parts are multiples of four bytes. In version 2 the header stood there
+// once and blocks did not say what there was before them; it is still read.
 #pragma once
 
 #include <array>
@@ -12,6 +15,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/vec.hpp"
@@ -57,13 +61,13 @@ namespace session_file {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> kMagic{'p', 'a', 'l', 'p', 'l', 'o', 'g', '\n'};
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3, kOldestVersion = 2;
 
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kVersion;
   std::uint32_t textBytes = 0;  // padded with blanks to a multiple of eight
-  std::uint64_t checksum = 0;   // of the text
+  std::uint64_t checksum = 0;   // of this with checksum 0, and of the text; in version 2 of the text alone
 };
 static_assert(sizeof(Header) == 24);
 
@@ -79,30 +83,50 @@ struct Block {
   std::uint32_t last = 0;    // 1: the session ended with it
   std::uint64_t merged = 0;  // states that gave way to later ones of the same point
   SessionEnd end;
-  std::uint64_t checksum = 0;  // of this with checksum 0, and of the ticks, states and marks that follow
+  std::uint64_t checksum = 0;  // of this with checksum 0, and of all that follows up to the next block
 };
 static_assert(sizeof(Block) == 56);
 
+/// Follows the Block since version 3, and is followed by its ticks, states and marks: how many the session had handed
+/// over before it, whether or not they could be written.
+struct Before {
+  std::uint64_t ticks = 0, states = 0;
+};
+static_assert(sizeof(Before) == 16);
+
 }  // namespace session_file
 
-/// A log as it was read, up to its last whole block.
+/// A place of a log where something is missing: it is damaged, was cut off, or was never written.
+struct LogGap {
+  std::uint64_t begin = 0, end = 0;  ///< bytes of the file that cannot be read; the same where none are there
+  std::size_t tick = 0;              ///< ticks of the record before it
+  /// Ticks and states that are missing; nothing where the log does not say: at its end, and in version 2.
+  std::optional<std::uint64_t> ticks, states;
+};
+
+/// A log as far as it could be read: all its whole blocks.
 struct SessionRecord {
   std::string text;  ///< of the header
   std::vector<LoggedTick> ticks;
   EditBatch edits;
-  /// States left out because a later one of the same point followed, where the log had fallen behind; and how many
-  /// states stand before the first such place: that far the ticks' `edits` count the states that are here.
-  std::uint64_t mergedEdits = 0, countedEdits = 0;
+  std::vector<LogGap> gaps;  ///< in order
+  /// States left out because a later one of the same point followed, where the log had fallen behind.
+  std::uint64_t mergedEdits = 0;
+  /// How many states stand before the first gap or merging: that far the ticks' `edits` count the states that are here.
+  std::uint64_t countedEdits = 0;
   std::optional<SessionEnd> end;  ///< nothing where the session did not come to its end
   std::uint64_t wholeBytes = 0;   ///< up to the end of the last whole block
-  std::uint64_t fileBytes = 0;    ///< more than that where the last block is torn
+  std::uint64_t fileBytes = 0;    ///< more than that where the end is torn
 };
 
 /// Whether a file begins like a session log. False for one that cannot be read.
 bool isSessionLog(const std::filesystem::path& file);
 
-/// Throws FileError for a file that cannot be read, is no session log, is of another version, or has a damaged header.
-/// A block that is torn or damaged ends the record.
+/// Throws FileError for a file that cannot be read, is no session log, is of another version, or has lost both its
+/// headers. What else is damaged is left out and noted.
 SessionRecord readSessionLog(const std::filesystem::path& file);
+
+/// What is missing, and where: a sentence for each gap, and one where the session's end is not there.
+std::vector<std::string> whatIsMissing(const SessionRecord& record);
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -19,13 +20,13 @@ namespace palpate {
 
 namespace {
 
+using session_file::Before;
 using session_file::Block;
 using session_file::Header;
 using session_file::Mark;
 
 constexpr auto kBetweenBlocks = std::chrono::milliseconds(100);
 constexpr double kBetweenSyncs_s = 0.8;
-constexpr double kLongestBlock_s = 0.5;  // of session time
 
 std::string becauseOf(int error) {
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
@@ -55,20 +56,27 @@ std::uint64_t mergeEdits(EditBatch& edits) {
 
 }  // namespace
 
-SessionWriter::SessionWriter(std::filesystem::path file, std::string text) : file_(std::move(file)), ring_(kRing) {
+SessionWriter::SessionWriter(std::filesystem::path file, std::string text, std::function<void(const std::string&)> tell)
+    : file_(std::move(file)), tell_(std::move(tell)), ring_(kRing) {
   if (file_.empty()) throw Error("a session log has an empty name; give it one");
   descriptor_ = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw FileError(file_, becauseOf(errno));
   text.resize((text.size() + 7) / 8 * 8, ' ');
+  Header header{.textBytes = static_cast<std::uint32_t>(text.size())};
   Checksum sum;
+  sum.add(std::as_bytes(std::span(&header, 1)));
   sum.add(std::as_bytes(std::span(text)));
-  const Header header{.textBytes = static_cast<std::uint32_t>(text.size()), .checksum = sum.value()};
-  put(std::as_bytes(std::span(&header, 1)));
-  put(std::as_bytes(std::span(text)));
-  if (!failure_.empty()) {
-    ::close(descriptor_);
-    throw FileError(file_, failure_);
+  header.checksum = sum.value();
+  int error = 0;
+  for (int copy = 0; copy < 2 && error == 0; ++copy) {
+    error = put(std::as_bytes(std::span(&header, 1)));
+    if (error == 0) error = put(std::as_bytes(std::span(text)));
   }
+  if (error != 0) {
+    ::close(descriptor_);
+    throw FileError(file_, becauseOf(error));
+  }
+  bytes_ = 2 * (sizeof header + text.size());
   thread_ = std::jthread([this](const std::stop_token& stop) { serve(stop); });
 }
 
@@ -119,10 +127,15 @@ void SessionWriter::finish(std::uint64_t pointsChecksum) {
   thread_ = {};
   writePending();
   const SessionEnd end{.points = pointsChecksum, .lostTicks = lostTicks()};
-  writeBlock({}, {}, 0, &end);
+  writeBlock({.end = &end});
   sync();
-  if (::close(std::exchange(descriptor_, -1)) != 0 && failure_.empty()) failure_ = becauseOf(errno);
-  if (!failure_.empty()) throw FileError(file_, failure_ + " (the session went on without its log)");
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail(errno);
+  if (failure_.empty()) return;
+  const std::string missing =
+      unwrittenTicks_ + unwrittenEdits_ > 0
+          ? fmt::format("{} ticks and {} edits of points are missing in it", unwrittenTicks_, unwrittenEdits_)
+          : "what is in it may not be on the disk";
+  throw FileError(file_, fmt::format("{} ({}; the session went on)", failure_, missing));
 }
 
 void SessionWriter::serve(const std::stop_token& stop) {
@@ -158,56 +171,87 @@ void SessionWriter::writePending() {
   ticks_.clear();
   for (std::uint64_t i = begin; i < end; ++i) ticks_.push_back(ring_[i % kRing]);
   taken_.store(end, std::memory_order_release);
-  // Blocks of half a second, the edits with the first.
-  std::span<const LoggedTick> left = ticks_;
-  while (!left.empty() || !edits_.empty()) {
-    std::size_t count = 0;
-    while (count < left.size() && left[count].time_s <= left.front().time_s + kLongestBlock_s) ++count;
-    writeBlock(left.first(count), edits_, std::exchange(merged, 0), nullptr);
-    edits_.clear();
-    left = left.subspan(count);
-  }
+  writeEdits(merged);
+  constexpr std::size_t kTicks = kBlock_bytes / sizeof(LoggedTick);
+  for (std::span<const LoggedTick> left = ticks_; !left.empty(); left = left.subspan(std::min(kTicks, left.size())))
+    writeBlock({.ticks = left.first(std::min(kTicks, left.size()))});
 }
 
-void SessionWriter::writeBlock(std::span<const LoggedTick> ticks, const EditBatch& edits, std::uint64_t merged,
-                               const SessionEnd* end) {
-  if (!failure_.empty()) return;  // nothing stands behind a gap
+void SessionWriter::writeEdits(std::uint64_t merged) {
+  constexpr std::size_t kStates = kBlock_bytes / sizeof(PointState);
+  const std::span<const PointState> states = edits_.points;
   std::vector<Mark> marks;
-  for (const EditMark& mark : edits.marks) marks.push_back({mark.at, static_cast<std::uint64_t>(mark.kind)});
+  for (std::size_t begin = 0, mark = 0; begin < states.size() || mark < edits_.marks.size();) {
+    const std::size_t end = std::min(begin + kStates, states.size());
+    marks.clear();
+    for (; mark < edits_.marks.size() && edits_.marks[mark].at <= end; ++mark)
+      marks.push_back({edits_.marks[mark].at - begin, static_cast<std::uint64_t>(edits_.marks[mark].kind)});
+    writeBlock({.states = states.subspan(begin, end - begin), .marks = marks, .merged = std::exchange(merged, 0)});
+    begin = end;
+  }
+  edits_.clear();
+}
+
+void SessionWriter::writeBlock(const Content& content) {
   Block block{.number = blocks_++,
-              .ticks = static_cast<std::uint32_t>(ticks.size()),
-              .states = static_cast<std::uint32_t>(edits.points.size()),
-              .marks = static_cast<std::uint32_t>(marks.size()),
-              .last = end != nullptr,
-              .merged = merged};
-  if (end) block.end = *end;
-  const auto tickBytes = std::as_bytes(ticks), stateBytes = std::as_bytes(std::span(edits.points)),
-             markBytes = std::as_bytes(std::span(marks));
+              .ticks = static_cast<std::uint32_t>(content.ticks.size()),
+              .states = static_cast<std::uint32_t>(content.states.size()),
+              .marks = static_cast<std::uint32_t>(content.marks.size()),
+              .last = content.end != nullptr,
+              .merged = content.merged};
+  if (content.end) block.end = *content.end;
+  const Before before = before_;
+  before_ = {before.ticks + block.ticks, before.states + block.states};
+  const std::array body{std::as_bytes(content.ticks), std::as_bytes(content.states), std::as_bytes(content.marks)};
   Checksum sum;
   sum.addValue(block);
-  for (const auto bytes : {tickBytes, stateBytes, markBytes}) sum.add(bytes);
+  sum.addValue(before);
+  for (const auto bytes : body) sum.add(bytes);
   block.checksum = sum.value();
-  put(std::as_bytes(std::span(&block, 1)));
-  for (const auto bytes : {tickBytes, stateBytes, markBytes}) put(bytes);
+  std::size_t size = sizeof block + sizeof before;
+  int error = isTorn_ ? EIO : put(std::as_bytes(std::span(&block, 1)));
+  if (error == 0) error = put(std::as_bytes(std::span(&before, 1)));
+  for (const auto bytes : body) {
+    if (error == 0) error = put(bytes);
+    size += bytes.size();
+  }
+  if (error == 0) {
+    bytes_ += size;
+    return;
+  }
+  unwrittenTicks_ += block.ticks;
+  unwrittenEdits_ += block.states;
+  takeBackTorn();
+  fail(error);
 }
 
-void SessionWriter::put(std::span<const std::byte> bytes) {
-  while (!bytes.empty() && failure_.empty()) {
+int SessionWriter::put(std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
     const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) {
-      failure_ = becauseOf(errno);
-      return;
-    }
-    bytes_ += static_cast<std::uint64_t>(count);
+    if (count < 0) return errno;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
   }
+  return 0;
+}
+
+void SessionWriter::takeBackTorn() {
+  if (isTorn_) return;
+  const auto whole = static_cast<off_t>(bytes_);
+  isTorn_ = ::ftruncate(descriptor_, whole) != 0 || ::lseek(descriptor_, whole, SEEK_SET) != whole;
+}
+
+void SessionWriter::fail(int error) {
+  if (!failure_.empty()) return;
+  failure_ = becauseOf(error);
+  if (tell_)
+    tell_(fmt::format("{}: {}; the session goes on, and what cannot be written is missing in its log", file_.string(),
+                      failure_));
 }
 
 void SessionWriter::sync() {
   // What is no ordinary file, like a pipe, has nothing to bring to a disk.
-  if (failure_.empty() && ::fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS)
-    failure_ = becauseOf(errno);
+  if (::fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail(errno);
 }
 
 }  // namespace palpate

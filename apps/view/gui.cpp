@@ -5,13 +5,13 @@
 #include <imgui.h>
 
 #include <algorithm>
-#include <filesystem>
+
+#include "apps/font.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr const char* kFont = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";  // where Debian has it
 constexpr float kFontHeight_px = 14;
 
 constexpr std::array<std::pair<ImGuiKey, int>, 22> kKeys{{{ImGuiKey_Tab, GLFW_KEY_TAB},
@@ -54,12 +54,7 @@ Gui::Gui(Window& window) : window_(window), scale_(window.scale()) {
   };
   // Glyphs stand on whole pixels and lines are drawn as triangles, so that the texture needs no interpolation.
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;
-  const float height_px = kFontHeight_px * static_cast<float>(scale_);
-  std::error_code ignored;
-  if (std::filesystem::exists(kFont, ignored))
-    io.Fonts->AddFontFromFileTTF(kFont, height_px);
-  else
-    io.Fonts->AddFontDefault();
+  addFont(*io.Fonts, kFontHeight_px * static_cast<float>(scale_));
   unsigned char* texels = nullptr;
   int width = 0, height = 0;
   io.Fonts->GetTexDataAsAlpha8(&texels, &width, &height);

@@ -69,16 +69,34 @@ bool Panels::choose(const char* label, const Names& names, Value& value) {
   return changed;
 }
 
+// Names that are on the command line; `now` is what auto stands for.
+template <class Names, class Value>
+void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<Value>& value, std::string_view now) {
+  const std::string automatic = fmt::format("auto ({})", now);
+  const char* shown = automatic.c_str();
+  for (const auto& [name, each] : names)
+    if (value == each) shown = name.data();
+  const bool open = ImGui::BeginCombo(label, shown);
+  noted(label, false);
+  if (!open) return;
+  if (noted("auto", ImGui::Selectable("auto", !value))) value.reset();
+  for (const auto& [name, each] : names)
+    if (noted(name, ImGui::Selectable(name.data(), value == each))) value = each;
+  ImGui::EndCombo();
+}
+
 ViewWishes Panels::draw(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel,
                         bool& forcesOn) {
   ViewWishes wishes;
   places_.clear();
   if (view.panels) drawPanel(status, view, tool, feel, forcesOn, wishes);
-  if (status.scaleBar) drawScale(*status.scaleBar);
+  if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
+  if (status.heights) drawHeights(*status.heights, status.unit);
   if (view.panels && view.plots && status.session) drawPlots(status, view, wishes);
   if (view.help) drawHelp(view);
   drawMessages(status, view);
   drawQuestion(status, wishes);
+  drawSaveQuestion(status, wishes);
   return wishes;
 }
 
@@ -204,6 +222,10 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
 void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes) {
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
+  chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
+  help(fmt::format("by its shape up is {}: {}", nameOf(status.upright.up), status.upright.why).c_str());
+  chooseOrAuto("unit", kLengthUnits, view.unit, nameOf(status.unit));
+  help("of the file's lengths, for the scale and heights; it scales nothing");
   drag("disc radius", view.discRadius_mm, 0.01f, 0, 5, view.discRadius_mm > 0 ? "%.2f mm" : "auto");
   help("of the disc that each point is drawn as; auto (0): as wide as closes the surface there");
   checkbox("triangles", view.mesh);
@@ -244,7 +266,7 @@ void Panels::drawSession(const ViewStatus& status, ViewWishes& wishes) {
   ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
   if (button("Save")) wishes.save = true;
   ImGui::EndDisabled();
-  help(("writes " + status.model).c_str());
+  help(("writes " + status.saveFile).c_str());
   ImGui::SameLine();
   if (session.isSaving())
     ImGui::TextDisabled("saving...");

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "apps/look.hpp"
 #include "apps/view/gui.hpp"
 #include "apps/view/session.hpp"
 #include "engine/render/frame_options.hpp"
@@ -15,6 +16,8 @@ namespace palpate {
 /// How the model is shown, and how the mouse holds the stylus.
 struct ViewSettings {
   ColorBy color = ColorBy::rgb;
+  std::optional<UpAxis> up;  ///< nothing: by the model's shape
+  std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
   bool mesh = false;
@@ -25,6 +28,12 @@ struct ViewSettings {
   bool panels = true, plots = true, help = false;
 };
 
+/// Whether to save beside a file or over it.
+struct SaveQuestion {
+  std::string loses;         ///< what that file would lose, in words
+  std::string beside, kept;  ///< the name beside it, and the one that it is kept under
+};
+
 /// What is going on, for the panels.
 struct ViewStatus {
   const Session* session = nullptr;  ///< null: none is open
@@ -32,15 +41,20 @@ struct ViewStatus {
   std::string loadingWhat;
   std::vector<std::string> messages;  ///< the newest last; each is shown for a while
   std::span<const std::string> models, recent;
-  std::string model;  ///< the one that is open
+  std::string model;     ///< the one that is open
+  std::string saveFile;  ///< where Save goes
   bool asksAboutChanges = false;
+  std::optional<SaveQuestion> saveQuestion;
   bool stylus = false;  ///< the mouse holds it
   std::string device;   ///< that a person holds; empty for the mouse
   std::string gpu;
   struct ScaleBar {
-    double width_px = 0, length_mm = 0;
+    double width_px = 0, length = 0;  ///< of the file's units
   };
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
+  Upright upright;                   ///< by the model's shape
+  LengthUnit unit = LengthUnit::unknown;
+  std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
@@ -53,6 +67,7 @@ struct ViewWishes {
   bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
        endRecording = false, endPlaying = false, quit = false;
   bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
+  bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
   std::optional<int> axis;
   std::string open, saveAs, record, play;
 };
@@ -77,6 +92,8 @@ class Panels {
   bool drag(const char* name, double& value, float speed, double least, double most, const char* format);
   template <class Names, class Value>
   bool choose(const char* name, const Names& names, Value& value);
+  template <class Names, class Value>
+  void chooseOrAuto(const char* name, const Names& names, std::optional<Value>& value, std::string_view now);
   bool field(const char* hint, std::array<char, 512>& text);
   bool noted(std::string_view name, bool result);
 
@@ -90,8 +107,10 @@ class Panels {
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
-  void drawScale(const ViewStatus::ScaleBar& bar) const;
+  void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
+  void drawHeights(const HeightRange& heights, LengthUnit unit) const;
   void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
+  void drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes);
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   const Gui& gui_;

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/legend.hpp"
 #include "apps/view/panels.hpp"
+#include "shaders/shared/ramp.h"
 
 namespace palpate {
 
@@ -149,8 +151,8 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
 }
 
 // At the lower right, where no panel is.
-void Panels::drawScale(const ViewStatus::ScaleBar& bar) const {
-  const std::string text = fmt::format("{:g} mm", bar.length_mm);
+void Panels::drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const {
+  const std::string text = fmt::format("{:g} {}", bar.length, nameOf(unit));
   const ImVec2 display = ImGui::GetIO().DisplaySize, size = ImGui::CalcTextSize(text.c_str());
   const ImU32 color = ImGui::GetColorU32(ImGuiCol_Text);
   const float width = static_cast<float>(bar.width_px), right = display.x - em(1.5),
@@ -160,6 +162,33 @@ void Panels::drawScale(const ViewStatus::ScaleBar& bar) const {
   list.AddLine({right - width, y}, {right, y}, color, thick);
   for (const float x : {right - width, right}) list.AddLine({x, y - end}, {x, y + end}, color, thick);
   list.AddText({std::round(right - 0.5f * (width + size.x)), std::round(y - em(0.4) - size.y)}, color, text.c_str());
+}
+
+// At the right edge, above the scale.
+void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const float width = em(1), right = display.x - em(1.5), left = right - width, bottom = display.y - em(4.5),
+              top = std::max(em(2), bottom - em(12)), line = ImGui::GetTextLineHeight();
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  constexpr int kPieces = 48;
+  for (int k = 0; k < kPieces; ++k) {
+    const Vec3 color = shared::rampColor((static_cast<float>(k) + 0.5f) / kPieces);
+    const float y = std::round(glm::mix(bottom, top, static_cast<float>(k) / kPieces));
+    const float end = std::round(glm::mix(bottom, top, static_cast<float>(k + 1) / kPieces));
+    list.AddRectFilled({left, end}, {right, y}, ImGui::GetColorU32({color.x, color.y, color.z, 1}));
+  }
+  const ImU32 ink = ImGui::GetColorU32(ImGuiCol_Text);
+  const auto write = [&](const std::string& text, float x, float y) {
+    list.AddText({std::round(x - ImGui::CalcTextSize(text.c_str()).x), std::round(y)}, ink, text.c_str());
+  };
+  const double extent = heights.high - heights.low;
+  for (const Tick& tick : ticksOf(heights)) {
+    const double share = extent > 0 ? (tick.height - heights.low) / extent : 0.5;
+    const float y = glm::mix(bottom, top, static_cast<float>(share));
+    list.AddLine({left - em(0.3), y}, {left, y}, ink);
+    write(tick.text, left - em(0.5), y - 0.5f * line);
+  }
+  write(fmt::format("height, {}", nameOf(unit)), right, top - 1.5f * line);
 }
 
 void Panels::drawQuestion(const ViewStatus& status, ViewWishes& wishes) {
@@ -174,6 +203,30 @@ void Panels::drawQuestion(const ViewStatus& status, ViewWishes& wishes) {
   ImGui::SameLine();
   wishes.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
   if (wishes.saveFirst || wishes.discard || wishes.cancel || !status.asksAboutChanges) ImGui::CloseCurrentPopup();
+  ImGui::EndPopup();
+}
+
+void Panels::drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes) {
+  if (status.saveQuestion && !ImGui::IsPopupOpen("How to save")) ImGui::OpenPopup("How to save");
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  if (!ImGui::BeginPopupModal("How to save", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove))
+    return;
+  const auto pressed = [](ImGuiKey key) { return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false); };
+  const auto nameOf = [](const std::string& file) { return std::filesystem::path(file).filename().string(); };
+  if (const auto& question = status.saveQuestion) {
+    ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
+    ImGui::TextWrapped("%s.", question->loses.c_str());
+    wishes.saveBeside = button("Save beside") || pressed(ImGuiKey_Enter);
+    ImGui::SameLine();
+    wishes.saveOver = button("Save over");
+    ImGui::SameLine();
+    wishes.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
+    ImGui::TextWrapped("Beside (Enter): as %s", nameOf(question->beside).c_str());
+    ImGui::TextWrapped("Over: what is there now stays as %s", nameOf(question->kept).c_str());
+    ImGui::PopTextWrapPos();
+  }
+  if (wishes.saveBeside || wishes.saveOver || wishes.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 

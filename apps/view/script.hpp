@@ -36,7 +36,7 @@ struct ReplayAction {
 struct ImpatientAction {
   bool on = true;
 };
-/// From now on the window asks about changes that are not saved, as it asks a person.
+/// From now on the window asks about changes that are not saved, and how to save, as it asks a person.
 struct AskAction {};
 /// What is named so in the panels is clicked: several events, each in a picture of its own.
 struct ClickAction {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "apps/devices.hpp"
 #include "apps/touch.hpp"
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/cloud/saving.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "haptics/devices/replay_device.hpp"
 
@@ -71,11 +72,18 @@ ForceOptions forceOptions(const FeelSettings& feel) {
 /// A log under way.
 struct Session::Recording {
   Recording(const std::string& file, std::string text, const TouchBackend& backend, double rate_Hz)
-      : writer(file, std::move(text)), tap(backend, [this, rate_Hz](const LoggedTick& tick) {
+      : writer(file, std::move(text),
+               [this](const std::string& what) {
+                 const std::scoped_lock hold(lock);
+                 fault = what;
+               }),
+        tap(backend, [this, rate_Hz](const LoggedTick& tick) {
           LoggedTick moved = tick;
           moved.time_s = std::round((tick.time_s - begin_s) * rate_Hz) / rate_Hz;  // as a replay counts them
           writer.add(moved);
         }) {}
+  std::mutex lock;    // of
+  std::string fault;  // that nobody was told yet
   SessionWriter writer;
   double begin_s = 0;  // of the first tick, whose time in the log is 0
   TickTap tap;
@@ -212,14 +220,14 @@ bool Session::redo() { return journal_->redoable() > 0 && takeBack(0, 1); }
 void Session::save(const std::string& file) {
   if (saving_.valid()) throw Error("{}: the last save is still being written", file);
   if (!lost_) between([] {});
-  savingEdits_ = edits_;
+  savingVersion_ = journal_->version();
   std::vector<PointState> points(journal_->points().begin(), journal_->points().end());
   saving_ = std::async(std::launch::async, [this, file, points = std::move(points)] {
     try {
-      writePly(file, editedCloud(model_.cloud, points));
-      return Saved{file, {}};
+      const std::filesystem::path kept = saveKeeping(file, editedCloud(model_.cloud, points));
+      return Saved{file, kept.string(), {}};
     } catch (const std::exception& error) {
-      return Saved{file, error.what()};
+      return Saved{file, {}, error.what()};
     }
   });
 }
@@ -227,7 +235,7 @@ void Session::save(const std::string& file) {
 std::optional<Session::Saved> Session::takeSaved() {
   if (!saving_.valid() || saving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
   const Saved saved = saving_.get();
-  if (saved.failure.empty()) savedEdits_ = savingEdits_;
+  if (saved.failure.empty()) savedVersion_ = savingVersion_;
   return saved;
 }
 
@@ -288,13 +296,25 @@ void Session::endRecording() {
     feed_.setListener(nullptr);
     followers_->setLog(nullptr);
   });
-  recording->writer.finish(checksumOf(model_.cloud.origin, journal_->points()));
+  try {
+    recording->writer.finish(checksumOf(model_.cloud.origin, journal_->points()));
+  } catch (const FileError&) {
+    if (!recording->fault.empty()) throw;
+  }
 }
 
-void Session::play(const std::string& log) {
+std::optional<std::string> Session::takeRecordingFault() {
+  if (!recording_) return std::nullopt;
+  const std::scoped_lock hold(recording_->lock);
+  if (recording_->fault.empty()) return std::nullopt;
+  return std::exchange(recording_->fault, {});
+}
+
+std::vector<std::string> Session::play(const std::string& log) {
   SessionRecord record = readSessionLog(log);
   const RecordedSession session = parseSessionText(log, record.text);
   if (record.ticks.empty()) throw FileError(log, "has no whole tick; there is nothing to play");
+  std::vector<std::string> lacks = whatIsMissing(record);
   endRecording();
   between([&] {
     backend_->beginAnew();
@@ -304,6 +324,7 @@ void Session::play(const std::string& log) {
     playing_ = std::make_unique<Playing>(
         Playing{std::make_unique<ReplayDevice>(std::move(record.ticks), limits), session.map, end_s});
   });
+  return lacks;
 }
 
 void Session::endPlaying() {

@@ -93,14 +93,14 @@ class Session {
   bool undo() { return takeBack(1, 0); }
   bool redo();
 
-  /// Whether something was done to the points since they were loaded or saved.
-  bool isChanged() const { return edits_ != savedEdits_; }
-  /// Writes the points as they are, on a thread of its own. `file`: the model's own is allowed.
+  /// Whether the points are others than those that were loaded, or saved last.
+  bool isChanged() const { return journal_->version() != savedVersion_; }
+  /// Writes the points as they are, on a thread of its own. A file that would lose something by it is kept.
   void save(const std::string& file);
   bool isSaving() const { return saving_.valid(); }
-  /// What came of save(), once it is done: the file, or what went wrong.
+  /// What came of save(), once it is done: the file, as what an older one is kept, or what went wrong.
   struct Saved {
-    std::string file, failure;
+    std::string file, kept, failure;
   };
   std::optional<Saved> takeSaved();
 
@@ -108,10 +108,12 @@ class Session {
   /// edit, and ends with the next change of a setting. Throws Error.
   void record(const std::string& log);
   bool isRecording() const { return recording_ != nullptr; }
-  /// Throws FileError where not all could be written.
+  /// What cannot be written into the recording, once.
+  std::optional<std::string> takeRecordingFault();
+  /// Throws FileError where not all could be written and takeRecordingFault() has not told it.
   void endRecording();
-  /// Plays the hand of a recorded session; the guided stylus has no say meanwhile.
-  void play(const std::string& log);
+  /// Plays the hand of a recorded session; the guided stylus has no say meanwhile. Says what the log lacks.
+  std::vector<std::string> play(const std::string& log);
   bool isPlaying() const { return playing_ != nullptr; }
   void endPlaying();
 
@@ -154,7 +156,7 @@ class Session {
   TickHistory history_;
   std::vector<TraceRow> rows_;
   EditBatch batch_;
-  std::uint64_t edits_ = 0, savedEdits_ = 0;
+  std::uint64_t edits_ = 0, savedVersion_ = 0;
   std::atomic<bool> forcesOn_ = true, stop_ = false, ended_ = false;
   bool lost_ = false;
   double next_s_ = 0;
@@ -167,7 +169,7 @@ class Session {
   std::unique_ptr<Playing> playing_;
   std::unique_ptr<Recording> recording_;
   std::future<Saved> saving_;
-  std::uint64_t savingEdits_ = 0;
+  std::uint64_t savingVersion_ = 0;
   std::jthread thread_;  // goes first
 };
 

@@ -10,6 +10,7 @@ namespace {
 
 struct ViewCommandOptions {
   std::vector<std::string> models;
+  LookOptions look;
   double mm_per_unit = 0;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", device = "mouse", scheduler = "device";
@@ -33,7 +34,7 @@ void hold(Context& context, const ViewCommandOptions& options, SessionOptions& s
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
-  ViewOptions view{.models = options.models, .size_px = {width, height}};
+  ViewOptions view{.models = options.models, .look = options.look, .size_px = {width, height}};
   if (!options.script.empty()) view.script = readScript(options.script);
   view.session.model.mm_per_unit = options.mm_per_unit;
   view.session.model.normals = options.normals;
@@ -72,12 +73,13 @@ void addView(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--normals", options->normals, "keep, estimate or face, as in palpate touch")
       ->check(CLI::IsMember({"keep", "estimate", "face"}))
       ->capture_default_str();
+  addLookOptions(*sub, options->look);
   sub->add_option("--size", options->size, "of the window, width x height, pixels")->capture_default_str();
   sub->add_option("--script", options->script,
                   "play timed events: TIME_S key NAME [down|up], mouse X Y, button left|middle|right down|up, wheel N, "
                   "push X Y Z RX RY RZ [BUTTONS], click NAME (in the panels), drop FILE, text WORDS, resize W H, "
                   "minimise, restore, screenshot FILE.png, state FILE.json, save FILE.ply, record [FILE], replay FILE, "
-                  "impatient, patient, ask (about changes), quit; # comments")
+                  "impatient, patient, ask (about changes, and how to save: click Save beside, click Save over), quit; # comments")
       ->type_name("FILE");
   sub->add_option("--sight-gpu", options->sightGpu, "draw on another GPU: number or part of its name")
       ->type_name("N|NAME");

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/saving.hpp"
 #include "engine/core/atomic_file.hpp"
 #include "engine/render/camera_motion.hpp"
 
@@ -33,6 +34,8 @@ Viewer::Viewer(Context& context, Window& window, Device& sight, ViewOptions opti
       loader_(context, sight),
       tool_(options_.tool),
       feel_(options_.feel) {
+  view_.up = upNamed(options_.look.up);
+  view_.unit = unitNamed(options_.look.unit);
   // Under a script the display's pace means nothing, and it has saved what it wants to keep unless it says `ask`.
   if (!options_.script.empty()) view_.waitsForDisplay = false;
   asks_ = options_.script.empty();
@@ -81,7 +84,7 @@ void Viewer::playScript() {
   if (nextAction_ >= script.size()) return;
   const auto waits = [&] {
     const bool savesFirst = afterQuestion_ && isSavingForIt_;  // another model follows, or the end
-    return (loader_.isLoading() || announcesMesh_ || savesFirst) && !impatient_;
+    return (loader_.isLoading() || announcesMesh_ || (savesFirst && !saveQuestion_)) && !impatient_;
   };
   if (waits()) return;
   const bool clicks = looks_ > 0 || nextAction_ < clickEnd_;  // that takes no time
@@ -107,7 +110,7 @@ void Viewer::act(const ScriptAction& action) {
     if (const auto* save = std::get_if<SaveAction>(&action); save && session_) session_->save(save->file);
     if (const auto* record = std::get_if<RecordAction>(&action); record && session_)
       record->file.empty() ? session_->endRecording() : session_->record(record->file);
-    if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session_) session_->play(replay->file);
+    if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session_) playLog(replay->file);
     if (const auto* impatient = std::get_if<ImpatientAction>(&action)) impatient_ = impatient->on;
     if (std::holds_alternative<AskAction>(action)) asks_ = true;
     if (const auto* click = std::get_if<ClickAction>(&action)) this->click(click->name);
@@ -156,6 +159,10 @@ void Viewer::say(const std::string& message) {
   if (messages_.size() > kMost) messages_.pop_front();
 }
 
+void Viewer::playLog(const std::string& log) {
+  for (const std::string& sentence : session_->play(log)) say(log + ": " + sentence);
+}
+
 void Viewer::open(const std::string& file) {
   leave([this, file] {
     SessionOptions options = options_.session;
@@ -166,6 +173,7 @@ void Viewer::open(const std::string& file) {
 
 void Viewer::leave(std::function<void()> then) {
   if (!session_ || !session_->isChanged() || !asks_) return then();
+  saveQuestion_.reset();
   afterQuestion_ = std::move(then);
   isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
   if (window_.isMinimised()) window_.minimise(false);
@@ -201,15 +209,30 @@ void Viewer::install(std::unique_ptr<Session> session) {
   session_ = std::move(session);
   view_.mesh = false;
   drag_ = Drag::none;
+  saveQuestion_.reset();
   if (!session_) return;
+  saveFile_ = session_->file();
   session_->setForces(forcesOn_);
+  inStroke_ = false;
   fitCamera();
+  const Upright& upright = session_->model().upright;
+  if (!view_.up) say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
   window_.setTitle(std::filesystem::path(session_->file()).filename().string() + " - palpate");
 }
 
 void Viewer::fitCamera() {
   const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1));
-  if (session_) camera_ = Camera::fitting(session_->bounds(), window.x / window.y);
+  if (session_)
+    camera_ = Camera::fitting(session_->model().shownBounds(), window.x / window.y, 45, up(),
+                              framingOf(session_->model(), up()).margin);
+  fittedUp_ = view_.up;
+}
+
+UpAxis Viewer::up() const { return view_.up.value_or(session_ ? session_->model().upright.up : UpAxis::y); }
+
+LengthUnit Viewer::unit() const {
+  if (view_.unit || !session_) return view_.unit.value_or(LengthUnit::unknown);
+  return unitSaidIn(session_->model().cloud.storedAs.comments);
 }
 
 void Viewer::followSession() {
@@ -218,52 +241,92 @@ void Viewer::followSession() {
   const auto failure = session_->follow();
   edited_ = session_->takeBatch();
   if (failure) say(*failure + "; what was done is kept and can be saved");
+  if (const auto fault = session_->takeRecordingFault()) say(*fault);
   if (const auto saved = session_->takeSaved()) {
-    say(saved->failure.empty() ? saved->file + " is saved" : saved->failure);
+    const std::string kept = saved->kept.empty() ? "" : "; what was there before is " + saved->kept;
+    say(saved->failure.empty() ? saved->file + " is saved" + kept : saved->failure);
     // Where the points have changed since, or could not be written, nothing is left behind.
     if (std::exchange(isSavingForIt_, false) && !(saved->failure.empty() && session_->isChanged())) {
       const auto then = std::exchange(afterQuestion_, nullptr);
       if (saved->failure.empty() && then) then();
     }
   }
+  showPaint();
   updateMesh();
 }
 
-void Viewer::obey(const ViewWishes& wishes) {
+void Viewer::saveTo(const std::string& file) {
+  session_->save(file);
+  say("saving " + file);
+}
+
+void Viewer::save() {
+  if (session_->isSaving()) return saveTo(saveFile_);  // which says so
+  std::error_code ignored;
+  if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
+    return say(saveFile_ + " has the points as they are; there is nothing to save");
+  const FileInTheWay inTheWay = fileInTheWay(saveFile_);
+  if (!inTheWay.losesSomething()) return saveTo(saveFile_);
+  saveQuestion_ = SaveQuestion{.loses = inTheWay.sentence(),
+                               .beside = nameBeside(saveFile_).string(),
+                               .kept = AtomicFile::nameToKeep(saveFile_).string()};
+  if (!asks_) return answer({.saveBeside = true});
+  if (window_.isMinimised()) window_.minimise(false);
+}
+
+// What is painted is to be seen.
+void Viewer::showPaint() {
+  const bool begins = session_->journal().inStroke() && !inStroke_;
+  inStroke_ = session_->journal().inStroke();
+  if (!begins || session_->tool().brush != BrushKind::paint || view_.color == ColorBy::rgb) return;
+  view_.color = ColorBy::rgb;
+  say("coloured by the points' own colours, which show what is painted");
+}
+
+void Viewer::answer(const ViewWishes& wishes) {
   if (wishes.discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
-  if (wishes.cancel) afterQuestion_ = nullptr;
+  if (wishes.cancel) {
+    afterQuestion_ = nullptr;
+    saveQuestion_.reset();
+    isSavingForIt_ = false;
+  }
+  if (!(wishes.saveBeside || wishes.saveOver) || !saveQuestion_ || !session_) return;
+  if (wishes.saveBeside) saveFile_ = saveQuestion_->beside;
+  saveQuestion_.reset();
+  tryTo([&] { saveTo(saveFile_); });
+}
+
+void Viewer::obey(const ViewWishes& wishes) {
+  answer(wishes);
   if (!wishes.open.empty()) open(wishes.open);
   if (wishes.quit) closes_ = true;
   if (!session_) return;
-  const auto save = [&](const std::string& file) {
-    session_->save(file);
-    say("saving " + file);
-  };
   tryTo([&] {
     if (wishes.saveFirst) {
       isSavingForIt_ = true;
-      if (!session_->isSaving()) save(session_->file());
+      if (!session_->isSaving()) save();
     }
     if (wishes.undo) session_->undo();
     if (wishes.redo) session_->redo();
-    if (wishes.save) save(session_->file());
-    if (!wishes.saveAs.empty()) save(wishes.saveAs);
+    if (wishes.save) save();
+    if (!wishes.saveAs.empty()) saveTo(wishes.saveAs);
     if (!wishes.record.empty()) {
       session_->record(wishes.record);
       say("recording to " + wishes.record);
     }
     if (wishes.endRecording) session_->endRecording();
-    if (!wishes.play.empty()) session_->play(wishes.play);
+    if (!wishes.play.empty()) playLog(wishes.play);
     if (wishes.endPlaying) session_->endPlaying();
     if (wishes.exportTicks) exportTicks();
     if (wishes.screenshot) screenshot("");
   });
   if (wishes.resetView) fitCamera();
-  if (wishes.axis) camera_ = alongAxis(camera_, *wishes.axis, true);
+  if (wishes.axis) camera_ = alongAxis(camera_, *wishes.axis, true, up());
 }
 
 void Viewer::applySettings() {
   gui_.setDark(view_.dark);
+  if (view_.up != fittedUp_) fitCamera();
   if (!session_ || gui_.isBusy()) return;  // not in the middle of a drag
   session_->setForces(forcesOn_);
   tryTo([&] {
@@ -296,6 +359,7 @@ void Viewer::writeState(const std::string& file) {
              {"pictures_of_model", scenes_},
              {"picked_depth", picked_.depth},
              {"asks_about_changes", asksAboutChanges()},
+             {"asks_how_to_save", saveQuestion_.has_value()},
              {"last_message", lastMessage_}};
   if (session_) {
     const TickHistory& history = session_->history();
@@ -309,11 +373,16 @@ void Viewer::writeState(const std::string& file) {
       if (session_->tool().brush == kind) state["tool"] = name;
     for (const auto& [name, kind] : kSurfaceKinds)
       if (session_->feel().surface == kind) state["surface"] = name;
+    state["up"] = nameOf(up());
+    for (const auto& [name, color] : kColorNames)
+      if (view_.color == color) state["color"] = name;
     state["tool_radius_mm"] = session_->tool().radius_mm;
     state["strokes"] = journal.strokes();
     state["undoable"] = journal.undoable();
     state["edits"] = session_->edits();
     state["changed"] = session_->isChanged();
+    state["save_file"] = saveFile_;
+    state["recording"] = session_->isRecording();
     state["hip"] = vec(row.hip);
     state["proxy"] = vec(row.proxy);
     state["contact"] = row.contact;

@@ -22,6 +22,7 @@ struct ViewOptions {
   SessionOptions session;  ///< the model's file is not looked at
   ToolSettings tool;
   FeelSettings feel;
+  LookOptions look;
   UVec2 size_px{1280, 720};
   std::vector<TimedAction> script;
 };
@@ -56,13 +57,21 @@ class Viewer {
   // Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
   bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
+  // To where Ctrl+S goes; asks first where a file would lose something.
+  void save();
+  void saveTo(const std::string& file);
+  void answer(const ViewWishes& wishes);
   void install(std::unique_ptr<Session> session);
   void fitCamera();
+  UpAxis up() const;
+  LengthUnit unit() const;
   void obey(const ViewWishes& wishes);
   void tryTo(const std::function<void()>& act);
   void say(const std::string& message);
+  void playLog(const std::string& log);
 
   void followSession();
+  void showPaint();
   void moveStylus(double dt_s);
   void holdStylus(bool on);
   void useGamepad(double dt_s);
@@ -124,10 +133,14 @@ class Viewer {
   ToolSettings tool_;
   FeelSettings feel_;
   bool forcesOn_ = true;
+  bool inStroke_ = false;
+  std::optional<UpAxis> fittedUp_;  // as the settings had it when the camera was fitted last
   Camera camera_;
   bool closes_ = false, isClosed_ = false;
   std::function<void()> afterQuestion_;  // waits for the answer about changes
   bool isSavingForIt_ = false;
+  std::optional<SaveQuestion> saveQuestion_;  // waits for its answer
+  std::string saveFile_;                      // the model's own, or the one beside it
 
   std::array<bool, 512> keys_{};
   DVec2 cursor_px_{0};

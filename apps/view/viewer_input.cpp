@@ -47,7 +47,7 @@ bool Viewer::isDown(int left, int right) const {
 void Viewer::handleKey(const KeyEvent& event) {
   if (event.key < 0 || static_cast<std::size_t>(event.key) >= keys_.size()) return;
   const bool repeats = std::exchange(keys_[static_cast<std::size_t>(event.key)], event.down) == event.down;
-  if (gui_.wantsKeys() || asksAboutChanges()) return;
+  if (gui_.wantsKeys() || asksAboutChanges() || saveQuestion_) return;
   if (event.key == GLFW_KEY_SPACE) {
     if (!repeats) holdStylus(event.down || stylusLocked_);
     return;
@@ -67,7 +67,7 @@ void Viewer::handleKey(const KeyEvent& event) {
     case GLFW_KEY_X:
     case GLFW_KEY_Y:
     case GLFW_KEY_Z:
-      camera_ = alongAxis(camera_, event.key - GLFW_KEY_X, !shift);
+      camera_ = alongAxis(camera_, event.key - GLFW_KEY_X, !shift, up());
       break;
     case GLFW_KEY_R:
       fitCamera();

@@ -26,6 +26,9 @@ FrameOptions Viewer::frameOptions() const {
   options.color = view_.color;
   if (!view_.dark) options.background = kLightBackground;
   const Model& model = session_->model();
+  options.up = directionOf(up());
+  options.shown = model.shown;
+  options.splatRadius = loneDiscRadius(model);
   if (view_.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view_.discRadius_mm);
   const TickHistory& history = session_->history();
   if ((stylus_ || options_.session.device || session_->isPlaying()) && !history.rows().empty())
@@ -36,11 +39,9 @@ FrameOptions Viewer::frameOptions() const {
 
 // The bar is drawn with the panels: a part of the picture would be as coarse as that is while something moves.
 ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
-  const ModelScale& scale = session_->model().scale;
-  const double length_mm = scaleBarLength_mm(camera_, pictureSize(), scale);
+  const double length = scaleBarLength(camera_, pictureSize());
   const double depth = glm::distance(camera_.eye, camera_.target);
-  return {.width_px = scale.toUnits(length_mm) * camera_.focal_px(pictureSize().height) / depth,
-          .length_mm = length_mm};
+  return {.width_px = length * camera_.focal_px(pictureSize().height) / depth, .length = length};
 }
 
 void Viewer::updateMesh() {
@@ -217,7 +218,12 @@ ViewStatus Viewer::status() {
   status.recent = recent_.files();
   if (session_) status.model = session_->file();
   if (session_ && view_.scaleBar && swapchain_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+  if (session_) status.upright = session_->model().upright;
+  status.unit = unit();
+  if (session_ && view_.color == ColorBy::height) status.heights = heightsOf(session_->model(), up());
   status.asksAboutChanges = asksAboutChanges();
+  status.saveQuestion = saveQuestion_;
+  status.saveFile = saveFile_;
   status.stylus = stylus_;
   status.device = options_.session.deviceFacts.model;
   status.gpu = sight_.name();

@@ -48,9 +48,12 @@ class Output {
     text_.append(line);
     text_.push_back('\n');
   }
-  void finish() {
+  void finish(std::filesystem::path* keptAs) {
     flush();
-    file_.commit();
+    if (keptAs)
+      *keptAs = file_.commitAndKeep();
+    else
+      file_.commit();
   }
 
  private:
@@ -168,7 +171,7 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWri
     out.endRow();
   }
   if (options.triangles) writeTriangles(out, *options.triangles);
-  out.finish();
+  out.finish(options.keptAs);
 }
 
 }  // namespace palpate

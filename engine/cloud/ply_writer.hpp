@@ -12,6 +12,8 @@ struct PlyWriteOptions {
   /// Faces, by the numbers of their points; null: none.
   const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
   bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
+  /// An older file of the name is kept, and this is told as what (AtomicFile::commitAndKeep()); null: it is replaced.
+  std::filesystem::path* keptAs = nullptr;
 };
 
 /// Extra attributes that are not written because the cloud's normals or colours are, under their names.

@@ -15,6 +15,10 @@ double Bounds::longestSide() const {
   return std::max(side.x, std::max(side.y, side.z));
 }
 
+bool Bounds::contains(const DVec3& p) const {
+  return glm::all(glm::lessThanEqual(min, p)) && glm::all(glm::lessThanEqual(p, max));
+}
+
 Bounds boundsOf(const PointCloud& cloud) {
   if (cloud.empty()) return {};
   Vec3 low = cloud.positions.front();

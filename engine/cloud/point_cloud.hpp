@@ -55,6 +55,8 @@ struct Bounds {
   DVec3 min{0}, max{0};
   double longestSide() const;
   DVec3 center() const { return 0.5 * (min + max); }
+  bool contains(const DVec3& p) const;
+  bool operator==(const Bounds&) const = default;
 };
 
 /// The box around the positions, relative to the cloud's origin, model units. All zero for an empty cloud.

@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include "engine/core/error.hpp"
 
@@ -39,8 +40,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
 AtomicFile::~AtomicFile() {
   if (!file_) return;
   std::fclose(file_);
-  std::error_code ignored;
-  if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
+  removeTemporary();
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
@@ -48,19 +48,71 @@ void AtomicFile::write(std::span<const std::byte> bytes) {
 }
 
 void AtomicFile::commit() {
+  close();
+  rename();
+}
+
+std::filesystem::path AtomicFile::commitAndKeep() {
+  close();
+  const std::filesystem::path kept = keep();
+  rename();
+  return kept;
+}
+
+void AtomicFile::close() {
   bool written = std::fflush(file_) == 0 && (temporary_.empty() || ::fsync(::fileno(file_)) == 0);
   int error = errno;
-  if (std::fclose(file_) != 0 && written) {
+  if (std::fclose(std::exchange(file_, nullptr)) != 0 && written) {
     written = false;
     error = errno;
   }
-  file_ = nullptr;
-  std::error_code renameError;
-  if (written && !temporary_.empty()) std::filesystem::rename(temporary_, target_, renameError);
-  if (written && !renameError) return;
+  if (written) return;
+  removeTemporary();
+  throw FileError(target_, becauseOf(error));
+}
+
+void AtomicFile::rename() {
+  if (temporary_.empty()) return;
+  std::error_code error;
+  std::filesystem::rename(temporary_, target_, error);
+  if (!error) return;
+  removeTemporary();
+  throw FileError(target_, becauseOf(error.value()));
+}
+
+std::filesystem::path AtomicFile::nameToKeep(const std::filesystem::path& target) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(target, ignored)) return {};
+  const std::filesystem::path real = std::filesystem::canonical(target, ignored);
+  for (int number = 1;; ++number) {
+    std::filesystem::path name = real;
+    name += number == 1 ? ".bak" : fmt::format(".bak{}", number);
+    if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
+  }
+}
+
+// The older file gets a second name, so that there is one under the first at any moment; a copy where the system allows
+// no second name.
+std::filesystem::path AtomicFile::keep() const {
+  for (;;) {
+    const std::filesystem::path name = nameToKeep(target_);
+    if (name.empty() || ::link(target_.c_str(), name.c_str()) == 0) return name;
+    if (errno == EEXIST) continue;  // since then
+    std::error_code error;
+    std::filesystem::copy_file(target_, name, error);
+    if (!error) return name;
+    if (error == std::errc::file_exists) continue;
+    std::error_code ignored;
+    std::filesystem::remove(name, ignored);
+    removeTemporary();
+    throw FileError(target_,
+                    fmt::format("cannot be kept as {}: {}; save under another name", name.string(), error.message()));
+  }
+}
+
+void AtomicFile::removeTemporary() const {
   std::error_code ignored;
   if (!temporary_.empty()) std::filesystem::remove(temporary_, ignored);
-  throw FileError(target_, becauseOf(renameError ? renameError.value() : error));
 }
 
 }  // namespace palpate

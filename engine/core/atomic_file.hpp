@@ -23,8 +23,19 @@ class AtomicFile {
   void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
   void commit();
+  /// The same, but an older file stays: as NAME.bak, or as NAME.bak2 and so on where that is taken. Says as what; empty
+  /// where there was none. Where it cannot be kept nothing changes.
+  std::filesystem::path commitAndKeep();
+
+  /// What commitAndKeep() would call an older file now; empty where there is none.
+  static std::filesystem::path nameToKeep(const std::filesystem::path& target);
 
  private:
+  void close();
+  std::filesystem::path keep() const;
+  void rename();
+  void removeTemporary() const;
+
   std::filesystem::path target_;
   std::filesystem::path temporary_;  // empty when the target is written to directly
   std::FILE* file_ = nullptr;

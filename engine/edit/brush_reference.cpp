@@ -73,6 +73,7 @@ BrushTool::Point BrushTool::toBall(const DVec3& place, const DVec3& normal) cons
   const bool atCenter = distance <= static_cast<double>(shared::kAtCenter) * options_.toolRadius;
   const DVec3 away = atCenter ? -outward_ : fromCenter / distance;
   const bool carves = options_.kind == BrushKind::carve;
+  if (carves && options_.strength == 0) return {place};
   if (carves && (glm::dot(normal, away) >= 0 || depth > static_cast<double>(shared::kCarveDepth) * support_))
     return {place, true};
   return {place + std::min((carves ? options_.strength : options_.beta) * depth, longestMove_) * away};

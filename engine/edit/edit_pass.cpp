@@ -67,6 +67,8 @@ EditPass::EditPass(Device& device, const BrushOptions& brush, const SpatialHash&
          std::vector<shared::PointTables>{{.colors = colors.empty() ? 0 : colors_.address(),
                                            .parents = parents_.address(),
                                            .spacings = resample_ ? resample_->spacings() : 0,
+                                           .rests = resample_ ? resample_->rests() : 0,
+                                           .reaches = resample_ ? resample_->reaches() : 0,
                                            .looks = resample_ ? resample_->looks() : 0,
                                            .lists = resample_ ? resample_->lists() : 0,
                                            .moves = update_.moves(),

@@ -50,8 +50,10 @@ void Journal::addToStroke(std::span<const PointState> states) {
     for (const Stroke& stroke : undone_) bytes_ -= bytesOf(stroke);
     undone_.clear();
     keepsStroke_ = budget_ > 0;
+    open_.version = version_;
     measureRoom();
   }
+  version_ = ++lastVersion_;
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!keepsStroke_) return set(states.subspan(i));
     const std::uint32_t point = states[i].number();
@@ -67,26 +69,26 @@ void Journal::measureRoom() {
 }
 
 void Journal::keepBefore(std::uint32_t point) {
-  while (open_.size() >= room_ && !done_.empty()) {
+  while (open_.points.size() >= room_ && !done_.empty()) {
     bytes_ -= bytesOf(done_.front());
     done_.pop_front();
     ++dropped_;
     measureRoom();
   }
-  if (open_.size() >= room_) {
+  if (open_.points.size() >= room_) {
     open_ = {};
     keepsStroke_ = false;
     return;
   }
-  slot_[point] = static_cast<std::uint32_t>(open_.size());
-  open_.push_back(points_[point]);
+  slot_[point] = static_cast<std::uint32_t>(open_.points.size());
+  open_.points.push_back(points_[point]);
 }
 
 void Journal::endStroke() {
   if (!std::exchange(inStroke_, false)) return;
   ++strokes_;
   if (keepsStroke_) {
-    open_.shrink_to_fit();
+    open_.points.shrink_to_fit();
     bytes_ += bytesOf(open_);
     done_.push_back(std::move(open_));
   } else if (budget_) {
@@ -98,8 +100,9 @@ void Journal::endStroke() {
 
 std::vector<PointChange> Journal::cross(Stroke& stroke) {
   std::vector<PointChange> changes;
-  changes.reserve(stroke.size());
-  for (PointState& other : stroke) {
+  changes.reserve(stroke.points.size());
+  std::swap(version_, stroke.version);
+  for (PointState& other : stroke.points) {
     PointState& present = points_[other.number()];
     changes.push_back({.from = present, .to = other});
     std::swap(present, other);

@@ -35,6 +35,9 @@ class Journal {
   /// The same for the stroke that was undone last.
   std::vector<PointChange> redo();
 
+  /// Tells states of the points apart: it is the same again exactly when they are, by undo and redo.
+  std::uint64_t version() const { return version_; }
+
   bool inStroke() const { return inStroke_; }
   std::uint64_t strokes() const { return strokes_; }  ///< that have ended, ever
   std::size_t undoable() const { return done_.size(); }
@@ -43,19 +46,25 @@ class Journal {
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t tooLarge() const { return tooLarge_; }
   /// What the strokes take now.
-  std::uint64_t bytes() const { return bytes_ + open_.size() * sizeof(PointState); }
+  std::uint64_t bytes() const { return bytes_ + open_.points.size() * sizeof(PointState); }
 
  private:
-  /// The points that a stroke touched, each as it was on the other side of it: before, or, once undone, after.
-  using Stroke = std::vector<PointState>;
-  static std::uint64_t bytesOf(const Stroke& stroke) { return sizeof(Stroke) + stroke.size() * sizeof(PointState); }
+  /// The points that a stroke touched, and the version, each as it was on the other side of it: before, or, once
+  /// undone, after.
+  struct Stroke {
+    std::vector<PointState> points;
+    std::uint64_t version = 0;
+  };
+  static std::uint64_t bytesOf(const Stroke& stroke) {
+    return sizeof(Stroke) + stroke.points.size() * sizeof(PointState);
+  }
 
   void set(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
   void endStroke();
   void keepBefore(std::uint32_t point);
   bool isInStroke(std::uint32_t point) const {
-    return slot_[point] < open_.size() && open_[slot_[point]].number() == point;
+    return slot_[point] < open_.points.size() && open_.points[slot_[point]].number() == point;
   }
   // The most points that the stroke under way may have without dropping another one.
   void measureRoom();
@@ -68,6 +77,7 @@ class Journal {
   std::vector<std::uint32_t> slot_;  // by point: where it stands in open_, if it is there
   std::deque<Stroke> done_;
   std::vector<Stroke> undone_;
+  std::uint64_t version_ = 0, lastVersion_ = 0;
   std::uint64_t bytes_ = 0;  // of done_ and undone_
   Stroke open_;              // under way
   std::size_t room_ = 0;     // points that open_ may have for now

@@ -33,6 +33,8 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
       lists_(device, listBytes(mostWishes_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       looks_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "looks")),
+      rests_(Buffer::of<Vec3>(device, live.slots(), Memory::device, "rests")),
+      reaches_(Buffer::of<float>(device, live.slots() - live.count(), Memory::device, "reaches")),
       report_(Buffer::of<shared::Resampling>(device, 1, Memory::readback, "resample report")) {
   report_.mapped<shared::Resampling>()[0] = {};
   CommandList list(device, device.touch(), "clear resampling");
@@ -49,6 +51,7 @@ void Resample::measure(const shared::CloudView& cloud, DeviceAddress tables) {
   const std::uint64_t threads = std::uint64_t{cloud.slots} * device_.subgroupSize();
   CommandList list(device_, device_.touch(), "measure spacings");
   list.begin();
+  list.fill(rests_, shared::kNeverRested, rests_.bytes());
   list.dispatch(measure_, threads, args);
   args.counts = 0;
   list.dispatch(measure_, threads, args);
@@ -74,7 +77,7 @@ void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress chang
 }
 
 std::uint64_t Resample::predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes) {
-  return listBytes(mostWishes) + kWord * (points + slots);
+  return listBytes(mostWishes) + kWord * (points + slots) + sizeof(Vec3) * slots + sizeof(float) * (slots - points);
 }
 
 }  // namespace palpate

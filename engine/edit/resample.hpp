@@ -13,7 +13,7 @@ class Resample {
   /// `radius`: support radius, model units.
   Resample(Device& device, const LiveCloud& live, const HashUpdate& update, double radius);
 
-  /// Measures the target spacings of a cloud as it was loaded, once.
+  /// Measures the target spacings of a cloud as it was loaded, once, and keeps where its points rest.
   void measure(const shared::CloudView& cloud, DeviceAddress tables);
 
   /// What the passes of an edit have in common.
@@ -33,7 +33,11 @@ class Resample {
   DeviceAddress lists() const { return lists_.address(); }
   DeviceAddress spacings() const { return spacings_.address(); }
   DeviceAddress looks() const { return looks_.address(); }
-  std::uint64_t bytes() const { return lists_.bytes() + spacings_.bytes() + looks_.bytes() + report_.bytes(); }
+  DeviceAddress rests() const { return rests_.address(); }
+  DeviceAddress reaches() const { return reaches_.address(); }
+  std::uint64_t bytes() const {
+    return lists_.bytes() + spacings_.bytes() + looks_.bytes() + rests_.bytes() + reaches_.bytes() + report_.bytes();
+  }
   static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes);
 
  private:
@@ -41,7 +45,7 @@ class Resample {
   double radius_;
   std::uint32_t mostWishes_;
   ComputePipeline measure_, wish_, grant_;
-  Buffer lists_, spacings_, looks_, report_;
+  Buffer lists_, spacings_, looks_, rests_, reaches_, report_;
 };
 
 }  // namespace palpate

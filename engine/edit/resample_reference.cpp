@@ -1,7 +1,6 @@
 #include "engine/edit/resample_reference.hpp"
 
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 namespace palpate {
@@ -14,9 +13,22 @@ bool sameSheet(const DVec3& normal, const DVec3& other) {
   return glm::dot(normal, other) > static_cast<double>(shared::kSameSheet);
 }
 
+// New points keep the distance of the wider target, points of the file that of the narrower one, and of how they stood.
 bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
-  const double closest = static_cast<double>(shared::kCrowded) * std::min(a.spacing, b.spacing);
-  return glm::distance(a.offset, b.offset) < closest && sameSheet(a.normal, b.normal);
+  const bool anyNew = a.isNew || b.isNew;
+  const double least = std::min(a.spacing, b.spacing);
+  const double closest = static_cast<double>(shared::kCrowded) * (anyNew ? std::max(a.spacing, b.spacing) : least);
+  const double distance = glm::distance(a.offset, b.offset);
+  if (distance >= closest || !sameSheet(a.normal, b.normal)) return false;
+  const double before = glm::distance(a.rest, b.rest);
+  return anyNew || distance < static_cast<double>(shared::kComeNearer) * before ||
+         before < static_cast<double>(shared::kSamePlace) * least;
+}
+
+// Whether an edit has moved two points against one another.
+bool torn(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  const DVec3 moved = (b.offset - a.offset) - (b.rest - a.rest);
+  return glm::length(moved) > static_cast<double>(shared::kTorn) * std::max(a.spacing, b.spacing);
 }
 
 // Who stays when two crowd: the smaller one.
@@ -50,14 +62,29 @@ SectorView lookAround(const ResampleNeighbour& self, std::span<const ResampleNei
   return view;
 }
 
-// In double precision what shared::halfWay is in single.
+// In double precision what shared::bulgeBelow and shared::halfWay are in single.
+double bulgeBelow(const DVec3& offset, const DVec3& normal, const DVec3& bulge) {
+  const double rises = glm::dot(bulge, normal), falls = std::max(0.0, -0.5 * glm::dot(offset, normal));
+  return rises > falls ? falls / rises : 1;
+}
+
 DVec3 halfWay(const DVec3& offset, const DVec3& normal, const DVec3& otherNormal) {
-  return 0.5 * offset + 0.125 * (glm::dot(offset, otherNormal) * otherNormal - glm::dot(offset, normal) * normal);
+  const DVec3 bulge =
+      0.125 * (glm::dot(offset, otherNormal) * otherNormal - glm::dot(offset, normal) * normal);
+  return 0.5 * offset +
+         std::min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
 }
 
 }  // namespace
 
-ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+double sectorSpacing(SectorDistances distances) {
+  std::ranges::sort(distances);
+  const auto there = static_cast<std::size_t>(std::ranges::find(distances, kFar) - distances.begin());
+  return there == 0 ? 0 : distances[there / 2] / static_cast<double>(shared::kSectorSpacings);
+}
+
+ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& view) {
+  const std::span<const ResampleNeighbour> neighbours = view.neighbours;
   ResampleWish wish;
   const ResampleNeighbour* first = nullptr;  // of those that crowd this point
   for (const ResampleNeighbour& other : neighbours)
@@ -68,14 +95,18 @@ ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const Resampl
     wish.unsettled = true;
   }
 
-  const SectorView view = lookAround(self, neighbours);
+  if (!view.complete) return wish;
+  const SectorView sectors = lookAround(self, neighbours);
   double narrowest = kFar;
   for (std::size_t sector = 0; sector < shared::kSectors; ++sector) {
-    const double gap = view.distance[sector];
-    if (gap == kFar || gap >= narrowest || gap <= static_cast<double>(shared::kWidestGap) * self.spacing) continue;
-    const ResampleNeighbour& other = neighbours[view.nearest[sector]];
+    const double gap = sectors.distance[sector];
+    if (gap == kFar || gap >= narrowest) continue;
+    const ResampleNeighbour& other = neighbours[sectors.nearest[sector]];
+    const double spacing = std::max(self.spacing, other.spacing);
+    if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
     const DVec3 place = halfWay(other.offset, self.normal, other.normal);
-    const double clearance = static_cast<double>(shared::kLeastClearance) * self.spacing;
+    if (glm::length(place) > view.reach) continue;
+    const double clearance = static_cast<double>(shared::kLeastClearance) * spacing;
     const auto blocks = [&](const ResampleNeighbour& point) {
       return glm::distance(point.offset, place) < clearance && sameSheet(self.normal, point.normal);
     };
@@ -84,6 +115,7 @@ ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const Resampl
     wish.inserts = wish.unsettled = true;
     wish.offset = place;
     wish.other = other.number;
+    wish.takesAfterOther = other.spacing > self.spacing;
   }
   return wish;
 }

@@ -1,8 +1,10 @@
 // The surface stays a surface, in double precision on the CPU: where an edit stretches it, points are inserted, where
-// it crowds them, they are merged. Every decision depends on the places, normals and ids of the points within the
-// support radius alone, and not on the order in which points are looked at.
+// it crowds them, they are merged. Every decision depends on the places, normals and ids of the points within the look
+// radius alone (shared::lookRadius), and not on the order in which points are looked at. What is uneven as it was loaded
+// stays so: every point knows where it rested, and only what has moved against its neighbours is mended.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -17,7 +19,9 @@ namespace palpate {
 struct ResampleNeighbour {
   DVec3 offset{0};           ///< from the point that decides, model units
   DVec3 normal{0};           ///< unit
+  DVec3 rest{0};             ///< where it stood in the cloud as loaded; a new one where its ends did; model units
   double spacing = 0;        ///< target, model units
+  bool isNew = false;        ///< it was not in the cloud as loaded
   std::uint32_t number = 0;  ///< of the point; in the order of ids
   bool unsettled = false;    ///< has moved, or is new, or has not yet got what it wished for
 };
@@ -29,14 +33,27 @@ struct ResampleWish {
   bool inserts = false;     ///< it wants a new point
   DVec3 offset{0};          ///< of the new point
   std::uint32_t other = 0;  ///< number of the neighbour on the other side of the gap
+  bool takesAfterOther = false;  ///< the other end's target is the wider one: the new point gets its parent
+};
+
+/// What a point sees when it looks around.
+struct ResampleView {
+  std::span<const ResampleNeighbour> neighbours;  ///< all others within the look radius
+  double reach = std::numeric_limits<double>::infinity();  ///< it may have a new point no further away, model units
+  bool complete = true;  ///< false: there are more than could be looked at, and so no new point is asked for
 };
 
 /// Points nearer than kCrowded to one another rank settled before unsettled, then by number. A point goes where the
 /// first of those before it stays itself in this tick. Otherwise it wishes for a new point in the middle of the
-/// narrowest gap where none stands: a gap has a neighbour on its other side, within the support radius, so that borders
-/// do not grow.
-/// `self`: the point that decides, its offset zero; `neighbours`: all others within the support radius.
-ResampleWish resampleWish(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours);
+/// narrowest gap where none stands: a gap has a neighbour on its other side, within the look radius, so that borders do
+/// not grow, and its ends have moved against one another, so that an uneven cloud that nobody has edited has none.
+/// `self`: the point that decides, its offset zero.
+ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& view);
+
+/// The distances to the nearest neighbour of the same sheet in every sector about a point; infinity where there is none.
+using SectorDistances = std::array<double, shared::kSectors>;
+/// The least target of a point that has these (shared::kSectorSpacings), model units; 0 where all are infinite.
+double sectorSpacing(SectorDistances distances);
 
 /// Who may insert where: of those that want the same cell of the claims' grid the point with the smallest number,
 /// unless the one of a neighbouring cell has a smaller one and wants a place nearer than the clearance. Three passes,

@@ -14,9 +14,9 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
-// Neighbours that a point looks at before it decides to come or go. More share its surroundings only where many lie in
-// one place, and those are merged with the ones that are seen.
-constexpr std::size_t kMostNeighbours = 1024;
+// Neighbours that a point looks at before it decides to come or go. More are within its look radius only where heaps of
+// points lie in one place: they are merged with the ones that are seen, and no new point is asked for.
+constexpr std::size_t kMostNeighbours = 2048;
 
 // Calls body(i) for every i below `count`, on all threads.
 template <class Body>
@@ -42,8 +42,27 @@ SculptReference::SculptReference(const PointCloud& cloud, const HashGrid& grid, 
   if (options.keepsDensity) measureSpacings();
 }
 
-// The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2. Never wider than the
-// support radius is made for.
+// The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2.
+double SculptReference::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {
+  const DVec3 place(points_.positions[point]), normal(points_.normals[point]);
+  const Frame3 frame = frameAround(normal);
+  double weights = 0;
+  SectorDistances nearest;
+  nearest.fill(std::numeric_limits<double>::infinity());
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    if (!counts[near.number] || glm::dot(normal, DVec3(points_.normals[near.number])) <= shared::kSameSheet) return;
+    const DVec3 offset = DVec3(near.position) - place;
+    const double distance = glm::length(offset);
+    weights += wendland(distance / options_.radius);
+    if (distance == 0) return;
+    double& inSector = nearest[shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)),
+                                                static_cast<float>(glm::dot(offset, frame.v)))];
+    inSector = std::min(inSector, distance);
+  });
+  return std::max(options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 0.1)), sectorSpacing(nearest));
+}
+
+// Never wider than the support radius is made for.
 void SculptReference::measureSpacings() {
   const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
   std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
@@ -54,15 +73,14 @@ void SculptReference::measureSpacings() {
   });
   points_.spacings.resize(points_.size());
   forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
-    const DVec3 place(points_.positions[i]);
-    double weights = 0;
-    grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-      if (counts[near.number] && glm::dot(points_.normals[i], points_.normals[near.number]) > shared::kSameSheet)
-        weights += wendland(glm::distance(DVec3(near.position), place) / options_.radius);
-    });
-    const double spacing = options_.radius * std::sqrt(std::numbers::pi / 7 / std::max(weights, 0.1));
-    points_.spacings[i] = static_cast<float>(std::clamp(spacing, least, widestSpacing(options_)));
+    points_.spacings[i] = static_cast<float>(
+        std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, widestSpacing(options_)));
   });
+}
+
+double SculptReference::reachOf(std::uint32_t point) const {
+  if (point >= points_.fromFile) return double{points_.reaches[point - points_.fromFile]};
+  return static_cast<double>(shared::kReach) * options_.radius;
 }
 
 void SculptReference::edit(const BrushTool& tool) {
@@ -111,7 +129,10 @@ void SculptReference::applyBrush(const BrushTool& tool) {
     points_.positions[point] = place;
     points_.colors[point] = color;
     points_.there[point] = !places_[i].taken;
-    if (moved) points_.unsettled[point] = 1;
+    if (!moved) continue;
+    points_.unsettled[point] = 1;
+    if (point >= points_.fromFile)
+      points_.reaches[point - points_.fromFile] = shared::kReach * static_cast<float>(options_.radius);
   }
   if (!changed_.empty() && tool.kind() != BrushKind::paint) build();
 }
@@ -136,18 +157,20 @@ Vec3 SculptReference::refitted(std::uint32_t point) const {
   const DVec3 place(points_.positions[point]);
   NormalFit fit(options_.radius);
   DVec3 side(0);
+  const Vec3 old = points_.normals[point];
   grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    const Vec3 theirs = points_.normals[near.number];
+    if (glm::dot(theirs, old) <= shared::kFarSheet) return;
     const DVec3 offset = DVec3(near.position) - place;
     fit.add(offset);
-    side += wendland(glm::length(offset) / options_.radius) * DVec3(points_.normals[near.number]);
+    side += wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
   });
-  const Vec3 old = points_.normals[point];
   const DVec3 normal = fit.normal(DVec3(old)).normal;
   return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
 }
 
 // The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
-// angle in one tick, and its own old side says nothing then.
+// angle in one tick, and its own old side says nothing then. The far sheet of a plate has no say.
 void SculptReference::refit() {
   normals_.resize(unsettled_.size());
   forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
@@ -162,17 +185,24 @@ ResampleWish SculptReference::wishOf(std::uint32_t point, Neighbours& neighbours
   const auto seen = [&](std::uint32_t number, const DVec3& offset) {
     return ResampleNeighbour{.offset = offset,
                              .normal = DVec3(points_.normals[number]),
+                             .rest = DVec3(points_.rests[number]),
                              .spacing = points_.spacing(number),
+                             .isNew = number >= points_.fromFile,
                              .number = number,
                              .unsettled = points_.unsettled[number] != 0};
   };
   neighbours.clear();
   const DVec3 place(points_.positions[point]);
-  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
-    if (near.number != point && neighbours.size() < kMostNeighbours)
+  const double look = shared::lookRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius));
+  bool complete = true;
+  grid_.forEachNear(place, look, [&](const SortedGrid::Placed& near) {
+    if (near.number == point) return;
+    if (neighbours.size() < kMostNeighbours)
       neighbours.push_back(seen(near.number, DVec3(near.position) - place));
+    else
+      complete = false;
   });
-  return resampleWish(seen(point, DVec3(0)), neighbours);
+  return resampleWish(seen(point, DVec3(0)), {.neighbours = neighbours, .reach = reachOf(point), .complete = complete});
 }
 
 void SculptReference::resample() {
@@ -180,7 +210,9 @@ void SculptReference::resample() {
   forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) {
     thread_local Neighbours neighbours;
     static_cast<ResampleWish&>(wishes_[i]) = wishOf(unsettled_[i], neighbours);
-    if (wishes_[i].inserts) wishes_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + wishes_[i].offset);
+    if (!wishes_[i].inserts) return;
+    wishes_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + wishes_[i].offset);
+    wishes_[i].reach = static_cast<float>(reachOf(unsettled_[i]) - glm::length(wishes_[i].offset));
   });
   const std::size_t before = points_.size();
   bool someGone = false;
@@ -207,7 +239,11 @@ void SculptReference::insertClaimed() {
   forEachWish([&](std::uint32_t point, const Wish& wish) { claims_.claim(wish.place, point); });
   forEachWish([&](std::uint32_t point, const Wish& wish) { claims_.confirm(wish.place, point); });
   forEachWish([&](std::uint32_t point, const Wish& wish) {
-    if (claims_.stands(wish.place, point)) tellOf(points_.insertBetween(point, wish.other, wish.place));
+    if (!claims_.stands(wish.place, point)) return;
+    const std::uint32_t parent = wish.takesAfterOther ? wish.other : point;
+    const std::uint32_t added = points_.insertBetween(point, wish.other, parent, wish.place);
+    points_.reaches[added - points_.fromFile] = wish.reach;
+    tellOf(added);
   });
 }
 

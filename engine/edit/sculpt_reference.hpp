@@ -40,6 +40,8 @@ class SculptReference {
  private:
   using Neighbours = std::vector<ResampleNeighbour>;
   void measureSpacings();
+  double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
+  double reachOf(std::uint32_t point) const;
   void build() { grid_.build(points_.positions, points_.there); }
   void applyBrush(const BrushTool& tool);
   DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
@@ -60,6 +62,7 @@ class SculptReference {
   // Of one tick.
   struct Wish : ResampleWish {
     Vec3 place{0};  // of the new point
+    float reach = 0;
   };
   std::vector<std::uint32_t> reached_, unsettled_, changed_;  // numbers of points
   std::vector<BrushTool::Point> places_;                      // of those reached

@@ -1,5 +1,7 @@
 #include "engine/edit/sculpted_points.hpp"
 
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -33,7 +35,9 @@ SculptedPoints::SculptedPoints(const PointCloud& cloud)
       colors(cloud.size()),
       parents(cloud.size()),
       there(cloud.size(), 1),
-      unsettled(cloud.size(), 0) {
+      unsettled(cloud.size(), 0),
+      rests(cloud.positions),
+      fromFile(static_cast<std::uint32_t>(cloud.size())) {
   PALPATE_CHECK_EQ(normals.size(), positions.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) colors[i] = palpate::packedColor(cloud, i);
   std::iota(parents.begin(), parents.end(), 0);
@@ -56,6 +60,8 @@ void SculptedPoints::set(const PointState& state) {
     parents.push_back(state.parent);
     there.push_back(0);
     unsettled.push_back(0);
+    rests.emplace_back(std::numeric_limits<float>::quiet_NaN());
+    reaches.push_back(0);
   }
   positions[point] = state.position;
   normals[point] = state.normal;
@@ -63,16 +69,19 @@ void SculptedPoints::set(const PointState& state) {
   parents[point] = state.parent;
   there[point] = !state.gone();
   unsettled[point] = 0;
+  if (std::isnan(rests[point].x)) rests[point] = state.position;
 }
 
-std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t other, const Vec3& position) {
+std::uint32_t SculptedPoints::insertBetween(std::uint32_t point, std::uint32_t other, std::uint32_t parent,
+                                            const Vec3& position) {
   const auto number = static_cast<std::uint32_t>(size());
   set({.position = position,
        .id = number,
        .normal = middleNormal(normals[point], normals[other]),
        .color = middleColor(colors[point], colors[other]),
-       .parent = parents[point]});
+       .parent = parents[parent]});
   unsettled[number] = 1;
+  rests[number] = 0.5f * (rests[point] + rests[other]);
   return number;
 }
 

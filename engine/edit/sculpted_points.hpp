@@ -20,6 +20,14 @@ struct SculptedPoints {
   /// Of the points of the file: how far apart they and their neighbours were, which is what edits keep to; model units.
   /// Empty where nobody asks.
   std::vector<float> spacings;
+  /// Where a point stood in the cloud as loaded; of a new one, half way between where its ends did. One that is set
+  /// without ends rests where it is set first. Model units, relative to the cloud's origin.
+  std::vector<Vec3> rests;
+  /// Of the points that came later: how far from there others may come because of it, model units.
+  std::vector<float> reaches;
+
+  /// Points of the file: those with smaller numbers.
+  std::uint32_t fromFile = 0;
 
   /// `cloud` must have normals. Spacings are left empty.
   explicit SculptedPoints(const PointCloud& cloud);
@@ -31,9 +39,9 @@ struct SculptedPoints {
   PointState state(std::uint32_t point) const;
   /// Sets a point, which is settled then; makes room where it is new. Its parent must be one of the file's points.
   void set(const PointState& state);
-  /// Adds a point at `position`, with the middle of the normals and colours of two points and the parent of the first;
-  /// gives its number.
-  std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, const Vec3& position);
+  /// Adds a point at `position`, with the middle of the normals, colours and rests of two points; the first of them
+  /// asked for it. `parent`: whose parent it gets, one of the two. Gives its number.
+  std::uint32_t insertBetween(std::uint32_t point, std::uint32_t other, std::uint32_t parent, const Vec3& position);
 };
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <glm/trigonometric.hpp>
 #include <limits>
+#include <vector>
 
 #include "engine/core/error.hpp"
 
@@ -12,7 +13,9 @@ namespace palpate {
 
 namespace {
 
-constexpr double kFrontElevation_deg = 12;  // of the fitted eye above the horizon
+constexpr double kFrontElevation_deg = 12;  // of the fitted eye above the horizon, and
+constexpr double kFlatElevation_deg = 40;   // over what has no height
+constexpr double kLow = 0.3;                // of the width: what is lower is seen from higher up
 constexpr double kFill = 0.9;               // of the picture, by the model
 constexpr double kClosest = 1e-2;           // of the box: the fitted eye stays this far before the nearest point
 constexpr double kNearestShare = 1e-3;      // of the box: no near plane is closer than this
@@ -33,22 +36,24 @@ double sizeOf(const Bounds& box) {
 
 /// The camera with the axes of `camera` whose picture holds all points and touches them at two opposite borders. A
 /// point at x and depth z before an eye at (ex, -D) is inside when |x - ex| <= t (z + D) with t the tangent of half the
-/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once.
+/// field of view; so each border is one linear bound, and the two of a pair give ex and D at once. A ball around the
+/// point moves each bound outwards by its radius over the cosine of the half field of view.
 template <class Points>
-Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect) {
+Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double aspect, double margin) {
   const Camera::Axes axes = camera.axes();
   const double ty = kFill * std::tan(glm::radians(camera.fov_deg) / 2), tx = ty * aspect;
+  const double mx = margin * std::sqrt(1 + tx * tx), my = margin * std::sqrt(1 + ty * ty);
   const DVec3 center = bounds.center();
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   double right = kNone, left = kNone, top = kNone, bottom = kNone, nearest = kNone;
   for (const auto& point : points) {
     const DVec3 p = DVec3(point) - center;
     const double x = glm::dot(p, axes.right), y = glm::dot(p, axes.up), z = glm::dot(p, axes.forward);
-    right = std::max(right, x - tx * z);
-    left = std::max(left, -x - tx * z);
-    top = std::max(top, y - ty * z);
-    bottom = std::max(bottom, -y - ty * z);
-    nearest = std::max(nearest, -z);
+    right = std::max(right, x - tx * z + mx);
+    left = std::max(left, -x - tx * z + mx);
+    top = std::max(top, y - ty * z + my);
+    bottom = std::max(bottom, -y - ty * z + my);
+    nearest = std::max(nearest, -z + margin);
   }
   const bool any = nearest > kNone;
   const double x = any ? (right - left) / 2 : 0, y = any ? (top - bottom) / 2 : 0;
@@ -61,9 +66,12 @@ Camera fitted(Camera camera, const Bounds& bounds, const Points& points, double 
 }
 
 /// At the origin, looking from the front and a little above.
-Camera frontCamera(double fov_deg) {
-  const double elevation = glm::radians(kFrontElevation_deg);
-  return {.eye = {0, std::sin(elevation), std::cos(elevation)}, .fov_deg = fov_deg};
+Camera frontCamera(const Bounds& bounds, double fov_deg, UpAxis up) {
+  const DVec3 top = directionOf(up), side = bounds.max - bounds.min;
+  const double height = std::abs(glm::dot(side, top)), width = bounds.longestSide();
+  const double flat = width > 0 ? std::max(0.0, 1 - height / (kLow * width)) : 0;
+  const double elevation = glm::radians(glm::mix(kFrontElevation_deg, kFlatElevation_deg, flat));
+  return {.eye = std::sin(elevation) * top + std::cos(elevation) * frontOf(up), .up = top, .fov_deg = fov_deg};
 }
 
 bool parallel(const DVec3& a, const DVec3& b) {
@@ -128,19 +136,27 @@ Wishes parseWishes(std::string_view text) {
 
 }  // namespace
 
-Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg) {
-  return fitted(frontCamera(fov_deg), bounds, cornersOf(bounds), aspect);
+Camera Camera::fitting(const Bounds& bounds, double aspect, double fov_deg, UpAxis up, double margin) {
+  return fitted(frontCamera(bounds, fov_deg, up), bounds, cornersOf(bounds), aspect, margin);
 }
 
-Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg) {
-  return fitted(frontCamera(fov_deg), boundsOf(cloud), cloud.positions, aspect);
+Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, const Framing& framing) {
+  const Bounds all = boundsOf(cloud), shown = framing.shown.value_or(all);
+  const Camera front = frontCamera(shown, fov_deg, framing.up);
+  if (shown == all) return fitted(front, all, cloud.positions, aspect, framing.margin);
+  std::vector<Vec3> inside;
+  for (const Vec3& p : cloud.positions)
+    if (shown.contains(DVec3(p))) inside.push_back(p);
+  Camera camera = fitted(front, shown, inside, aspect, framing.margin);
+  camera.setDepthRange(all);
+  return camera;
 }
 
-Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect) {
+Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing) {
   const Wishes wishes = parseWishes(text);
   const double fov_deg = wishes.fov_deg.value_or(45);
   if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("--camera: fov={} is not between 1 and 170 degrees", fov_deg);
-  Camera camera = fitting(cloud, aspect, fov_deg);
+  Camera camera = fitting(cloud, aspect, fov_deg, framing);
   const DVec3 fittedOffset = camera.eye - camera.target;
   if (wishes.target) camera.target = *wishes.target - cloud.origin;
   camera.eye = wishes.eye ? *wishes.eye - cloud.origin : camera.target + fittedOffset;
@@ -151,7 +167,7 @@ Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspe
     if (glm::length(camera.up) == 0 || parallel(camera.up, direction))
       throw UsageError("--camera: up must be a direction that is not along the view");
   } else if (parallel(camera.up, direction)) {
-    camera.up = {0, 0, -1};  // looking straight down or up: the front of the model is at the bottom
+    camera.up = -frontOf(framing.up);  // looking straight down or up: the front of the model is at the bottom
   }
   camera.setDepthRange(boundsOf(cloud));
   return camera;

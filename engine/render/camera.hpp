@@ -4,9 +4,17 @@
 #include <string_view>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
+
+/// What a picture shows of a cloud unless somebody says more.
+struct Framing {
+  std::optional<Bounds> shown;  ///< the points in it (coreBoundsOf()); all of them when not given
+  UpAxis up = UpAxis::y;
+  double margin = 0;  ///< around each point, model units: the disc as which it is drawn
+};
 
 /// A pinhole camera. Positions are model units relative to the cloud's origin, as in PointCloud::positions.
 /// Eye space: x right, y up, depth along the view direction. Pictures have pixel (0, 0) at the top left.
@@ -20,14 +28,16 @@ struct Camera {
 
   bool operator==(const Camera&) const = default;
 
-  /// Sees everything from the front (+z), a little above, in a picture of width / height `aspect`: all of a box, or all
-  /// points of a cloud, which fills the picture better. The target is at the depth of the box's middle.
-  static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45);
-  static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45);
+  /// Sees everything from the front (frontOf()), a little above, and more so what lies flat, in a picture of width /
+  /// height `aspect`: all of a box, or all points of a cloud, which fills the picture better. The target is at the
+  /// depth of the box's middle.
+  static Camera fitting(const Bounds& bounds, double aspect, double fov_deg = 45, UpAxis up = UpAxis::y,
+                        double margin = 0);
+  static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45, const Framing& framing = {});
 
   /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is
   /// missing comes from fitting(). `eye` and `target` are in file coordinates. Throws UsageError.
-  static Camera parse(std::string_view text, const PointCloud& cloud, double aspect);
+  static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 
   /// Sets near and far so that `bounds` lies between them as far as it lies before the eye.
   void setDepthRange(const Bounds& bounds);

@@ -63,19 +63,16 @@ Camera recentred(const Camera& camera, const DVec3& point) {
   return result;
 }
 
-Camera alongAxis(const Camera& camera, int axis, bool fromAbove) {
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up) {
   Camera result = camera;
   DVec3 side(0);
   side[axis] = fromAbove ? 1 : -1;
-  result.eye = camera.target + glm::distance(camera.eye, camera.target) * side;
-  if (axis != 1) {
-    result.up = {0, 1, 0};
-  } else {  // almost along up: the front of the model is at the bottom, and a later turn has an axis
-    const double steep = 0.99;
-    result.up = {0, 1, 0};
-    const double distance = glm::distance(camera.eye, camera.target);
-    result.eye = camera.target + distance * (steep * side + std::sqrt(1 - steep * steep) * DVec3(0, 0, 1));
+  result.up = directionOf(up);
+  if (glm::dot(side, result.up) != 0) {  // almost along up, so that a later turn has an axis
+    constexpr double kSteep = 0.99;
+    side = kSteep * side + std::sqrt(1 - kSteep * kSteep) * frontOf(up);
   }
+  result.eye = camera.target + glm::distance(camera.eye, camera.target) * side;
   return result;
 }
 

@@ -20,7 +20,8 @@ Camera zoomed(const Camera& camera, const DVec3& point, double factor, double ne
 /// Looks at `point` from the same direction and distance.
 Camera recentred(const Camera& camera, const DVec3& point);
 
-/// Looks at the target from the side where `axis` (0, 1, 2: x, y, z) grows, or falls, from the same distance.
-Camera alongAxis(const Camera& camera, int axis, bool fromAbove);
+/// Looks at the target from the side where `axis` (0, 1, 2: x, y, z) grows, or falls, from the same distance. `up` is
+/// upwards in the picture; from above, the front is at the bottom.
+Camera alongAxis(const Camera& camera, int axis, bool fromAbove, UpAxis up = UpAxis::y);
 
 }  // namespace palpate

@@ -163,13 +163,14 @@ std::uint32_t tilesOf(const Drawn& drawn, const Camera& camera, std::uint32_t he
 
 shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
                                    const FrameSize& size, std::uint32_t tiles) {
-  const DVec2 depths = depthRangeOf(camera, drawn.bounds);
+  const Bounds shown = options.shown.value_or(drawn.bounds);
+  const DVec2 depths = depthRangeOf(camera, shown);
   const double usual = usualDrawnRadius(drawn, camera, size.height * size.supersample);
   shared::RenderFrame frame{.view = viewOf(camera, size),
                             .overlays = overlaysOf(options.overlays),
-                            .boundsMin = Vec3(drawn.bounds.min),
+                            .boundsMin = Vec3(shown.min),
                             .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
-                            .boundsMax = Vec3(drawn.bounds.max),
+                            .boundsMax = Vec3(shown.max),
                             .depthMax = static_cast<float>(depths.y),
                             .splatRadius = static_cast<float>(drawn.splatRadius),
                             .widestSplat = static_cast<float>(drawn.widestSplat),
@@ -184,10 +185,11 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .material = kClay,
                             .unused = 0,
                             .backgroundTop = kBackgroundTop,
-                            .occlusionRadius = static_cast<float>(kOcclusionRadius * drawn.bounds.longestSide()),
+                            .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0,
-                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
+                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px),
+                            .up = Vec3(options.up)};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

@@ -30,11 +30,7 @@ ImagePass imagePassNamed(std::string_view name) {
   return named<ImagePass>("--pass", name, kChoices);
 }
 
-ColorBy colorByNamed(std::string_view name) {
-  static constexpr std::pair<std::string_view, ColorBy> kChoices[] = {
-      {"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}};
-  return named<ColorBy>("--color", name, kChoices);
-}
+ColorBy colorByNamed(std::string_view name) { return named<ColorBy>("--color", name, kColorNames); }
 
 Raster rasterNamed(std::string_view name) {
   static constexpr std::pair<std::string_view, Raster> kChoices[] = {{"compute", Raster::compute},

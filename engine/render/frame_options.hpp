@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
 
+#include "engine/cloud/point_cloud.hpp"
 #include "engine/core/vec.hpp"
 #include "shaders/shared/render.h"
 
@@ -26,7 +28,7 @@ enum class ColorBy : std::uint32_t {
   rgb = shared::kColorByFile,  ///< the file's, or one material where it has none
   normal = shared::kColorByNormal,
   depth = shared::kColorByDepth,
-  height = shared::kColorByHeight,  ///< along y
+  height = shared::kColorByHeight,  ///< along FrameOptions::up
 };
 
 /// Who draws the discs of a cloud. The pictures are the same, but for samples on the rims of discs.
@@ -34,6 +36,10 @@ enum class Raster : std::uint32_t {
   compute,
   hardware,  ///< the graphics pipeline: point sprites
 };
+
+/// As on the command line.
+inline constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColorNames{
+    {{"rgb", ColorBy::rgb}, {"normal", ColorBy::normal}, {"depth", ColorBy::depth}, {"height", ColorBy::height}}};
 
 /// By the names of the command line. Throw UsageError with the names there are.
 ImagePass imagePassNamed(std::string_view name);
@@ -85,6 +91,8 @@ struct FrameOptions {
   /// those of the points, blended.
   std::uint32_t smooth_px = 0;
   Raster raster = Raster::compute;
+  DVec3 up{0, 1, 0};            ///< unit, along an axis
+  std::optional<Bounds> shown;  ///< what colours by height, depth and position span; the cloud's box when not given
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
 

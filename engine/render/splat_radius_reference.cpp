@@ -65,7 +65,7 @@ std::vector<RadiusRange> referenceSplatRadii(const PointCloud& cloud, double spa
       for (const double threshold : {1 - kTolerance, 1.0, 1 + kTolerance}) {
         const bool atBorder = sorted.back() < threshold * open;
         const double least = atBorder ? std::max(open, usual / static_cast<double>(shared::kSplatOpenAtBorder)) : open;
-        const double radius = radiusOf(closeness, threshold * least, spacing);
+        const double radius = radiusOf(closeness, threshold * least, std::min(spacing, widest));
         range.least = std::min(range.least, (1 - kTolerance) * radius);
         range.most = std::max(range.most, (1 + kTolerance) * radius);
       }

@@ -1,26 +1,65 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How far apart the points are about each point of a cloud as it was loaded. Run twice: first to find the points that
-// count, one in each place. The weights of the neighbours within R on an even plane sum up to pi / 7 (R / spacing)^2.
-// One subgroup for each slot.
+// How far apart the points are about each point of a cloud as it was loaded, and where each one rests. Run twice: first
+// to find the points that count, one in each place. The weights of the neighbours within R on an even plane sum up to
+// pi / 7 (R / spacing)^2; where they are more than can be looked at, half of R takes its place, and so on. In double
+// precision: engine/edit/sculpt_reference.cpp. One subgroup for each slot.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
+#include "shaders/lib/frame.glsl"
 #include "shaders/lib/neighbours.glsl"
 #include "shaders/lib/weight.glsl"
 
 layout(push_constant, scalar) uniform Push { SpacingArgs args; };
 
+const float kFar = 3.0e38;
+
 uint selfId;
-vec3 selfNormal;
+vec3 selfNormal, axisU, axisV;
+float radius;
+// Of this invocation's neighbours.
 bool firstOfPlace;
 float weights;
+float nearest[kSectors];
 
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
   if (args.counts != 0) {
     if (id < selfId) firstOfPlace = false;
-  } else if (args.tables.at[0].looks.at[id] != 0 && dot(selfNormal, normal) > kSameSheet) {
-    weights += wendland(length(d) / args.radius);
+    return;
   }
+  if (args.tables.at[0].looks.at[id] == 0 || dot(selfNormal, normal) <= kSameSheet) return;
+  const float size = length(d);
+  weights += wendland(size / radius);
+  if (size == 0.0) return;
+  const uint sector = sectorOf(dot(d, axisU), dot(d, axisV));
+  [[unroll]] for (uint s = 0; s < kSectors; ++s)
+    if (s == sector) nearest[s] = min(nearest[s], size);
+}
+
+// Upper median of the sectors that are not empty; 0 where all are.
+float sectorSpacing() {
+  float all[kSectors];
+  uint filled = 0;
+  [[unroll]] for (uint s = 0; s < kSectors; ++s) {
+    all[s] = subgroupMin(nearest[s]);
+    filled += all[s] < kFar ? 1 : 0;
+  }
+  float median = 0.0;
+  [[unroll]] for (uint s = 0; s < kSectors; ++s) {
+    uint before = 0;
+    [[unroll]] for (uint t = 0; t < kSectors; ++t) before += all[t] < all[s] || (all[t] == all[s] && t < s) ? 1 : 0;
+    if (before == filled / 2 && filled > 0) median = all[s];
+  }
+  return median / kSectorSpacings;
+}
+
+// Whether all neighbours within `radius` were seen.
+bool look(vec3 center) {
+  firstOfPlace = true;
+  weights = 0.0;
+  [[unroll]] for (uint s = 0; s < kSectors; ++s) nearest[s] = kFar;
+  visitNeighbours(args.cloud, center, radius, walkBudget(kMostLookedAt));
+  return walkedAll();
 }
 
 void main() {
@@ -31,16 +70,19 @@ void main() {
   if (selfId == kEmptySlot) return;
   selfNormal = args.cloud.normals.at[slot].xyz;
   const float least = kLeastSpacing * args.radius;
-  firstOfPlace = true;
-  weights = 0.0;
-  visitNeighbours(args.cloud, position.xyz, args.counts != 0 ? least : args.radius, kWishWorkBudget);
-  const bool alone = subgroupAll(firstOfPlace);
-  const float sum = subgroupAdd(weights);
-  if (!subgroupElect()) return;
   if (args.counts != 0) {
+    radius = least;
+    look(position.xyz);
+    const bool alone = subgroupAll(firstOfPlace);
+    if (!subgroupElect()) return;
     args.tables.at[0].looks.at[selfId] = alone ? 1 : 0;
+    args.tables.at[0].rests.at[selfId] = position.xyz;
     return;
   }
-  const float spacing = args.radius * sqrt(0.448798951 / max(sum, 0.1));
-  args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, args.radius / kSupportSpacings);
+  frameAround(selfNormal, axisU, axisV);
+  radius = args.radius;
+  while (!look(position.xyz) && radius > 2.0 * least) radius *= 0.5;
+  const float spacing = max(radius * sqrt(0.448798951 / max(subgroupAdd(weights), 0.1)), sectorSpacing());
+  if (subgroupElect())
+    args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, args.radius / kSupportSpacings);
 }

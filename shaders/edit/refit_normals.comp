@@ -11,11 +11,13 @@
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
 
+vec3 facing;  // the normal as it was
 // What this invocation has seen.
 Moments moments;
 vec3 sides;  // sum of w n, with the normals as they were
 
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
+  if (dot(normal, facing) <= kFarSheet) return;
   const float w = wendland(length(d) / args.radius);
   addNeighbour(moments, d, w);
   sides += w * normal;
@@ -33,8 +35,9 @@ Moments momentsAbout(vec3 center, out vec3 side) {
 }
 
 // Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
-// tick, and its own old side says nothing then.
+// tick, and its own old side says nothing then. The far sheet of a plate has no say.
 vec3 fittedNormal(vec3 center, vec3 old) {
+  facing = old;
   vec3 side;
   const vec3 fitted = planeNormal(momentsAbout(center, side));
   vec3 normal = old;

@@ -14,7 +14,11 @@ void finish(uint i) {
   if (resamples(args.lists)) atomicMax(args.lists.now.nextId, id + 1);
   if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = args.changes.at[i].to.color;
   const uint firstNew = args.tables.at[0].firstNew;
-  if (id >= firstNew) args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;
+  if (id < firstNew) return;
+  args.tables.at[0].parents.at[id - firstNew] = args.changes.at[i].to.parent;
+  // One that no edit here has made rests where it is given first.
+  if (resamples(args.lists) && floatBitsToUint(args.tables.at[0].rests.at[id].x) == kNeverRested)
+    args.tables.at[0].rests.at[id] = args.changes.at[i].to.position;
 }
 
 void main() {

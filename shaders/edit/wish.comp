@@ -7,6 +7,7 @@
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/claims.glsl"
 #include "shaders/lib/edit_end.glsl"
+#include "shaders/lib/frame.glsl"
 #include "shaders/lib/kept_neighbours.glsl"
 
 layout(push_constant, scalar) uniform Push { WishArgs args; };
@@ -15,6 +16,7 @@ layout(push_constant, scalar) uniform Push { WishArgs args; };
 struct Seen {
   vec3 offset;
   vec3 normal;
+  vec3 rest;  // where it stood as loaded
   float spacing;
   uint rank;  // who stays when two crowd: the smaller one
 };
@@ -41,6 +43,8 @@ uint tick, firstNew;
 bool spent;  // no ids are left: nobody wishes for a new point, or many would wish in every tick for ever
 Uints looksOf, parentsOf;
 Floats spacings;
+Places rests;
+float reach;  // of the point that decides: how far from it a new one may come
 vec3 axisU, axisV;
 // Of this invocation's neighbours.
 uint firstRank, firstSlot;  // of those that crowd the point
@@ -54,7 +58,8 @@ struct Sector {
   uint distance;
   uint id;
   uint slot;
-  vec3 offset;  // of the neighbour; then of the new point, kFar where none should come
+  vec3 offset;    // of the neighbour; then of the new point, kFar where none should come
+  float spacing;  // of a gap: the wider target of its ends
 };
 shared Sector sectors[kMostSubgroups * kSectors];
 uint sectorAt(uint s) { return gl_SubgroupID * kSectors + s; }
@@ -63,16 +68,23 @@ uint sectorAt(uint s) { return gl_SubgroupID * kSectors + s; }
 uint rankOf(uint id) { return (looksOf.at[id] == tick ? 0x80000000u : 0u) | id; }
 float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
 bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
+bool isNew(Seen point) { return (point.rank & 0x7fffffffu) >= firstNew; }
 bool hasToYield(Seen point, Seen other) {
-  const vec3 d = point.offset - other.offset;
-  const float closest = kCrowded * min(point.spacing, other.spacing);
-  return other.rank < point.rank && dot(d, d) < closest * closest && sameSheet(point.normal, other.normal);
+  if (other.rank >= point.rank || !sameSheet(point.normal, other.normal)) return false;
+  const bool anyNew = isNew(point) || isNew(other);
+  const float least = min(point.spacing, other.spacing);
+  const float closest = kCrowded * (anyNew ? max(point.spacing, other.spacing) : least);
+  const float now = distance(point.offset, other.offset), before = distance(point.rest, other.rest);
+  return now < closest && (anyNew || now < kComeNearer * before || before < kSamePlace * least);
 }
 bool nearer(vec3 d, float than) { return dot(d, d) < than * than; }
 Seen seenAt(uint at, uint slot) {
   const uint id = keptIds[at];
-  return Seen(keptOffset(at), args.cloud.normals.at[slot].xyz, targetOf(id), rankOf(id));
+  return Seen(keptOffset(at), args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), rankOf(id));
 }
+
+// Nobody crowds another one from further away.
+float mostCrowded() { return kCrowded * args.radius / kSupportSpacings; }
 
 void noteCrowding(uint at, uint slot) {
   const Seen other = seenAt(at, slot);
@@ -90,8 +102,7 @@ void visitNeighbour(uint at) {
   if (slot == selfSlot) return;
   const vec3 d = keptOffset(at);
   if (look == kLookYields) {
-    // Only who is nearer than the point's own spacing allows may crowd it.
-    if (nearer(d - first.offset, kCrowded * first.spacing)) noteYielding(at, slot & ~kOtherSheet);
+    if (nearer(d - first.offset, mostCrowded())) noteYielding(at, slot & ~kOtherSheet);
     return;
   }
   if (!visitedBefore) {
@@ -101,10 +112,10 @@ void visitNeighbour(uint at) {
   if ((slot & kOtherSheet) != 0) return;
   if (look == kLookBlocks) {
     for (uint s = 0; s < kSectors; ++s)
-      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * self.spacing)) blocked |= 1u << s;
+      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
     return;
   }
-  if (look == kLookAround && nearer(d, kCrowded * self.spacing)) noteCrowding(at, slot);
+  if (look == kLookAround && nearer(d, mostCrowded())) noteCrowding(at, slot);
   precise const float size = length(d);
   precise const float alongU = dot(d, axisU), alongV = dot(d, axisV);
   const uint s = sectorAt(sectorOf(alongU, alongV));
@@ -121,17 +132,8 @@ void visitNeighbour(uint at) {
   }
 }
 
-// A frame about a unit vector (Duff et al. 2017).
-void frameAround(vec3 n) {
-  const float sign = n.z < 0.0 ? -1.0 : 1.0;
-  const float a = -1.0 / (sign + n.z);
-  const float b = n.x * n.y * a;
-  axisU = vec3(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-  axisV = vec3(b, sign + n.y * n.y * a, -n.y);
-}
-
 void begin() {
-  frameAround(self.normal);
+  frameAround(self.normal, axisU, axisV);
   firstRank = kNobody;
   firstSlot = kNobody;
   firstYields = false;
@@ -152,8 +154,8 @@ bool findFirst() {
   if (!crowded) return false;
   const uint slot = subgroupMin(firstRank == least ? firstSlot : kNobody);
   const vec4 position = args.cloud.positions.at[slot];
-  first = Seen(position.xyz - center, args.cloud.normals.at[slot].xyz,
-               targetOf(floatBitsToUint(position.w)), least);
+  const uint id = floatBitsToUint(position.w);
+  first = Seen(position.xyz - center, args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), least);
   return true;
 }
 
@@ -167,16 +169,24 @@ bool anyWide() {
   return subgroupAny(wide);
 }
 
+// Whether an edit has moved the ends of a gap against one another.
+bool torn(Sector gap) {
+  return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
+}
+
 // Where new points would stand in the middle of wide gaps; false where that is nowhere.
 bool placeInGaps() {
   bool any = false;
   for (uint s = gl_SubgroupInvocationID; s < kSectors; s += gl_SubgroupSize) {
     vec3 place = vec3(kFar);
+    const uint at = sectorAt(s);
     if (isWide(s)) {
-      const uint at = sectorAt(s);
-      const vec3 middle =
-          halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
-      if (!nearer(middle, kLeastClearance * self.spacing)) place = middle;
+      const float spacing = max(self.spacing, targetOf(sectors[at].id));
+      sectors[at].spacing = spacing;
+      if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
+        const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
+        if (!nearer(middle, kLeastClearance * spacing) && nearer(middle, reach)) place = middle;
+      }
     }
     sectors[sectorAt(s)].offset = place;
     any = any || place.x < kFar;
@@ -189,7 +199,7 @@ bool placeInGaps() {
 uint nextLook() {
   if (look == kLookAround && findFirst()) return kLookYields;
   if (look == kLookYields) leaves = !subgroupAny(firstYields);
-  if (look <= kLookYields) return leaves || spent || !anyWide() ? kLookNoMore : kLookIds;
+  if (look <= kLookYields) return leaves || spent || !allAreSeen || !anyWide() ? kLookNoMore : kLookIds;
   if (look == kLookIds) return kLookNearest;
   if (look == kLookNearest && placeInGaps()) return kLookBlocks;
   return kLookNoMore;
@@ -236,7 +246,9 @@ void wishFor(uint id, vec3 center, uint sector) {
   args.lists.wishes[at].place = place;
   args.lists.wishes[at].normal = size > 1e-3 ? sum / size : self.normal;
   args.lists.wishes[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
-  args.lists.wishes[at].parent = parentOf(args.tables, id);
+  args.lists.wishes[at].parent = parentOf(args.tables, targetOf(gap.id) > self.spacing ? gap.id : id);
+  args.lists.wishes[at].other = gap.id;
+  args.lists.wishes[at].reach = reach - length(gap.offset);
   atomicMin(args.lists.claims[claimAt(claimsFor(args.radius), place)], id);
 }
 
@@ -247,6 +259,7 @@ void wishForAll() {
   looksOf = args.tables.at[0].looks;
   parentsOf = args.tables.at[0].parents;
   spacings = args.tables.at[0].spacings;
+  rests = args.tables.at[0].rests;
   const uint changed = args.update.at[0].changed;
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
@@ -255,13 +268,15 @@ void wishForAll() {
     if (fitted.w == kNotLooked) continue;
     const vec4 position = args.cloud.positions.at[selfSlot];
     const uint id = floatBitsToUint(position.w);
-    self = Seen(vec3(0.0), fitted.xyz, fitted.w, 0x80000000u | id);
+    self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, 0x80000000u | id);
     center = position.xyz;
+    reach = id < firstNew ? kReach * args.radius : args.tables.at[0].reaches.at[id - firstNew];
     begin();
     uint reached = kLookAround;
     for (look = kLookAround; look != kLookNoMore; look = nextLook()) {
       reached = look;
-      visitNeighbours(args.cloud, center, args.radius, kWishWorkBudget, look != kLookAround);
+      visitNeighbours(args.cloud, center, lookRadius(self.spacing, args.radius), walkBudget(kMostLookedAt),
+                      look != kLookAround);
       subgroupShares();
     }
     const uint gap = reached == kLookBlocks ? openGap() : kSectors;

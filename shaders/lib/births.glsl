@@ -19,6 +19,9 @@ void bearPoints(CollectArgs args, UpdateLists update, ResampleLists lists, uint 
     const vec3 place = lists.wishes[wish].place;
     if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = lists.wishes[wish].color;
     args.tables.at[0].parents.at[id - firstNew] = lists.wishes[wish].parent;
+    args.tables.at[0].reaches.at[id - firstNew] = lists.wishes[wish].reach;
+    args.tables.at[0].rests.at[id] =
+        0.5 * (args.tables.at[0].rests.at[lists.wishes[wish].id] + args.tables.at[0].rests.at[lists.wishes[wish].other]);
     const PointMove move =
         PointMove(place, id, lists.wishes[wish].normal, kMarkRefit, kEmptySlot, kNoBucket,
                                      bucketAt(args.cloud, place), 0, kEmptySlot);

@@ -19,6 +19,13 @@ PointMove stayingMove(CloudView cloud, uint slot, vec4 position, vec3 normal) {
                    kEmptySlot);
 }
 
+// From a point that the brush moves others may come as far as from any.
+void reachAnew(Tables tables, uint id) {
+  const uint firstNew = tables.at[0].firstNew;
+  if (id >= firstNew && uvec2(tables.at[0].reaches) != uvec2(0))
+    tables.at[0].reaches.at[id - firstNew] = kReach * brush.support;
+}
+
 // What becomes of the point in a slot; false when nothing does.
 bool brushedMove(CloudView cloud, Tables tables, uint slot, vec4 position, vec4 normal, out PointMove move) {
   const uint id = floatBitsToUint(position.w);

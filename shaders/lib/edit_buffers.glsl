@@ -12,6 +12,7 @@ layout(buffer_reference) buffer GivenChanges;
 layout(buffer_reference) buffer Tables;
 layout(buffer_reference) coherent buffer ResampleLists;
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Places { vec3 at[]; };
 #include "shaders/shared/edit.h"
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Brushes { Brush at[1]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GivenChanges { GivenChange at[]; };

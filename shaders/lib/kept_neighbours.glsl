@@ -16,6 +16,7 @@ shared uint keptIds[kKeptNeighbours];
 uint neighboursKept;  // by this subgroup
 bool allAreKept;      // all that have been visited so far, in this call
 bool visitedBefore;   // those that are visited were kept by the call before
+bool allAreSeen;      // false: the budget ended before the neighbours did
 
 vec3 keptOffset(uint at) { return keptNeighbours[at].xyz; }
 uint keptSlot(uint at) { return floatBitsToUint(keptNeighbours[at].w); }
@@ -56,7 +57,10 @@ void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget, bo
       subgroupShares();
       for (uint i = gl_SubgroupInvocationID; i < neighboursKept; i += gl_SubgroupSize) visitNeighbour(first + i);
       subgroupShares();
-      if (!goesOn) return;
+      if (!goesOn) {
+        if (!visitedBefore) allAreSeen = walkedAll();
+        return;
+      }
       neighboursKept = 0;
       allAreKept = false;
     }

@@ -12,6 +12,8 @@
 
 // What one round of the walk costs of its budget: a point for each invocation of the subgroup.
 const uint kNeighbourRoundWork = 4;
+// The budget for so many points, or as many cells without any.
+uint walkBudget(uint points) { return kNeighbourRoundWork * points / gl_SubgroupSize; }
 // Points that an invocation asks memory for at once: more hide its latency better and take more registers.
 const uint kPointsInFlight = 4;
 
@@ -68,6 +70,9 @@ void lookUpCells(CloudView cloud) {
   walkNextCell += gl_SubgroupSize;
   walkWork += kNeighbourRoundWork;
 }
+
+// Whether the way ended with the last cell, not with the budget.
+bool walkedAll() { return walkTaken >= walkTotal && walkNextCell >= walkCells; }
 
 // Goes on to the next points; false at the end of the way, or of the budget. The whole subgroup calls it together.
 bool walkOn(CloudView cloud, vec3 center, float radius, uint budget) {

@@ -21,6 +21,8 @@ bool reached(CollectArgs args, uint slot, vec4 position, vec4 normal, out PointM
   if (!brushedMove(args.cloud, args.tables, slot, position, normal, move)) return false;
   if (brush.kind == kBrushPaint)
     args.tables.at[0].colors.at[move.id] = painted(brush, tool, position.xyz, colorOf(args.tables, move.id));
+  else
+    reachAnew(args.tables, move.id);
   return true;
 }
 

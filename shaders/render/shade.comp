@@ -7,6 +7,7 @@
 #include "shaders/render/lighting.glsl"
 #include "shaders/render/occlusion.glsl"
 #include "shaders/render/sums.glsl"
+#include "shaders/shared/ramp.h"
 
 layout(push_constant, scalar) uniform Push { ShadeArgs args; };
 
@@ -16,8 +17,12 @@ vec3 albedoAt(uint place, vec3 normal, vec3 position, float depth) {
   const vec3 low = args.frame.at[0].boundsMin, high = args.frame.at[0].boundsMax;
   const float near = args.frame.at[0].depthMin, far = args.frame.at[0].depthMax;
   if (colorBy == kColorByNormal) return toLinear(0.5 + 0.5 * normal);
-  if (colorBy == kColorByDepth) return ramp((far - depth) / max(far - near, 1e-30));
-  if (colorBy == kColorByHeight) return ramp((position.y - low.y) / max(high.y - low.y, 1e-30));
+  if (colorBy == kColorByDepth) return toLinear(rampColor((far - depth) / max(far - near, 1e-30)));
+  if (colorBy == kColorByHeight) {
+    const vec3 up = args.frame.at[0].up;
+    const float bottom = min(dot(low, up), dot(high, up)), top = max(dot(low, up), dot(high, up));
+    return toLinear(rampColor((dot(position, up) - bottom) / max(top - bottom, 1e-30)));
+  }
   if (args.frame.at[0].hasColors == 0) return args.frame.at[0].material;
   const uvec2 size = args.frame.at[0].view.size_px;
   return toLinear(colorAt(args.colorSums, place, size.x * size.y) / max(weightAt(args.normalSums, place), 1));

@@ -122,12 +122,15 @@ float leastCloseness() {
   return min(min(leastOf(aheadA), leastOf(aheadB)), min(leastOf(behindA), leastOf(behindB)));
 }
 
+// Of a point that has no neighbour near enough to be its neighbour on a surface.
+float radiusAlone() { return min(args.spacing, args.widest); }
+
 float radiusInPlane(float usual, float open) {
   const float kNone = 3.0e38;
   if (leastCloseness() < open) open = max(open, usual / kSplatOpenAtBorder);
   const float least = min(min(leastClosed(aheadA, open, kNone), leastClosed(aheadB, open, kNone)),
                           min(leastClosed(behindA, open, kNone), leastClosed(behindB, open, kNone)));
-  return least < kNone ? kSplatCover / least : args.spacing;
+  return least < kNone ? kSplatCover / least : radiusAlone();
 }
 
 void main() {
@@ -151,7 +154,7 @@ void main() {
   const float crowd = float(own.y - own.x) / float(kSplatUsualInCell);
   const float farthest = 2 * args.widest;
   float reach = min(kSplatFirstLook * args.spacing / sqrt(max(crowd, 1)), farthest);
-  float radius = args.spacing;
+  float radius = radiusAlone();
   uint met = 0;
   while (true) {
     look(point.xyz, reach);
@@ -165,7 +168,7 @@ void main() {
       enough = leastCloseness() >= unseen || open >= unseen;
     } else {
       met += subgroupAdd(neighbours);
-      radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), args.spacing * 2);
+      radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), 2 * radiusAlone());
       enough = met >= kSplatFewest;
     }
     if (enough || reach >= farthest || workSpent >= kSplatWorkBudget) break;

@@ -112,6 +112,7 @@ PALPATE_FUNCTION Brushed toBall(Brush brush, Tool tool, vec3 position, vec3 norm
   vec3 away = -tool.outward;
   if (distance > kAtCenter * brush.toolRadius) away = fromCenter / distance;
   const bool carves = brush.kind == kBrushCarve;
+  if (carves && !(brush.strength > 0.0f)) return result;
   if (carves && (dot(normal, away) >= 0.0f || depth > kCarveDepth * brush.support)) {
     result.taken = 1u;
     return result;

@@ -11,9 +11,10 @@ PALPATE_SHARED_BEGIN
 // What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from the
 // points seen so far; reached only where a hundred thousand points share a place.
 const uint kNeighbourWorkBudget = 20000;
-// The same for those that decide whether points come or go, who look around several times. Past it they decide by the
-// points that they have seen: only where hundreds share a place, and those are merged with the ones that are seen.
-const uint kWishWorkBudget = 400;
+// The same for those that decide whether points come or go, who look around several times: so many candidates at most,
+// or cells, whatever the size of a subgroup. Past it points go by what they have seen, and none is wished for: only
+// where thousands share a place, and those are merged with the ones that are seen.
+const uint kMostLookedAt = 8192;
 
 // Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
@@ -25,6 +26,8 @@ const uint kFewestSelectCells = 64u, kMostSelectCells = 256u;  // at most one an
 
 // In the w of a normal between two ticks: the point is merged into a neighbour with the next edit.
 const float kMarkGoes = 3.0f;
+// Bits of the place where a point rested that was never there.
+const uint kNeverRested = 0xffffffffu;
 // In the w of a fitted normal: the point is as it was given, and is not to be looked at.
 const float kNotLooked = -1.0f;
 // New points in one tick. They get their ids in the order of those that wish for them, by comparing each with each.
@@ -36,6 +39,8 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) colors;     // RGBA8
   PALPATE_ADDRESS(Uints) parents;    // of the points from firstNew on
   PALPATE_ADDRESS(Floats) spacings;  // target, of the points before firstNew, model units
+  PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
+  PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
   PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
@@ -47,7 +52,7 @@ struct PointTables {
   uint mostMoves;  // that there is room for; as many wishes
   uint unused;
 };
-PALPATE_SIZE(PointTables, 88);
+PALPATE_SIZE(PointTables, 104);
 
 // What a point that was looked at wishes for in the next tick. To be looked at again is the least.
 struct PointWish {
@@ -58,8 +63,10 @@ struct PointWish {
   vec3 normal;    // of that, and so on
   uint color;
   uint parent;
+  uint other;     // id of the point on the other side of the gap
+  float reach;    // how far others may come from there
 };
-PALPATE_SIZE(PointWish, 52);
+PALPATE_SIZE(PointWish, 60);
 
 struct Resampling {
   uint wishes;

@@ -118,7 +118,7 @@ PALPATE_SIZE(RenderOverlays, 128);
 struct RenderFrame {
   RenderView view;
   RenderOverlays overlays;
-  vec3 boundsMin;  // of the cloud
+  vec3 boundsMin;  // of what is to be seen of the cloud
   float depthMin;  // of the bounds, for the ramps
   vec3 boundsMax;
   float depthMax;
@@ -139,8 +139,9 @@ struct RenderFrame {
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
   uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
+  vec3 up;            // unit, along an axis: heights are along it
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 40 + 52);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 40 + 64);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };

@@ -12,18 +12,36 @@ PALPATE_SHARED_BEGIN
 
 #ifdef __cplusplus
 using glm::dot;
+using glm::max;
+using glm::min;
 #endif
 
-// In target spacings, which are those of the cloud as it was loaded.
-// A direction in which the nearest neighbour is further than this has a gap. Less fills places that are only uneven,
-// more leaves holes.
+// In target spacings, which are those of the cloud as it was loaded. Where the ends of a pair have two, the coarser one
+// counts, so that dense ground never grows into sparse ground.
+// A direction in which the nearest neighbour is further than this may have a gap. Less fills places that are only
+// uneven, more leaves holes.
 const float kWidestGap = 1.5f;
+// It has one where its ends stand at least so far from how they stood to one another in the cloud as it was loaded: how
+// uneven that was is no edit's business.
+const float kTorn = 0.25f;
 // A new point stands at least so far from every other one: less than half a gap, or no gap could be filled, and enough
 // that no lattice of the target density has room for one (the middle of a rhombus with this clearance has its corners
 // nearer than a gap).
 const float kLeastClearance = 0.7f;
 // Of two points nearer to one another than this, one goes. Well below the clearance, or points would come and go.
 const float kCrowded = 0.4f;
+// Two points of the file are crowded only where they have come nearer to one another than this share of their distance
+// as loaded, or stood in the same place, which is less than this many spacings wide.
+const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
+
+// Of the support radius. A point looks no further around than this, or kLookSpacings of its own target where that is
+// more: far enough for what one tick may tear open, and on ground much denser than the radius is made for not so far
+// that its neighbours are too many to look at.
+const float kLeastLook = 0.5f;
+const float kLookSpacings = 8.0f;
+// Of the support radius: how far from a point that the brush has moved others may come because of it, from one to the
+// next. With the longest move it makes one support radius beyond the tool.
+const float kReach = 0.75f;
 
 // Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
 // are measured, so that a heap of points in one place does not ask for more of them all around.
@@ -33,6 +51,9 @@ const float kLeastSpacing = 0.03125f;
 const uint kSectors = 6u;
 // The least cosine between the normals of two points of one sheet; others are not neighbours here.
 const float kSameSheet = 0.0f;
+// The most that they may be against one another for a point to count when another one's normal is fitted: beyond a
+// right angle, since a normal may turn by one at a fresh edge, and short of the far sheet of a plate.
+const float kFarSheet = -0.5f;
 // Slots of the table in which insertions claim their place: a power of two. A slot that two far places share makes one
 // of them wait for the next tick.
 const uint kClaimSlots = 65536u;
@@ -47,12 +68,32 @@ PALPATE_FUNCTION uint sectorOf(float u, float v) {
   return up ? third : third + 3u;
 }
 
-// Half way on the curved surface from a point to a neighbour `offset` away: the middle of a cubic that is tangent to
-// the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. Relative to the
-// point.
-PALPATE_FUNCTION vec3 halfWay(vec3 offset, vec3 normal, vec3 otherNormal) {
-  return 0.5f * offset + 0.125f * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
+// How much of a bulge over the chord to a neighbour `offset` away stays below the tangent plane of the point, which is
+// convex there, or adds nothing to what the chord itself is above it: 0 to 1.
+PALPATE_FUNCTION float bulgeBelow(vec3 offset, vec3 normal, vec3 bulge) {
+  const float rises = dot(bulge, normal), falls = max(0.0f, -0.5f * dot(offset, normal));
+  return rises > falls ? falls / rises : 1.0f;
 }
+
+// Half way on the curved surface from a point to a neighbour `offset` away: the middle of a cubic that is tangent to
+// the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge, where
+// the normals of the ends disagree, such a cubic leaves the solid: no more of it than stays within both tangent planes.
+// Relative to the point.
+PALPATE_FUNCTION vec3 halfWay(vec3 offset, vec3 normal, vec3 otherNormal) {
+  const vec3 bulge = 0.125f * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
+  return 0.5f * offset +
+         min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
+}
+
+// How far a point with this target looks around, `radius` the support radius, model units.
+PALPATE_FUNCTION float lookRadius(float target, float radius) {
+  return min(radius, max(kLookSpacings * target, kLeastLook * radius));
+}
+
+// In target spacings: the upper median of the distances to the nearest neighbours in those sectors that have one, on
+// even ground without order. No target is smaller than the one that this gives: beside a dense patch the sparse side
+// counts.
+const float kSectorSpacings = 1.15f;
 
 // Insertions claim their places on a grid whose cells are as wide as the clearance, with one slot for a cell: the point
 // with the smallest number has it; its insertion stands unless a point with a smaller number has one of the 26 cells

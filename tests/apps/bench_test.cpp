@@ -47,6 +47,25 @@ TEST_CASE("bench refuses a method or a back end that there is not, and measures 
   CHECK(brute.text.find("fused") == std::string::npos);
 }
 
+TEST_CASE("each bench shows and takes its own options, and those that are measured together take each other's") {
+  const auto says = [](const std::string& text, const std::string& part) { return text.find(part) != text.npos; };
+  const Outcome all = palpate("bench --help"), edit = palpate("bench edit --help"), build = palpate("bench build --help");
+  CHECK(all.code == 0);
+  for (const char* name : {"build", "sort", "query", "step", "touch", "edit", "mesh", "splat", "coexist", "locality"})
+    CHECK_MESSAGE(says(all.text, std::string("\n  ") + name), name);
+  CHECK(says(edit.text, "--touched"));
+  for (const char* other : {"--queues", "--lattice", "--raster", "--conditions", "--moved"})
+    CHECK_MESSAGE(!says(edit.text, other), other);
+  CHECK(says(build.text, "--moved"));
+  CHECK_FALSE(says(build.text, "--tool"));
+  CHECK(palpate("bench edit --sizes 2000 --lattice 16").code == 2);
+  const Outcome alone = palpate("bench sort --sizes 2000 --moved 0.5");
+  CHECK(alone.code == 2);
+  CHECK(says(alone.text, "bench sort: there is no --moved"));
+  works("bench build sort --sizes 2000 --backend cpu --repeat 5 --moved 0.5");  // of build, after sort
+  works("bench sort --sizes 2000 build --backend cpu --repeat 5 --moved 0.5");
+}
+
 TEST_CASE("bench touch judges what is felt: nothing in the air, the same twice, along the true normal") {
   const ScratchFolder folder;
   works("bench touch --backend cpu --sizes 5000 --shapes sphere,cube --conditions clean,uneven --json " +

@@ -5,6 +5,7 @@
 #include "engine/core/checksum.hpp"
 #include "haptics/session_log.hpp"
 #include "tests/apps/running_program.hpp"
+#include "tests/says.hpp"
 
 namespace palpate {
 
@@ -57,7 +58,9 @@ void changeText(const std::filesystem::path& from, const std::filesystem::path& 
   content.replace(at, what.size(), with);
   session_file::Header header;
   std::memcpy(&header, content.data(), sizeof header);
+  header.checksum = 0;
   Checksum sum;
+  sum.add(std::as_bytes(std::span(&header, 1)));
   sum.add(std::as_bytes(std::span(content.data() + sizeof header, header.textBytes)));
   header.checksum = sum.value();
   std::memcpy(content.data(), &header, sizeof header);
@@ -165,8 +168,10 @@ TEST_CASE("a log that was cut off gives what is whole, and says where it ends") 
   std::ofstream(scene.folder / "cut", std::ios::binary) << whole.substr(0, whole.size() - 5000);
   const Outcome outcome = palpate("replay " + scene.file("cut") + " --json " + scene.file("c.json"));
   CHECK(outcome.code == 0);
-  CHECK_MESSAGE(outcome.text.find("torn at byte") != std::string::npos, outcome.text);
+  CHECK_MESSAGE(outcome.text.find("it is torn at byte") != std::string::npos, outcome.text);
   const auto json = jsonOf(scene.folder / "c.json");
+  CHECK(json["gaps"].size() == 1);
+  CHECK(json["gaps"][0]["edits"].is_null());
   CHECK(json["whole_bytes"] < json["file_bytes"]);
   CHECK(json["ended"] == false);
   CHECK(json["ends_as_recorded"].is_null());
@@ -175,6 +180,44 @@ TEST_CASE("a log that was cut off gives what is whole, and says where it ends") 
   CHECK(json["compared_ticks"] > 100);
   replay(scene, scene.file("cut") + " --recover --save " + scene.file("r.ply"));
   CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
+}
+
+TEST_CASE("a byte that changed in the middle of a log costs its block, and replay says which ticks and edits that is") {
+  const Scene scene(6);
+  works(scene.touch("--backend cpu --log " + scene.file("log")));
+  std::string content = contentOf(scene.folder / "log");
+  const auto whole = replay(scene, scene.file("log"));
+  CHECK(whole["gaps"].empty());
+  content[content.size() / 2] ^= 1;
+  std::ofstream(scene.folder / "flipped", std::ios::binary) << content;
+  const Outcome outcome = palpate("replay " + scene.file("flipped") + " --json " + scene.file("f.json"));
+  CHECK_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK_MESSAGE(outcome.text.find("are damaged: ") != std::string::npos, outcome.text);
+  const auto json = jsonOf(scene.folder / "f.json");
+  REQUIRE(json["gaps"].size() == 1);
+  const auto gap = json["gaps"][0];
+  CHECK(json["ended"] == true);
+  CHECK(json["ticks"].get<int>() + gap["ticks"].get<int>() == whole["ticks"].get<int>());
+  CHECK(json["edits"].get<int>() + gap["edits"].get<int>() == whole["edits"].get<int>());
+  CHECK(gap["ticks"].get<int>() * 128 + gap["edits"].get<int>() * 36 < 17'000);
+  CHECK(json["compared_ticks"] > 50);
+  CHECK(json["compared_ticks"] < json["ticks"]);
+  CHECK(json["force_ticks"] == 0);
+  CHECK(json["edit_ticks"] == 0);
+  CHECK(json["end_points"].is_null());
+  CHECK(std::string(json["not_compared_because"]).find("missing") != std::string::npos);
+  // Of the points that were edited, all but those of the gap are where they were left.
+  works("replay " + scene.file("log") + " --recover --save " + scene.file("a.ply"));
+  works("replay " + scene.file("flipped") + " --recover --save " + scene.file("b.ply"));
+  const PointCloud a = readPly(scene.folder / "a.ply"), b = readPly(scene.folder / "b.ply"),
+                   model = readPly(scene.folder / "model.ply");
+  std::size_t moved = 0, differing = 0;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    moved += a.positions[i] != model.positions[i];
+    differing += a.positions[i] != b.positions[i];
+  }
+  CHECK(moved > 500);
+  CHECK(differing < moved / 2);
 }
 
 TEST_CASE("what cannot be replayed is one clear line") {
@@ -195,9 +238,11 @@ TEST_CASE("what cannot be replayed is one clear line") {
   works("make torus -n 5000 -o " + scene.file("torus.ply"));
   fails("replay " + log + " --model " + scene.file("torus.ply"), 1, "has changed");
   std::string newer = contentOf(scene.folder / "log");
-  newer[8] = 3;
+  session_file::Header header;
+  std::memcpy(&header, newer.data(), sizeof header);
+  for (const std::size_t copy : {std::size_t{0}, sizeof header + header.textBytes}) newer[copy + 8] = 4;
   std::ofstream(scene.folder / "newer", std::ios::binary) << newer;
-  fails("replay " + scene.file("newer"), 1, "version 3");
+  fails("replay " + scene.file("newer"), 1, "version 4");
   fails("replay " + log + " --recover", 2, "--save");
   fails("replay " + log + " --save x.ply", 2, "--recover");
   fails("replay " + log + " --tolerance -1", 2, "--tolerance");
@@ -243,6 +288,9 @@ TEST_CASE("a killed session loses no more than its last second, and the rest is 
   REQUIRE_MESSAGE(WIFSIGNALED(session.wait(SIGKILL)), contentOf(scene.folder / "said"));
   const auto json = replay(scene, scene.file("log") + " --trace " + scene.file("t.csv"));
   CHECK(json["ended"] == false);
+  const Outcome said = palpate("replay " + scene.file("log"));
+  const bool tells = said.text.find("session's end; what came after") != said.text.npos;
+  CHECK_MESSAGE((tells || says(said.text, "it is torn at byte")), said.text);
   CHECK(json["edits"] > 0);                                   // a busy machine leaves most of them out
   CHECK(readTrace(scene.folder / "t.csv").back().t_s > 1.9);  // of 3 s and more
   replay(scene, scene.file("log") + " --recover --save " + scene.file("r.ply"));
@@ -280,8 +328,17 @@ TEST_CASE("on a full disk the log ends, the session goes on, and what was there 
   CHECK(limited("--log " + scene.file("log")) == 1);
   said = contentOf(scene.folder / "said");
   CHECK_MESSAGE(said.find("log: cannot be written") != std::string::npos, said);
+  CHECK(said.find("the session goes on") == said.rfind("the session goes on"));  // once
+  CHECK(said.find("are missing in it") != std::string::npos);
   CHECK(said.find("peak force") != std::string::npos);
-  CHECK(replay(scene, scene.file("log"))["compared_ticks"] > 100);
+  const auto json = replay(scene, scene.file("log"));
+  CHECK(json["compared_ticks"] > 100);
+  CHECK(json["edits"] > 1000);
+  CHECK(json["ended"] == true);
+  const Outcome replayed = palpate("replay " + scene.file("log") + " --recover --save " + scene.file("r.ply"));
+  CHECK(replayed.code == 0);
+  CHECK_MESSAGE(replayed.text.find("they were not written") != std::string::npos, replayed.text);
+  CHECK(readPly(scene.folder / "r.ply").positions != readPly(scene.folder / "model.ply").positions);
   for (const auto& entry : std::filesystem::directory_iterator(scene.folder.path()))
     CHECK(entry.path().extension() != ".tmp");
 }

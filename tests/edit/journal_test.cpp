@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <optional>
 #include <random>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -98,8 +100,9 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
     Editor editor(cloud, seed);
     Journal journal(cloud, 1 << 30);
     std::mt19937 random(seed + 100);
-    std::vector<std::vector<PointState>> states{copyOf(editor.points())};  // after each stroke that is not undone
-    std::size_t at = 0, walked = 0;
+    std::vector<std::vector<PointState>> states{copyOf(editor.points())};   // after each stroke that is not undone
+    std::vector<std::optional<std::uint64_t>> versions{journal.version()};  // of these, where it was looked at
+    std::size_t at = 0, walked = 0, metAgain = 0;
     EditBatch batch;
     for (int step = 0; step < 400; ++step) {
       if (random() % 2) {
@@ -117,6 +120,8 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
         if (any) {
           states.resize(++at);
           states.push_back(copyOf(editor.points()));
+          versions.resize(at);
+          versions.emplace_back();
         }
         if (random() % 2) continue;  // and sometimes only after several strokes
         journal.follow(batch);
@@ -137,11 +142,20 @@ TEST_CASE("undo and redo walk through random strokes of every kind and meet each
       CHECK(journal.undoable() == at);
       REQUIRE(differences(journal.points(), states[at]) == 0);
       REQUIRE(differences(editor.points(), states[at]) == 0);
+      if (versions[at]) {
+        CHECK(journal.version() == *versions[at]);
+        ++metAgain;
+      } else {
+        CHECK(std::ranges::count(versions, std::optional(journal.version())) == 0);
+        versions[at] = journal.version();
+      }
     }
     CHECK(walked > 100);
+    CHECK(metAgain > 50);
     journal.follow(batch);
     batch.clear();
     while (journal.undoable()) editor.change(journal.undo());
+    CHECK(journal.version() == versions[0]);
     CHECK(differences(journal.points(), statesOf(cloud)) == 0);
     CHECK(editedCloud(cloud, journal.points()).positions == cloud.positions);
     CHECK(journal.dropped() == 0);
@@ -177,6 +191,9 @@ TEST_CASE("a stroke keeps a point once, as it was before the first of its edits"
   journal.follow(batch);
   CHECK(journal.inStroke());
   CHECK(journal.undoable() == 0);
+  const std::uint64_t underWay = journal.version();
+  journal.follow(batch);
+  CHECK(journal.version() != underWay);
   batch.clear();
   mark(batch, EditMark::Kind::stroke);
   journal.follow(batch);
@@ -204,6 +221,7 @@ TEST_CASE("past the budget the oldest strokes go first, and are counted") {
   CHECK(journal.undo().front().to.number() == 8000);
   CHECK(journal.undo().empty());
   CHECK(journal.points()[7000].position.z == 8);
+  CHECK(journal.version() != Journal(cloud).version());  // the file's points cannot be met again
 }
 
 TEST_CASE("a stroke larger than the budget cannot be undone, nor those before it; those after it can") {

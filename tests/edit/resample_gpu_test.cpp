@@ -2,6 +2,9 @@
 #include "tests/edit/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
 
+#include <functional>
+#include <random>
+
 namespace palpate {
 
 namespace {
@@ -19,26 +22,84 @@ PointCloud sheetWith(std::initializer_list<Vec3> more) {
   return cloud;
 }
 
-// Moves everything a little, so that all points are looked at, and then lets their wishes come to pass.
-void shake(EditedScene& scene) {
+constexpr BrushOptions kEverything{.kind = BrushKind::grab, .tau = 0, .toolRadius = 1e3, .strength = 1, .falloff = 0};
+
+// Moves everything a little, so that all points are looked at, and then lets their wishes come to pass. Ticks that took.
+int shake(EditedScene& scene) {
   const DVec3 hip(0, 0, -1);
   CHECK(scene.brush(hip, DVec3(0, 0, 1), EditedScene::How::incremental, DVec3(0, 0, 0.01)));
-  CHECK(scene.edit().unsettled());
-  CHECK(scene.brush(hip, DVec3(0), EditedScene::How::incremental));
+  int ticks = 0;
+  for (; scene.edit().unsettled() && ticks < 60; ++ticks)
+    CHECK(scene.brush(hip, DVec3(0), EditedScene::How::incremental));
+  return ticks;
+}
+
+// Puts points elsewhere without a look at any of them.
+void put(EditedScene& scene, const std::function<bool(PointState&)>& moved) {
+  std::vector<PointChange> changes;
+  for (const auto& [id, state] : scene.points()) {
+    PointState to = state;
+    if (moved(to)) changes.push_back({.from = state, .to = to});
+  }
+  CHECK(scene.change(changes, EditedScene::How::incremental));
 }
 
 }  // namespace
 
 TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second goes, and the third stays for that") {
   const auto sheet = static_cast<std::uint32_t>(kSide * kSide), place = static_cast<std::uint32_t>(6 * kSide + 6);
-  const PointCloud cloud = sheetWith({{6.25f, 6, 0}, {6.5f, 6, 0}});
-  EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius,
-                    {.kind = BrushKind::grab, .tau = 0, .toolRadius = 1e3, .strength = 1, .falloff = 0});
-  shake(scene);
+  const PointCloud cloud = sheetWith({{6.5f, 6.5f, 0}, {7.5f, 6.5f, 0}});
+  EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
+  put(scene, [&](PointState& point) {
+    if (point.id < sheet) return false;
+    point.position = {point.id == sheet ? 6.25f : 6.5f, 6, 0};
+    return true;
+  });
+  CHECK(shake(scene) > 0);
   const auto points = scene.points();
   CHECK(points.contains(place));
   CHECK_FALSE(points.contains(sheet));
   CHECK(points.contains(sheet + 1));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however often it is looked at") {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> place(0, kSide - 1);
+  PointCloud cloud = sheetWith({});
+  std::erase_if(cloud.positions, [](const Vec3& p) { return glm::distance(p, Vec3(3, 3, 0)) < 1.8f; });
+  for (int k = 0; k < 300; ++k) {
+    const Vec3 p(place(random), place(random), 0);
+    if (p.x > 9 && p.y > 9) cloud.positions.push_back(p);  // about fifteen times as dense
+  }
+  cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
+  EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
+  for (int k = 0; k < 3; ++k) shake(scene);
+  const auto points = scene.points();
+  CHECK(points.size() == cloud.size());
+  CHECK(points.rbegin()->first == cloud.size() - 1);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a gap that an edit has torn closes, and what comes stands off from all others") {
+  const PointCloud cloud = sheetWith({});
+  EditedScene scene(device, cloud, makeHashGrid(Vec3(-10), kRadius, cloud.size()), kRadius, kEverything);
+  put(scene, [](PointState& point) {
+    if (point.position.x < 6.5f) return false;
+    point.position.x += 2;
+    return true;
+  });
+  CHECK(shake(scene) < 30);
+  const auto points = scene.points();
+  CHECK(points.size() > cloud.size() + kSide);
+  CHECK(points.size() < cloud.size() + 5 * kSide / 2);
+  for (const auto& [id, point] : points) {
+    if (id < cloud.size()) continue;
+    CHECK(point.position.x > 6);
+    CHECK(point.position.x < 9);
+    CHECK(point.position.y > -0.1f);
+    CHECK(point.position.y < kSide - 0.9f);
+    for (const auto& [otherId, other] : points)
+      if (otherId != id) CHECK(glm::distance(point.position, other.position) > 0.65f);
+  }
 }
 
 }  // namespace palpate

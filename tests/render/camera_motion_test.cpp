@@ -77,6 +77,17 @@ TEST_CASE("a new centre keeps direction and distance, an axis the distance") {
       CHECK(glm::distance(along.eye, along.target) == doctest::Approx(distance));
       CHECK(along.axes().forward[axis] * (above ? -1 : 1) > 0.98);
       CHECK(isFinite(along.axes().right));
+      for (const auto& [name, up] : kUpAxes) {
+        CAPTURE(name);
+        const Camera turned = alongAxis(camera, axis, above, up);
+        CHECK(turned.axes().forward[axis] * (above ? -1 : 1) > 0.98);
+        CHECK(turned.up == directionOf(up));
+        // From the side up is up; from above the front is at the bottom.
+        const bool alongUp = directionOf(up)[axis] != 0;
+        const double downwards = -turned.axes().forward[axis] * directionOf(up)[axis];
+        const DVec3 expected = alongUp ? -downwards * frontOf(up) : directionOf(up);
+        CHECK(glm::dot(turned.axes().up, expected) > 0.95);
+      }
     }
 }
 

@@ -57,6 +57,69 @@ TEST_CASE("the fitted camera stands in front and a little above") {
   CHECK(camera.farDepth > depthRangeOf(camera, {DVec3(-1), DVec3(1)}).y);
 }
 
+TEST_CASE("whichever way is up, the fitted camera sees the same of a model that was turned so") {
+  const PointCloud cloud = boxCloud(Vec3(2, -1, 4), Vec3(3, 2, 1));
+  const DVec2 size(900, 600);
+  const Camera upright = Camera::fitting(cloud, 1.5);
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    const DVec3 y = directionOf(up), z = frontOf(up), x = glm::cross(y, z);
+    PointCloud turned;
+    for (const Vec3& p : cloud.positions)
+      turned.positions.emplace_back(double{p.x} * x + double{p.y} * y + double{p.z} * z);
+    const Camera camera = Camera::fitting(turned, 1.5, 45, {.up = up});
+    const Camera boxed = Camera::fitting(boundsOf(turned), 1.5, 45, up);
+    CHECK(glm::distance(boxed.axes().up, camera.axes().up) < 1e-9);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const auto expected = upright.project(cloud.positions[i], size), seen = camera.project(turned.positions[i], size);
+      REQUIRE(seen);
+      CHECK(glm::distance(*seen, *expected) < 1e-3);
+    }
+  }
+}
+
+TEST_CASE("discs of a few points have room in the picture") {
+  const DVec2 size(900, 600);
+  PointCloud few;
+  few.positions = {Vec3(0), Vec3(1, 2, 0), Vec3(-1, 0, 1)};
+  for (const PointCloud& cloud : {few, PointCloud{.positions = {Vec3(5, 6, 7)}}}) {
+    const double margin = 0.4;
+    const Camera camera = Camera::fitting(cloud, 1.5, 45, {.margin = margin});
+    for (const Vec3& p : cloud.positions)
+      for (const DVec3& aside : {camera.axes().right, camera.axes().up, camera.axes().forward})
+        for (const double sign : {-1.0, 1.0}) {
+          const auto place = camera.project(DVec3(p) + sign * margin * aside, size);
+          REQUIRE(place);
+          CHECK(std::min(place->x, place->y) >= 0);
+          CHECK(place->x <= size.x);
+          CHECK(place->y <= size.y);
+        }
+    // And not more than that.
+    CHECK(glm::distance(camera.eye, camera.target) < 20 * margin);
+  }
+}
+
+TEST_CASE("what lies flat is seen from higher up") {
+  const auto elevation = [](const DVec3& half) { return -Camera::fitting(Bounds{-half, half}, 1.5).axes().forward.y; };
+  CHECK(elevation({1, 1, 1}) == doctest::Approx(elevation({1, 0.31, 1})));
+  CHECK(elevation({1, 0.1, 1}) > elevation({1, 0.2, 1}) + 0.05);
+  CHECK(elevation({1, 0, 1}) > 0.6);
+  CHECK(elevation({1, 0, 1}) < 0.8);
+}
+
+TEST_CASE("points beyond what is to be shown do not widen the picture, and are drawn") {
+  PointCloud cloud = boxCloud(Vec3(0), Vec3(1));
+  const Bounds box = boundsOf(cloud);
+  const Camera camera = Camera::fitting(cloud, 1.5);
+  cloud.positions.emplace_back(0, 0, -40);
+  cloud.positions.emplace_back(30, 0, 0);
+  const Camera framed = Camera::fitting(cloud, 1.5, 45, {.shown = box});
+  CHECK(glm::distance(framed.eye, camera.eye) < 1e-6);
+  CHECK(framed.farDepth > depthRangeOf(framed, boundsOf(cloud)).y);
+  CHECK(Camera::parse("", cloud, 1.5, {.shown = box}).eye == framed.eye);
+  CHECK(glm::distance(Camera::fitting(cloud, 1.5).eye, camera.eye) > 5);
+}
+
 TEST_CASE("an empty cloud and a single point can be looked at") {
   PointCloud cloud;
   CHECK(isFinite(Camera::fitting(cloud, 1).eye));

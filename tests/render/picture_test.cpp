@@ -3,6 +3,7 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/spacing.hpp"
+#include "shaders/shared/ramp.h"
 #include "tests/render/picture_fixture.hpp"
 
 namespace palpate {
@@ -203,6 +204,34 @@ TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
   }
   for (std::size_t i = 0; i < seen.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) CHECK(seen[i].rgba != seen[j].rgba);
+}
+
+TEST_CASE_FIXTURE(PictureFixture, "colours by height go along up, and span what is shown") {
+  const PointCloud cloud = sphereCloud(4000);
+  FrameOptions options = optionsFor(cloud, ImagePass::color);
+  options.color = ColorBy::height;
+  const auto close = [](const DVec3& seen, float share) {
+    return glm::distance(seen, DVec3(shared::rampColor(share))) < 0.04;
+  };
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    const Camera camera = Camera::fitting(cloud, double{kWidth} / kHeight, 45, {.up = up});
+    options.up = directionOf(up);
+    options.shown.reset();
+    const Image image = picture(cloud, camera, options, kWidth, kHeight);
+    for (const double height : {-0.5, 0.0, 0.7}) {
+      CAPTURE(height);
+      const DVec3 at = height * directionOf(up) + std::sqrt(1 - height * height) * frontOf(up);
+      CHECK(close(colorAt(image, camera, at), static_cast<float>(0.5 + 0.5 * height)));
+    }
+    options.shown = Bounds{DVec3(-0.5), DVec3(0.5)};
+    const Image half = picture(cloud, camera, options, kWidth, kHeight);
+    for (const double height : {-0.7, 0.25, 0.8}) {
+      CAPTURE(height);
+      const DVec3 at = height * directionOf(up) + std::sqrt(1 - height * height) * frontOf(up);
+      CHECK(close(colorAt(half, camera, at), static_cast<float>(0.5 + height)));
+    }
+  }
 }
 
 TEST_CASE_FIXTURE(PictureFixture, "gaps as wide as a splat are closed, windows are not") {

@@ -1,0 +1,31 @@
+// The unit of a file's lengths, for what people read: scale bars, heights, sizes. It scales nothing.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace palpate {
+
+enum class LengthUnit : std::uint8_t { unknown, mm, cm, m, inch, foot };
+
+/// As on the command line.
+inline constexpr std::array<std::pair<std::string_view, LengthUnit>, 5> kLengthUnits{{{"mm", LengthUnit::mm},
+                                                                                      {"cm", LengthUnit::cm},
+                                                                                      {"m", LengthUnit::m},
+                                                                                      {"in", LengthUnit::inch},
+                                                                                      {"ft", LengthUnit::foot}}};
+/// "units" for an unknown one.
+std::string_view nameOf(LengthUnit unit);
+
+/// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`; unknown where none says it.
+LengthUnit unitSaidIn(std::span<const std::string> comments);
+
+/// The longest of 1, 2, 5, 10, … units, of 0.1, 0.2, 0.5 and so on, that is at most `length`; 0 where that is not
+/// positive.
+double roundLength(double length);
+
+}  // namespace palpate

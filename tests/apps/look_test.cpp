@@ -1,0 +1,203 @@
+// Which way is up, what lengths are called, and what a picture says about itself.
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// A cone without its tip, on its base, up along `axis` (x, y or z) or against it.
+void writeCone(const std::filesystem::path& file, int axis, double sign, const std::string& comment = "made up") {
+  constexpr int kPoints = 6000;
+  std::ofstream out(file);
+  out << "ply\nformat ascii 1.0\ncomment " << comment << "\nelement vertex " << kPoints
+      << "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+  for (int i = 0; i < kPoints; ++i) {
+    const double t = (i + 0.5) / kPoints, angle = 2.39996323 * i;
+    const bool base = i % 4 == 0;
+    const double height = base ? 0 : 2.5 * (1 - std::sqrt(1 - 0.9 * t)), r = base ? std::sqrt(t) : 1 - 0.32 * height;
+    DVec3 p(0);
+    p[axis] = sign * height;
+    p[(axis + 1) % 3] = r * std::cos(angle);
+    p[(axis + 2) % 3] = r * std::sin(angle);
+    out << p.x << ' ' << p.y << ' ' << p.z << '\n';
+  }
+}
+
+}  // namespace
+
+TEST_CASE("info tells which way is up and why, and names the unit") {
+  const ScratchFolder folder;
+  const auto info = [&](const std::string& arguments) {
+    works("info " + arguments + " --json " + (folder / "i.json").string());
+    return jsonOf(folder / "i.json");
+  };
+  for (const auto& [name, axis, sign] : {std::tuple("x", 0, 1.0), std::tuple("-y", 1, -1.0), std::tuple("z", 2, 1.0)}) {
+    CAPTURE(name);
+    const std::string file = (folder / "cone.ply").string();
+    writeCone(file, axis, sign, "units: cm");
+    const auto said = info(file);
+    CHECK(said["up"] == name);
+    CHECK(says(said["up_why"].get<std::string>(), "base"));
+    CHECK(said["unit"] == "cm");
+    CHECK(said["heights"][0].get<double>() == doctest::Approx(0).epsilon(0.01));
+    CHECK(said["heights"][1].get<double>() == doctest::Approx(1.71).epsilon(0.02));
+    CHECK(info(file + " --up -z")["up"] == "-z");
+    CHECK(info(file + " --up=-z --unit ft")["unit"] == "ft");
+    const Outcome text = palpate("info " + file);
+    CHECK(says(text.text, std::string("up: ") + name + " (it stands on a base"));
+    CHECK(says(text.text, "cm"));
+  }
+  works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
+  const auto sphere = info((folder / "s.ply").string());
+  CHECK(sphere["up"] == "y");
+  CHECK(sphere["unit"].is_null());
+  for (const char* wrong : {"--up w", "--up +y", "--unit parsec"})
+    CHECK(palpate(std::string("info ") + (folder / "s.ply").string() + " " + wrong).code == 2);
+}
+
+TEST_CASE("a model is drawn upright whichever way its file has it") {
+  const ScratchFolder folder;
+  const auto render = [&](int axis, double sign, const std::string& options) {
+    const std::string file = (folder / "cone.ply").string(), image = (folder / "i.png").string();
+    writeCone(file, axis, sign);
+    const Outcome outcome = palpate("render " + file + " -o " + image + " --size 320x240 --pass depth " + options);
+    CAPTURE(outcome.text);
+    REQUIRE(outcome.code == 0);
+    return std::pair(Picture(image), outcome.text);
+  };
+  const auto [upright, said] = render(1, 1, "");
+  CHECK(says(said, "up is y: it stands on a base"));
+  const auto unlike = [&](const Picture& other) { return differing(upright, other, 160, 120, 110); };
+  for (const auto& [axis, sign] : {std::pair(0, 1.0), std::pair(1, -1.0), std::pair(2, 1.0), std::pair(2, -1.0)}) {
+    CAPTURE(axis);
+    CAPTURE(sign);
+    // Its points lie elsewhere around it: the outline is the same, to some pixels.
+    CHECK(unlike(render(axis, sign, "").first) < 1500);
+    CHECK(unlike(render(axis, sign, "--up " + std::string(axis == 1 ? "y" : "-y")).first) > 5000);
+  }
+  const auto [told, quiet] = render(2, 1, "--up z");
+  CHECK(!says(quiet, "up is"));
+  CHECK(unlike(told) < 1500);
+}
+
+TEST_CASE("colours by height come with a legend, and a scale bar with its length") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "cone.ply").string();
+  writeCone(file, 2, 1);
+  const auto render = [&](const std::string& options) {
+    const Outcome outcome =
+        palpate("render " + file + " -o " + (folder / "i.png").string() + " --size 640x480 " + options);
+    CAPTURE(outcome.text);
+    REQUIRE(outcome.code == 0);
+    return std::pair(Picture(folder / "i.png"), outcome.text);
+  };
+  const Picture plain = render("").first, heights = render("--color height").first;
+  // The ramp stands at the right edge, where the background was: blue at its foot, yellow at its head.
+  const auto low = heights.at(624, 340), high = heights.at(624, 140);
+  CHECK(low[2] > low[0] + 40);
+  CHECK(high[0] > high[2] + 40);
+  CHECK(differing(plain, heights, 580, 240, 30) > 30);  // numbers
+  CHECK(differing(render("--color height --unit ft").first, heights, 600, 118, 20) > 10);
+  CHECK(differing(render("--color height --pass normal").first, render("--pass normal").first, 560, 240, 70) == 0);
+  const auto [bar, said] = render("--scale-bar --unit m");
+  CHECK(says(said, " m long"));
+  CHECK(differing(plain, bar, 60, 435, 15) > 10);
+  // On a light background the numbers are dark.
+  const Picture light = render("--color height --background 255,255,255").first;
+  CHECK(count(580, 240, 30, [&](int x, int y) { return light.at(x, y)[0] < 100; }) > 20);
+}
+
+TEST_CASE("what a picture cannot show is said") {
+  const ScratchFolder folder;
+  std::ofstream(folder / "empty.ply") << "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+                                         "property float z\nend_header\n";
+  const std::string image = (folder / "i.png").string();
+  const Outcome empty = palpate("render " + (folder / "empty.ply").string() + " -o " + image + " --size 64x48");
+  CHECK(empty.code == 0);
+  CHECK(says(empty.text, "the model has no points, and the picture is empty"));
+  const std::string sphere = (folder / "s.ply").string();
+  works("--quiet make sphere -n 2000 -o " + sphere);
+  const auto painted = [&](const std::string& options) {
+    const Outcome outcome =
+        palpate("touch " + sphere + " --backend cpu --edit paint --rate 100 --size 64x48 --picture " + image + options);
+    CAPTURE(outcome.text);
+    REQUIRE(outcome.code == 0);
+    return says(outcome.text, "do not show what was painted");
+  };
+  CHECK(!painted(""));
+  CHECK(!painted(" --pass color"));
+  CHECK(painted(" --color height"));
+  CHECK(painted(" --pass normal"));
+}
+
+TEST_CASE("a few points are discs that can be told apart, and none is cut off") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "few.ply").string(), image = (folder / "i.png").string();
+  for (const int points : {1, 2, 4, 8, 20}) {
+    CAPTURE(points);
+    {
+      std::ofstream out(file);
+      out << "ply\nformat ascii 1.0\nelement vertex " << points;
+      for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) out << "\nproperty float " << name;
+      out << "\nend_header\n";
+      for (int i = 0; i < points; ++i) out << 10 * (i % 4) << ' ' << 10 * (i / 4) << ' ' << 3 * (i % 3) << " 0 0 1\n";
+    }
+    works("--quiet render " + file + " -o " + image + " --size 200x150 --background 0,0,0");
+    const Picture picture(image);
+    int lit = 0, atBorder = 0;
+    for (int y = 0; y < 150; ++y)
+      for (int x = 0; x < 200; ++x) {
+        const bool shows = picture.at(x, y)[0] > 20;
+        lit += shows;
+        atBorder += shows && (x == 0 || y == 0 || x == 199 || y == 149);
+      }
+    CHECK(lit > 40 * points);
+    CHECK(lit < 200 * 150 / 2);
+    CHECK(atBorder == 0);
+  }
+}
+
+TEST_CASE("the window has a model upright, turns it over on demand, and shows what is painted") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/cone.ply --size 800x700", R"(
+0.2 state %/first.json
+0.2 screenshot %/first.png
+0.3 click Tool
+0.4 click Look
+0.6 click up
+0.9 click -z
+1.2 state %/turned.json
+1.4 click colour by
+1.6 click height
+1.9 state %/heights.json
+1.9 screenshot %/heights.png
+2.0 mouse 520 400
+2.1 key 7
+2.2 key space down
+2.4 button left down
+5.0 button left up
+5.1 key space up
+5.4 state %/painted.json
+5.5 quit
+)",
+                           "", [](const std::filesystem::path& folder) { writeCone(folder / "cone.ply", 2, 1); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(says(played->outcome.text, "up is z: it stands on a base"));
+  const auto first = played->state("first.json"), turned = played->state("turned.json");
+  CHECK(first["up"] == "z");
+  CHECK(first["camera"]["up"] == nlohmann::json({0.0, 0.0, 1.0}));
+  CHECK(first["camera"]["eye"][1].get<double>() < -1);
+  CHECK(turned["up"] == "-z");
+  CHECK(turned["camera"]["up"] == nlohmann::json({0.0, 0.0, -1.0}));
+  CHECK(played->state("heights.json")["color"] == "height");
+  const Picture shown(played->folder.path() / "heights.png"), before(played->folder.path() / "first.png");
+  CHECK(differing(before, shown, 772, 560, 8) > 50);  // the legend
+  const auto painted = played->state("painted.json");
+  REQUIRE(painted["edits"].get<int>() > 0);
+  CHECK(painted["color"] == "rgb");
+  CHECK(says(played->outcome.text, "which show what is painted"));
+}
+
+}  // namespace palpate

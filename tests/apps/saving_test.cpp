@@ -1,0 +1,129 @@
+// What palpate touch --save leaves: beside what was there before, and with all that the points came with.
+#include <cmath>
+
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/cloud/ply_writer.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string touch(const std::filesystem::path& model, const std::string& options) {
+  return "touch " + model.string() + " --backend cpu --edit push --tau 0.3 --penetration 6 " + options;
+}
+
+PointCloud sphere(const ScratchFolder& folder, const std::string& name = "sphere.ply") {
+  works("--quiet make sphere -n 3000 -o " + (folder / name).string());
+  return readPly(folder / name);
+}
+
+// A property of every point that says which point it is.
+template <class T>
+Attribute numbered(const std::string& name, ScalarType type, std::size_t count, double factor) {
+  Attribute attribute{.name = name, .type = type, .data = std::vector<std::byte>(count * sizeof(T))};
+  for (std::size_t i = 0; i < count; ++i) {
+    const T value = static_cast<T>(factor * static_cast<double>(i));
+    std::memcpy(attribute.data.data() + i * sizeof(T), &value, sizeof(T));
+  }
+  return attribute;
+}
+
+}  // namespace
+
+TEST_CASE("unknown properties of points are carried through touch --save, and new points have those of a neighbour") {
+  const ScratchFolder folder;
+  PointCloud cloud = sphere(folder);
+  cloud.extra.push_back(numbered<float>("scalar_Intensity", ScalarType::f32, cloud.size(), 0.5));
+  cloud.extra.push_back(numbered<std::uint16_t>("ring", ScalarType::u16, cloud.size(), 1));
+  cloud.extra.push_back(numbered<double>("gps_time", ScalarType::f64, cloud.size(), 1.0 / 3));
+  writePly(folder / "scan.ply", cloud);
+  std::string backend;
+  SUBCASE("cpu") { backend = "cpu"; }
+  SUBCASE("vulkan") { backend = "vulkan"; }
+  works("touch " + (folder / "scan.ply").string() + " --backend " + backend +
+        " --edit push --tau 0.3 --penetration 6 --save " + (folder / "out.ply").string());
+  const PointCloud out = readPly(folder / "out.ply");
+  REQUIRE(out.extra.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(out.extra[k].name == cloud.extra[k].name);
+    CHECK(out.extra[k].type == cloud.extra[k].type);
+    REQUIRE(out.extra[k].data.size() == out.size() * sizeOf(out.extra[k].type));
+  }
+  std::size_t wrong = 0, moved = 0, added = 0;
+  std::vector<bool> seen(cloud.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const auto ring = loadScalar<std::uint16_t>(out.extra[1].data.data() + 2 * i);
+    wrong += ring >= cloud.size();
+    if (ring >= cloud.size()) continue;
+    wrong += loadScalar<float>(out.extra[0].data.data() + 4 * i) != 0.5f * ring;
+    wrong += loadScalar<double>(out.extra[2].data.data() + 8 * i) != 1.0 / 3 * ring;
+    // Of one that was put in it is the number of a point close by.
+    wrong += glm::distance(out.positions[i], cloud.positions[ring]) > 15;
+    moved += !seen[ring] && out.positions[i] != cloud.positions[ring];
+    added += seen[ring];
+    seen[ring] = true;
+  }
+  CHECK(wrong == 0);
+  CHECK(moved > 10);
+  CHECK(added > 0);
+}
+
+TEST_CASE("touch --save over its input names what is lost before the session, and keeps the file") {
+  const ScratchFolder folder;
+  PointCloud cloud = sphere(folder);
+  cloud.storedAs.comments = {"comment of another program"};
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}, {1, 2, 3}};
+  const auto mesh = folder / "mesh.ply";
+  writePly(mesh, cloud, {.triangles = &triangles});
+  const std::string original = contentOf(mesh);
+  const Outcome first = palpate(touch(mesh, "--save " + mesh.string()));
+  REQUIRE_MESSAGE(first.code == 0, first.text);
+  const std::string sentence =
+      "mesh.ply has 2 faces, which a sculpted cloud cannot keep; the file that is there is kept as " +
+      (std::filesystem::canonical(folder.path()) / "mesh.ply.bak").string();
+  CHECK(says(first.text, sentence));
+  CHECK(first.text.find(sentence) < first.text.find("peak force"));
+  CHECK(contentOf(folder / "mesh.ply.bak") == original);
+  const std::string sculpted = contentOf(mesh);
+  CHECK(sculpted != original);
+  // It is ours now, with nothing to lose.
+  const Outcome second = palpate(touch(mesh, "--save " + mesh.string()));
+  REQUIRE_MESSAGE(second.code == 0, second.text);
+  CHECK(second.text.find("is kept as") == std::string::npos);
+  CHECK(contentOf(folder / "mesh.ply.bak") == original);
+  CHECK_FALSE(std::filesystem::exists(folder / "mesh.ply.bak2"));
+}
+
+TEST_CASE("what another file of the name has is kept as well, by touch and by replay") {
+  const ScratchFolder folder;
+  sphere(folder);
+  const auto out = folder / "out.ply", log = folder / "log";
+  std::ofstream(out) << "notes";
+  works(touch(folder / "sphere.ply", "--log " + log.string() + " --save " + out.string()));
+  CHECK(contentOf(folder / "out.ply.bak") == "notes");
+  const std::string saved = contentOf(out);
+  std::ofstream(out) << "more notes";
+  works("replay " + log.string() + " --recover --save " + out.string());
+  CHECK(contentOf(folder / "out.ply.bak") == "notes");
+  CHECK(contentOf(folder / "out.ply.bak2") == "more notes");
+  CHECK(contentOf(out) == saved);
+}
+
+TEST_CASE("a trace for which there is no room does not cost the sculpted points") {
+  const ScratchFolder folder;
+  sphere(folder);
+  const std::string said = (folder / "said").string();
+  const std::string command = "bash -c \"trap '' XFSZ; ulimit -f 120; " + program() + " " +
+                              touch(folder / "sphere.ply", "--trace " + (folder / "t.csv").string() + " --save " +
+                                                               (folder / "s.ply").string()) +
+                              "\" >" + said + " 2>&1";
+  CHECK(WEXITSTATUS(std::system(command.c_str())) == 1);
+  CHECK(says(contentOf(said), "t.csv: cannot be written"));
+  CHECK(contentOf(said).find("s.ply: cannot") == std::string::npos);
+  CHECK(readPly(folder / "s.ply").size() >= 2900);
+  CHECK_FALSE(std::filesystem::exists(folder / "t.csv"));
+}
+
+}  // namespace palpate

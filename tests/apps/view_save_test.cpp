@@ -1,0 +1,226 @@
+// Saving in the window: what a file would lose is asked about first, and nothing that a person made is lost.
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/cloud/ply_writer.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A sphere with faces, as another program writes it; and a copy of it to look at afterwards.
+void makeMesh(const std::filesystem::path& folder) {
+  makeSphere(folder, 2000);
+  PointCloud cloud = readPly(folder / "sphere.ply");
+  cloud.storedAs.comments = {"comment of another program"};
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i + 2 < cloud.size(); ++i) triangles.push_back({i, i + 1, i + 2});
+  writePly(folder / "mesh.ply", cloud, {.triangles = &triangles});
+  std::filesystem::copy_file(folder / "mesh.ply", folder / "original.ply");
+}
+
+// Presses the tool into the middle of a window of 800 x 600.
+std::string strokeAt(double time_s) {
+  return fmt::format("{} mouse 400 300\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
+                     time_s, time_s + 0.2, time_s + 0.3, time_s + 2.8, time_s + 2.9);
+}
+
+bool exists(const Played& played, const char* name) { return std::filesystem::exists(played.folder.path() / name); }
+std::string fileOf(const Played& played, const char* name) { return contentOf(played.folder.path() / name); }
+
+}  // namespace
+
+TEST_CASE(
+    "Ctrl+S where a mesh would lose its faces asks, and by default saves beside it, from then on without asking") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
+3.1 ask
+3.2 key ctrl+s
+3.4 state %/asked.json
+3.4 screenshot %/asked.png
+3.5 key ctrl+z
+3.6 key escape
+3.8 state %/cancelled.json
+3.9 key ctrl+s
+4.1 key enter
+4.9 state %/saved.json
+)" + strokeAt(5) + R"(
+8.1 key ctrl+s
+8.9 state %/again.json
+9.0 quit
+12 state %/after.json
+)",
+                           "", [](const auto& folder) {
+                             makeMesh(folder);
+                             std::ofstream(folder / "mesh-sculpted.ply") << "of yesterday";
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto asked = played->state("asked.json"), cancelled = played->state("cancelled.json"),
+             saved = played->state("saved.json"), again = played->state("again.json");
+  CHECK(asked["asks_how_to_save"] == true);
+  CHECK(asked["asks_about_changes"] == false);
+  CHECK(asked["changed"] == true);
+  CHECK(cancelled["asks_how_to_save"] == false);
+  CHECK(cancelled["changed"] == true);
+  CHECK(cancelled["undoable"] == asked["undoable"]);  // keys have nothing to say while it is asked
+  CHECK(std::string(saved["save_file"]).ends_with("mesh-sculpted-2.ply"));
+  CHECK(saved["changed"] == false);
+  CHECK(says(std::string(saved["last_message"]), "mesh-sculpted-2.ply is saved"));
+  CHECK(again["asks_how_to_save"] == false);
+  CHECK(again["changed"] == false);
+  CHECK_FALSE(exists(*played, "after.json"));
+  CHECK(fileOf(*played, "mesh.ply") == fileOf(*played, "original.ply"));
+  CHECK(fileOf(*played, "mesh-sculpted.ply") == "of yesterday");
+  CHECK_FALSE(exists(*played, "mesh.ply.bak"));
+  CHECK(readPly(played->folder.path() / "mesh-sculpted-2.ply").size() == again["points"]);
+}
+
+TEST_CASE("saved over, a mesh is kept as it was, and so is what was kept before") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
+3.1 ask
+3.2 key ctrl+s
+3.4 click Save over
+4.2 state %/saved.json
+)" + strokeAt(5) + R"(
+8.1 key ctrl+s
+8.9 state %/again.json
+9.0 quit
+)",
+                           "", [](const auto& folder) {
+                             makeMesh(folder);
+                             std::ofstream(folder / "mesh.ply.bak") << "of yesterday";
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto saved = played->state("saved.json"), again = played->state("again.json");
+  CHECK(saved["changed"] == false);
+  CHECK(says(std::string(saved["last_message"]), "mesh.ply.bak2"));
+  CHECK(again["asks_how_to_save"] == false);
+  CHECK(again["changed"] == false);
+  CHECK(fileOf(*played, "mesh.ply.bak2") == fileOf(*played, "original.ply"));
+  CHECK(fileOf(*played, "mesh.ply.bak") == "of yesterday");
+  CHECK_FALSE(exists(*played, "mesh.ply.bak3"));
+  CHECK(readPly(played->folder.path() / "mesh.ply").size() == again["points"]);
+}
+
+TEST_CASE("saved first when the window closes, a mesh is asked about, too") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/mesh.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
+3.1 ask
+3.2 quit
+3.4 click Save
+3.8 state %/asked.json
+3.9 click Cancel
+4.1 state %/cancelled.json
+4.2 quit
+4.4 click Save
+4.8 click Save beside
+30 state %/after.json
+)",
+                           "", makeMesh);
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  CHECK(played->state("asked.json")["asks_how_to_save"] == true);
+  CHECK(played->state("cancelled.json")["asks_how_to_save"] == false);
+  CHECK(played->state("cancelled.json")["asks_about_changes"] == false);
+  CHECK(played->state("cancelled.json")["changed"] == true);
+  CHECK_FALSE(exists(*played, "after.json"));
+  CHECK(fileOf(*played, "mesh.ply") == fileOf(*played, "original.ply"));
+  CHECK(exists(*played, "mesh-sculpted.ply"));
+}
+
+TEST_CASE("a script that does not ask saves beside, and a file of our own is saved over as it was") {
+  if (!hasDisplay()) return;
+  const std::string script = strokeAt(0.1) + "3.2 key ctrl+s\n4.0 state %/saved.json\n4.1 quit\n";
+  const auto mesh = play("%/mesh.ply --size 800x600 --edit push", script, "", makeMesh);
+  REQUIRE_MESSAGE(mesh->outcome.code == 0, mesh->outcome.text);
+  CHECK(mesh->state("saved.json")["changed"] == false);
+  CHECK(fileOf(*mesh, "mesh.ply") == fileOf(*mesh, "original.ply"));
+  CHECK(exists(*mesh, "mesh-sculpted.ply"));
+  const auto ours = play("%/sphere.ply --size 800x600 --edit push", "0 ask\n" + script, "", makeMesh);
+  REQUIRE_MESSAGE(ours->outcome.code == 0, ours->outcome.text);
+  CHECK(ours->state("saved.json")["asks_how_to_save"] == false);
+  CHECK(std::string(ours->state("saved.json")["save_file"]).ends_with("sphere.ply"));
+  CHECK(readPly(ours->folder.path() / "sphere.ply").size() == ours->state("saved.json")["points"]);
+  CHECK_FALSE(exists(*ours, "sphere.ply.bak"));
+  CHECK_FALSE(exists(*ours, "sphere-sculpted.ply"));
+}
+
+TEST_CASE("what is undone is not changed, comes back with redo, and is relative to what was saved") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", strokeAt(0.1) + R"(
+3.1 ask
+3.2 state %/dent.json
+3.3 key ctrl+z
+3.6 state %/undone.json
+3.7 key ctrl+s
+3.8 state %/nothing.json
+3.9 key ctrl+shift+z
+4.2 state %/redone.json
+4.3 key ctrl+s
+5.1 state %/saved.json
+5.2 key ctrl+z
+5.5 state %/behind.json
+5.6 key ctrl+shift+z
+5.9 state %/same.json
+6.0 quit
+9 state %/after.json
+)",
+                           "", [](const auto& folder) {
+                             makeSphere(folder, 2000);
+                             std::filesystem::copy_file(folder / "sphere.ply", folder / "kept.ply");
+                           });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto changed = [&](const char* name) { return played->state(name)["changed"]; };
+  REQUIRE(played->state("dent.json")["undoable"] == 1);
+  CHECK(changed("dent.json") == true);
+  CHECK(changed("undone.json") == false);
+  CHECK(says(std::string(played->state("nothing.json")["last_message"]), "nothing to save"));
+  CHECK(changed("redone.json") == true);
+  CHECK(changed("saved.json") == false);
+  CHECK(changed("behind.json") == true);
+  CHECK(changed("same.json") == false);
+  CHECK_FALSE(exists(*played, "after.json"));  // it was closed without a question
+  CHECK(fileOf(*played, "sphere.ply") != fileOf(*played, "kept.ply"));
+}
+
+TEST_CASE("a recording that meets a full disk is told once, and the session goes on") {
+  if (!hasDisplay()) return;
+  // In a program whose files may have 200 KiB: one and a half seconds of ticks.
+  const ScratchFolder folder;
+  const std::filesystem::path limited = folder / "limited.sh";
+  std::ofstream(limited) << "#!/bin/bash\ntrap '' XFSZ\nulimit -f 200\nexec '" +
+                                std::filesystem::absolute(program()).string() + "' \"$@\"\n";
+  std::filesystem::permissions(limited, std::filesystem::perms::owner_all);
+  const char* before = std::getenv("PALPATE_PROGRAM");
+  const std::string old = before ? before : "";
+  ::setenv("PALPATE_PROGRAM", limited.c_str(), 1);
+  const auto played = play("%/sphere.ply --size 800x600 --edit push", "0.1 record %/take.log\n" + strokeAt(0.2) + R"(
+6.0 state %/full.json
+6.1 record
+6.3 state %/ended.json
+6.4 quit
+)",
+                           "", [](const auto& scene) { makeSphere(scene, 2000); });
+  before ? ::setenv("PALPATE_PROGRAM", old.c_str(), 1) : ::unsetenv("PALPATE_PROGRAM");
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto full = played->state("full.json");
+  CHECK(full["ticks"] > 3000);
+  CHECK(full["edits"] > 0);
+  CHECK(full["recording"] == true);
+  CHECK(says(std::string(full["last_message"]), "take.log: cannot be written"));
+  CHECK(played->state("ended.json")["recording"] == false);
+  CHECK(played->state("ended.json")["last_message"] == full["last_message"]);  // nothing more is said
+  const std::string& text = played->outcome.text;
+  CHECK(text.find("the session goes on") == text.rfind("the session goes on"));
+  const Outcome replayed = palpate("replay --recover --save " + (folder / "r.ply").string() + " " +
+                                   (played->folder.path() / "take.log").string());
+  CHECK_MESSAGE(replayed.code == 0, replayed.text);
+  CHECK(says(replayed.text, "they were not written"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,40 @@
+#include "engine/cloud/length_unit.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+#include <vector>
+
+namespace palpate {
+
+TEST_CASE("a unit is what a comment of the file says it is") {
+  const auto said = [](const char* comment) {
+    return unitSaidIn(std::vector<std::string>{"comment made by a scanner in a museum", comment});
+  };
+  CHECK(said("comment units: mm") == LengthUnit::mm);
+  CHECK(said("obj_info Unit = Metres") == LengthUnit::m);
+  CHECK(said("comment unit cm") == LengthUnit::cm);
+  CHECK(said("comment UNITS inches") == LengthUnit::inch);
+  CHECK(said("comment units=ft") == LengthUnit::foot);
+  CHECK(said("comment united m") == LengthUnit::unknown);
+  CHECK(said("comment seen from 3 m") == LengthUnit::unknown);
+  CHECK(said("comment units are unknown") == LengthUnit::unknown);
+  CHECK(said("") == LengthUnit::unknown);
+  CHECK(unitSaidIn({}) == LengthUnit::unknown);
+  CHECK(nameOf(LengthUnit::inch) == "in");
+  CHECK(nameOf(LengthUnit::unknown) == "units");
+}
+
+TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not above") {
+  CHECK(roundLength(1) == doctest::Approx(1));
+  CHECK(roundLength(1.99) == doctest::Approx(1));
+  CHECK(roundLength(2) == doctest::Approx(2));
+  CHECK(roundLength(4.9) == doctest::Approx(2));
+  CHECK(roundLength(73) == doctest::Approx(50));
+  CHECK(roundLength(0.00314) == doctest::Approx(0.002));
+  CHECK(roundLength(0) == 0);
+  CHECK(roundLength(-3) == 0);
+  CHECK(roundLength(std::numeric_limits<double>::infinity()) == 0);
+}
+
+}  // namespace palpate

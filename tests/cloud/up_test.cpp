@@ -1,0 +1,303 @@
+// Which way is up: on shapes whose way is known, turned to all six, and on real scans kept outside the repository.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <numbers>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/gist.hpp"
+#include "engine/cloud/ply_reader.hpp"
+#include "engine/cloud/up.hpp"
+#include "engine/core/clock.hpp"
+
+namespace palpate::test {
+namespace {
+
+/// Random numbers one after the other.
+struct Dice {
+  std::uint64_t seed = 7, thrown = 0;
+  double operator()(double from, double to) { return from + (to - from) * randomUnit(seed, thrown++); }
+};
+
+void add(PointCloud& cloud, const DVec3& place, const DVec3& normal) {
+  cloud.positions.emplace_back(place);
+  cloud.normals.emplace_back(glm::normalize(normal));
+}
+
+/// A parallelogram of points, evenly at random.
+void addFace(PointCloud& cloud, Dice& dice, const DVec3& corner, const DVec3& a, const DVec3& b, double perArea) {
+  const DVec3 across = glm::cross(a, b);
+  const auto count = static_cast<int>(perArea * glm::length(across));
+  for (int i = 0; i < count; ++i) add(cloud, corner + dice(0, 1) * a + dice(0, 1) * b, across);
+}
+
+void addBall(PointCloud& cloud, Dice& dice, const DVec3& center, double radius, int count) {
+  for (int i = 0; i < count; ++i) {
+    const double y = dice(-1, 1), angle = dice(0, 2 * std::numbers::pi), r = std::sqrt(1 - y * y);
+    const DVec3 n(r * std::cos(angle), y, r * std::sin(angle));
+    add(cloud, center + radius * n, n);
+  }
+}
+
+// All stand with y up.
+
+/// A cone without its tip, on a flat base.
+PointCloud statue() {
+  PointCloud cloud;
+  Dice dice;
+  for (int i = 0; i < 20000; ++i) {
+    const double t = 1 - std::sqrt(dice(0, 1)), r = 1 - 0.8 * t, angle = dice(0, 2 * std::numbers::pi);
+    add(cloud, {r * std::cos(angle), 2.5 * t, r * std::sin(angle)}, {std::cos(angle), 0.3, std::sin(angle)});
+  }
+  for (int i = 0; i < 8000; ++i) {
+    const double r = std::sqrt(dice(0, 1)), angle = dice(0, 2 * std::numbers::pi);
+    add(cloud, {r * std::cos(angle), 0, r * std::sin(angle)}, {0, -1, 0});
+  }
+  return cloud;
+}
+
+/// A beast on four legs, with a head on a long neck before them.
+PointCloud beast() {
+  PointCloud cloud;
+  Dice dice;
+  for (int k = 0; k < 10; ++k) addBall(cloud, dice, {-0.9 + 0.2 * k, 1.8, 0}, 0.6, 2000);
+  for (int leg = 0; leg < 4; ++leg) {
+    const DVec3 foot(leg % 2 ? 0.8 : -0.8, 0, leg / 2 ? 0.3 : -0.3);
+    for (int k = 0; k < 2000; ++k) {
+      const double angle = dice(0, 2 * std::numbers::pi), r = 0.15 * std::sqrt(dice(0, 1));
+      const DVec3 around(std::cos(angle), 0, std::sin(angle));
+      if (k % 8)
+        add(cloud, foot + 0.15 * around + DVec3(0, dice(0, 1.4), 0), around);
+      else
+        add(cloud, foot + r * around, {0, -1, 0});
+    }
+  }
+  for (int k = 0; k < 8; ++k) addBall(cloud, dice, {1 + 0.08 * k, 1.8 + 0.1 * k, 0}, 0.18, 400);
+  return cloud;
+}
+
+/// A floor with boxes and balls on it, seen from above.
+PointCloud thingsOnFloor() {
+  PointCloud cloud;
+  Dice dice;
+  addFace(cloud, dice, {0, 0, 0}, {0, 0, 4}, {5, 0, 0}, 1000);
+  addBall(cloud, dice, {1, 0.5, 1}, 0.5, 3000);
+  addBall(cloud, dice, {3.5, 1.2, 2.5}, 1.2, 9000);
+  addFace(cloud, dice, {1, 1.5, 2.5}, {0, 0, 1}, {1, 0, 0}, 1000);
+  addFace(cloud, dice, {1, 0, 3.5}, {1, 0, 0}, {0, 1.5, 0}, 1000);
+  addFace(cloud, dice, {1, 0, 2.5}, {0, 1.5, 0}, {1, 0, 0}, 1000);
+  return cloud;
+}
+
+/// Hills, seen from above.
+PointCloud terrain() {
+  PointCloud cloud;
+  Dice dice;
+  for (int i = 0; i < 30000; ++i) {
+    const double x = dice(0, 10), z = dice(0, 8);
+    const DVec3 slope(0.32 * std::cos(0.8 * x) * std::sin(1.1 * z), -1, 0.44 * std::sin(0.8 * x) * std::cos(1.1 * z));
+    add(cloud, {x, 0.4 * std::sin(0.8 * x) * std::sin(1.1 * z), z}, -slope);
+  }
+  return cloud;
+}
+
+/// Walls and a gable roof; nobody has seen its floor.
+PointCloud building() {
+  PointCloud cloud;
+  Dice dice;
+  addFace(cloud, dice, {0, 0, 0}, {0, 3, 0}, {10, 0, 0}, 300);
+  addFace(cloud, dice, {0, 0, 4}, {10, 0, 0}, {0, 3, 0}, 300);
+  addFace(cloud, dice, {0, 0, 0}, {0, 0, 4}, {0, 3, 0}, 300);
+  addFace(cloud, dice, {10, 0, 0}, {0, 3, 0}, {0, 0, 4}, 300);
+  addFace(cloud, dice, {0, 3, 0}, {0, 1.5, 2}, {10, 0, 0}, 300);
+  addFace(cloud, dice, {0, 3, 4}, {10, 0, 0}, {0, 1.5, -2}, 300);
+  return cloud;
+}
+
+struct Named {
+  std::string_view name;
+  std::function<PointCloud()> make;
+};
+const Named kStanding[] = {{"statue", statue},
+                           {"beast", beast},
+                           {"things on a floor", thingsOnFloor},
+                           {"terrain", terrain},
+                           {"building", building}};
+
+/// What had y up and its front at +z.
+PointCloud turned(PointCloud cloud, UpAxis up) {
+  const DVec3 y = directionOf(up), z = frontOf(up), x = glm::cross(y, z);
+  const auto turn = [&](Vec3& v) { v = Vec3(double{v.x} * x + double{v.y} * y + double{v.z} * z); };
+  for (Vec3& p : cloud.positions) turn(p);
+  for (Vec3& n : cloud.normals) turn(n);
+  return cloud;
+}
+
+void addStrays(PointCloud& cloud, double share, double far) {
+  Dice dice{.seed = 99};
+  const Bounds box = boundsOf(cloud);
+  const DVec3 half = DVec3(far * box.longestSide());
+  const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud.size()));
+  for (std::size_t i = 0; i < count; ++i)
+    add(cloud, box.center() + DVec3(dice(-1, 1), dice(-1, 1), dice(-1, 1)) * half, {0, 1, 0});
+}
+
+std::filesystem::path modelsFolder() {
+  if (const char* given = std::getenv("PALPATE_MODELS")) return given;
+  return std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
+}
+
+}  // namespace
+
+TEST_CASE("fronts and ups are the axes of a right-handed frame") {
+  for (const auto& [name, up] : kUpAxes) {
+    CAPTURE(name);
+    CHECK(nameOf(up) == name);
+    CHECK(glm::dot(directionOf(up), frontOf(up)) == 0);
+    CHECK(glm::length(frontOf(up)) == 1);
+    CHECK(directionOf(up)[name.back() - 'x'] == (name.front() == '-' ? -1 : 1));
+  }
+  CHECK(frontOf(UpAxis::y) == DVec3(0, 0, 1));
+}
+
+TEST_CASE("what stands or lies is found, whichever way its file has it") {
+  for (const auto& [name, make] : kStanding)
+    for (const auto& [upName, up] : kUpAxes) {
+      CAPTURE(name);
+      CAPTURE(upName);
+      PointCloud cloud = turned(make(), up);
+      const Upright found = findUp(cloud);
+      CAPTURE(found.why);
+      CHECK(nameOf(found.up) == upName);
+      CHECK(!found.why.empty());
+      cloud.normals.clear();
+      // Without normals nothing says from which side ground is seen, and that nobody has seen a floor.
+      if (name != "terrain" && name != "building") CHECK(nameOf(findUp(cloud).up) == upName);
+    }
+}
+
+TEST_CASE("stray points and uneven sampling do not turn a model over") {
+  for (const auto& [name, make] : kStanding)
+    for (const auto& [upName, up] : kUpAxes)
+      for (const double far : {0.7, 40.0}) {
+        CAPTURE(name);
+        CAPTURE(upName);
+        CAPTURE(far);
+        PointCloud cloud = turned(make(), up);
+        addStrays(cloud, 0.01, far);
+        CHECK(nameOf(findUp(cloud).up) == upName);
+        // A tenth of the points is left at one end, all of them at the other.
+        const PointCloud all = cloud;
+        const Bounds box = boundsOf(turned(make(), up));
+        cloud.positions.clear();
+        cloud.normals.clear();
+        Dice dice{.seed = 5};
+        for (std::size_t i = 0; i < all.size(); ++i) {
+          const double along = (double{all.positions[i].x} - box.min.x) / (box.max.x - box.min.x);
+          if (dice(0, 1) < 0.1 + 0.9 * along) add(cloud, DVec3(all.positions[i]), DVec3(all.normals[i]));
+        }
+        CHECK(nameOf(findUp(cloud).up) == upName);
+      }
+}
+
+TEST_CASE("shapes that say nothing have y up") {
+  for (const std::string_view name : shapeNames())
+    for (const std::size_t count : {2000, 60000}) {
+      CAPTURE(name);
+      CAPTURE(count);
+      const Upright found = findUp(sampleShape(*makeShape(name, 100, DVec3(3, -8, 20)), {.count = count}));
+      CAPTURE(found.why);
+      CHECK(found.up == UpAxis::y);
+    }
+  CHECK(findUp(PointCloud{}).up == UpAxis::y);
+  PointCloud few;
+  Dice dice;
+  addFace(few, dice, DVec3(0), {0, 0, 5}, {2, 0, 0}, 2);
+  CHECK(findUp(few).up == UpAxis::y);
+  PointCloud same;
+  for (int i = 0; i < 1000; ++i) add(same, {1, 2, 3}, {0, 0, 1});
+  CHECK(findUp(same).up == UpAxis::y);
+}
+
+TEST_CASE("a wall with windows stands, and is no ground") {
+  PointCloud wall;  // y up, seen from +z
+  Dice dice;
+  for (int column = 0; column < 6; ++column)
+    for (int row = 0; row < 4; ++row) {
+      const DVec3 at(2.0 * column, 2.0 * row, 0);
+      for (const DVec3& pillar : {at, at + DVec3(1, 0, 0)}) addFace(wall, dice, pillar, {1, 0, 0}, {0, 1, 0}, 400);
+      addFace(wall, dice, at + DVec3(0, 1, 0), {1, 0, 0}, {0, 1, 0}, 400);
+      const DVec3 window = at + DVec3(1, 1, -0.6);
+      addFace(wall, dice, window, {1, 0, 0}, {0, 1, 0}, 400);
+      addFace(wall, dice, window, {0, 1, 0}, {0, 0, 0.6}, 400);
+      addFace(wall, dice, window + DVec3(1, 0, 0), {0, 0, 0.6}, {0, 1, 0}, 400);
+      addFace(wall, dice, window, {0, 0, 0.6}, {1, 0, 0}, 400);
+    }
+  CHECK(findUp(wall).up == UpAxis::y);
+  CHECK(findUp(turned(wall, UpAxis::z)).up == UpAxis::z);
+}
+
+TEST_CASE("a few points far away do not widen what a picture shows") {
+  for (const auto& [name, make] : kStanding) {
+    CAPTURE(name);
+    PointCloud cloud = make();
+    const Bounds box = boundsOf(cloud);
+    const Bounds whole = coreBoundsOf(cloud);
+    CHECK(whole.min == box.min);
+    CHECK(whole.max == box.max);
+    addStrays(cloud, 0.002, 30);
+    const Bounds core = coreBoundsOf(cloud);
+    CHECK(core.longestSide() < 1.2 * box.longestSide());
+    for (int k = 0; k < 3; ++k) {
+      CHECK(core.min[k] <= box.min[k]);
+      CHECK(core.max[k] >= box.max[k]);
+    }
+  }
+  // What many points make is a part of the model.
+  PointCloud two = statue();
+  const std::size_t count = two.size();
+  for (std::size_t i = 0; i < count / 10; ++i) add(two, DVec3(two.positions[10 * i]) + DVec3(60, 0, 0), {0, 1, 0});
+  CHECK(coreBoundsOf(two).max == boundsOf(two).max);
+}
+
+TEST_CASE("real scans stand upright, whichever way their file has them") {
+  const std::pair<std::string_view, UpAxis> kTruth[] = {{"armadillo_43243.ply", UpAxis::y},
+                                                        {"armadillo_1037774.ply", UpAxis::y},
+                                                        {"bunny_34834.ply", UpAxis::y},
+                                                        {"bunny_208347.ply", UpAxis::y},
+                                                        {"bunny_mesh_69451.ply", UpAxis::y},
+                                                        {"dragon_437645.ply", UpAxis::y},
+                                                        {"dragon_res3.ply", UpAxis::y},
+                                                        {"building_100000.ply", UpAxis::z},
+                                                        {"horse_48485.ply", UpAxis::z},
+                                                        {"lion_takanawa_341989.ply", UpAxis::z},
+                                                        {"pond_pmvs_70051.ply", UpAxis::minusY},
+                                                        {"wild/opencv__ape.ply", UpAxis::minusZ},
+                                                        {"wild/trimesh__fuze_ascii.ply", UpAxis::z},
+                                                        {"wild/tinyply__elephant.ply", UpAxis::y},
+                                                        {"wild/vtkdata__shark.ply", UpAxis::y}};
+  if (!std::filesystem::exists(modelsFolder())) {
+    MESSAGE("skipped: no ", modelsFolder().string());
+    return;
+  }
+  for (const auto& [file, up] : kTruth) {
+    CAPTURE(file);
+    const PointCloud cloud = readPly(modelsFolder() / file);
+    const Stopwatch watch;
+    const Upright found = findUp(cloud);
+    MESSAGE(file, ": ", nameOf(found.up), ", ", found.why, ", ", watch.elapsed_us() * 1e-3, " ms");
+    CHECK(nameOf(found.up) == nameOf(up));
+    if (file == "wild/vtkdata__shark.ply") continue;  // it swims: y is what nothing speaks against
+    for (const auto& [name, to] : kUpAxes) {
+      CAPTURE(name);
+      const DVec3 expected = turned(PointCloud{.positions = {Vec3(directionOf(up))}}, to).positions.front();
+      CHECK(directionOf(findUp(turned(cloud, to)).up) == expected);
+    }
+  }
+}
+
+}  // namespace palpate::test
