@@ -3,6 +3,7 @@
 #include "apps/context.hpp"
 #include "engine/cloud/cloud_format.hpp"
 #include "engine/cloud/normals.hpp"
+#include "engine/cloud/saving.hpp"
 
 namespace palpate {
 
@@ -13,13 +14,17 @@ struct ConvertOptions {
   bool ascii = false, force = false;
 };
 
+bool ontoItself(const ConvertOptions& options) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(options.input, options.output, ignored);
+}
+
 // What exists is not destroyed unasked; a device or a pipe can be written to.
 void checkTarget(const ConvertOptions& options) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(options.output, ignored) || options.force) return;
-  const bool itself = std::filesystem::equivalent(options.input, options.output, ignored);
   throw Error("{}: {}; name another file, or add --force to replace it", options.output,
-              itself ? "is the file that is read" : "exists");
+              ontoItself(options) ? "is the file that is read" : "exists");
 }
 
 // Attributes by the names that they have in a PLY file.
@@ -44,7 +49,10 @@ void convert(Context& context, const ConvertOptions& options) {
   const std::vector<std::string> kept = attributesOf(stored);
   // Before it is gone.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
-  to.write(options.output, stored, {.ascii = options.ascii});
+  markAsOurs(stored.cloud);
+  std::filesystem::path keptAs;
+  to.write(options.output, stored, {.ascii = options.ascii, .keptAs = ontoItself(options) ? &keptAs : nullptr});
+  if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} points with {}", options.output, stored.cloud.size(), fmt::join(kept, ", "));
   context.writeJson({{"input", options.input},
                      {"output", options.output},
@@ -77,7 +85,7 @@ void addConvert(CLI::App& app, Context& context, Command& command) {
       ->check(CLI::IsMember({"keep", "estimate", "face"}))
       ->capture_default_str();
   sub->add_flag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
-  sub->add_flag("--force", options->force, "replace OUT where it exists");
+  sub->add_flag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
   sub->footer(
       "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
       "carried through. Faces are written as triangles. What OUT cannot hold is named before it is written.\n");

@@ -53,7 +53,9 @@ StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const Cloud
 
 void writePlyFile(const std::filesystem::path& file, const StoredCloud& stored, const CloudWriteOptions& options) {
   writePly(file, stored.cloud,
-           {.ascii = options.ascii, .triangles = stored.triangles.empty() ? nullptr : &stored.triangles});
+           {.ascii = options.ascii,
+            .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
+            .keptAs = options.keptAs});
 }
 
 std::vector<std::string> lacksOfPly(const StoredCloud& stored) {

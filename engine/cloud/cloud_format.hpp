@@ -25,6 +25,7 @@ struct CloudReadOptions {
 };
 struct CloudWriteOptions {
   bool ascii = false;
+  std::filesystem::path* keptAs = nullptr;  ///< as in PlyWriteOptions
 };
 
 struct CloudFormat {

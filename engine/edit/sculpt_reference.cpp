@@ -174,10 +174,11 @@ Vec3 SculptReference::refitted(std::uint32_t point) const {
     side += share * wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
   });
   const DVec3 normal = fit.normal(DVec3(old)).normal;
-  const bool turns = glm::dot(normal, DVec3(old)) < static_cast<double>(shared::kKeepsSide);
-  return Vec3(turns && glm::dot(normal, side) < 0 ? -normal : normal);
+  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
 }
 
+// The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
+// angle in one tick, and its own old side says nothing then. The far sheet of a plate has no say.
 void SculptReference::refit() {
   normals_.resize(unsettled_.size());
   forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });

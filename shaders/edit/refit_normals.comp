@@ -35,14 +35,15 @@ Moments momentsAbout(vec3 center, out vec3 side) {
   return Moments(mean.w, uint(diagonal.w), mean.xyz, diagonal.xyz, mixed.xyz);
 }
 
-// On its old side, or where it has turned too far for that to say anything, on that of the normals around it.
+// Its side is the one that most normals around it are on: at a fresh edge a normal may turn by a right angle in one
+// tick, and its own old side says nothing then. The far sheet of a plate has no say.
 vec3 fittedNormal(vec3 center, vec3 old) {
   facing = old;
   vec3 side;
   const vec3 fitted = planeNormal(momentsAbout(center, side));
   vec3 normal = old;
   if (dot(fitted, fitted) > 0.5) normal = dot(fitted, old) < 0.0 ? -fitted : fitted;
-  return dot(normal, old) < kKeepsSide && dot(normal, side) < 0.0 ? -normal : normal;
+  return dot(normal, side) < 0.0 ? -normal : normal;
 }
 
 void main() {

@@ -61,10 +61,6 @@ const float kFarSheet = -0.5f;
 // all from the far sheet of a plate.
 PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f + cosine)); }
 
-// A normal that turns by less than the angle of this cosine in one tick stays on its side. Beyond that, at a fresh edge,
-// its own side says nothing, and that of its neighbours counts.
-const float kKeepsSide = 0.5f;
-
 // While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A point is through where
 // one that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where nearly
 // all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it stands

@@ -65,7 +65,9 @@ TEST_CASE("of the patches' points 8 % lie in between, and a border runs through 
   const UnevenCloud uneven = makeUnevenCloud("patches", 15'000);
   const std::vector<double> nearest = nearestDistances(uneven.cloud);
   const auto wide = static_cast<double>(std::ranges::count_if(nearest, [](double d) { return d > 2; }));
-  CHECK(wide / static_cast<double>(nearest.size()) == doctest::Approx(0.08).epsilon(0.15));
+  const double share = wide / static_cast<double>(nearest.size());
+  CHECK(share > 0.07);
+  CHECK(share < 0.085);
   const auto near = [&](const DVec3& middle) {
     return countWhere(uneven.cloud, [&](const DVec3& p) { return glm::distance(p, middle) < 4; });
   };
