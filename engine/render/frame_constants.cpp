@@ -172,6 +172,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .depthMin = static_cast<float>(std::max(depths.x, camera.nearDepth)),
                             .boundsMax = Vec3(shown.max),
                             .depthMax = static_cast<float>(depths.y),
+                            .up = Vec3(options.up),
                             .splatRadius = static_cast<float>(drawn.splatRadius),
                             .widestSplat = static_cast<float>(drawn.widestSplat),
                             .everyPoint = drawn.everyPoint,
@@ -188,8 +189,7 @@ shared::RenderFrame frameConstants(const Drawn& drawn, const Camera& camera, con
                             .occlusionRadius = static_cast<float>(kOcclusionRadius * shown.longestSide()),
                             .backgroundBottom = kBackgroundBottom,
                             .holeReach_px = 0,
-                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px),
-                            .up = Vec3(options.up)};
+                            .smooth_px = std::min(options.smooth_px * size.supersample, shared::kMostSmooth_px)};
   if (drawn.closeHoles) {
     const double radius_px = usual * frame.view.focal_px / std::max(depths.x, camera.nearDepth);
     frame.holeReach_px = static_cast<std::uint32_t>(std::min(kHoleReach * radius_px, double{shared::kMaxHoleReach_px}));

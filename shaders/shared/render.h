@@ -122,6 +122,7 @@ struct RenderFrame {
   float depthMin;  // of the bounds, for the ramps
   vec3 boundsMax;
   float depthMax;
+  vec3 up;            // unit, along an axis: heights are along it
   float splatRadius;  // of every point, model units; 0: each has its own
   float widestSplat;  // largest radius of a disc, model units
   uint everyPoint;    // not 0: no point is left out where they are finer than samples
@@ -139,9 +140,8 @@ struct RenderFrame {
   vec3 backgroundBottom;
   uint holeReach_px;  // radius of the gaps that are closed, samples; 0: none are
   uint smooth_px;     // to each side, samples: depth is smoothed, and normals follow from it; 0: they are the blended ones
-  vec3 up;            // unit, along an axis: heights are along it
 };
-PALPATE_SIZE(RenderFrame, 80 + 128 + 32 + 40 + 64);
+PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };

@@ -176,7 +176,7 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
 1.6 click height
 1.9 state %/heights.json
 1.9 screenshot %/heights.png
-2.0 mouse 520 400
+2.0 mouse 400 300
 2.1 key 7
 2.2 key space down
 2.4 button left down
