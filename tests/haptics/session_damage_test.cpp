@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <functional>
 #include <random>
 
 #include "engine/core/checksum.hpp"
@@ -238,9 +239,8 @@ TEST_CASE("a killed process leaves all but the last moments of its session") {
 
 namespace {
 
-// In a process whose files may have `limit` bytes: a session of `ticks`, edits with each; from tick `freed` on there is
-// room again. Exit code: how often the writer told that it could not write, 20 more where the end said nothing of it.
-int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32_t ticks, std::uint32_t freed) {
+// What `act` gives in a process whose files may have `limit` bytes.
+int inProcessWithSmallFiles(rlim_t limit, const std::function<int()>& act) {
   const pid_t child = ::fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -248,15 +248,31 @@ int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32
     ::getrlimit(RLIMIT_FSIZE, &allowed);
     allowed.rlim_cur = limit;
     ::setrlimit(RLIMIT_FSIZE, &allowed);
+    ::_exit(act());
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+void makeRoom() {
+  rlimit allowed{};
+  ::getrlimit(RLIMIT_FSIZE, &allowed);
+  allowed.rlim_cur = allowed.rlim_max;
+  ::setrlimit(RLIMIT_FSIZE, &allowed);
+}
+
+// A session of `ticks`, edits with each, on a disk with room for `limit` bytes; from tick `freed` on there is more.
+// Gives how often the writer told that it could not write, and 20 more where the end said nothing of it.
+int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32_t ticks, std::uint32_t freed) {
+  return inProcessWithSmallFiles(limit, [&] {
     std::atomic<int> told = 0;
     SessionWriter writer(file, "a text", [&](const std::string& sentence) {
       told += sentence.find("free some space") != std::string::npos && sentence.find(file.string()) == 0 ? 1 : 10;
     });
     for (std::uint32_t i = 0; i < ticks; ++i) {
-      if (i == freed) {
-        allowed.rlim_cur = allowed.rlim_max;
-        ::setrlimit(RLIMIT_FSIZE, &allowed);
-      }
+      if (i == freed) makeRoom();
       writer.add(tickAt(i));
       writer.add(editsAt(i));
       if (i % 100 == 99) writer.flush();
@@ -267,12 +283,8 @@ int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32
     } catch (const FileError& error) {
       if (std::string(error.what()).find("are missing in it") == std::string::npos) told += 20;
     }
-    ::_exit(told);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  REQUIRE(WIFEXITED(status));
-  return WEXITSTATUS(status);
+    return told.load();
+  });
 }
 
 }  // namespace
@@ -292,6 +304,30 @@ TEST_CASE("on a full disk the session goes on, is told once, and what fits is in
   CHECK(record.ticks.size() + missing(record, &LogGap::ticks) == kTicks);
   CHECK(record.edits.points.size() + missing(record, &LogGap::states) == 3 * kTicks);
   CHECK(saysOneOf(whatIsMissing(record), "they were not written"));
+}
+
+TEST_CASE("of many edits that come at once a full disk leaves all but the last block that fits") {
+  const ScratchFolder folder;
+  constexpr std::uint32_t kEdits = 100'000;
+  const int told = inProcessWithSmallFiles(614'400, [&] {
+    SessionWriter writer(folder / "log", "a text");
+    EditBatch all;
+    for (std::uint32_t i = 0; i < kEdits; ++i) all.points.push_back({.id = i});
+    writer.add(all);
+    writer.add(tickAt(0));
+    try {
+      writer.finish(77);
+      return 0;
+    } catch (const FileError&) {
+      return 1;
+    }
+  });
+  CHECK(told == 1);
+  const SessionRecord record = readSessionLog(folder / "log");
+  REQUIRE(record.edits.points.size() > 16'000);  // of 17,000 that there is room for
+  CHECK(record.edits.points.back().number() == record.edits.points.size() - 1);
+  CHECK(record.ticks.size() == 1);
+  CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());
 }
 
 TEST_CASE("once there is room again the log goes on, and says what it has not") {
