@@ -92,13 +92,16 @@ TEST_CASE("a probe that slides through the dent never falls through") {
   const Scene scene = makeScene("sphere", 30'000);
   const Played dent = sculpt(scene, brush(BrushKind::push), along(down(10), 50, 50));
   CpuTouch touch(dent.cloud, {.radius = scene.radius});
-  // The bottom is part of a ball about (0, 0, 46.5); the HIP goes 0.8 below it, along two arcs.
-  std::vector<Pose> poses{{.hip = {0, 0, 46}}};
+  // The bottom is part of the tool's ball, which stands where the proxy had slid to; the HIP goes 0.6 below it, along
+  // two arcs.
+  const DVec3 hip = down(10).back();
+  const DVec3 center = hip + (kTau + kToolRadius) * glm::normalize(dent.last.proxy - hip);
+  std::vector<Pose> poses{{.hip = center}};
   for (const auto& [x, y] : {std::pair{1.0, 0.0}, std::pair{0.6, 0.8}})
     for (int k = 0; k <= 400; ++k) {
       const double angle = 0.9 * std::sin(k * 2 * 3.14159265 / 400);
       const DVec3 away(x * std::sin(angle), y * std::sin(angle), -std::cos(angle));
-      poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = DVec3(0, 0, 46.5) + 6.6 * away});
+      poses.push_back({.time_s = kTick_s * double(poses.size()), .hip = center + 6.6 * away});
     }
   const Played felt = play(touch, dent.cloud, poses);
   CHECK(felt.touched >= poses.size() - 2);
