@@ -139,11 +139,14 @@ TEST_CASE_FIXTURE(EditFixture, "a spring no longer than tau moves nothing") {
 
 TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, keep a unit normal") {
   PointCloud cloud;
-  cloud.positions.assign(3000, Vec3(0, 0, 0));
+  // GPU-assisted validation searches all buffers at each access, and lavapipe ends the loops of an invocation at 65,535
+  // rounds: no more points here than it gets through.
+  constexpr std::size_t kHeap = 700;
+  cloud.positions.assign(kHeap, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
   const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
-  CHECK(moved.entries.size() > 3000);
+  CHECK(moved.entries.size() > kHeap);
   for (const Vec4& normal : moved.normals) {
     CHECK(isFinite(normal));
     CHECK(glm::length(Vec3(normal)) == doctest::Approx(1));
