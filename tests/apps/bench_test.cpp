@@ -199,7 +199,7 @@ TEST_CASE("bench edit tells what compactions cost where there are few spare slot
   const ScratchFolder folder;
   const std::string json = (folder / "c.json").string();
   const Outcome outcome =
-      palpate("bench edit --sizes 20000 --touched 100 --index incremental --spare 300 --repeat 60 --json " + json);
+      palpate("bench edit --sizes 20000 --touched 300 --index incremental --spare 100 --repeat 100 --json " + json);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto cost = jsonOf(json)["edit"]["costs"][0];
   CHECK(cost["compactions"] > 0);
