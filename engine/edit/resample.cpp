@@ -33,7 +33,8 @@ Resample::Resample(Device& device, const LiveCloud& live, const HashUpdate& upda
       lists_(device, listBytes(mostWishes_), Memory::device, "resample lists"),
       spacings_(Buffer::of<float>(device, live.count(), Memory::device, "target spacings")),
       looks_(Buffer::of<std::uint32_t>(device, live.slots(), Memory::device, "looks")),
-      rests_(Buffer::of<Vec3>(device, live.slots(), Memory::device, "rests")),
+      // One to spare: GPU-assisted validation takes the last three words of a buffer for more than they are.
+      rests_(Buffer::of<Vec3>(device, live.slots() + 1, Memory::device, "rests")),
       reaches_(Buffer::of<float>(device, live.slots() - live.count(), Memory::device, "reaches")),
       report_(Buffer::of<shared::Resampling>(device, 1, Memory::readback, "resample report")) {
   report_.mapped<shared::Resampling>()[0] = {};
@@ -77,7 +78,7 @@ void Resample::recordWishes(CommandList& list, const Io& io, DeviceAddress chang
 }
 
 std::uint64_t Resample::predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes) {
-  return listBytes(mostWishes) + kWord * (points + slots) + sizeof(Vec3) * slots + sizeof(float) * (slots - points);
+  return listBytes(mostWishes) + kWord * (points + slots) + sizeof(Vec3) * (slots + 1) + sizeof(float) * (slots - points);
 }
 
 }  // namespace palpate
