@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/touch.hpp"
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/saving.hpp"
 #include "engine/core/atomic_file.hpp"
@@ -214,6 +215,7 @@ void Viewer::install(std::unique_ptr<Session> session) {
   session_ = std::move(session);
   view_.mesh = false;
   drag_ = Drag::none;
+  toolRemark_.clear();
   saveQuestion_.reset();
   if (!session_) return;
   saveFile_ = session_->file();
@@ -348,6 +350,16 @@ void Viewer::applySettings() {
     session_->setFeel(feel_);
     if (recorded && !session_->isRecording()) say("the recording has ended: a log has one tool");
   });
+  remarkOnTool();
+}
+
+// Once for each tool that edits nothing, and again with each press of it.
+void Viewer::remarkOnTool() {
+  const ToolSettings& tool = session_->tool();
+  const Model& model = session_->model();
+  const std::string remark =
+      tool.brush ? tooSmallTool(tool.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])") : std::string();
+  if (remark != std::exchange(toolRemark_, remark) && !remark.empty()) say(remark);
 }
 
 void Viewer::exportTicks() {

@@ -83,6 +83,7 @@ class Viewer {
   void usePush(double dt_s);
   std::optional<DVec3> placeUnderCursor() const;
   void applySettings();
+  void remarkOnTool();
   void updateMesh();
   void draw(double dt_s);
   FrameOptions frameOptions() const;
@@ -169,7 +170,7 @@ class Viewer {
     Stopwatch since;
   };
   std::deque<Message> messages_;
-  std::string lastMessage_;
+  std::string lastMessage_, toolRemark_;
   std::deque<float> pictures_ms_;
   std::uint64_t pictures_ = 0, scenes_ = 0;  // shown; for which that of the model was made
   bool madeScene_ = false;                   // in this step

@@ -140,6 +140,7 @@ void Viewer::handleButton(const ButtonEvent& event) {
   const bool left = event.button == MouseButton::left;
   if (stylus_ && left) {
     pressing_ = true;
+    toolRemark_.clear();
     extraPress_mm_ = 0;
     drag_ = Drag::press;
     return;
