@@ -58,27 +58,42 @@ void addBackendOptions(CLI::App& sub, BackendOptions& options) {
   const auto choice = [&](const char* name, std::string& value, std::vector<std::string> values, const char* what) {
     sub.add_option(name, value, what)->check(CLI::IsMember(std::move(values)))->capture_default_str();
   };
-  choice("--backend", options.backend, backendChoices(),
-         "what answers: vulkan; cuda, for comparison, where palpate was built with it; or cpu, the same loop in double "
-         "precision without a GPU");
+  std::vector<std::string> backends = backendChoices();
+  backends.insert(backends.begin(), "auto");
+  choice("--backend", options.backend, std::move(backends),
+         "what answers: vulkan, a GPU; cpu, the same loop in double precision without one; auto, vulkan where there is "
+         "a GPU and cpu where there is none but a software driver (the report says which); cuda, for comparison, where "
+         "palpate was built with it");
   sub.add_option("--method", options.method,
                  "how neighbours are found on a GPU: fused (default), gather, surface and proxy in one dispatch; "
                  "indirect, one launch by the GPU for the buckets that hold points; naive, one for each bucket; "
                  "two-step, counts first and the host launches; brute, looks at every point; with cuda " +
                      fmt::format("{}", fmt::join(cudaMethods(), ", ")));
+  choice("--index", options.index, {"incremental", "rebuild"},
+         "how the index follows an edit, in the same tick: incremental, at the cost of what the edit touched (edits of "
+         "a sixteenth of the points and more still rebuild it), or rebuild, whole (as cpu and cuda always do; the "
+         "report says what ran)");
+  addIndexOptions(sub, options);
+}
+
+void addSurfaceOptions(CLI::App& sub, BackendOptions& options) {
   sub.add_option("--surface", options.surface,
                  "what the points define: average (default), weighted position and normal, which sinks into curvature; "
                  "sphere, an algebraic sphere that fits places and normals; sharp, the same with a sense for edges, in "
                  "three times the time (cuda has average alone)")
       ->check(CLI::IsMember(surfaceChoices()));
   sub.add_option("--friction", options.friction, "coefficient of a proxy that slides; 0 is none")
-      ->check(notNegative())
+      ->check(between(0, bounds::kMostFriction))
       ->capture_default_str();
-  choice(
-      "--index", options.index, {"incremental", "rebuild"},
-      "how the index follows an edit, in the same tick: incremental, at the cost of what the edit touched (edits of a "
-      "sixteenth of the points and more still rebuild it), or rebuild, whole");
-  addIndexOptions(sub, options);
+  addRadiusOption(sub, options);
+}
+
+void addRadiusOption(CLI::App& sub, BackendOptions& options) {
+  sub.add_option("--radius", options.radius,
+                 "support radius of the surface, mm, or auto (4 spacings, place by place where they differ; up to 8 on "
+                 "flat places of clouds whose points are noisier than an eighth of a spacing, as info measures it)")
+      ->check(lengthOrAuto())
+      ->capture_default_str();
 }
 
 void addIndexOptions(CLI::App& sub, BackendOptions& options) {
@@ -97,14 +112,10 @@ void addIndexOptions(CLI::App& sub, BackendOptions& options) {
   choice("--ahead", options.ahead, {"auto", "on", "off"},
          "submit each question before the hand has moved, so that it waits on the GPU for the place: auto (where the "
          "driver is known for it), on or off");
-  sub.add_option("--radius", options.radius,
-                 "support radius of the surface, mm, or auto (4 spacings, place by place where they differ; up to 8 on "
-                 "flat places of clouds whose points are noisier than an eighth of a spacing, as info measures it)")
-      ->capture_default_str();
   auto* cell = sub.add_option("--cell", options.cell_mm, "edge of a hash cell, mm (default: the support radius)")
-                   ->check(positive());
+                   ->check(between(bounds::kShortest_mm, bounds::kLongest_mm));
   sub.add_option("--grid", options.grid, "hash cells along the longest side, instead of --cell")
-      ->check(positive())
+      ->check(between(1, bounds::kMostCells))
       ->excludes(cell);
 }
 
@@ -119,11 +130,11 @@ void addToolOptions(CLI::App& sub, BackendOptions& options) {
       ->capture_default_str();
   sub.add_option("--tool-points", options.toolPoints,
                  fmt::format("of a pad, ball or spatula (default {})", kUsualToolPoints))
-      ->check(between(1, static_cast<double>(kMostToolPoints)))
+      ->check(wholeBetween(1, static_cast<double>(kMostToolPoints)))
       ->type_name("N");
   sub.add_option("--tool-size", options.toolSize_mm,
                  fmt::format("diameter of a pad or ball, length of a spatula, mm (default {})", kUsualToolSize_mm))
-      ->check(positive());
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm));
   sub.add_option("--tool-axis", options.toolAxis,
                  "where the face of a pad or spatula looks while the stylus is not turned, X,Y,Z in the model's axes "
                  "(default 0,0,-1)")
@@ -145,6 +156,15 @@ ToolShape toolShape(const BackendOptions& options, const ModelScale& scale) {
   if (options.toolAxis.empty()) return tool;
   const auto axis = parseList<double, 3>(options.toolAxis, ',', "--tool-axis", "X,Y,Z");
   return facing(std::move(tool), {axis[0], axis[1], axis[2]});
+}
+
+std::string chooseBackend(const Context& context, const BackendOptions& options) {
+  if (options.backend != "auto") return options.backend;
+  const bool vulkansMethod =
+      std::ranges::any_of(kQueryMethods, [&](const auto& known) { return options.method == known.first; });
+  if (vulkansMethod || !options.wait.empty() || options.ahead == "on" || options.timePasses) return "vulkan";
+  if (options.method == "direct") return "cpu";
+  return context.hasRealGpu() ? "vulkan" : "cpu";
 }
 
 std::vector<std::string> backendChoices() { return {"vulkan", "cuda", "cpu"}; }

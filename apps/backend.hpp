@@ -22,15 +22,24 @@ struct BackendOptions {
   bool paintable = false;                   ///< keeps colours for a brush that comes later; no option of a session
   std::optional<std::uint32_t> spareSlots;  ///< of an index that follows edits; no option of a session
 };
+/// Who answers, by which method, and how it is waited for.
 void addBackendOptions(CLI::App& command, BackendOptions& options);
+/// What the points define, and how it is felt: --surface, --friction and --radius. addBackendOptions() does not add
+/// them.
+void addSurfaceOptions(CLI::App& command, BackendOptions& options);
+void addRadiusOption(CLI::App& command, BackendOptions& options);
 /// What touches: --tool and what it looks like. addBackendOptions() does not add them.
 void addToolOptions(CLI::App& command, BackendOptions& options);
 inline constexpr std::size_t kUsualToolPoints = 16;
 inline constexpr double kUsualToolSize_mm = 10;
 /// The tool that the options ask for, model units; without points where it is a single one. Throws UsageError.
 ToolShape toolShape(const BackendOptions& options, const ModelScale& scale);
-/// Those of them that say how the index is laid out and built, and how the GPU is waited for.
+/// How the index is laid out and built, and how the GPU is waited for; addBackendOptions() adds them, too.
 void addIndexOptions(CLI::App& command, BackendOptions& options);
+/// The back end that answers: the one that is named or, for `auto`, what the other options leave: Vulkan on a GPU, and
+/// the CPU where there is none or only a software driver, which is slower than the CPU by far and feels the same.
+/// Throws GpuError for a GPU that is asked for by name and not there.
+std::string chooseBackend(const Context& context, const BackendOptions& options);
 /// The back ends and the surfaces that this program has, and the methods of one back end.
 std::vector<std::string> backendChoices();
 std::vector<std::string> surfaceChoices();

@@ -35,7 +35,7 @@ bool BenchOptions::wants(std::string_view name) const { return std::ranges::find
 void addSubjectOptions(CLI::App& bench, BenchOptions& options) {
   bench.add_option("--models,--model", options.models, "PLY files")->type_name("FILE...");
   bench.add_option("--sizes", options.sizes, "numbers of points; a sculpture is made for each")
-      ->check(between(1, 2e9))
+      ->check(wholeBetween(1, 2e9))
       ->type_name("N...");
 }
 
@@ -52,7 +52,7 @@ void addMethodsOption(CLI::App& bench, BenchOptions& options, const std::string&
 
 void addRepeatOptions(CLI::App& bench, BenchOptions& options) {
   bench.add_option("--repeat", options.repeat, "repetitions of each measurement")
-      ->check(between(1, 1e9))
+      ->check(wholeBetween(1, bounds::kMostCount))
       ->capture_default_str();
   bench.add_option("--limit", options.limit_s, "s that one measurement may take, 5 repetitions at least; 0: no limit")
       ->check(between(0, bounds::kLongest_s))
@@ -67,7 +67,7 @@ void addRateOption(CLI::App& bench, BenchOptions& options) {
 
 void addFrictionOption(CLI::App& bench, BenchOptions& options) {
   bench.add_option("--friction", options.backend.friction, "coefficient of a proxy that slides")
-      ->check(notNegative())
+      ->check(between(0, bounds::kMostFriction))
       ->capture_default_str();
 }
 

@@ -280,10 +280,10 @@ void addOptions(CLI::App& bench, CoexistBenchOptions& options) {
   addListOption(bench, "--situations", options.situations,
                 "touch alone or beside a cloud that is drawn, and with or without sculpting");
   bench.add_option("--touched", options.touched, "points that an edit is to touch; the tool is as large as that takes")
-      ->check(between(1, 1e8))
+      ->check(wholeBetween(1, 1e8))
       ->capture_default_str();
   bench.add_option("--duration", options.duration_s, "of each stroke, s")
-      ->check(between(1e-3, bounds::kLongest_s))
+      ->check(between(bounds::kShortest_s, bounds::kLongest_s))
       ->capture_default_str();
   addRateOption(bench, options);
   bench.add_option("--size", options.size, "of the pictures, width x height, pixels")->capture_default_str();
@@ -292,6 +292,7 @@ void addOptions(CLI::App& bench, CoexistBenchOptions& options) {
                    "draw on this GPU, by number or part of its name; edits get there through the host");
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda tells nobody of its edits
   addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
 }
 

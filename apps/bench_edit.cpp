@@ -281,14 +281,14 @@ void addOptions(CLI::App& bench, EditBenchOptions& options) {
   bench
       .add_option("--touched", options.touched,
                   "numbers of points that an edit is to touch; the tool is as large as that takes")
-      ->check(between(1, 1e8))
+      ->check(wholeBetween(1, 1e8))
       ->type_name("K...")
       ->capture_default_str();
   bench
       .add_option("--spare", options.spareSlots,
                   "slots to spare, into which new points and buckets that grow go, and which compactions win back: the "
                   "fewer, the more compactions (default: a tenth of the points)")
-      ->check(between(1, 1e8))
+      ->check(wholeBetween(1, 1e8))
       ->type_name("SLOTS");
   bench
       .add_option("--duration", options.duration_s,
@@ -301,6 +301,7 @@ void addOptions(CLI::App& bench, EditBenchOptions& options) {
   // No other tells how many points an edit touched, and what it took.
   addBackendsOption(bench, options, {"vulkan"});
   addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
   addPlotOption(bench, options, "draw steps against points, and against those that are touched");
 }

@@ -289,7 +289,7 @@ Json benchLocality(Context& context, const LocalityBenchOptions& options) {
 void addOptions(CLI::App& bench, LocalityBenchOptions& options) {
   bench.add_option("--models,--model", options.models, "PLY files")->type_name("FILE...");
   bench.add_option("--sizes", options.sizes, "points of the built-in clouds (default: 15000)")
-      ->check(between(1, 2e9))
+      ->check(wholeBetween(1, 2e9))
       ->type_name("N...");
   for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
   std::vector<std::string> clouds = options.clouds;
@@ -304,14 +304,15 @@ void addOptions(CLI::App& bench, LocalityBenchOptions& options) {
   addListOption(bench, "--gestures", options.gestures, "a press that is held, a slide of 20 mm");
   bench.add_option("--hold", options.hold_s, "s that a press is held")->check(between(0, 60))->capture_default_str();
   bench.add_option("--tool-radius", options.toolRadius_mm, "of the brush, mm")
-      ->check(positive())
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       ->capture_default_str();
   bench.add_option("--depth", options.depth_mm, "of the HIP below the unmoved surface, mm")
-      ->check(positive())
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       ->capture_default_str();
   addFrictionOption(bench, options);
   options.backends = {"vulkan", "cpu"};
   addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda tells nobody of its edits
+  addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
 }
 

@@ -201,7 +201,7 @@ Json benchMesh(Context& context, const MeshBenchOptions& options) {
 void addOptions(CLI::App& bench, MeshBenchOptions& options) {
   addSubjectOptions(bench, options);
   bench.add_option("--lattice", options.lattices, "cells along the longest side")
-      ->check(between(1, kFinestLattice))
+      ->check(wholeBetween(1, kFinestLattice))
       ->type_name("N...")
       ->capture_default_str();
   std::vector<std::string> surfaces;
@@ -213,7 +213,7 @@ void addOptions(CLI::App& bench, MeshBenchOptions& options) {
   for (const std::string_view name : shapeNames()) options.shapes.emplace_back(name);
   addListOption(bench, "--shapes", options.shapes, "that the mesh is held against");
   bench.add_option("--truth-points", options.truthPoints, "points of those shapes; 0: none")
-      ->check(between(0, 1e8))
+      ->check(wholeBetween(0, 1e8))
       ->capture_default_str();
   addRepeatOptions(bench, options);
   addBackendsOption(bench, options, {"vulkan"});

@@ -352,7 +352,7 @@ void addOptions(CLI::App& bench, SplatBenchOptions& options) {
       .add_option("--mesh", options.meshes,
                   "draws marching cubes, too, with so many cells along the longest side, from the same clouds and "
                   "cameras; one table of all ways")
-      ->check(between(1, kFinestLattice))
+      ->check(wholeBetween(1, kFinestLattice))
       ->delimiter(',')
       ->type_name("N,...");
   bench

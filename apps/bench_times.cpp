@@ -113,18 +113,21 @@ void addOptions(CLI::App& bench, TimeBenchOptions& options) {
   bench
       .add_option("--tool-points", options.toolPoints,
                   "at rest with tools of so many points, too, by the method fused and the CPU")
-      ->check(between(1, static_cast<double>(kMostToolPoints)))
+      ->check(wholeBetween(1, static_cast<double>(kMostToolPoints)))
       ->delimiter(',')
       ->type_name("N,...");
   bench.add_option("--tool", options.tool, "which tool")
       ->check(CLI::IsMember({"pad", "ball", "spatula"}))
       ->capture_default_str();
-  bench.add_option("--tool-size", options.toolSize_mm, "as in touch, mm")->check(positive())->capture_default_str();
+  bench.add_option("--tool-size", options.toolSize_mm, "as in touch, mm")
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm))
+      ->capture_default_str();
   addRepeatOptions(bench, options);
   addRateOption(bench, options);
   bench.add_option("--moved", options.movedShare, "share of the points that move to another cell first")
       ->check(between(0, 1))
       ->capture_default_str();
+  addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
   addPlotOption(bench, options, "draw times against points, a line for each way");
 }

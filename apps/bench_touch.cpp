@@ -129,16 +129,6 @@ std::vector<StabilityJudgement> judgeStability() {
   return judgements;
 }
 
-// On a real GPU that answers; the CPU where there is none, or only a software driver, which is slower than the CPU back
-// end by far and feels the same.
-std::string ownTouchBackend(Context& context) {
-  try {
-    return context.device().isCpu() ? "cpu" : "vulkan";
-  } catch (const Error&) {
-    return "cpu";
-  }
-}
-
 Json benchTouch(Context& context, const TouchBenchOptions& options) {
   if (options.models.empty() != options.truthFile.empty())
     throw UsageError("bench touch: --models and --truth go together; without both, shapes are felt");
@@ -180,7 +170,7 @@ void addOptions(CLI::App& bench, TouchBenchOptions& options) {
       "clouds that are exact, have positions noisy by so many spacings, or normals estimated from the points, "
       "are ten times sparser at one end, lie 1e6 mm from the origin");
   bench.add_option("--sizes", options.sizes, "numbers of points of the shapes (default: 200000)")
-      ->check(between(1, 2e9))
+      ->check(wholeBetween(1, 2e9))
       ->type_name("N...");
   bench.add_option("--models,--model", options.models, "scans that are felt instead, with --truth")
       ->type_name("FILE...");
@@ -190,6 +180,7 @@ void addOptions(CLI::App& bench, TouchBenchOptions& options) {
   addListOption(bench, "--surface", options.surfaces, "surfaces that are judged");
   addFrictionOption(bench, options);
   addMethodsOption(bench, options, "how neighbours are found (default: the back end's own choice)");
+  addRadiusOption(bench, options.backend);
   addIndexOptions(bench, options.backend);
   addPlotOption(bench, options, "draw a page of what was found");
 }
@@ -211,7 +202,7 @@ void addTouchBench(CLI::App& bench, Context& context, Command& command) {
       "path twice, and the CPU against the back end.\n");
   sub->callback([&, options, backends] {
     command = [&context, options, chosen = backends->count() > 0] {
-      if (!chosen) options->backends = {ownTouchBackend(context)};
+      if (!chosen) options->backends = {chooseBackend(context, {.backend = "auto"})};
       measureAlone(
           context, *options, "touch", [&] { return benchTouch(context, *options); }, PlotScript::touch);
     };

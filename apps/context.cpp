@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "engine/core/atomic_file.hpp"
+#include "engine/gpu/device_lookup.hpp"
 
 namespace palpate {
 
@@ -15,7 +16,8 @@ void Context::addOptions(CLI::App& app) {
       ->type_name("FILE|-")
       ->check([](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; });
   app.add_option("--threads", threads_,
-                 "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)");
+                 "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)")
+      ->check(wholeBetween(0, bounds::kMostThreads));
   app.add_flag("--quiet", quiet_, "no remarks and no progress; results are still printed");
 }
 
@@ -29,6 +31,16 @@ Device& Context::device() {
     device_ = std::make_unique<Device>(
         DeviceOptions{.gpu = gpu_, .validate = validate_, .queues = queues_, .shows = shows_, .windowExtensions = windowExtensions_});
   return *device_;
+}
+
+bool Context::hasRealGpu() const {
+  if (device_) return !device_->isCpu();
+  try {
+    return gpuFor({.gpu = gpu_}).type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+  } catch (const GpuError&) {
+    if (!gpu_.empty()) throw;
+    return false;
+  }
 }
 
 Device& Context::sightDevice(const std::string& gpu) {
@@ -74,31 +86,47 @@ std::size_t Context::closeDevices() {
 
 namespace {
 
-CLI::Validator numberCheck(std::string wanted, std::function<bool(double)> fits) {
+// The number that all of the text is; nothing where it is none, or none that can be counted with.
+std::optional<double> finiteNumber(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || last != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+CLI::Validator check(std::string wanted, std::function<bool(const std::string&)> fits) {
   return CLI::Validator(
-      [wanted, fits = std::move(fits)](std::string& text) {
-        double value = 0;
-        const char* end = text.data() + text.size();
-        const auto [last, error] = std::from_chars(text.data(), end, value);
-        const bool number = error == std::errc() && last == end && std::isfinite(value);
-        return number && fits(value) ? std::string() : fmt::format("{} is not {}", text, wanted);
+      [wanted = std::move(wanted), fits = std::move(fits)](std::string& text) {
+        return fits(text) ? std::string() : fmt::format("{} is not {}", text, wanted);
       },
       std::string(), "number");
 }
 
+bool isBetween(const std::string& text, double least, double most) {
+  const auto value = finiteNumber(text);
+  return value && *value >= least && *value <= most;
+}
+
 }  // namespace
 
-CLI::Validator positive() {
-  return numberCheck("a number above 0", [](double value) { return value > 0; });
-}
-
-CLI::Validator notNegative() {
-  return numberCheck("0 or a number above it", [](double value) { return value >= 0; });
-}
-
 CLI::Validator between(double least, double most) {
-  return numberCheck(fmt::format("a number from {} to {}", least, most),
-                     [least, most](double value) { return value >= least && value <= most; });
+  return check(fmt::format("a number from {} to {}", least, most),
+               [least, most](const std::string& text) { return isBetween(text, least, most); });
+}
+
+CLI::Validator wholeBetween(double least, double most) {
+  return check(fmt::format("a whole number from {:.0f} to {:.0f}", least, most),
+               [least, most](const std::string& text) {
+                 return isBetween(text, least, most) && text.find_first_not_of("+-0123456789") == text.npos;
+               });
+}
+
+CLI::Validator lengthOrAuto() {
+  return check(fmt::format("auto or a length from {} to {} mm", bounds::kShortest_mm, bounds::kLongest_mm),
+               [](const std::string& text) {
+                 return text == "auto" || isBetween(text, bounds::kShortest_mm, bounds::kLongest_mm);
+               });
 }
 
 void checkStdout() {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "apps/bounds.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/vec.hpp"
 #include "engine/gpu/device.hpp"
@@ -22,6 +23,9 @@ class Context {
   Log& log();
   /// The GPU that --gpu or PALPATE_GPU names, opened at first use.
   Device& device();
+  /// Whether the GPU that device() opens is one, and not a software driver. Opens nothing. False where there is none
+  /// that palpate could use; throws GpuError where one is asked for by name.
+  bool hasRealGpu() const;
   /// Another GPU, for sight alone, that `gpu` names (DeviceOptions), opened at its first use. The same one each time.
   Device& sightDevice(const std::string& gpu);
   /// GPUs that are opened from now on can show pictures in windows of a system that needs these instance extensions.
@@ -58,10 +62,12 @@ class Context {
   std::unique_ptr<Device> device_, sightDevice_;
 };
 
-/// Checks of numbers on the command line, with messages a person can read. Not-a-number and infinity never pass.
-CLI::Validator positive();
-CLI::Validator notNegative();
+/// Checks of numbers on the command line, with messages that say the bounds. Not-a-number and infinity never pass.
 CLI::Validator between(double least, double most);
+/// The same of a number without a fraction.
+CLI::Validator wholeBetween(double least, double most);
+/// A length in mm, or the word auto.
+CLI::Validator lengthOrAuto();
 
 /// What main() runs after the command line has been read.
 using Command = std::function<void()>;

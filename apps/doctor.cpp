@@ -243,7 +243,7 @@ void addDoctor(CLI::App& app, Context& context, Command& command) {
       sub->add_option("--servo", options->servo_s,
                       "run the servo loop for so many seconds with nothing to do, and say how many ticks this machine "
                       "misses by itself")
-          ->check(positive());
+          ->check(between(bounds::kShortest_s, bounds::kLongest_s));
   sub->add_option("--rate", options->rate_Hz, "ticks per second of --servo")
       ->check(between(1, 100'000))
       ->needs(servo)

@@ -1,4 +1,5 @@
 #include "apps/context.hpp"
+#include "apps/progress.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/ply_writer.hpp"
 #include "engine/cloud/saving.hpp"
@@ -10,7 +11,8 @@ namespace {
 
 constexpr std::int64_t kDefaultPoints = 500'000;
 constexpr double kMostPoints = 2'000'000'000;
-constexpr double kLargestCoordinate = 1e29;  // what a reader still takes for a number
+constexpr double kSmallestSize = 1e-12, kLargestSize = 1e15;  // model units
+constexpr double kFarthest = 1e28;                            // from the origin, model units
 
 struct MakeOptions {
   std::string shape, output, center = "0,0,0";
@@ -23,17 +25,21 @@ struct MakeOptions {
 void make(Context& context, const MakeOptions& options) {
   const Stopwatch watch;
   const DVec3 center = parseVec3(options.center, "--center");
-  const double farthest = glm::length(center) + options.size + 8 * options.noise;
-  if (!(farthest < kLargestCoordinate) || options.size < 1e-30)
-    throw UsageError("make: --center, --size and --noise give coordinates that no file can hold");
+  if (!(glm::length(center) <= kFarthest))
+    throw UsageError("--center: {} lies farther from the origin than {} units", options.center, kFarthest);
   context.checkWritable(options.output);
   const auto shape = makeShape(options.shape, options.size, center);
+  Progress progress(context.log(), options.output);
+  constexpr double kSampling = 0.6;  // of the time, about
   PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
                                           .seed = static_cast<std::uint64_t>(options.seed),
                                           .noise = options.noise,
-                                          .threads = context.threads()});
+                                          .threads = context.threads(),
+                                          .progress = [&](double share) { progress.set(kSampling * share); }});
   markAsOurs(cloud);
-  writePly(options.output, cloud, {.ascii = options.ascii});
+  writePly(options.output, cloud, {.ascii = options.ascii, .progress = [&](double share) {
+                                     progress.set(kSampling + (1 - kSampling) * share);
+                                   }});
   context.log().say("{}: {} points of {} in {:.2f} s", options.output, cloud.size(), options.shape, watch.elapsed_s());
   context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});
 }
@@ -47,17 +53,19 @@ void addMake(CLI::App& app, Context& context, Command& command) {
   for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub->add_option("shape", options->shape, "one of " + names)->required()->type_name("SHAPE");
   sub->add_option("-n,--points", options->count, "number of points")
-      ->check(between(0, kMostPoints))
+      ->check(wholeBetween(0, kMostPoints))
       ->capture_default_str();
   sub->add_option("-o,--output", options->output, "PLY file to write")->required()->type_name("FILE");
   sub->add_option("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
-      ->check(notNegative())
+      ->check(wholeBetween(0, bounds::kMostSeed))
       ->capture_default_str();
   sub->add_option("--noise", options->noise, "deviation of the positions from the surface along each axis, model units")
-      ->check(notNegative())
+      ->check(between(0, kLargestSize))
       ->capture_default_str();
   sub->add_option("--center", options->center, "x,y,z of the middle, model units")->capture_default_str();
-  sub->add_option("--size", options->size, "longest side, model units")->check(positive())->capture_default_str();
+  sub->add_option("--size", options->size, "longest side, model units")
+      ->check(between(kSmallestSize, kLargestSize))
+      ->capture_default_str();
   sub->add_flag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub->callback([&, options] { command = [&context, options] { make(context, *options); }; });
 }

@@ -1,4 +1,5 @@
 #include "apps/mesh_options.hpp"
+#include "apps/progress.hpp"
 #include "engine/core/clock.hpp"
 
 namespace palpate {
@@ -27,13 +28,17 @@ void mesh(Context& context, const MeshCommandOptions& options) {
   context.checkWritable(options.output);
   const Model model = loadModel(context, options.model, EstimateOn::gpu);
   if (model.cloud.empty()) throw FileError(options.model.file, "has no points; there is nothing to mesh");
+  Progress progress(context.log(), options.output);
   const MeshPlan plan = planFor(model, options.choices);
   const MeshMemory predicted = predictMeshMemory(model.cloud, plan);
   MarchingCubes cubes = makeCubes(context, model, plan);
+  progress.set(0.2);
   const Stopwatch watch;
   const MeshStep step = cubes.build();
   const double wall_us = watch.elapsed_us();
+  progress.set(0.7);
   const Mesh result = cubes.download();
+  progress.set(0.8);
   if (result.triangles.empty())
     throw Error("{}: {} points show no surface within {:.3g} mm of one another; try a larger --radius",
                 options.model.file, model.cloud.size(), model.scale.toMm(static_cast<double>(plan.lattice.radius)));

@@ -16,7 +16,7 @@ std::vector<std::string> surfaceNames() {
 
 void addMeshOptions(CLI::App& command, MeshChoices& choices) {
   command.add_option("--lattice", choices.lattice, "cells along the longest side of the model")
-      ->check(between(1, kFinestLattice))
+      ->check(wholeBetween(1, kFinestLattice))
       ->capture_default_str();
   command
       .add_option(
@@ -28,6 +28,7 @@ void addMeshOptions(CLI::App& command, MeshChoices& choices) {
   command
       .add_option("--radius", choices.radius,
                   "support radius, mm, or auto: four spacings; at least 2.5 cells in any case")
+      ->check(lengthOrAuto())
       ->capture_default_str();
 }
 

@@ -21,7 +21,7 @@ void addModelOptions(CLI::App& command, ModelOptions& options) {
   command
       .add_option("--mm-per-unit", options.mm_per_unit,
                   "millimetres per model unit (default: the longest side becomes 100 mm)")
-      ->check(positive());
+      ->check(between(bounds::kLeastScale, bounds::kMostScale));
   command
       .add_option("--normals", options.normals,
                   "keep: the file's, estimated where it has none; estimate: from the points; face: from the faces")

@@ -239,7 +239,7 @@ void addReplay(CLI::App& app, Context& context, Command& command) {
       ->type_name("MODEL");
   sub->add_option("--tolerance", options->tolerance,
                   "largest difference that counts as none, N for forces and mm for points (0: the same bits)")
-      ->check(notNegative())
+      ->check(between(0, bounds::kLongest_mm))
       ->capture_default_str();
   sub->add_flag("--recover", options->recover, "run nothing: only do what was done to the points, and --save them");
   sub->add_option("--save", options->saveFile, "the points as the recorded edits leave them")->type_name("OUT.ply");

@@ -86,16 +86,14 @@ void addStylusOptions(CLI::App& sub, StylusOptions& options) {
       ->check(CLI::IsMember({"fit", "identity"}))
       ->capture_default_str();
   sub.add_option("--hand-stiffness", options.handStiffness_N_per_mm, "of the simulated hand, N/mm (default 0.4)")
-      ->check(positive());
+      ->check(between(bounds::kLeastStiffness_N_per_mm, bounds::kMostStiffness_N_per_mm));
   sub.add_option("--hand-damping", options.handDamping_N_s_per_mm, "of the simulated hand, N s/mm (default 0.002)")
-      ->check(positive());
+      ->check(between(1e-9, bounds::kMostDamping_N_s_per_mm));
   sub.add_option("--passivity", options.passivity,
                  "what to do when the surface gives more energy than it took: on, brake; observe, count only; off "
                  "(default: on where a hand yields to the force, off for a script, which cannot be braked)")
       ->check(CLI::IsMember({"on", "off", "observe"}));
   sub.add_flag("--rumble", options.rumble, "a DualSense on a cable rumbles at each contact, whatever the device");
-  sub.add_option("--duration", options.duration_s, "of the session, s (default: as long as the path)")
-      ->check(positive());
 }
 
 void checkStylusOptions(const StylusOptions& options, bool realtime) {

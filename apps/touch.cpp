@@ -4,6 +4,7 @@
 
 #include "apps/followers.hpp"
 #include "apps/probe_overlays.hpp"
+#include "apps/progress.hpp"
 #include "apps/session_text.hpp"
 #include "apps/touch_report.hpp"
 #include "engine/cloud/edited_cloud.hpp"
@@ -119,6 +120,31 @@ SecondHandReport secondReport(const std::string& device, const SecondResult& res
   return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
 }
 
+/// Counts the ticks for the bar, and passes them on.
+class ShownTicks final : public TickRecorder {
+ public:
+  /// `next` may be null.
+  ShownTicks(Log& log, double duration_s, TickRecorder* next)
+      : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)), next_(next) {}
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
+    if (next_) next_->ticked(row, device);
+    progress_.set(row.time_s / duration_s_);
+  }
+
+ private:
+  Progress progress_;
+  double duration_s_;
+  TickRecorder* next_;
+};
+
+/// Settles what answers, also for the session log, which names it.
+void chooseBackend(const Context& context, CLI::App& command, BackendOptions& options) {
+  options.backend = palpate::chooseBackend(context, options);
+  CLI::Option* named = command.get_option("--backend");
+  named->clear();
+  named->add_result(options.backend);
+}
+
 ServoResult play(ServoLoop& loop, Followers& followers, const TouchCommandOptions& options) {
   const StopBySignal stop;
   return loop.run(followers.begin(options.rate_Hz, options.realtime));
@@ -139,6 +165,11 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
   if (!options.secondDevice.empty())
     second = stylusFor(context, model, options, secondStylus(options.stylus, options.secondDevice), options.secondPath);
   const auto brush = brushOptions(options, model.scale);
+  if (brush)
+    if (const std::string remark =
+            tooSmallTool(options.toolRadius_mm, model.scale.toMm(model.spacing), "--tool-radius");
+        !remark.empty())
+      context.log().say("{}: {}", options.model.file, remark);
   const SurfaceOptions surface = surfaceOptions(model, options.backend);
   BackendOptions backendOptions = options.backend;
   backendOptions.realtime = options.realtime;
@@ -161,6 +192,8 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                                   .law = ForceLaw(options.force, model.scale),
                                   .options = {.map = second->map, .passivity = second->passivity}});
   const double duration_s = std::max(stylus.duration_s, second ? second->duration_s : 0);
+  std::optional<ShownTicks> shown;
+  shown.emplace(context.log(), duration_s, recording ? &recording->tap() : nullptr);
   ServoLoop loop(*stylus.device, *backend, ForceLaw(options.force, model.scale),
                  {.rate_Hz = options.rate_Hz,
                   .duration_s = duration_s + 1 / options.rate_Hz,  // the path's end is a tick too
@@ -168,9 +201,10 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                   .map = stylus.map,
                   .passivity = stylus.passivity,
                   .stop = &stopRequested,
-                  .recorder = recording ? &recording->tap() : nullptr},
+                  .recorder = &*shown},
                  secondHand);
   const ServoResult result = play(loop, followers, options);
+  shown.reset();
   Outputs outputs;
   outputs.write([&] {
     if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace);
@@ -209,6 +243,7 @@ void touch(Context& context, const CLI::App& command, const TouchCommandOptions&
                      .bridge_us = summarize({bridged.begin(), bridged.end()}),
                      .shortfalls = backend->shortfalls(),
                      .compactions = backend->compactions(),
+                     .index = backend->indexWork(),
                      .movedPoints = end.edited,
                      .realtimePriority = result.realtimePriority,
                      .pacedByDevice = result.pacedByDevice,
@@ -271,7 +306,12 @@ void addTouch(CLI::App& app, Context& context, Command& command) {
       "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time). For a tool of many points, "
       "proxy - hip is the sum of the ways from the points to their proxies, each times its share of the stiffness; "
       "normal is their mean by force; and torque (x, y, z; about the HIP, mN m) follows.\n");
-  sub->callback([&, sub, options] { command = [&context, sub, options] { touch(context, *sub, *options); }; });
+  sub->callback([&, sub, options] {
+    command = [&context, sub, options] {
+      chooseBackend(context, *sub, options->backend);
+      touch(context, *sub, *options);
+    };
+  });
 }
 
 }  // namespace palpate

@@ -10,7 +10,7 @@ namespace palpate {
 
 struct TouchCommandOptions {
   ModelOptions model;
-  BackendOptions backend;
+  BackendOptions backend{.backend = "auto"};
   PictureOptions picture;
   StylusOptions stylus;
   std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
@@ -27,6 +27,10 @@ struct TouchCommandOptions {
   ForceOptions force;
 };
 void addTouchOptions(CLI::App& command, TouchCommandOptions& options);
+
+/// What would make a brush edit nothing on a cloud of that spacing, mm, in words; empty where nothing would. `control`
+/// is what sets the radius.
+std::string tooSmallTool(double radius_mm, double spacing_mm, std::string_view control);
 
 /// Throws UsageError for options that do not go together; before anything is loaded.
 void checkTouchOptions(const TouchCommandOptions& options);

@@ -8,11 +8,15 @@ namespace palpate {
 namespace {
 
 void addForceOptions(CLI::App& sub, ForceOptions& force) {
-  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")->check(notNegative())->capture_default_str();
-  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")->check(notNegative())->capture_default_str();
+  sub.add_option("--stiffness", force.stiffness_N_per_mm, "N/mm")
+      ->check(between(0, bounds::kMostStiffness_N_per_mm))
+      ->capture_default_str();
+  sub.add_option("--damping", force.damping_N_s_per_mm, "N s/mm")
+      ->check(between(0, bounds::kMostDamping_N_s_per_mm))
+      ->capture_default_str();
   sub.add_option("--max-force", force.maxForce_N,
                  "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
-      ->check(notNegative())
+      ->check(between(0, bounds::kMostForce_N))
       ->capture_default_str();
 }
 
@@ -26,7 +30,7 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
       ->check(CLI::IsMember(std::move(edits)))
       ->capture_default_str();
   sub.add_option("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")
-      ->check(notNegative())
+      ->check(between(0, bounds::kLongest_mm))
       ->capture_default_str();
   sub.add_option("--beta", options.beta,
                  "push: share of the way to the tool's surface that a point goes per tick, 0 to 1")
@@ -43,28 +47,65 @@ void addEditOptions(CLI::App& sub, TouchCommandOptions& options) {
          "--falloff", options.falloff,
          "inflate, smooth, grab, paint: how the strength falls off, (1 - r^2)^F at r tool radii from the proxy; "
          "a whole number, 0 to 16")
-      ->check(between(0, kMostFalloff))
+      ->check(wholeBetween(0, kMostFalloff))
       ->type_name("F")
       ->capture_default_str();
   sub.add_option("--paint-color", options.paintColor, "R,G,B, 0 to 255")->capture_default_str();
   sub.add_flag("--keep-points", options.keepPoints,
                "no points are put in where the surface is stretched, and none merge where it is crowded");
   sub.add_option("--tool-radius", options.toolRadius_mm, "of the round tool, mm")
-      ->check(positive())
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       ->capture_default_str();
-  sub.add_option("--save", options.saveFile,
-                 "write the edited points, with all their other properties; faces and other elements are left out, and a file "
-                 "of that name which has some, or is not palpate's, stays as OUT.ply.bak")
-      ->type_name("OUT.ply");
   sub.add_option("--undo", options.undo,
                  "take the last N strokes back once the path has ended; a stroke is all that is done in one contact")
-      ->check(between(0, 1e9))
+      ->check(wholeBetween(0, bounds::kMostCount))
       ->type_name("N");
-  sub.add_option("--redo", options.redo, "and do M of them again")->check(between(0, 1e9))->type_name("M");
+  sub.add_option("--redo", options.redo, "and do M of them again")
+      ->check(wholeBetween(0, bounds::kMostCount))
+      ->type_name("M");
   sub.add_option("--undo-memory", options.undoMemory_MiB,
                  "for the strokes that can be taken back, MiB; past it the oldest are forgotten")
-      ->check(positive())
+      ->check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
       ->capture_default_str();
+}
+
+void addPathOptions(CLI::App& sub, TouchCommandOptions& options) {
+  sub.add_option(
+         "--path", options.path,
+         "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
+         "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
+      ->capture_default_str();
+  sub.add_option("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
+      ->check(between(bounds::kShortest_mm, bounds::kLongest_mm))
+      ->capture_default_str();
+  sub.add_option("--rate", options.rate_Hz, "ticks per second")
+      ->check(between(1, bounds::kMostRate_Hz))
+      ->capture_default_str();
+  sub.add_flag("--realtime", options.realtime, "against the wall clock (default: virtual time, as fast as it goes)");
+  sub.add_option("--duration", options.stylus.duration_s, "of the session, s (default: as long as the path)")
+      ->check(between(bounds::kShortest_s, bounds::kLongest_s));
+}
+
+void addOutputOptions(CLI::App& sub, TouchCommandOptions& options) {
+  sub.add_option("--trace", options.traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
+      ->type_name("FILE.csv");
+  sub.add_option("--picture", options.pictureFile,
+                 "the model at the end, with HIP, proxy disc and force arrow: .png or .jpg")
+      ->type_name("IMG.png");
+  sub.add_option(
+         "--save", options.saveFile,
+         "write the edited points, with all their other properties; faces and other elements are left out, and a file "
+         "of that name which has some, or is not palpate's, stays as OUT.ply.bak")
+      ->type_name("OUT.ply");
+  sub.add_option("--log", options.logFile,
+                 "record the session: device poses, forces and edits, for palpate replay; what is there survives a "
+                 "crash, and on a full disk the session goes on")
+      ->type_name("SESSION");
+  sub.add_option("--trajectory", options.trajectoryFile,
+                 "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
+                 "blanks and without names in any other file")
+      ->type_name("FILE");
+  sub.add_flag("--print-tick", options.backend.timePasses, "list the passes of a tick with threads, bytes and GPU us");
 }
 
 std::array<std::uint8_t, 4> paintColor(const TouchCommandOptions& options) {
@@ -113,45 +154,30 @@ void checkSecondOptions(const TouchCommandOptions& options) {
 }  // namespace
 
 void addTouchOptions(CLI::App& command, TouchCommandOptions& options) {
+  // In the order in which somebody new needs them.
+  const auto heading = [&](const char* text) { command.option_defaults()->group(text); };
+  heading("The model");
   addModelOptions(command, options.model);
-  command
-      .add_option(
-          "--path", options.path,
-          "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
-          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
-      ->capture_default_str();
-  command.add_option("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
-      ->check(positive())
-      ->capture_default_str();
-  command.add_option("--rate", options.rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
-  command.add_flag("--realtime", options.realtime,
-                   "against the wall clock (default: virtual time, as fast as it goes)");
-  addStylusOptions(command, options.stylus);
-  addSecondOptions(command, options);
-  addBackendOptions(command, options.backend);
-  addToolOptions(command, options.backend);
+  heading("Where the hand goes");
+  addPathOptions(command, options);
+  heading("What is felt");
   addForceOptions(command, options.force);
+  addSurfaceOptions(command, options.backend);
+  heading("Sculpting");
   addEditOptions(command, options);
-  command
-      .add_option("--trace", options.traceFile, "one row per tick; in virtual time its two wall-clock columns are 0")
-      ->type_name("FILE.csv");
-  command
-      .add_option("--trajectory", options.trajectoryFile,
-                  "time, position (model units) and force (N) of each tick: with commas under names in a .csv, with "
-                  "blanks and without names in any other file")
-      ->type_name("FILE");
-  command
-      .add_option("--picture", options.pictureFile,
-                  "the model at the end, with HIP, proxy disc and force arrow: .png or .jpg")
-      ->type_name("IMG.png");
+  heading("What is written");
+  addOutputOptions(command, options);
+  heading("The picture of --picture");
   addPictureOptions(command, options.picture);
-  command
-      .add_option("--log", options.logFile,
-                  "record the session: device poses, forces and edits, for palpate replay; what is there survives "
-                  "a crash, and on a full disk the session goes on")
-      ->type_name("SESSION");
-  command.add_flag("--print-tick", options.backend.timePasses,
-                   "list the passes of a tick with threads, bytes and GPU us");
+  heading("What answers");
+  addBackendOptions(command, options.backend);
+  heading("A tool of many points");
+  addToolOptions(command, options.backend);
+  heading("Devices");
+  addStylusOptions(command, options.stylus);
+  heading("A second hand");
+  addSecondOptions(command, options);
+  heading("Options");
 }
 
 void checkTouchOptions(const TouchCommandOptions& options) {
@@ -187,6 +213,16 @@ std::optional<BrushOptions> brushOptions(const TouchCommandOptions& options, con
                           .color = paintColor(options),
                           .keepsDensity = !options.keepPoints};
   return std::nullopt;
+}
+
+std::string tooSmallTool(double radius_mm, double spacing_mm, std::string_view control) {
+  constexpr double kUseful = 2;  // spacings: some ten points
+  if (radius_mm >= spacing_mm) return {};
+  return fmt::format(
+      "a tool of {:.3g} mm is smaller than the spacing of the points, {:.3g} mm: it reaches hardly any, and edits next "
+      "to "
+      "nothing; make {} {:.2g} mm or more",
+      radius_mm, spacing_mm, control, kUseful * spacing_mm);
 }
 
 std::uint64_t undoBytes(const TouchCommandOptions& options) {

@@ -41,6 +41,12 @@ ServoReport servoReport(const ServoResult& result) {
 
 namespace {
 
+// What became of the index after its first build.
+std::string_view nameOf(const IndexWork& index) {
+  if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
+  return index.built == 0 ? "incremental" : "incremental and rebuild";
+}
+
 Json toJson(const GateCounts& withheld) {
   return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"hot_ticks", withheld.hot}};
 }
@@ -63,7 +69,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto& shortfalls = report.shortfalls;
   row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
                             report.spacing_mm, report.noise_spacings, report.radius_mm));
-  row("machine", report.machine);
+  row("machine", fmt::format("{} ({})", report.machine, report.backend));
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
   row("step p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (pose to force)", trace.step_us.p50, trace.step_us.p999));
@@ -140,9 +146,11 @@ void printReport(std::FILE* out, const TouchReport& report) {
     row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
   if (shortfalls.editsHeldUp)
     row("edits left out", fmt::format("{}: the index was being compacted", shortfalls.editsHeldUp));
-  if (report.compactions || shortfalls.editsBuiltAnew)
-    row("index", fmt::format("compacted {} times in the background, built anew for {} edits that it could not follow",
-                             report.compactions, shortfalls.editsBuiltAnew));
+  if (report.edits)
+    row("index", fmt::format("{}: followed {} edits, built anew {} times, {} for edits that it could not follow; "
+                             "compacted {} times in the background",
+                             nameOf(report.index), report.index.followed, report.index.built, shortfalls.editsBuiltAnew,
+                             report.compactions));
   if (shortfalls.thinnedTicks)
     row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
                                      shortfalls.thinnedTicks));
@@ -169,7 +177,9 @@ Json toJson(const TouchReport& report) {
       {"backend", report.backend},
       {"gpu", report.machine},
       {"method", report.method},
-      {"index", "rebuild"},
+      {"index", nameOf(report.index)},
+      {"index_followed", report.index.followed},
+      {"index_builds", report.index.built},
       {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
       {"contact_error_undefined", report.error.undefined},
       {"missed_ticks", trace.missedTicks},

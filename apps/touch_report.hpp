@@ -50,6 +50,7 @@ struct TouchReport {
   Summary edit_us, bridge_us;
   TouchShortfalls shortfalls;
   std::uint64_t compactions = 0;
+  IndexWork index;
   std::size_t movedPoints = 0;  ///< that lie elsewhere than in the file
   bool realtimePriority = false;
   bool pacedByDevice = false;

@@ -20,10 +20,15 @@ constexpr std::array<std::pair<std::string_view, ColorBy>, 4> kColors{
 
 bool Panels::noted(std::string_view name, bool result) {
   const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();
+  name = name.substr(0, name.find("##"));
   if (ImGui::IsItemVisible())
-    places_.insert_or_assign(std::string(name.substr(0, name.find("##"))), 0.5 * DVec2(from.x + to.x, from.y + to.y));
+    places_.insert_or_assign(std::string(name), 0.5 * DVec2(from.x + to.x, from.y + to.y));
+  else if (name == scrollTo_)
+    ImGui::SetScrollHereY();
   return result;
 }
+
+void Panels::scrollTo(const std::string& name) { scrollTo_ = name; }
 
 std::optional<DVec2> Panels::placeOf(const std::string& name) const {
   const auto found = places_.find(name);
@@ -70,13 +75,15 @@ bool Panels::choose(const char* label, const Names& names, Value& value) {
 }
 
 DVec2 Panels::freeWidth_px(const ViewSettings& view, double width_px) const {
-  DVec2 free(0, width_px);
-  if (!view.panels) return free;
-  free.x += double{em(kPanel_em + 2 * kMargin_em)};
-  if (view.plots) free.y -= double{em(kCurves_em + 2 * kMargin_em)};
-  // Where there is next to nothing between them, the model stands behind them.
+  const DVec2 all(0, width_px);
+  if (!view.panels) return all;
+  const DVec2 besidePanel(double{em(kPanel_em + 2 * kMargin_em)}, width_px);
+  const DVec2 between = view.plots ? besidePanel - DVec2(0, double{em(kCurves_em + 2 * kMargin_em)}) : besidePanel;
+  // Where there is next to nothing between them, the model stands behind the curves, then behind the panel as well.
   constexpr double kLeast_em = 6;
-  return free.y - free.x < double{em(kLeast_em)} ? DVec2(0, width_px) : free;
+  for (const DVec2& free : {between, besidePanel})
+    if (free.y - free.x >= double{em(kLeast_em)}) return free;
+  return all;
 }
 
 // Names that are on the command line; `now` is what auto stands for.

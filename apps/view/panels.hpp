@@ -81,6 +81,8 @@ class Panels {
 
   /// Where the last picture has what can be clicked, pixels; what is named so more than once, the last of them.
   std::optional<DVec2> placeOf(const std::string& name) const;
+  /// In the pictures to come, brings what is named so into view where a panel is scrolled away from it. Empty: nothing.
+  void scrollTo(const std::string& name);
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
   /// From where to where nothing is drawn over the model, from the left, in a window of that width, pixels.
@@ -120,6 +122,7 @@ class Panels {
   std::array<char, 512> open_{}, saveAs_{}, log_{};
   bool paused_ = false;
   std::map<std::string, DVec2> places_;
+  std::string scrollTo_;
   struct Curves {
     std::vector<float> force_N, penetration_mm, step_us, picture_ms;
   } curves_;

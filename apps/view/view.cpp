@@ -59,8 +59,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   context.showInWindows(copies ? std::vector<std::string>() : window.extensions());
   const RunningThreads ours;
   Device& touch = context.device();
-  // A software driver draws with the cores that would answer; the CPU's own way is quicker there.
-  view.session.backend.backend = options.backend != "auto" ? options.backend : touch.isCpu() ? "cpu" : "vulkan";
+  view.session.backend.backend = chooseBackend(context, {.backend = options.backend});
   if (touch.isCpu()) ours.laterOnesGiveWay();  // the driver's
   Device& sight = options.sightGpu.empty() ? touch : context.sightDevice(options.sightGpu);
   Viewer(context, window, sight, std::move(view)).run();
@@ -76,7 +75,7 @@ void addView(CLI::App& app, Context& context, Command& command) {
       ->type_name("MODEL...");
   sub->add_option("--mm-per-unit", options->mm_per_unit,
                   "millimetres per model unit (default: the longest side becomes 100 mm)")
-      ->check(positive());
+      ->check(between(bounds::kLeastScale, bounds::kMostScale));
   sub->add_option("--normals", options->normals, "keep, estimate or face, as in palpate touch")
       ->check(CLI::IsMember({"keep", "estimate", "face"}))
       ->capture_default_str();
@@ -124,9 +123,9 @@ void addView(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--edit", options->edit, "the first tool: none, push, carve, inflate, smooth, grab, paint")
       ->check(CLI::IsMember(std::move(edits)))
       ->capture_default_str();
-  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, 10'000))->capture_default_str();
+  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, bounds::kMostRate_Hz))->capture_default_str();
   sub->add_option("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")
-      ->check(positive())
+      ->check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
       ->capture_default_str();
   sub->footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to touch, and to "

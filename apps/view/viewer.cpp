@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "apps/touch.hpp"
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/saving.hpp"
 #include "engine/core/atomic_file.hpp"
@@ -122,9 +123,10 @@ void Viewer::act(const ScriptAction& action) {
   });
 }
 
-// As a person does it: goes there, presses and lets go, and then looks at what comes of it.
+// As a person does it: scrolls and goes there, presses and lets go, and then looks at what comes of it.
 void Viewer::click(const std::string& name) {
   const auto place_px = panels_.placeOf(name);
+  panels_.scrollTo(place_px ? std::string() : name);
   if (!place_px) {
     constexpr int kLooks = 20;  // in as many pictures: it may be about to come
     if (++looks_ < kLooks) {
@@ -132,6 +134,7 @@ void Viewer::click(const std::string& name) {
       return;
     }
     looks_ = 0;
+    panels_.scrollTo({});
     throw Error("'{}' cannot be clicked: nothing of that name is shown in the panels", name);
   }
   looks_ = 0;
@@ -214,6 +217,7 @@ void Viewer::install(std::unique_ptr<Session> session) {
   session_ = std::move(session);
   view_.mesh = false;
   drag_ = Drag::none;
+  toolRemark_.clear();
   saveQuestion_.reset();
   if (!session_) return;
   saveFile_ = session_->file();
@@ -231,7 +235,7 @@ void Viewer::fitCamera() {
   const DVec2 window = glm::max(DVec2(window_.size_px()), DVec2(1)), free = panels_.freeWidth_px(view_, window.x);
   camera_ = Camera::fitting(session_->model().shownBounds(), (free.y - free.x) / window.y, 45, up(),
                             framingOf(session_->model(), up()).margin);
-  camera_.center.x = 0.5 * (free.x + free.y) / window.x;
+  camera_.center.x = freeCenter(window.x);
 }
 
 UpAxis Viewer::up() const { return view_.up.value_or(session_ ? session_->model().upright.up : UpAxis::y); }
@@ -348,6 +352,16 @@ void Viewer::applySettings() {
     session_->setFeel(feel_);
     if (recorded && !session_->isRecording()) say("the recording has ended: a log has one tool");
   });
+  remarkOnTool();
+}
+
+// Once for each tool that edits nothing, and again with each press of it.
+void Viewer::remarkOnTool() {
+  const ToolSettings& tool = session_->tool();
+  const Model& model = session_->model();
+  const std::string remark =
+      tool.brush ? tooSmallTool(tool.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])") : std::string();
+  if (remark != std::exchange(toolRemark_, remark) && !remark.empty()) say(remark);
 }
 
 void Viewer::exportTicks() {

@@ -64,6 +64,8 @@ class Viewer {
   void answer(const ViewWishes& wishes);
   void install(std::unique_ptr<Session> session);
   void fitCamera();
+  void keepClear(const UVec2& before_px, const UVec2& now_px);
+  double freeCenter(double width_px) const;
   UpAxis up() const;
   LengthUnit unit() const;
   void obey(const ViewWishes& wishes);
@@ -83,6 +85,7 @@ class Viewer {
   void usePush(double dt_s);
   std::optional<DVec3> placeUnderCursor() const;
   void applySettings();
+  void remarkOnTool();
   void updateMesh();
   void draw(double dt_s);
   FrameOptions frameOptions() const;
@@ -158,6 +161,7 @@ class Viewer {
   double hover_mm_ = 0, extraPress_mm_ = 0, padPress_ = 0;
   double planeDepth_ = 0;   // of the surface that the stylus goes by, and
   DVec2 planePlace_px_{0};  // where it was seen
+  bool putDown_ = false;     // since it is held
 
   struct Pick {
     DVec2 place_px{0};
@@ -169,7 +173,7 @@ class Viewer {
     Stopwatch since;
   };
   std::deque<Message> messages_;
-  std::string lastMessage_;
+  std::string lastMessage_, toolRemark_;
   std::deque<float> pictures_ms_;
   std::uint64_t pictures_ = 0, scenes_ = 0;  // shown; for which that of the model was made
   bool madeScene_ = false;                   // in this step

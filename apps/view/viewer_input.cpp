@@ -140,6 +140,7 @@ void Viewer::handleButton(const ButtonEvent& event) {
   const bool left = event.button == MouseButton::left;
   if (stylus_ && left) {
     pressing_ = true;
+    toolRemark_.clear();
     extraPress_mm_ = 0;
     drag_ = Drag::press;
     return;
@@ -182,6 +183,7 @@ void Viewer::holdStylus(bool on) {
   hover_mm_ = kHover_mm;
   extraPress_mm_ = padPress_ = 0;
   planeDepth_ = 0;
+  putDown_ = false;
   if (!on && session_) session_->lift();
   window_.showCursor(!on);
 }
@@ -251,7 +253,8 @@ void Viewer::moveStylus(double dt_s) {
   const ModelScale& scale = session_->model().scale;
   // The surface that is seen, where the last picture was looked at close to here; else the stylus keeps its depth.
   constexpr double kClose_px = 3;
-  const bool seen = picked_.depth > 0 && glm::distance(picked_.place_px, cursor_px_) < kClose_px;
+  const bool looked = glm::distance(picked_.place_px, cursor_px_) < kClose_px;
+  const bool seen = looked && picked_.depth > 0;
   // A hand that presses in one place goes no deeper because the surface gives way.
   const bool rests =
       (pressing_ || padPress_ != 0 || hover_mm_ < 0) && glm::distance(picked_.place_px, planePlace_px_) < kClose_px;
@@ -261,10 +264,17 @@ void Viewer::moveStylus(double dt_s) {
   }
   // Until then a guess, which must not hold the stylus back from the surface once that is seen.
   double depth = planeDepth_ > 0 ? planeDepth_ : picked_.depth;
-  if (!(depth > 0)) depth = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
+  if (!(depth > 0)) {
+    // Where nothing is known yet the stylus waits for the next picture: it must not begin inside the model, which it
+    // would never feel from there.
+    if (!looked) return;
+    depth = glm::dot(camera_.target - camera_.eye, camera_.axes().forward);
+  }
   double inward_mm = -hover_mm_;
   if (pressing_) inward_mm = view_.press_mm + extraPress_mm_;
   if (padPress_ != 0) inward_mm = -hover_mm_ + padPress_ * (hover_mm_ + view_.press_mm);
+  // Put down before the surface, also by a hand that presses already: from behind it nothing would be felt.
+  if (!std::exchange(putDown_, true)) inward_mm = -kHover_mm;
   const DVec3 place = camera_.unproject(cursor_px_, depth, size());
   const DVec3 along = glm::normalize(place - camera_.eye);
   session_->aim(session_->model().cloud.origin + place + scale.toUnits(inward_mm) * along);

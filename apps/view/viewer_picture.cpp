@@ -114,8 +114,22 @@ void Viewer::takePick() {
   picked_.depth = static_cast<double>(pick_.mapped<float>()[0]);
 }
 
+// Of the panels, in a window that has another size now: curves that would lie on the model close.
+void Viewer::keepClear(const UVec2& before_px, const UVec2& now_px) {
+  const double roomy_px = panels_.roomyWidth_px();
+  if (before_px.x >= roomy_px && now_px.x < roomy_px) view_.plots = false;
+  if (now_px.x > 0) camera_.center.x = freeCenter(now_px.x);
+}
+
+// Of what the panels leave free, as a share of the width.
+double Viewer::freeCenter(double width_px) const {
+  const DVec2 free = panels_.freeWidth_px(view_, width_px);
+  return 0.5 * (free.x + free.y) / width_px;
+}
+
 void Viewer::draw(double dt_s) {
   const UVec2 window_px = window_.size_px();
+  if (window_px != presenter_->size_px()) keepClear(presenter_->size_px(), window_px);
   if (window_px != presenter_->size_px() || view_.waitsForDisplay != presenter_->waitsForDisplay())
     presenter_->change(window_px, view_.waitsForDisplay);
   const UVec2 size_px = presenter_->size_px();

@@ -1,6 +1,7 @@
 #include "engine/cloud/analytic_shape.hpp"
 
 #include <array>
+#include <atomic>
 
 #include "engine/cloud/counter_random.hpp"
 #include "engine/cloud/shapes.hpp"
@@ -62,8 +63,12 @@ PointCloud sampleShape(const AnalyticShape& shape, const SampleOptions& options)
   if (options.count == 0) return cloud;
   const AreaMap map = shape.areaMap(options.threads);
   const std::uint64_t turn = randomBits(options.seed, 0);
+  constexpr std::size_t kBetweenReports = 1 << 16;
+  std::atomic<std::size_t> done = 0;
   parallelFor(options.count, options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      if (options.progress && (i - begin) % kBetweenReports == kBetweenReports - 1)
+        options.progress(static_cast<double>(done += kBetweenReports) / static_cast<double>(options.count));
       const SurfacePoint point = map(latticePoint(i, options.count, turn));
       const DVec3 displacement = options.noise > 0 ? options.noise * randomNormal3(~options.seed, i) : DVec3(0);
       cloud.positions[i] = Vec3(point.position + displacement - cloud.origin);

@@ -156,7 +156,10 @@ void writePly(const std::filesystem::path& path, const PointCloud& cloud, PlyWri
   const Layout layout = layoutOf(cloud, options.doubles);
   Output out(path, options.ascii);
   writeHeader(out, cloud, layout, options);
+  constexpr std::size_t kBetweenReports = 1 << 16;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (options.progress && i % kBetweenReports == 0)
+      options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
     const DVec3 position = cloud.fileCoordinates(i);
     for (int k = 0; k < 3; ++k) out.real(layout.position, position[k]);
     if (cloud.hasNormals())

@@ -1,7 +1,9 @@
 // Writing PLY files.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <functional>
 
 #include "engine/cloud/point_cloud.hpp"
 
@@ -14,6 +16,7 @@ struct PlyWriteOptions {
   bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
   /// An older file of the name is kept, and this is told as what (AtomicFile::commitAndKeep()); null: it is replaced.
   std::filesystem::path* keptAs = nullptr;
+  std::function<void(double)> progress = {};  ///< is told the share of the points that is written
 };
 
 /// Extra attributes that are not written because the cloud's normals or colours are, under their names.

@@ -21,6 +21,13 @@ void Log::clearBar() {
   barShown_ = false;
 }
 
+void Log::endProgress() {
+  const std::scoped_lock lock(lock_);
+  clearBar();
+  progressOf_.clear();
+  lastTenth_ = -1;
+}
+
 void Log::progress(std::string_view what, double fraction) {
   const std::scoped_lock lock(lock_);
   if (listener_) listener_->progressed(what, fraction);

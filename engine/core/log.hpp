@@ -30,6 +30,9 @@ class Log {
   }
   /// `fraction` from 0 to 1; lines are rationed, so it may be called often. What is done within a second is not shown.
   void progress(std::string_view what, double fraction);
+  /// Takes the bar away, however far it has come.
+  void endProgress();
+  bool isQuiet() const { return quiet_; }
 
   /// From now on, or until null, all is told to a listener as well. While nobody uses the log.
   void listen(LogListener* listener) { listener_ = listener; }

@@ -27,6 +27,12 @@ struct TouchShortfalls {
   std::uint64_t thinnedPatches = 0;  ///< more were near than the host takes to bridge late answers
 };
 
+/// How the index came after the points that were edited. Its first build does not count.
+struct IndexWork {
+  std::uint64_t followed = 0;  ///< edits that it followed, at the cost of what they touched
+  std::uint64_t built = 0;     ///< times that all of it was built anew
+};
+
 /// A cloud that can be touched and edited.
 class TouchBackend : public ContactQuery {
  public:
@@ -68,6 +74,7 @@ class TouchBackend : public ContactQuery {
   /// The time of the first pose whose answer led to an edit; nothing while the cloud is as it was loaded.
   virtual std::optional<double> firstEditTime_s() const = 0;
   virtual const TouchShortfalls& shortfalls() const = 0;
+  virtual IndexWork indexWork() const = 0;
   /// How often the index that follows edits was brought together again in the background.
   virtual std::uint64_t compactions() const { return 0; }
   /// Edge of a cell of the index, model units.

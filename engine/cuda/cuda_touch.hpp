@@ -52,6 +52,8 @@ class CudaTouch final : public TouchBackend {
   std::string machine() const override;
   double buildTime_us() const override;
   const std::vector<double>& editTimes_us() const override;
+  /// Builds it anew for each edit.
+  IndexWork indexWork() const override { return {.built = editTimes_us().size()}; }
   std::optional<double> firstEditTime_s() const override;
   const TouchShortfalls& shortfalls() const override;
   double cell() const override;

@@ -26,6 +26,8 @@ class SculptReference {
   std::size_t threads() const { return grid_.threads(); }
   /// Time of the first build of the index, us.
   double buildTime_us() const { return buildTime_us_; }
+  /// Builds of the index after the first.
+  std::uint64_t rebuilds() const { return builds_ - 1; }
 
   /// One tick: the brush, where it acts; then the points that are not settled get the normals of their surroundings,
   /// and come and go.
@@ -43,7 +45,10 @@ class SculptReference {
   double spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const;
   double reachOf(std::uint32_t point) const;
   bool isAtRest(std::uint32_t point) const;
-  void build() { grid_.build(points_.positions, points_.there); }
+  void build() {
+    grid_.build(points_.positions, points_.there);
+    ++builds_;
+  }
   void applyBrush(const BrushTool& tool);
   DVec3 smoothed(const BrushTool& tool, std::uint32_t point) const;
   void findUnsettled();
@@ -59,6 +64,7 @@ class SculptReference {
   SortedGrid grid_;
   InsertionClaims claims_;
   double buildTime_us_ = 0;
+  std::uint64_t builds_ = 0;
   bool settled_ = true, carves_ = false;
   // Of one tick.
   struct Wish : ResampleWish {

@@ -7,6 +7,8 @@
 #include <map>
 #include <thread>
 
+#include "engine/gpu/device_lookup.hpp"
+
 namespace palpate {
 
 namespace {
@@ -17,6 +19,14 @@ bool hasExtension(VkPhysicalDevice device, const char* name) {
   std::vector<VkExtensionProperties> extensions(count);
   vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
   return std::ranges::any_of(extensions, [&](const auto& e) { return std::strcmp(e.extensionName, name) == 0; });
+}
+
+// The number of the GPU that the options ask for; it can do what palpate needs.
+std::size_t choose(const Instance& instance, const std::vector<GpuDescription>& gpus, std::string selector) {
+  if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
+  const std::size_t chosen = chooseGpu(gpus, selector);
+  requireFeatures(requiredFeatures(instance.physicalDevices()[chosen]), gpus[chosen].name);
+  return chosen;
 }
 
 }  // namespace
@@ -41,17 +51,20 @@ std::vector<GpuDescription> describeGpus(const Instance& instance) {
   return gpus;
 }
 
+GpuDescription gpuFor(const DeviceOptions& options) {
+  const Instance instance(false);
+  const auto gpus = describeGpus(instance);
+  return gpus[choose(instance, gpus, options.gpu)];
+}
+
 Device::Device(const DeviceOptions& options)
     : instance_(std::make_unique<Instance>(options.validate, options.windowExtensions)),
       shows_(options.shows),
       presents_(!options.windowExtensions.empty()) {
-  std::string selector = options.gpu;
-  if (const char* wanted = std::getenv("PALPATE_GPU"); selector.empty() && wanted) selector = wanted;
   const auto gpus = describeGpus(*instance_);
-  const std::size_t chosen = chooseGpu(gpus, selector);
+  const std::size_t chosen = choose(*instance_, gpus, options.gpu);
   physical_ = instance_->physicalDevices()[chosen];
   name_ = gpus[chosen].name;
-  requireFeatures(requiredFeatures(physical_), name_);
 
   VkPhysicalDeviceMaintenance3Properties allocation{.sType =
                                                         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};

@@ -22,17 +22,20 @@ std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uin
         "{}: --sort radix-lookback needs a driver on which one workgroup goes on while another waits, which "
         "is not known of this one; take radix or counting",
         device.name());
+  if (!LookBackSort::fits(device, keyBits))
+    throw GpuError("{}: --sort radix-lookback needs more shared memory than its workgroups have; take radix or counting",
+                   device.name());
   return std::make_unique<LookBackSort>(device, keyBits);
-}
-
-SortMethod fallbackFor(const Device& device, SortMethod sort) {
-  if (sort != SortMethod::counting) return sort;
-  return canLookBack(device) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
 std::uint32_t keyBits(const HashGrid& grid, Slots slots) {
   const std::uint32_t last = slots == Slots::spare ? shared::emptyBucket(grid) : grid.bucketMask;
   return static_cast<std::uint32_t>(std::bit_width(last));
+}
+
+SortMethod fallbackFor(const Device& device, SortMethod sort, std::uint32_t keyBits) {
+  if (sort != SortMethod::counting) return sort;
+  return canLookBack(device) && LookBackSort::fits(device, keyBits) ? SortMethod::radixLookBack : SortMethod::radix;
 }
 
 Buffer makeRanges(Device& device, std::uint32_t buckets) {
@@ -46,7 +49,7 @@ SpatialHash::SpatialHash(Device& device, const HashGrid& grid, std::uint32_t cap
     : device_(device),
       grid_(grid),
       sort_(sort),
-      fallback_(fallbackFor(device, sort_)),
+      fallback_(fallbackFor(device, sort_, keyBits(grid, slots))),
       bucketOrder_(order),
       pairSort_(makePairSort(device, fallback_, keyBits(grid, slots))),
       scan_(device),

@@ -63,6 +63,8 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   const std::vector<double>& editTimes_us() const override { return editTimes_us_; }
   std::optional<double> firstEditTime_s() const override { return firstEditTime_s_; }
   const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  /// Builds it anew for each edit that moves points. Between edits.
+  IndexWork indexWork() const override { return {.built = sculpture_.rebuilds()}; }
   double cell() const override { return 1.0 / static_cast<double>(sculpture_.grid().grid().inverseCell); }
 
  private:

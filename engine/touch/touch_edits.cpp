@@ -126,6 +126,8 @@ void TouchSide::takeReport() {
   const bool waits = report.failed == shared::kUpdateNoSlots && compaction_ && !compaction_->isIdle();
   shortfalls_.editsHeldUp += waits;
   shortfalls_.editsBuiltAnew += report.failed != 0 && !waits;
+  const bool updated = lastEdit_ == incrementals_[0].get() || lastEdit_ == incrementals_[1].get();
+  followed_ += updated && report.failed == 0;
   // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
   const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(live_.count()));
   // What fails with a build, too, has found more points than there is room for.

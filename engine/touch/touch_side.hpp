@@ -119,6 +119,7 @@ class TouchSide final : public TouchBackend {
   std::uint64_t answeredAhead() const { return answeredAhead_; }
   std::span<const double> bridgeTimes_us() const override { return bridge_->answerTimes_us(); }
   std::uint64_t compactions() const override { return compactions_; }
+  IndexWork indexWork() const override { return {.followed = followed_, .built = fullBuilds_}; }
   bool isCompacting() const { return compaction_ && !compaction_->isIdle(); }
   /// The longest time that touch had to wait for the end of a compaction, us: its time on the GPU; where a driver is
   /// not asked for times, that of the question which stood behind it, from then until its answer was seen.
@@ -258,7 +259,7 @@ class TouchSide final : public TouchBackend {
   bool brushOn_ = true;
   bool largeEdits_ = false;                       // the next edit is too large for an update
   EditPass::Reach reach_ = EditPass::Reach::box;  // of the next edit with a build
-  std::uint64_t editsAnswered_ = 0, fullBuilds_ = 0;
+  std::uint64_t editsAnswered_ = 0, fullBuilds_ = 0, followed_ = 0;
   Queue::Ticket editTicket_ = 0;
   Stopwatch sinceEdit_;
   std::optional<Queue::Ticket> ended_;  // of the last query that was answered

@@ -21,7 +21,8 @@ TEST_CASE("a program that loses its GPU keeps the trace, says so in one line and
       if (const auto at = options.find("PICTURE"); at != std::string::npos)
         options.replace(at, 7, (folder / "p.png").string());
       const LostGpuLayer layer(when);
-      const Outcome outcome = palpate("touch " + model + " --device sim --quiet --trace " + trace + " " + options);
+      const Outcome outcome =
+          palpate("touch " + model + " --backend vulkan --device sim --quiet --trace " + trace + " " + options);
       CHECK(outcome.code == 1);
       CHECK(outcome.text.find("VK_ERROR_DEVICE_LOST") != std::string::npos);
       CHECK(outcome.text.find("the GPU stopped; start again") != std::string::npos);
@@ -38,7 +39,8 @@ TEST_CASE("what was sculpted is saved when the GPU is lost, in the session or wh
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 5000 -o " + model);
-  const std::string session = "touch " + model + " --edit push --penetration 4 --quiet --save " + saved;
+  const std::string session =
+      "touch " + model + " --backend vulkan --edit push --penetration 4 --quiet --save " + saved;
   const auto submissions = [&](const std::string& options) {
     const LostGpuLayer layer("count");
     const Outcome outcome = palpate(session + options);
@@ -76,9 +78,9 @@ TEST_CASE("the layer that takes the GPU away lets everything else pass") {
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 5000 -o " + model);
   const std::string with = (folder / "with.csv").string(), without = (folder / "without.csv").string();
-  works("touch " + model + " --trace " + without);
+  works("touch " + model + " --backend vulkan --trace " + without);
   const LostGpuLayer layer;
-  works("touch " + model + " --trace " + with);
+  works("touch " + model + " --backend vulkan --trace " + with);
   CHECK(contentOf(with) == contentOf(without));
 }
 

@@ -11,8 +11,8 @@ TEST_CASE("a press on a sphere: no force outside, along the true normal inside, 
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), trace = (folder / "trace.csv").string();
   works("make sphere -n 200000 -o " + model);
-  works("touch " + model + " --surface average --path builtin:press --trace " + trace + " --validate --json " +
-        (folder / "touch.json").string());
+  works("touch " + model + " --backend vulkan --surface average --path builtin:press --trace " + trace +
+        " --validate --json " + (folder / "touch.json").string());
   const auto rows = readTrace(trace);
   const double spacing = std::sqrt(4 * 3.14159265358979 * 50 * 50 / 200000), radius = 4 * spacing;
   const double bias = 0.0694 * radius * radius / 50;
@@ -73,8 +73,8 @@ TEST_CASE("virtual time gives the same trace, the same cloud and the same pictur
   works("make torus -n 20000 -o " + model);
   for (const char* run : {"a", "b"}) {
     const auto file = [&](const char* ending) { return (folder / (std::string(run) + ending)).string(); };
-    works("touch " + model + " --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") + " --save " +
-          file(".ply") + " --picture " + file(".png") + " --size 320x200");
+    works("touch " + model + " --backend vulkan --path builtin:slide --edit push --tau 0.3 --trace " + file(".csv") +
+          " --save " + file(".ply") + " --picture " + file(".png") + " --size 320x200");
   }
   for (const char* ending : {".csv", ".ply", ".png"}) {
     CAPTURE(ending);
@@ -104,8 +104,8 @@ TEST_CASE("a push leaves a dent in the saved file, and carries everything else t
     }
   }
   out.close();
-  works("touch " + (folder / "model.ply").string() + " --edit push --penetration 4 --save " + saved + " --json " +
-        (folder / "touch.json").string());
+  works("touch " + (folder / "model.ply").string() + " --backend vulkan --edit push --penetration 4 --save " + saved +
+        " --json " + (folder / "touch.json").string());
   const PointCloud before = readPly(folder / "model.ply"), after = readPly(saved);
   REQUIRE(after.size() > before.size());
   REQUIRE(after.extra.size() == 1);
@@ -154,7 +154,8 @@ TEST_CASE("sculpting in real time with a picture and a saved cloud ends cleanly"
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string(), saved = (folder / "saved.ply").string();
   works("make sphere -n 5000 -o " + model);
-  works("touch " + model + " --path builtin:press --penetration 4 --edit push --realtime --validate --picture " +
+  works("touch " + model +
+        " --backend vulkan --path builtin:press --penetration 4 --edit push --realtime --validate --picture " +
         (folder / "touched.png").string() + " --size 320x200 --save " + saved + " --json " +
         (folder / "t.json").string());
   CHECK(readPly(saved).size() >= 4900);
@@ -168,8 +169,8 @@ TEST_CASE("an interrupted session keeps its trace and says that it was interrupt
   works("make sphere -n 5000 -o " + model);
   std::ofstream(folder / "long.csv") << "t_s,x,y,z\n0,0,0,60\n60,0,0,60\n";
   const auto file = [&](const char* name) { return (folder / name).string(); };
-  RunningProgram session("touch " + model + " --realtime --path " + file("long.csv") + " --trace " + file("t.csv") +
-                             " --json " + file("t.json") + " --log " + file("log"),
+  RunningProgram session("touch " + model + " --backend vulkan --realtime --path " + file("long.csv") + " --trace " +
+                             file("t.csv") + " --json " + file("t.json") + " --log " + file("log"),
                          folder / "said");
   REQUIRE_MESSAGE(session.waitForTicks(folder / "log"), contentOf(folder / "said"));
   CHECK(session.wait(SIGINT) != 0);
@@ -197,7 +198,7 @@ TEST_CASE("real time ends by itself and reports its ticks") {
   const ScratchFolder folder;
   const std::string model = (folder / "sphere.ply").string();
   works("make sphere -n 20000 -o " + model);
-  const auto outcome = palpate("touch " + model + " --path builtin:press --realtime --picture " +
+  const auto outcome = palpate("touch " + model + " --backend vulkan --path builtin:press --realtime --picture " +
                                (folder / "p.png").string() + " --size 160x100 --json " + (folder / "t.json").string());
   CHECK(outcome.code == 0);
   CHECK(jsonOf(folder / "t.json")["ticks"] > 0);
@@ -216,7 +217,8 @@ TEST_CASE("a session in real time begins when the driver has translated every sh
   works("make sphere -n 20000 -o " + model);
   const auto played = [&] {
     const Outcome outcome =
-        palpate("touch " + model + " --edit push --penetration 4 --realtime --json " + (folder / "t.json").string());
+        palpate("touch " + model + " --backend vulkan --edit push --penetration 4 --realtime --json " +
+                (folder / "t.json").string());
     REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
     return jsonOf(folder / "t.json");
   };
@@ -229,7 +231,7 @@ TEST_CASE("a session in real time begins when the driver has translated every sh
   CHECK(json["moved_points"] > 0);
   if (!isStale(json)) return;
   // Perhaps this machine is too slow where every shader is ready, too.
-  works("touch " + model + " --edit push --penetration 4");
+  works("touch " + model + " --backend vulkan --edit push --penetration 4");
   const bool tooBusy = isStale(played());
   CHECK(tooBusy);
   if (tooBusy) MESSAGE("this machine is too busy to tell: its answers are late also where no shader is translated");

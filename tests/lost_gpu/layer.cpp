@@ -21,7 +21,7 @@ namespace {
 constexpr long kNever = std::numeric_limits<long>::max();
 
 // One instance and one device at a time, which is what the program makes.
-VkInstance theInstance = VK_NULL_HANDLE;
+PFN_vkGetPhysicalDeviceProperties2 nextProperties = nullptr;
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
 PFN_vkQueueSubmit2 nextSubmit = nullptr;
@@ -81,8 +81,7 @@ bool diesAtSurfaces() {
 }
 
 VKAPI_ATTR void VKAPI_CALL properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
-  reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
-      nextInstanceProc(theInstance, "vkGetPhysicalDeviceProperties2"))(gpu, told);
+  nextProperties(gpu, told);
   for (auto* each = static_cast<VkBaseOutStructure*>(told->pNext); each; each = each->pNext)
     if (each->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES)
       reinterpret_cast<VkPhysicalDeviceDriverProperties*>(each)->driverID = VK_DRIVER_ID_NVIDIA_PROPRIETARY;
@@ -116,7 +115,10 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, instance);
-  if (result == VK_SUCCESS) theInstance = *instance;
+  // Asked for now: later the loader's answer begins with the first layer again.
+  if (result == VK_SUCCESS)
+    nextProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
+        nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties2"));
   return result;
 }
 

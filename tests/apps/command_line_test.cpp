@@ -1,0 +1,206 @@
+// The command line as a person types it: help, slips of the keyboard, bounds, and how far a job has come.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/core/clock.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+bool lacks(const std::string& text, const std::string& part) { return text.find(part) == std::string::npos; }
+
+// What the program says on a terminal of its own.
+std::string onTerminal(const ScratchFolder& folder, const std::string& arguments) {
+  const std::string file = (folder / "said").string();
+  const std::string command =
+      "script -qec \"" + program() + " " + arguments + "\" /dev/null > " + file + " 2>&1 < /dev/null";
+  REQUIRE_MESSAGE(std::system(command.c_str()) == 0, contentOf(file));
+  return contentOf(file);
+}
+
+bool answersOnSoftware(const ScratchFolder& folder) {
+  works("doctor --json " + (folder / "doctor.json").string());
+  const auto doctor = jsonOf(folder / "doctor.json");
+  for (const auto& gpu : doctor["gpus"])
+    if (gpu["name"] == doctor["in_use"]) return gpu["type"] == "CPU";
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("the overview is readable, and the options of touch stand under headings, the usual ones first") {
+  const Outcome overview = palpate("--help");
+  CHECK(overview.code == 0);
+  CHECK(std::ranges::count(overview.text, '\n') < 50);
+  CHECK(says(overview.text, "palpate MODEL... opens the window"));
+  for (const char* command :
+       {"view", "touch", "render", "mesh", "info", "make", "convert", "replay", "bench", "doctor"})
+    CHECK_MESSAGE(says(overview.text, std::string("\n  ") + command + " "), command);
+  const std::string touch = palpate("touch --help").text;
+  std::size_t last = 0;
+  for (const char* heading :
+       {"The model:", "Where the hand goes:", "What is felt:", "Sculpting:", "What is written:",
+        "The picture of --picture:", "What answers:", "A tool of many points:", "Devices:", "A second hand:"}) {
+    const std::size_t at = touch.find(std::string("\n") + heading + "\n");
+    REQUIRE_MESSAGE(at != std::string::npos, heading);
+    CHECK(at > last);
+    last = at;
+  }
+  CHECK(touch.find("--stiffness") < touch.find("--bucket-key"));
+}
+
+TEST_CASE("a word that nothing is called gets what was probably meant") {
+  const auto meant = [](const std::string& arguments, const std::string& complaint) {
+    CAPTURE(arguments);
+    const Outcome outcome = palpate(arguments);
+    CHECK(outcome.code == 2);
+    CHECK_MESSAGE(says(outcome.text, complaint), outcome.text);
+    CHECK(std::ranges::count(outcome.text, '\n') == 1);
+  };
+  meant("rendr x.ply", "there is no subcommand 'rendr'; did you mean render?; see palpate --help");
+  meant("tuoch x.ply", "did you mean touch?");
+  meant("bench coexsit", "there is no subcommand 'coexsit'; did you mean coexist?; see palpate bench --help");
+  meant("touch x.ply --stifness 1",
+        "there is no option '--stifness'; did you mean --stiffness?; see palpate touch --help");
+  meant("touch x.ply --qiuet", "did you mean --quiet?");
+  meant("make sphere --outptu=x.ply", "there is no option '--outptu'; did you mean --output?");
+  meant("bench edit --touchd 3", "did you mean --touched?; see palpate bench edit --help");
+  meant("make sphere more -o x.ply", "'more' is one word too many; see palpate make --help");
+  const Outcome far = palpate("fly");
+  CHECK(says(far.text, "there is no subcommand 'fly'; see palpate --help"));
+}
+
+TEST_CASE("every number has bounds, which its complaint names") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string();
+  works("make sphere -n 500 -o " + model);
+  const auto refuses = [&](const std::string& command, const std::string& option,
+                           std::initializer_list<const char*> values) {
+    for (const char* value : values) {
+      const Outcome outcome = palpate(command + " " + option + "=" + value);
+      CAPTURE(outcome.text);
+      CHECK(outcome.code == 2);
+      CHECK(says(outcome.text, option + ": " + value + " is not "));
+      CHECK(says(outcome.text, " from "));
+      CHECK(says(outcome.text, " to "));
+    }
+  };
+  const std::initializer_list<const char*> never{"nan", "inf", "-1", "1e30", "word"};
+  for (const char* option :
+       {"--stiffness", "--damping", "--max-force", "--friction", "--tau", "--beta", "--strength", "--tool-radius",
+        "--penetration", "--rate", "--mm-per-unit", "--cell", "--grid", "--tool-size", "--hand-stiffness",
+        "--hand-damping", "--duration", "--undo-memory", "--radius"})
+    refuses("touch " + model, option, never);
+  for (const char* option : {"--falloff", "--tool-points", "--undo", "--redo"})
+    refuses("touch " + model, option, never);
+  refuses("touch " + model, "--undo", {"1.5"});
+  refuses("info " + model, "--threads", {"-1", "1e9", "100000"});
+  refuses("make sphere -o " + out, "--points", {"nan", "-1", "1e30", "1.5"});
+  for (const char* option : {"--seed", "--noise", "--size"}) refuses("make sphere -n 10 -o " + out, option, never);
+  for (const char* option : {"--lattice", "--radius"}) refuses("mesh " + model + " -o " + out, option, never);
+  refuses("render " + model + " -o x.png", "--lattice", never);
+  for (const char* option : {"--rate", "--mm-per-unit", "--undo-memory"}) refuses("view " + model, option, never);
+  CHECK(palpate("make sphere -n 10 --center=1e30,0,0 -o " + out).code == 2);
+  CHECK_FALSE(std::filesystem::exists(out));
+  works("touch " + model + " --stiffness 1000 --friction 0 --radius auto --max-force 0");
+}
+
+TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and nobody does with --quiet") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 20000 -o " + model);
+  const std::string session = "touch " + model + " --backend cpu --realtime --duration 3";
+  const std::string seen = onTerminal(folder, session);
+  CHECK(says(seen, "\r\033[Ktouch [="));
+  CHECK(seen.find("\r\033[K", seen.rfind("] ")) != std::string::npos);  // gone before the table
+  const Outcome plain = palpate(session);
+  CHECK(says(plain.text, "touch: "));
+  CHECK(says(plain.text, " %\n"));
+  CHECK(lacks(plain.text, "\r"));
+  for (const std::string& quiet : {onTerminal(folder, "--quiet " + session), palpate("--quiet " + session).text}) {
+    CHECK(lacks(quiet, "touch ["));
+    CHECK(lacks(quiet, "touch: "));
+  }
+  CHECK(says(onTerminal(folder, "make sphere -n 4000000 --ascii -o /dev/null"), "/dev/null [="));
+  const Stopwatch watch;
+  const std::string mesh = onTerminal(folder, "mesh " + model + " --lattice 256 -o " + (folder / "m.ply").string());
+  if (watch.elapsed_s() > 2)
+    CHECK_MESSAGE(says(mesh, "m.ply [="), mesh);
+  else
+    MESSAGE("this machine meshes too fast to see how far it has come");
+}
+
+TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unless an option asks for more") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
+  works("make sphere -n 5000 -o " + model);
+  const auto backendOf = [&](const std::string& options) {
+    const Outcome outcome = palpate("touch " + model + " " + options + " --json " + json);
+    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+    const std::string backend = jsonOf(json)["backend"];
+    CHECK(says(outcome.text, "(" + backend + ")\n"));
+    return backend;
+  };
+  const std::string own = answersOnSoftware(folder) ? "cpu" : "vulkan";
+  CHECK(backendOf("") == own);
+  CHECK(backendOf("--backend auto") == own);
+  CHECK(backendOf("--backend cpu") == "cpu");
+  CHECK(backendOf("--backend vulkan") == "vulkan");
+  CHECK(backendOf("--method indirect") == "vulkan");
+  CHECK(backendOf("--method direct") == "cpu");
+  CHECK(backendOf("--print-tick") == "vulkan");
+  const std::string log = (folder / "log").string();
+  CHECK(backendOf("--log " + log) == own);
+  CHECK(says(contentOf(log), "\"--backend\": \"" + own + "\""));
+  works("replay " + log);
+}
+
+TEST_CASE("the report tells how the index really came after the edits") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), json = (folder / "t.json").string();
+  works("make sphere -n 20000 -o " + model);
+  const auto report = [&](const std::string& options) {
+    works("touch " + model + " --penetration 3 --tool-radius 4 " + options + " --json " + json);
+    return jsonOf(json);
+  };
+  for (const char* backend : {"--backend cpu", "--backend vulkan"}) {
+    const auto still = report(backend);
+    CHECK(still["index"] == "static");
+    CHECK(still["index_builds"] == 0);
+    CHECK(still["index_followed"] == 0);
+  }
+  const auto cpu = report("--backend cpu --edit push");
+  CHECK(cpu["index"] == "rebuild");
+  CHECK(cpu["index_builds"] >= cpu["edit_ticks"].get<int>() / 2);  // ticks that change nothing build nothing
+  CHECK(cpu["index_followed"] == 0);
+  const auto followed = report("--backend vulkan --edit push");
+  CHECK(followed["index"] == "incremental");
+  CHECK(followed["index_builds"] == 0);
+  CHECK(followed["index_followed"] == followed["edit_ticks"]);
+  const auto rebuilt = report("--backend vulkan --edit push --index rebuild");
+  CHECK(rebuilt["index"] == "rebuild");
+  CHECK(rebuilt["index_builds"] == rebuilt["edit_ticks"]);
+  CHECK(rebuilt["index_followed"] == 0);
+}
+
+TEST_CASE("touch says that a tool is smaller than the spacing, with both and what to do") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), info = (folder / "info.json").string();
+  works("make sphere -n 2000 -o " + model);  // of 100 mm
+  works("info " + model + " --json " + info);
+  const double spacing_mm = jsonOf(info)["mean_spacing"];
+  const std::string session = "touch " + model + " --backend cpu --edit push --penetration 3 --tool-radius ";
+  const std::string small = palpate(session + "0.5").text;
+  CHECK_MESSAGE(
+      says(small, fmt::format("a tool of 0.5 mm is smaller than the spacing of the points, {:.3g} mm", spacing_mm)),
+      small);
+  CHECK(says(small, fmt::format("make --tool-radius {:.2g} mm or more", 2 * spacing_mm)));
+  CHECK(lacks(palpate(session + "9").text, "smaller than the spacing"));
+  CHECK(lacks(palpate("touch " + model + " --backend cpu --tool-radius 0.5").text, "smaller than the spacing"));
+}
+
+}  // namespace palpate

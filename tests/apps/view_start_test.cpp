@@ -1,0 +1,42 @@
+// How the window is opened without a command, and what it says of a tool that is too small.
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+TEST_CASE("models alone open the window, as view does") {
+  if (!hasDisplay()) return;
+  const ScratchFolder folder;
+  makeSphere(folder.path(), 2000);
+  works("--quiet make torus -n 2000 -o " + (folder / "torus.ply").string());
+  std::ofstream(folder / "script.txt") << "0.3 state " << (folder / "state.json").string() << "\n0.4 quit\n";
+  const std::string command = "XDG_STATE_HOME=" + folder.path().string() +
+                              " xvfb-run -a -s '-screen 0 800x600x24' timeout 200 " + program() + " --quiet " +
+                              (folder / "torus.ply").string() + " " + (folder / "sphere.ply").string() +
+                              " --size 320x240 --script " + (folder / "script.txt").string();
+  CHECK(std::system(command.c_str()) == 0);
+  CHECK(jsonOf(folder / "state.json")["model"] == (folder / "torus.ply").string());
+  CHECK(jsonOf(folder / "state.json")["size"] == std::vector<int>{320, 240});
+  const Outcome none = palpate("nowhere.abc");
+  CHECK_FALSE(none.text.find("no subcommand") != std::string::npos);
+}
+
+TEST_CASE("the window says that a tool is smaller than the spacing, and is silent once it is larger") {
+  if (!hasDisplay()) return;
+  std::string script = "0.2 state %/large.json\n";
+  for (int i = 0; i < 12; ++i) script += "0.3 key [\n";
+  script += "0.6 state %/small.json\n0.7 mouse 5 5\n";
+  for (int i = 0; i < 12; ++i) script += "0.8 key ]\n";
+  script += "1.1 key backspace\n1.3 state %/again.json\n1.4 quit\n";
+  const auto played = play("%/sphere.ply --size 400x300 --edit push", script, "",
+                           [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const std::string large = played->state("large.json")["last_message"];
+  CHECK(large.find("smaller than the spacing") == std::string::npos);
+  const std::string small = played->state("small.json")["last_message"];
+  CHECK_MESSAGE(says(small, "is smaller than the spacing of the points, "), small);
+  CHECK(says(small, "make its radius (key ]) "));
+  CHECK(played->state("again.json")["last_message"] == "forces off");
+}
+
+}  // namespace palpate
