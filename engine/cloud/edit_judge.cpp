@@ -21,6 +21,7 @@ constexpr std::size_t kOfAPlace = 6;                   // points whose spacing m
 constexpr std::size_t kOfAFit = 16, kFewestOfAFit = 6;
 constexpr std::size_t kTangentPlanes = 4;
 constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
+constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // tool radii from its way, between which a point is on its wall
 constexpr double kSided = 0.3;  // cosine of fit and known side, from which on the fit's side is known
 
 struct Near {
@@ -64,11 +65,11 @@ double wendlandWeight(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1
 // All points after the edit, and what can be said of one of them.
 class Aftermath {
  public:
-  /// `tree`: of the points before; `support`: support radius.
-  Aftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after, double support)
-      : before_(before), after_(after), facings_(before.normals.begin(), before.normals.end()) {
-    for (std::uint32_t i = static_cast<std::uint32_t>(before.size()); i < after.size(); ++i)
-      facings_.push_back(facingOfNew(i, tree, support));
+  /// `tree`: of the points before.
+  Aftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after, const ToolWay& way)
+      : before_(before), after_(after), way_(way), sides_(before.size()), facings_(after.size()) {
+    for (std::uint32_t i = 0; i < after.size(); ++i)
+      if (!after[i].gone()) facings_[i] = facingOf(i, tree);
     for (std::uint32_t i = 0; i < after.size(); ++i)
       if (!after[i].gone()) {
         there_.push_back(i);
@@ -83,8 +84,16 @@ class Aftermath {
   DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
   DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
 
-  // Which way its sheet faced before.
+  // Which way its sheet faces.
   const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
+  // The file's point that it goes back to.
+  std::uint32_t ancestorOf(std::uint32_t i) const {
+    while (isNew(i)) {
+      PALPATE_CHECK_LT(after_[i].parent, i);
+      i = after_[i].parent;
+    }
+    return i;
+  }
 
   // To the nearest other point that faces the same way, `most` at most.
   double nearestOfSheet(std::uint32_t i, double most) const {
@@ -118,30 +127,48 @@ class Aftermath {
   }
 
  private:
-  // That of the file's point that it goes back to; of the nearest one where it has come too far for that.
-  DVec3 facingOfNew(std::uint32_t i, const PointTree& tree, double support) const {
-    std::uint32_t ancestor = i;
-    while (isNew(ancestor)) {
-      PALPATE_CHECK_LT(after_[ancestor].parent, ancestor);
-      ancestor = after_[ancestor].parent;
+  // On the ball's wall, towards its centre or away from it, as where it comes from did when the ball came: a ball that
+  // goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. Elsewhere as
+  // the file's point that it goes back to; as the nearest one where it has come too far for that.
+  DVec3 facingOf(std::uint32_t i, const PointTree& tree) {
+    const std::uint32_t ancestor = ancestorOf(i);
+    if (isNew(i) || moved(i)) {
+      const DVec3 outward = way_.centers.empty() ? DVec3(0) : nearestCenter(position(i)) - position(i);
+      const double distance = glm::length(outward);
+      if (distance > kWallFrom * way_.toolRadius && distance < kWallTo * way_.toolRadius)
+        return (way_.carves ? 1 : sideOf(ancestor)) / distance * outward;
     }
-    if (glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * support) return facings_[ancestor];
-    return facings_[nearestTo(tree, position(i)).points[0]];
+    if (!isNew(i) || glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * way_.support)
+      return DVec3(before_.normals[ancestor]);
+    return DVec3(before_.normals[nearestTo(tree, position(i)).points[0]]);
+  }
+
+  // Whether a point of the file faced the ball when that first touched it, or was nearest, 1, or turned its back, -1.
+  double sideOf(std::uint32_t point) {
+    double& side = sides_[point];
+    if (side != 0) return side;
+    const DVec3 place(before_.positions[point]);
+    const auto touches = [&](const DVec3& c) { return glm::distance(c, place) < kWallTo * way_.toolRadius; };
+    const auto first = std::ranges::find_if(way_.centers, touches);
+    const DVec3 center = first != way_.centers.end() ? *first : nearestCenter(place);
+    return side = glm::dot(center - place, DVec3(before_.normals[point])) < 0 ? -1 : 1;
+  }
+
+  DVec3 nearestCenter(const DVec3& place) const {
+    return *std::ranges::min_element(way_.centers, {}, [&](const DVec3& c) { return glm::distance(c, place); });
   }
 
   const PointCloud& before_;
   std::span<const PointState> after_;
+  const ToolWay& way_;
+  std::vector<double> sides_;   // of the file's points, once they were asked for; else 0
   std::vector<DVec3> facings_;  // by number
   std::vector<std::uint32_t> there_;
   std::vector<Vec3> positions_;
   std::optional<PointTree> tree_;
 };
 
-DVec3 nearestCenter(const DVec3& place, std::span<const DVec3> centers) {
-  return *std::ranges::min_element(centers, {}, [&](const DVec3& c) { return glm::distance(c, place); });
-}
-
-void judgeNormals(const Aftermath& aftermath, const PointCloud& before, const ToolWay& way, EditVerdict& verdict) {
+void judgeNormals(const Aftermath& aftermath, const PointCloud& before, EditVerdict& verdict) {
   std::vector<double> angles;
   for (const std::uint32_t i : aftermath.there()) {
     if (!aftermath.isNew(i) && !aftermath.moved(i)) {
@@ -152,12 +179,8 @@ void judgeNormals(const Aftermath& aftermath, const PointCloud& before, const To
     if (!fit) continue;
     const double angle = angleBetween_deg(*fit, aftermath.normal(i));
     angles.push_back(std::min(angle, 180 - angle));
-    // A carved wall faces the ball; elsewhere a sheet goes on to face as it did.
-    const bool wall = way.carves && !way.centers.empty();
-    const DVec3 outward =
-        wall ? nearestCenter(aftermath.position(i), way.centers) - aftermath.position(i) : aftermath.facing(i);
-    const double side = glm::dot(*fit, outward);
-    if (std::abs(side) <= kSided * glm::length(outward)) continue;
+    const double side = glm::dot(*fit, aftermath.facing(i));
+    if (std::abs(side) <= kSided) continue;
     ++verdict.sided;
     verdict.turned += glm::dot(aftermath.normal(i), side > 0 ? *fit : -*fit) < 0;
   }
@@ -220,6 +243,14 @@ double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
   return count > 0 ? sum / static_cast<double>(count) : kFar;
 }
 
+// A place that is no farther from the points before than they are from one another is on their ground. One deep in a
+// dent or a tunnel is on none, and what is near it by chance may be sparse: there the ground counts that it comes from.
+double EditJudge::spacingFor(const DVec3& place, std::uint32_t ancestor) {
+  const double here = spacingAt(place, normal(ancestor));
+  const double nearest = std::sqrt(nearestTo(tree_, place).squared[0]);
+  return nearest <= here ? here : std::min(here, spacingOf(ancestor));
+}
+
 double EditJudge::heightAt(const DVec3& place) const {
   const Near toPlace = nearestTo(tree_, place);
   if (toPlace.count == 0) return kFar;
@@ -251,7 +282,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
   const auto beyond = [&](const DVec3& place) {
     return (distanceToWay(place, way.centers) - way.toolRadius) / way.support;
   };
-  const Aftermath aftermath(before_, tree_, after, way.support);
+  const Aftermath aftermath(before_, tree_, after, way);
   for (std::uint32_t i = 0; i < before_.size(); ++i) {
     const bool gone = after[i].gone(), moved = !gone && aftermath.moved(i);
     verdict.removed += gone;
@@ -265,7 +296,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
     ++verdict.inserted;
     const DVec3 place = aftermath.position(i);
     verdict.farthestInserted = std::max(verdict.farthestInserted, beyond(place));
-    const double spacing = spacingAt(place, aftermath.facing(i));
+    const double spacing = spacingFor(place, aftermath.ancestorOf(i));
     if (spacing == kFar) continue;  // what was alone had no surface around it
     const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
     verdict.nearest = std::min(verdict.nearest, nearest);
@@ -275,7 +306,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
     verdict.outside += height > EditTolerance::kOutside * spacing;
   }
   if (verdict.farthestOutside == -kFar) verdict.farthestOutside = 0;
-  judgeNormals(aftermath, before_, way, verdict);
+  judgeNormals(aftermath, before_, verdict);
   return verdict;
 }
 

@@ -70,6 +70,7 @@ class EditJudge {
   DVec3 position(std::size_t i) const { return DVec3(before_.positions[i]); }
   DVec3 normal(std::size_t i) const { return DVec3(before_.normals[i]); }
   double spacingOf(std::uint32_t point);
+  double spacingFor(const DVec3& place, std::uint32_t ancestor);
 
   const PointCloud& before_;
   PointTree tree_;

@@ -203,6 +203,30 @@ TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
   CHECK(edited.verdict(way).turned == edited.verdict(way).sided);
 }
 
+TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before it, and lifts the one above it") {
+  // Straight down into a plane until it is under it, then along: the tunnel's ceiling hangs under the plane, which is
+  // pushed up by it.
+  Edited edited(grid(61, 0.5));
+  ToolWay way{.centers = {}, .toolRadius = 3, .support = 2};
+  for (int k = 0; k <= 60; ++k) way.centers.push_back(DVec3(-8, 0, 3 - 0.1 * k));
+  for (int k = 0; k <= 160; ++k) way.centers.push_back(DVec3(-8 + 0.1 * k, 0, -2.8));
+  for (double x = -4; x <= 6; x += 0.5)
+    for (double angle = 0; angle < 6.2; angle += 0.2) {
+      const DVec3 out(0, std::cos(angle), std::sin(angle));
+      edited.insert(DVec3(x, 0, -2.8) + 3.0 * out, edited.at(-8, 0), -out);
+    }
+  for (std::uint32_t i = 0; i < edited.cloud.size(); ++i) {
+    Vec3& place = edited.states[i].position;
+    if (place.x > -4 && place.x < 6 && std::abs(place.y) < 1)
+      place.z = static_cast<float>(std::sqrt(9.03 - place.y * place.y) - 2.8);
+  }
+  const EditVerdict right = edited.verdict(way);
+  CHECK(right.sided > 600);
+  CHECK(right.turned == 0);
+  for (std::size_t i = edited.cloud.size(); i < edited.states.size(); ++i) edited.states[i].normal *= -1;
+  CHECK(edited.verdict(way).turned > 500);
+}
+
 TEST_CASE("a new point near its ancestor is of that one's sheet, one far from it of the sheet that it is on") {
   Edited edited(makePlate(20'000, 0.8));
   const auto lower = static_cast<std::uint32_t>(edited.cloud.size() - 1);
