@@ -247,7 +247,7 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
   record.verdict = judge.judge(
       play.points(),
-      {.centers = play.centers(), .toolRadius = brush.toolRadius, .support = support, .carves = record.carves});
+      {.centers = play.centers(), .toolRadius = brush.toolRadius, .support = support, .carves = record.carves, .pushes = kind == BrushKind::push});
   record.after = look(play, subject, idle, options.depth_mm + kLookDeeper_mm);
   return record;
 }

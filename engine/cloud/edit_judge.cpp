@@ -128,30 +128,34 @@ class Aftermath {
 
  private:
   // On the ball's wall, towards its centre or away from it, as where it comes from did when the ball came: a ball that
-  // goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. Elsewhere as
-  // the file's point that it goes back to; as the nearest one where it has come too far for that.
+  // goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. What it met
+  // edge on may face either way. Elsewhere as the file's point that it goes back to; as the nearest one where it has
+  // come too far for that.
   DVec3 facingOf(std::uint32_t i, const PointTree& tree) {
     const std::uint32_t ancestor = ancestorOf(i);
-    if (isNew(i) || moved(i)) {
-      const DVec3 outward = way_.centers.empty() ? DVec3(0) : nearestCenter(position(i)) - position(i);
+    if ((way_.carves || way_.pushes) && !way_.centers.empty() && (isNew(i) || moved(i))) {
+      const DVec3 outward = nearestCenter(position(i)) - position(i);
       const double distance = glm::length(outward);
-      if (distance > kWallFrom * way_.toolRadius && distance < kWallTo * way_.toolRadius)
-        return (way_.carves ? 1 : sideOf(ancestor)) / distance * outward;
+      if (distance > kWallFrom * way_.toolRadius && distance < kWallTo * way_.toolRadius) {
+        const double side = way_.carves ? 1 : sideOf(ancestor);
+        return std::abs(side) > kSided ? std::copysign(1 / distance, side) * outward : normal(i);
+      }
     }
     if (!isNew(i) || glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * way_.support)
       return DVec3(before_.normals[ancestor]);
     return DVec3(before_.normals[nearestTo(tree, position(i)).points[0]]);
   }
 
-  // Whether a point of the file faced the ball when that first touched it, or was nearest, 1, or turned its back, -1.
+  // How much a point of the file faced the ball when that first touched it, or was nearest: from -1, it turned its back
+  // on it, to 1.
   double sideOf(std::uint32_t point) {
     double& side = sides_[point];
     if (side != 0) return side;
     const DVec3 place(before_.positions[point]);
     const auto touches = [&](const DVec3& c) { return glm::distance(c, place) < kWallTo * way_.toolRadius; };
     const auto first = std::ranges::find_if(way_.centers, touches);
-    const DVec3 center = first != way_.centers.end() ? *first : nearestCenter(place);
-    return side = glm::dot(center - place, DVec3(before_.normals[point])) < 0 ? -1 : 1;
+    const DVec3 offset = (first != way_.centers.end() ? *first : nearestCenter(place)) - place;
+    return side = glm::dot(offset, DVec3(before_.normals[point])) / std::max(way_.toolRadius, glm::length(offset));
   }
 
   DVec3 nearestCenter(const DVec3& place) const {

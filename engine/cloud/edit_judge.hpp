@@ -19,6 +19,7 @@ struct ToolWay {
   double toolRadius = 0;       ///< model units
   double support = 0;          ///< support radius, model units
   bool carves = false;         ///< what it leaves faces the ball, and nothing new may stand outside
+  bool pushes = false;         ///< what it touches ends on the ball's wall
 };
 
 /// What is allowed for: the judge measures spacings and heights of places anew, from few points.

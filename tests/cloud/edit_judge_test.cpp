@@ -207,7 +207,7 @@ TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before i
   // Straight down into a plane until it is under it, then along: the tunnel's ceiling hangs under the plane, which is
   // pushed up by it.
   Edited edited(grid(61, 0.5));
-  ToolWay way{.centers = {}, .toolRadius = 3, .support = 2};
+  ToolWay way{.centers = {}, .toolRadius = 3, .support = 2, .pushes = true};
   for (int k = 0; k <= 60; ++k) way.centers.push_back(DVec3(-8, 0, 3 - 0.1 * k));
   for (int k = 0; k <= 160; ++k) way.centers.push_back(DVec3(-8 + 0.1 * k, 0, -2.8));
   for (double x = -4; x <= 6; x += 0.5)
