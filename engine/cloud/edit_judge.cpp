@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <unordered_set>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/eigen3.hpp"
@@ -22,6 +23,9 @@ constexpr std::size_t kOfAFit = 16, kFewestOfAFit = 6;
 constexpr std::size_t kTangentPlanes = 4;
 constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
 constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // tool radii from its way, between which a point is on its wall
+constexpr double kOnGround = 0.4;  // spacings of a place, to one of the points before
+constexpr double kEdgeOn = 0.5;    // cosine of a ball and a normal, up to which the ball may go on either side of it
+constexpr double kStep = 2;     // spacings, from one point of a sheet to the next
 constexpr double kSided = 0.3;  // cosine of fit and known side, from which on the fit's side is known
 
 struct Near {
@@ -138,7 +142,7 @@ class Aftermath {
       const double distance = glm::length(outward);
       if (distance > kWallFrom * way_.toolRadius && distance < kWallTo * way_.toolRadius) {
         const double side = way_.carves ? 1 : sideOf(ancestor);
-        return std::abs(side) > kSided ? std::copysign(1 / distance, side) * outward : normal(i);
+        return std::abs(side) > kEdgeOn ? std::copysign(1 / distance, side) * outward : normal(i);
       }
     }
     if (!isNew(i) || glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * way_.support)
@@ -247,35 +251,63 @@ double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
   return count > 0 ? sum / static_cast<double>(count) : kFar;
 }
 
-// A place that is no farther from the points before than they are from one another is on their ground. One deep in a
-// dent or a tunnel is on none, and what is near it by chance may be sparse: there the ground counts that it comes from.
+// A place near one of the points before, for how far these are from one another, is on their ground. One deep in a dent
+// or a tunnel is on none, and what is near it by chance may be sparse: there the ground counts that it comes from.
 double EditJudge::spacingFor(const DVec3& place, std::uint32_t ancestor) {
   const double here = spacingAt(place, normal(ancestor));
-  const double nearest = std::sqrt(nearestTo(tree_, place).squared[0]);
-  return nearest <= here ? here : std::min(here, spacingOf(ancestor));
+  const Near near = nearestTo(tree_, place);
+  std::size_t k = 0;
+  while (k < near.count && glm::dot(normal(near.points[k]), normal(ancestor)) <= 0) ++k;
+  const bool onGround = k < near.count && std::sqrt(near.squared[k]) <= kOnGround * here;
+  return onGround ? here : std::min(here, spacingOf(ancestor));
 }
 
-double EditJudge::heightAt(const DVec3& place) const {
-  const Near toPlace = nearestTo(tree_, place);
+double EditJudge::heightAt(const DVec3& place) const { return heightOver({tree_, {}}, place); }
+
+double EditJudge::heightOver(const Sheet& sheet, const DVec3& place) const {
+  const Near toPlace = nearestTo(sheet.tree, place);
   if (toPlace.count == 0) return kFar;
-  const DVec3 middle = position(toPlace.points[0]), facing = normal(toPlace.points[0]);
+  const std::uint32_t first = sheet.numberOf(toPlace.points[0]);
+  const DVec3 middle = position(first), facing = normal(first);
   const auto sameSheet = [&](std::uint32_t i) { return glm::dot(normal(i), facing) > -kSided; };
-  const Near around = nearestTo(tree_, middle);
+  const Near around = nearestTo(sheet.tree, middle);
   const double reach = 1.2 * std::sqrt(around.squared[std::min(kOfAFit, around.count) - 1]);
   SphereFit sphere;
   for (std::size_t k = 0; k < around.count; ++k) {
-    const std::uint32_t i = around.points[k];
+    const std::uint32_t i = sheet.numberOf(around.points[k]);
     const double r = reach > 0 ? std::sqrt(around.squared[k]) / reach : 0;
     if (sameSheet(i)) sphere.add(position(i) - middle, normal(i), wendlandWeight(r));
   }
   double highest = -kFar;
   for (std::size_t k = 0, planes = 0; k < toPlace.count && planes < kTangentPlanes; ++k) {
-    const std::uint32_t i = toPlace.points[k];
+    const std::uint32_t i = sheet.numberOf(toPlace.points[k]);
     if (!sameSheet(i)) continue;
     highest = std::max(highest, glm::dot(place - position(i), normal(i)));
     ++planes;
   }
   return std::min(sphere.height(place - middle), highest);
+}
+
+// Above whatever surface is nearest is not outside where that is another one than the new point comes from, such as the
+// floor under a roof: what counts is the sheet around its ancestor, to which one goes from point to point. What grows
+// begins there.
+double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double least, double support) {
+  const double height = heightAt(place);
+  if (height <= least) return height;
+  std::vector<std::uint32_t> sheet{ancestor}, found;
+  std::unordered_set<std::uint32_t> known{ancestor};
+  for (std::size_t next = 0; next < sheet.size(); ++next) {
+    const std::uint32_t from = sheet[next];
+    found.clear();
+    tree_.within(position(from), std::min(support, kStep * spacingOf(from)), found);
+    for (const std::uint32_t i : found)
+      if (glm::dot(normal(i), normal(from)) > 0 && glm::distance(position(i), position(ancestor)) < kKin * support && known.insert(i).second)
+        sheet.push_back(i);
+  }
+  std::vector<Vec3> positions;
+  for (const std::uint32_t i : sheet) positions.push_back(before_.positions[i]);
+  const PointTree tree(positions);
+  return std::min(height, heightOver({tree, sheet}, place));
 }
 
 EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& way) {
@@ -305,7 +337,7 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
     const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
     verdict.nearest = std::min(verdict.nearest, nearest);
     verdict.crowded += nearest < EditTolerance::kCrowded;
-    const double height = heightAt(place);
+    const double height = heightFrom(place, aftermath.ancestorOf(i), EditTolerance::kOutside * spacing, way.support);
     verdict.farthestOutside = std::max(verdict.farthestOutside, height / way.support);
     verdict.outside += height > EditTolerance::kOutside * spacing;
   }
@@ -315,15 +347,16 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
 }
 
 std::vector<std::string_view> EditVerdict::broken(bool carves) const {
+  // One is let be: the judge errs, too.
   const auto share = [](std::size_t part, std::size_t all) {
-    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+    return part > 1 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
   };
   std::vector<std::string_view> broken;
   if (farthestMoved > EditTolerance::kReach) broken.emplace_back("moves far");
   if (inserted > 0 && farthestInserted > 1 + EditTolerance::kReach) broken.emplace_back("inserts far");
   if (nearest < EditTolerance::kNearest || share(crowded, inserted) > EditTolerance::kMostCrowded)
     broken.emplace_back("crowds");
-  if (carves && outside > 0) broken.emplace_back("grows");
+  if (carves && share(outside, inserted) > EditTolerance::kMostOutside) broken.emplace_back("grows");
   if (share(turned, sided) > EditTolerance::kMostTurned) broken.emplace_back("turns normals");
   if (turnedAtRest > 0) broken.emplace_back("turns normals at rest");
   return broken;

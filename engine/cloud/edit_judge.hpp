@@ -27,8 +27,9 @@ struct EditTolerance {
   static constexpr double kReach = 0.01;        ///< support radii that a point may be farther away
   static constexpr double kCrowded = 0.4;       ///< spacings of its place that a new point keeps from others
   static constexpr double kMostCrowded = 0.02;  ///< share of the new points that may be nearer
-  static constexpr double kNearest = 0.3;       ///< spacings that none may be nearer
-  static constexpr double kOutside = 0.5;      ///< spacings of its place that a new point may stand off the old surface
+  static constexpr double kNearest = 0.2;       ///< spacings that none may be nearer
+  static constexpr double kOutside = 0.5;  ///< spacings of its place that a new point may stand off the old surface
+  static constexpr double kMostOutside = 0.02;  ///< share of the new points that may: noisy scans have no one surface
   static constexpr double kMostTurned = 0.01;  ///< share of the changed points whose normals may look to the other side
 };
 
@@ -68,6 +69,13 @@ class EditJudge {
   double heightAt(const DVec3& place) const;
 
  private:
+  struct Sheet {
+    const PointTree& tree;
+    std::span<const std::uint32_t> numbers;  // in the cloud, of its points; empty: their own
+    std::uint32_t numberOf(std::uint32_t i) const { return numbers.empty() ? i : numbers[i]; }
+  };
+  double heightOver(const Sheet& sheet, const DVec3& place) const;
+  double heightFrom(const DVec3& place, std::uint32_t ancestor, double least, double support);
   DVec3 position(std::size_t i) const { return DVec3(before_.positions[i]); }
   DVec3 normal(std::size_t i) const { return DVec3(before_.normals[i]); }
   double spacingOf(std::uint32_t point);

@@ -84,24 +84,41 @@ bool facesAway(const ResampleNeighbour& a, const ResampleNeighbour& b) {
   return glm::dot(a.normal, b.normal) <= static_cast<double>(shared::kFarSheet);
 }
 
+// How much makes a point go, and how much already keeps a new one away.
+struct Outside {
+  float margin;
+  double share;
+};
+constexpr Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
+
 // Whether a place near `self` has come through the far sheet of a plate.
-bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours) {
+bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+                   float margin) {
   return std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
-    return facesAway(self, other) &&
-           shared::isThrough(Vec3(place - other.offset), Vec3(other.normal), static_cast<float>(self.spacing));
+    return facesAway(self, other) && shared::isThrough(Vec3(place - other.offset), Vec3(other.normal),
+                                                       static_cast<float>(self.spacing), margin);
   });
 }
 
-bool hasRisen(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
-  double all = 0, outside = 0;
+// Whether it has risen over what is at rest around it.
+bool hasRisen(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+              const Outside& outside) {
+  double all = 0, above = 0;
   for (const ResampleNeighbour& other : neighbours) {
-    const double distance = glm::length(other.offset);
+    const DVec3 offset = place - other.offset;
+    const double distance = glm::length(offset);
     if (!other.atRest || facesAway(self, other) || distance == 0) continue;
     const double weight = std::pow(self.spacing / distance, 4);
     all += weight;
-    if (-glm::dot(other.offset, other.normal) > static_cast<double>(shared::kSkin) * self.spacing) outside += weight;
+    if (shared::isAbove(Vec3(offset), Vec3(other.normal), static_cast<float>(self.spacing), outside.margin))
+      above += weight;
   }
-  return outside > static_cast<double>(shared::kNearlyAll) * all;
+  return above > outside.share * all;
+}
+
+bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+                   const Outside& outside) {
+  return standsThrough(self, place, neighbours, outside.margin) || hasRisen(self, place, neighbours, outside);
 }
 
 }  // namespace
@@ -114,7 +131,7 @@ double sectorSpacing(SectorDistances distances) {
 
 ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& view) {
   const std::span<const ResampleNeighbour> neighbours = view.neighbours;
-  if (view.carves && !self.atRest && (standsThrough(self, DVec3(0), neighbours) || hasRisen(self, neighbours)))
+  if (view.carves && !self.atRest && standsOutside(self, DVec3(0), neighbours, kGoes))
     return {.goes = true};
   ResampleWish wish;
   const ResampleNeighbour* first = nullptr;  // of those that crowd this point
@@ -142,7 +159,7 @@ ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& vie
       return glm::distance(point.offset, place) < clearance && sameSheet(self.normal, point.normal);
     };
     if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
-    if (view.carves && standsThrough(self, place, neighbours)) continue;
+    if (view.carves && standsOutside(self, place, neighbours, kStaysAway)) continue;
     narrowest = gap;
     wish.inserts = wish.unsettled = true;
     wish.offset = place;

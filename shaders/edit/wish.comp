@@ -32,7 +32,8 @@ const uint kLookYields = 1;   // whether the first of those has to yield itself
 const uint kLookIds = 2;      // the least id of the nearest of each sector
 const uint kLookNearest = 3;  // who has it
 const uint kLookBlocks = 4;   // who stands in the way of a new point
-const uint kLookNoMore = 5;
+const uint kLookRisen = 5;    // while a ball carves: whether the new point would stand outside the solid
+const uint kLookNoMore = 6;
 
 uint look;
 vec3 center;
@@ -53,6 +54,7 @@ vec2 votes;                 // of those at rest: whether it has risen, and all
 Seen first;
 bool firstYields;
 uint blocked;  // a bit for each sector
+uint wished;   // the sector in which a new point is wished for; kSectors: none
 bool crowded, leaves;
 bool carves, selfAtRest;
 
@@ -101,16 +103,21 @@ void noteYielding(uint at, uint slot) {
   firstYields = firstYields || hasToYield(first, seenAt(at, slot));
 }
 
-// Of a ball that carves: whether one neighbour says that the point stands outside the solid.
-void noteOutside(uint id, vec3 normal, vec3 d) {
-  if (dot(self.normal, normal) <= kFarSheet) {
-    through = through || isThrough(-d, normal, self.spacing);
-    return;
-  }
+// Of a ball that carves: what a neighbour `d` away from a place says of whether that has risen.
+void noteRisen(uint at, vec3 normal, vec3 d, float margin) {
+  const uint id = keptIds[at];
   const float far = length(d);
-  if (far == 0.0 || !isAtRest(center + d, rests.at[id], targetOf(id))) return;
+  if (far == 0.0 || !isAtRest(center + keptOffset(at), rests.at[id], targetOf(id))) return;
   const float share = self.spacing / far, weight = share * share * share * share;
-  votes += weight * vec2(-dot(d, normal) > kSkin * self.spacing ? 1.0 : 0.0, 1.0);
+  votes += weight * vec2(isAbove(-d, normal, self.spacing, margin) ? 1.0 : 0.0, 1.0);
+}
+
+// Of a ball that carves: whether one neighbour says that the point stands outside the solid.
+void noteOutside(uint at, vec3 normal, vec3 d) {
+  if (dot(self.normal, normal) <= kFarSheet)
+    through = through || isThrough(-d, normal, self.spacing, 0.0);
+  else
+    noteRisen(at, normal, d, 0.0);
 }
 
 // Where new points would have come through the sheet of one that faces the other way.
@@ -118,7 +125,7 @@ void noteThrough(uint slot, vec3 d) {
   const vec3 normal = args.cloud.normals.at[slot].xyz;
   if (dot(self.normal, normal) > kFarSheet) return;
   for (uint s = 0; s < kSectors; ++s)
-    if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing)) blocked |= 1u << s;
+    if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing, kBirthMargin)) blocked |= 1u << s;
 }
 
 void visitNeighbour(uint at) {
@@ -126,13 +133,18 @@ void visitNeighbour(uint at) {
   if (slot == selfSlot) return;
   const vec3 d = keptOffset(at);
   if (carves && look == kLookBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
+  if (look == kLookRisen) {
+    const vec3 normal = args.cloud.normals.at[slot & ~kOtherSheet].xyz;
+    if (dot(self.normal, normal) > kFarSheet) noteRisen(at, normal, d - sectors[sectorAt(wished)].offset, kBirthMargin);
+    return;
+  }
   if (look == kLookYields) {
     if (nearer(d - first.offset, mostCrowded())) noteYielding(at, slot & ~kOtherSheet);
     return;
   }
   if (!visitedBefore) {
     const vec3 normal = args.cloud.normals.at[slot].xyz;
-    if (carves && look == kLookAround) noteOutside(keptIds[at], normal, d);
+    if (carves && look == kLookAround) noteOutside(at, normal, d);
     if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
     if (carves && look == kLookBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
     keptNeighbours[at].w = uintBitsToFloat(slot);
@@ -166,6 +178,7 @@ void begin() {
   firstSlot = kNobody;
   firstYields = false;
   blocked = 0;
+  wished = kSectors;
   through = false;
   votes = vec2(0.0);
   crowded = false;
@@ -225,26 +238,13 @@ bool placeInGaps() {
   return subgroupAny(any);
 }
 
-// While a ball carves, what stands outside the solid goes.
-bool isOutside() {
-  if (!carves || selfAtRest) return false;
+bool hasRisen(float share) {
   const vec2 all = subgroupAdd(votes);
-  return subgroupAny(through) || all.x > kNearlyAll * all.y;
+  return all.x > share * all.y;
 }
 
-// What comes next.
-uint nextLook() {
-  if (look == kLookAround && isOutside()) {
-    leaves = true;
-    return kLookNoMore;
-  }
-  if (look == kLookAround && findFirst()) return kLookYields;
-  if (look == kLookYields) leaves = !subgroupAny(firstYields);
-  if (look <= kLookYields) return leaves || spent || !allAreSeen || !anyWide() ? kLookNoMore : kLookIds;
-  if (look == kLookIds) return kLookNearest;
-  if (look == kLookNearest && placeInGaps()) return kLookBlocks;
-  return kLookNoMore;
-}
+// While a ball carves, what stands outside the solid goes.
+bool isOutside() { return carves && !selfAtRest && (subgroupAny(through) || hasRisen(kNearlyAll)); }
 
 // The sector with the narrowest gap that no point fills yet; kSectors where there is none.
 uint openGap() {
@@ -258,6 +258,30 @@ uint openGap() {
     narrowest = distance;
   }
   return best;
+}
+
+// Takes up the next gap; while a ball carves, what comes of it has to be looked at first.
+uint lookInGap() {
+  wished = openGap();
+  votes = vec2(0.0);
+  return carves && wished < kSectors ? kLookRisen : kLookNoMore;
+}
+
+// What comes next.
+uint nextLook() {
+  if (look == kLookAround && isOutside()) {
+    leaves = true;
+    return kLookNoMore;
+  }
+  if (look == kLookAround && findFirst()) return kLookYields;
+  if (look == kLookYields) leaves = !subgroupAny(firstYields);
+  if (look <= kLookYields) return leaves || spent || !allAreSeen || !anyWide() ? kLookNoMore : kLookIds;
+  if (look == kLookIds) return kLookNearest;
+  if (look == kLookNearest) return placeInGaps() ? kLookBlocks : kLookNoMore;
+  if (look == kLookBlocks) return lookInGap();
+  if (!hasRisen(kHalfOfThem)) return kLookNoMore;
+  blocked |= 1u << wished;
+  return lookInGap();
 }
 
 uint middleColor(uint a, uint b) {
@@ -315,15 +339,12 @@ void wishForAll() {
     selfAtRest = isAtRest(center, self.rest, self.spacing);
     reach = id < firstNew ? kReach * args.radius : args.tables.at[0].reaches.at[id - firstNew];
     begin();
-    uint reached = kLookAround;
     for (look = kLookAround; look != kLookNoMore; look = nextLook()) {
-      reached = look;
       visitNeighbours(args.cloud, center, lookRadius(self.spacing, args.radius), walkBudget(kMostLookedAt),
                       look != kLookAround);
       subgroupShares();
     }
-    const uint gap = reached == kLookBlocks ? openGap() : kSectors;
-    if (subgroupElect() && (leaves || crowded || gap < kSectors)) wishFor(id, center, gap);
+    if (subgroupElect() && (leaves || crowded || wished < kSectors)) wishFor(id, center, wished);
     subgroupShares();
   }
 }

@@ -61,17 +61,25 @@ const float kFarSheet = -0.5f;
 // all from the far sheet of a plate.
 PALPATE_FUNCTION float fitShare(float cosine) { return max(0.0f, min(1.0f, 0.25f + cosine)); }
 
-// While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A point is through where
-// one that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where nearly
-// all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it stands
-// more than kSkin outside their tangent planes. At rest is what stands no further than kAtRest from where it stood.
+// While a ball carves, nothing may stand outside the solid that it cuts, in target spacings. A place is through where
+// a point that faces the other way, no further aside than kBeside, has less than kSkin before it. It has risen where
+// nearly all that stand as they were loaded, the nearest of them most (weights fall with the fourth power), say that it
+// is more than kSkin outside their tangent planes. At rest is what stands no further than kAtRest from where it stood.
 const float kSkin = 0.1f, kBeside = 2.0f, kAtRest = 0.02f, kNearlyAll = 0.8f;
+// No new point comes so near to where one would have to go, and not where half of them say so: else points would come
+// and go for ever.
+const float kBirthMargin = 0.1f, kHalfOfThem = 0.5f;
 
-// Whether a point has come through, `offset` from one that faces the other way, whose unit normal is `normal`.
-PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing) {
+// Whether a place is through, `offset` from a point that faces the other way, whose unit normal is `normal`.
+PALPATE_FUNCTION bool isThrough(vec3 offset, vec3 normal, float spacing, float margin) {
   const float before = dot(offset, normal);  // negative inside
   const vec3 aside = offset - before * normal;
-  return before > -kSkin * spacing && dot(aside, aside) < kBeside * kBeside * spacing * spacing;
+  return before > -(kSkin + margin) * spacing && dot(aside, aside) < kBeside * kBeside * spacing * spacing;
+}
+
+// Whether a point at rest with this unit normal says that a place so far from it has risen.
+PALPATE_FUNCTION bool isAbove(vec3 offset, vec3 normal, float spacing, float margin) {
+  return dot(offset, normal) > (kSkin - margin) * spacing;
 }
 
 // Slots of the table in which insertions claim their place: a power of two. A slot that two far places share makes one

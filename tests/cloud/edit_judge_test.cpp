@@ -164,8 +164,28 @@ TEST_CASE("new points outside the old surface are growth where the tool carves, 
   const EditVerdict verdict = edited.verdict(middleTool(true));
   CHECK(verdict.outside == 1);
   CHECK(verdict.farthestOutside == doctest::Approx(0.3));
-  CHECK(verdict.broken(true) == Words{"grows"});
-  CHECK(verdict.broken(false) == Words{});
+  CHECK(verdict.broken(true) == Words{});  // one is let be
+  edited.insert({1.5, 1.5, 1.2}, edited.at(0, 0));
+  CHECK(edited.verdict(middleTool(true)).broken(true) == Words{"grows"});
+  CHECK(edited.verdict(middleTool(true)).broken(false) == Words{});
+}
+
+TEST_CASE("a wall under a roof and over a floor stands outside neither, and what grows from the roof does") {
+  // The floor is wide of the roof by more than its points are of one another, so that no way leads from one to the other.
+  Edited edited(grid(41, 0.5));
+  PointCloud& cloud = edited.cloud;
+  const std::size_t roof = cloud.size();
+  for (std::size_t i = 0; i < roof; ++i) {
+    cloud.positions.push_back(cloud.positions[i] - Vec3(0, 0, 5));
+    cloud.normals.push_back(cloud.normals[i]);
+  }
+  edited.states = statesOf(cloud);
+  const ToolWay way{.centers = {DVec3(0, 0, -1)}, .toolRadius = 3, .support = 2, .carves = true};
+  for (double angle = 0; angle < 6; angle += 0.5)
+    edited.insert(DVec3(2.5 * std::cos(angle), 2.5 * std::sin(angle), -2.66), edited.at(3, 0));
+  CHECK(edited.verdict(way).outside == 0);
+  edited.insert({3, 0.2, 1}, edited.at(3, 0));
+  CHECK(edited.verdict(way).outside == 1);
 }
 
 TEST_CASE("normals are held against a fit of their own sheet, and those that look inwards are counted") {

@@ -273,6 +273,57 @@ TEST_CASE("no point is wished for beyond its reach, or where not all neighbours 
   CHECK_FALSE(resampleWish(self, {.neighbours = gap, .complete = false}).inserts);
 }
 
+TEST_CASE("while a ball carves, what stands outside the solid goes, and no point comes to where it would have to go") {
+  // The ends of a gap stand a little above a plane at rest, which is seen a little further off.
+  auto gap = ring(1.8);
+  ResampleNeighbour self = pointAt(DVec3(0), 1);
+  const auto raised = [&](double height) {
+    auto all = gap;
+    for (ResampleNeighbour& each : all) each.rest = each.offset - DVec3(0, 0, 5);
+    for (std::uint32_t k = 0; k < 12; ++k) {
+      const double angle = k * std::numbers::pi / 6;
+      all.push_back(pointAt(DVec3(0.9 + 2.5 * std::cos(angle), 2.5 * std::sin(angle), -height), 40 + k));
+      all.back().atRest = true;
+    }
+    return all;
+  };
+  const auto wish = [&](double height, bool carves) {
+    const auto all = raised(height);
+    return resampleWish(self, {.neighbours = all, .carves = carves});
+  };
+  CHECK(wish(0.05, false).inserts);
+  CHECK_FALSE(wish(0.05, true).goes);
+  CHECK_FALSE(wish(0.05, true).inserts);
+  CHECK(wish(-0.05, true).inserts);
+  CHECK(wish(0.15, true).goes);
+  CHECK_FALSE(wish(0.15, false).goes);
+  self.atRest = true;
+  CHECK_FALSE(wish(0.15, true).goes);
+}
+
+TEST_CASE("what a ball has carved into ground that has no one surface settles") {
+  PointCloud cloud = sheet(40, 0.4);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> height(-1.5f, 1.5f), tilt(-0.8f, 0.8f);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.positions[i].z = height(random);
+    cloud.normals[i] = glm::normalize(Vec3(tilt(random), tilt(random), 1));
+  }
+  const double radius = 4;
+  SculptReference sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
+  const BrushOptions carve{.kind = BrushKind::carve, .tau = 0, .toolRadius = 5, .strength = 0.5};
+  DVec3 hip(10, 20, -1);
+  for (int tick = 0; tick < 200; ++tick) {
+    const DVec3 last = std::exchange(hip, hip + DVec3(0.1, 0, 0));
+    sculpture.edit(BrushTool(carve, radius, hip, last, kUp));
+  }
+  CHECK(sculpture.points().size() > cloud.size());
+  const BrushTool lifted(carve, radius, hip, hip, DVec3(0));
+  int ticks = 0;
+  while (!sculpture.settled() && ++ticks < 300) sculpture.edit(lifted);
+  CHECK(sculpture.settled());
+}
+
 TEST_CASE("half way over an edge, or between normals that disagree, nothing stands outside the ends' planes") {
   std::mt19937 random(8);
   std::normal_distribution<double> side;
