@@ -37,6 +37,8 @@ class Context {
   void arrange(QueueArrangement queues);
   unsigned threads() const { return threads_; }
 
+  /// By --gpu or --validate.
+  bool asksForGpu() const { return !gpu_.empty() || validate_; }
   /// Sends the result where --json says; nothing without it.
   void writeJson(const Json& result) const;
   /// With --json - stdout belongs to the result, and tables go to stderr.

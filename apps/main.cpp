@@ -90,8 +90,7 @@ int run(int argc, char** argv) {
   CLI::App app{
       "palpate: feel, see and sculpt point clouds of millions of points in real time.\n"
       "palpate MODEL... opens the window. Units: model coordinates as in the file; mm, N, N/mm, N s/mm, s; GPU times "
-      "in "
-      "us."};
+      "in us."};
   app.name("palpate");
   app.set_version_flag("--version", "palpate " PALPATE_VERSION, "the version of this program");
   app.require_subcommand(1);

@@ -137,9 +137,11 @@ class ShownTicks final : public TickRecorder {
   TickRecorder* next_;
 };
 
-/// Settles what answers, also for the session log, which names it.
+/// Settles what answers, also for the session log, which names it. Whoever names a GPU, or wants its calls watched,
+/// means that one, whatever it is.
 void chooseBackend(const Context& context, CLI::App& command, BackendOptions& options) {
-  options.backend = palpate::chooseBackend(context, options);
+  const bool means = options.backend == "auto" && options.method != "direct" && context.asksForGpu();
+  options.backend = means ? "vulkan" : palpate::chooseBackend(context, options);
   CLI::Option* named = command.get_option("--backend");
   named->clear();
   named->add_result(options.backend);

@@ -220,8 +220,7 @@ std::string tooSmallTool(double radius_mm, double spacing_mm, std::string_view c
   if (radius_mm >= spacing_mm) return {};
   return fmt::format(
       "a tool of {:.3g} mm is smaller than the spacing of the points, {:.3g} mm: it reaches hardly any, and edits next "
-      "to "
-      "nothing; make {} {:.2g} mm or more",
+      "to nothing; make {} {:.2g} mm or more",
       radius_mm, spacing_mm, control, kUseful * spacing_mm);
 }
 

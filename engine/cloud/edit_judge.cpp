@@ -335,7 +335,8 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
     const double spacing = spacingFor(place, aftermath.ancestorOf(i));
     if (spacing == kFar) continue;  // what was alone had no surface around it
     const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
-    verdict.nearest = std::min(verdict.nearest, nearest);
+    // On top of one another are points for the ground that they come from, too.
+    verdict.nearest = std::min(verdict.nearest, nearest * spacing / std::min(spacing, spacingOf(aftermath.ancestorOf(i))));
     verdict.crowded += nearest < EditTolerance::kCrowded;
     const double height = heightFrom(place, aftermath.ancestorOf(i), EditTolerance::kOutside * spacing, way.support);
     verdict.farthestOutside = std::max(verdict.farthestOutside, height / way.support);

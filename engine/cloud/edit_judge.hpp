@@ -27,7 +27,7 @@ struct EditTolerance {
   static constexpr double kReach = 0.01;        ///< support radii that a point may be farther away
   static constexpr double kCrowded = 0.4;       ///< spacings of its place that a new point keeps from others
   static constexpr double kMostCrowded = 0.02;  ///< share of the new points that may be nearer
-  static constexpr double kNearest = 0.2;       ///< spacings that none may be nearer
+  static constexpr double kNearest = 0.3;       ///< spacings that none may be nearer
   static constexpr double kOutside = 0.5;  ///< spacings of its place that a new point may stand off the old surface
   static constexpr double kMostOutside = 0.02;  ///< share of the new points that may: noisy scans have no one surface
   static constexpr double kMostTurned = 0.01;  ///< share of the changed points whose normals may look to the other side
@@ -40,7 +40,8 @@ struct EditVerdict {
                                  ///< the tool's way beyond its radius, support radii; negative within it
   double farthestInserted = 0;   ///< the same for new points where they are
   std::size_t crowded = 0;       ///< new points nearer than EditTolerance::kCrowded to another of their sheet
-  double nearest = 1;            ///< of new points to others of their sheet, spacings of their place, 1 at most
+  double nearest = 1;            ///< of new points to others of their sheet, spacings of their place or of where they come
+                                 ///< from, whichever is smaller; 1 at most
   std::size_t outside = 0;       ///< new points off the old surface by more than EditTolerance::kOutside
   double farthestOutside = 0;    ///< of new points, support radii
   std::size_t fitted = 0;        ///< changed points whose normal could be held against a plane fit

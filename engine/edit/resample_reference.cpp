@@ -155,8 +155,10 @@ ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& vie
     const DVec3 place = halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
     const double clearance = static_cast<double>(shared::kLeastClearance) * spacing;
+    // One with a wider target would have the new point go again.
     const auto blocks = [&](const ResampleNeighbour& point) {
-      return glm::distance(point.offset, place) < clearance && sameSheet(self.normal, point.normal);
+      const double least = std::max(clearance, static_cast<double>(shared::kCrowded) * point.spacing);
+      return glm::distance(point.offset, place) < least && sameSheet(self.normal, point.normal);
     };
     if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
     if (view.carves && standsOutside(self, place, neighbours, kStaysAway)) continue;

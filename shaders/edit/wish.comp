@@ -151,8 +151,13 @@ void visitNeighbour(uint at) {
   }
   if ((slot & kOtherSheet) != 0) return;
   if (look == kLookBlocks) {
-    for (uint s = 0; s < kSectors; ++s)
-      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
+    for (uint s = 0; s < kSectors; ++s) {
+      const vec3 apart = d - sectors[sectorAt(s)].offset;
+      // One with a wider target would have the new point go again.
+      if (nearer(apart, kLeastClearance * sectors[sectorAt(s)].spacing) ||
+          (nearer(apart, mostCrowded()) && nearer(apart, kCrowded * targetOf(keptIds[at]))))
+        blocked |= 1u << s;
+    }
     return;
   }
   if (look == kLookAround && nearer(d, mostCrowded())) noteCrowding(at, slot);

@@ -153,6 +153,8 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
   CHECK(backendOf("--method indirect") == "vulkan");
   CHECK(backendOf("--method direct") == "cpu");
   CHECK(backendOf("--print-tick") == "vulkan");
+  CHECK(backendOf("--gpu 0") == "vulkan");
+  CHECK(backendOf("--validate") == "vulkan");
   const std::string log = (folder / "log").string();
   CHECK(backendOf("--log " + log) == own);
   CHECK(says(contentOf(log), "\"--backend\": \"" + own + "\""));
