@@ -241,13 +241,17 @@ StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJu
   play.begin(brush);
   play.follow(hips);
   record.ticks = hips.size();
-  record.acting = play.centers().size();
+  const std::vector<DVec3> centers = play.centers();
+  record.acting = centers.size();
   const SurfaceSpot& end = what.gesture == "press" ? subject.way.front() : subject.way.back();
+  play.begin(idle);  // the lifted hand may stand in another part of the model
   std::tie(record.settling, record.settled) =
       play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
-  record.verdict = judge.judge(
-      play.points(),
-      {.centers = play.centers(), .toolRadius = brush.toolRadius, .support = support, .carves = record.carves, .pushes = kind == BrushKind::push});
+  record.verdict = judge.judge(play.points(), {.centers = centers,
+                                               .toolRadius = brush.toolRadius,
+                                               .support = support,
+                                               .carves = record.carves,
+                                               .pushes = kind == BrushKind::push});
   record.after = look(play, subject, idle, options.depth_mm + kLookDeeper_mm);
   return record;
 }

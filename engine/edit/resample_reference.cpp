@@ -139,7 +139,8 @@ ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& vie
     if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
   if (first) {
     const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
-    if (std::ranges::none_of(neighbours, firstYieldsTo)) return {.goes = true};
+    // One that is settled stays as it is.
+    if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo)) return {.goes = true};
     wish.unsettled = true;
   }
 
@@ -155,10 +156,14 @@ ResampleWish resampleWish(const ResampleNeighbour& self, const ResampleView& vie
     const DVec3 place = halfWay(other.offset, self.normal, other.normal);
     if (glm::length(place) > view.reach) continue;
     const double clearance = static_cast<double>(shared::kLeastClearance) * spacing;
-    // One with a wider target would have the new point go again.
+    // Nor may the new point crowd one with a wider target, or one of another sheet that may prove to be its own, or it
+    // would go again.
+    const DVec3 facing = self.normal + other.normal;
     const auto blocks = [&](const ResampleNeighbour& point) {
-      const double least = std::max(clearance, static_cast<double>(shared::kCrowded) * point.spacing);
-      return glm::distance(point.offset, place) < least && sameSheet(self.normal, point.normal);
+      const double distance = glm::distance(point.offset, place);
+      if (distance < clearance && sameSheet(self.normal, point.normal)) return true;
+      return distance < static_cast<double>(shared::kCrowded) * std::max(spacing, point.spacing) &&
+             glm::dot(facing, point.normal) > static_cast<double>(shared::kFarSheet) * glm::length(facing);
     };
     if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
     if (view.carves && standsOutside(self, place, neighbours, kStaysAway)) continue;

@@ -24,6 +24,7 @@ struct Seen {
 const uint kNobody = 0xffffffffu;
 const float kFar = 3.0e38;
 const uint kOtherSheet = 0x80000000u;  // in the slot of a kept neighbour
+const uint kLookedAt = 0x80000000u;    // in a rank
 const uint kMostSubgroups = 64;        // 256 invocations in subgroups of 4
 
 // What the neighbours are looked at for, one after another: each needs what the one before has found.
@@ -70,7 +71,7 @@ shared Sector sectors[kMostSubgroups * kSectors];
 uint sectorAt(uint s) { return gl_SubgroupID * kSectors + s; }
 
 // Those looked at in this tick come after all others.
-uint rankOf(uint id) { return (looksOf.at[id] == tick ? 0x80000000u : 0u) | id; }
+uint rankOf(uint id) { return (looksOf.at[id] == tick ? kLookedAt : 0u) | id; }
 float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
 bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
 bool isNew(Seen point) { return (point.rank & 0x7fffffffu) >= firstNew; }
@@ -128,10 +129,23 @@ void noteThrough(uint slot, vec3 d) {
     if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing, kBirthMargin)) blocked |= 1u << s;
 }
 
+// Where new points would crowd one with a wider target, or one of another sheet that may prove to be their own, so that
+// they would go again.
+void noteCrowded(uint at, uint slot, vec3 d) {
+  for (uint s = 0; s < kSectors; ++s) {
+    const Sector gap = sectors[sectorAt(s)];
+    if (!nearer(d - gap.offset, mostCrowded())) continue;
+    if (!nearer(d - gap.offset, kCrowded * max(gap.spacing, targetOf(keptIds[at])))) continue;
+    const vec3 facing = self.normal + args.cloud.normals.at[gap.slot].xyz;
+    if (dot(facing, args.cloud.normals.at[slot].xyz) > kFarSheet * length(facing)) blocked |= 1u << s;
+  }
+}
+
 void visitNeighbour(uint at) {
   uint slot = keptSlot(at);
   if (slot == selfSlot) return;
   const vec3 d = keptOffset(at);
+  if (look == kLookBlocks) noteCrowded(at, slot & ~kOtherSheet, d);
   if (carves && look == kLookBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
   if (look == kLookRisen) {
     const vec3 normal = args.cloud.normals.at[slot & ~kOtherSheet].xyz;
@@ -151,13 +165,8 @@ void visitNeighbour(uint at) {
   }
   if ((slot & kOtherSheet) != 0) return;
   if (look == kLookBlocks) {
-    for (uint s = 0; s < kSectors; ++s) {
-      const vec3 apart = d - sectors[sectorAt(s)].offset;
-      // One with a wider target would have the new point go again.
-      if (nearer(apart, kLeastClearance * sectors[sectorAt(s)].spacing) ||
-          (nearer(apart, mostCrowded()) && nearer(apart, kCrowded * targetOf(keptIds[at]))))
-        blocked |= 1u << s;
-    }
+    for (uint s = 0; s < kSectors; ++s)
+      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
     return;
   }
   if (look == kLookAround && nearer(d, mostCrowded())) noteCrowding(at, slot);
@@ -278,7 +287,12 @@ uint nextLook() {
     leaves = true;
     return kLookNoMore;
   }
-  if (look == kLookAround && findFirst()) return kLookYields;
+  if (look == kLookAround && findFirst()) {
+    // One that is settled stays as it is.
+    if (first.rank >= kLookedAt) return kLookYields;
+    leaves = true;
+    return kLookNoMore;
+  }
   if (look == kLookYields) leaves = !subgroupAny(firstYields);
   if (look <= kLookYields) return leaves || spent || !allAreSeen || !anyWide() ? kLookNoMore : kLookIds;
   if (look == kLookIds) return kLookNearest;
@@ -339,7 +353,7 @@ void wishForAll() {
     if (fitted.w == kNotLooked) continue;
     const vec4 position = args.cloud.positions.at[selfSlot];
     const uint id = floatBitsToUint(position.w);
-    self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, 0x80000000u | id);
+    self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, kLookedAt | id);
     center = position.xyz;
     selfAtRest = isAtRest(center, self.rest, self.spacing);
     reach = id < firstNew ? kReach * args.radius : args.tables.at[0].reaches.at[id - firstNew];
