@@ -29,7 +29,11 @@ Log& Context::log() {
 Device& Context::device() {
   if (!device_)
     device_ = std::make_unique<Device>(
-        DeviceOptions{.gpu = gpu_, .validate = validate_, .queues = queues_, .shows = shows_, .windowExtensions = windowExtensions_});
+        DeviceOptions{.gpu = gpu_,
+                      .validate = validate_,
+                      .queues = queues_,
+                      .shows = shows_,
+                      .windowExtensions = windowExtensions_});
   return *device_;
 }
 

@@ -123,7 +123,9 @@ void addView(CLI::App& app, Context& context, Command& command) {
   sub->add_option("--edit", options->edit, "the first tool: none, push, carve, inflate, smooth, grab, paint")
       ->check(CLI::IsMember(std::move(edits)))
       ->capture_default_str();
-  sub->add_option("--rate", options->rate_Hz, "ticks per second")->check(between(1, bounds::kMostRate_Hz))->capture_default_str();
+  sub->add_option("--rate", options->rate_Hz, "ticks per second")
+      ->check(between(1, bounds::kMostRate_Hz))
+      ->capture_default_str();
   sub->add_option("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")
       ->check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
       ->capture_default_str();

@@ -300,9 +300,11 @@ double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double 
     const std::uint32_t from = sheet[next];
     found.clear();
     tree_.within(position(from), std::min(support, kStep * spacingOf(from)), found);
-    for (const std::uint32_t i : found)
-      if (glm::dot(normal(i), normal(from)) > 0 && glm::distance(position(i), position(ancestor)) < kKin * support && known.insert(i).second)
-        sheet.push_back(i);
+    for (const std::uint32_t i : found) {
+      const bool goesOn = glm::dot(normal(i), normal(from)) > 0 &&
+                          glm::distance(position(i), position(ancestor)) < kKin * support;
+      if (goesOn && known.insert(i).second) sheet.push_back(i);
+    }
   }
   std::vector<Vec3> positions;
   for (const std::uint32_t i : sheet) positions.push_back(before_.positions[i]);
@@ -336,7 +338,8 @@ EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& w
     if (spacing == kFar) continue;  // what was alone had no surface around it
     const double nearest = aftermath.nearestOfSheet(i, spacing) / spacing;
     // On top of one another are points for the ground that they come from, too.
-    verdict.nearest = std::min(verdict.nearest, nearest * spacing / std::min(spacing, spacingOf(aftermath.ancestorOf(i))));
+    const double finest = std::min(spacing, spacingOf(aftermath.ancestorOf(i)));
+    verdict.nearest = std::min(verdict.nearest, nearest * spacing / finest);
     verdict.crowded += nearest < EditTolerance::kCrowded;
     const double height = heightFrom(place, aftermath.ancestorOf(i), EditTolerance::kOutside * spacing, way.support);
     verdict.farthestOutside = std::max(verdict.farthestOutside, height / way.support);

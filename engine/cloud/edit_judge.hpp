@@ -40,8 +40,8 @@ struct EditVerdict {
                                  ///< the tool's way beyond its radius, support radii; negative within it
   double farthestInserted = 0;   ///< the same for new points where they are
   std::size_t crowded = 0;       ///< new points nearer than EditTolerance::kCrowded to another of their sheet
-  double nearest = 1;            ///< of new points to others of their sheet, spacings of their place or of where they come
-                                 ///< from, whichever is smaller; 1 at most
+  double nearest = 1;            ///< of new points to others of their sheet, spacings of their place or of where they
+                                 ///< come from, whichever is smaller; 1 at most
   std::size_t outside = 0;       ///< new points off the old surface by more than EditTolerance::kOutside
   double farthestOutside = 0;    ///< of new points, support radii
   std::size_t fitted = 0;        ///< changed points whose normal could be held against a plane fit

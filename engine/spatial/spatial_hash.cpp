@@ -23,8 +23,9 @@ std::unique_ptr<PairSort> makePairSort(Device& device, SortMethod sort, std::uin
         "is not known of this one; take radix or counting",
         device.name());
   if (!LookBackSort::fits(device, keyBits))
-    throw GpuError("{}: --sort radix-lookback needs more shared memory than its workgroups have; take radix or counting",
-                   device.name());
+    throw GpuError(
+        "{}: --sort radix-lookback needs more shared memory than its workgroups have; take radix or counting",
+        device.name());
   return std::make_unique<LookBackSort>(device, keyBits);
 }
 

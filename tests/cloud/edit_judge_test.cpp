@@ -171,7 +171,7 @@ TEST_CASE("new points outside the old surface are growth where the tool carves, 
 }
 
 TEST_CASE("a wall under a roof and over a floor stands outside neither, and what grows from the roof does") {
-  // The floor is wide of the roof by more than its points are of one another, so that no way leads from one to the other.
+  // The floor is farther from the roof than its points are from one another: no way leads from one to the other.
   Edited edited(grid(41, 0.5));
   PointCloud& cloud = edited.cloud;
   const std::size_t roof = cloud.size();
