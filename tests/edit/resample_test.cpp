@@ -273,6 +273,33 @@ TEST_CASE("no point is wished for beyond its reach, or where not all neighbours 
   CHECK_FALSE(resampleWish(self, {.neighbours = gap, .complete = false}).inserts);
 }
 
+TEST_CASE("no point comes to where it would crowd one with a wider target, or one whose sheet may prove to be its own") {
+  auto gap = ring(1.8);
+  const ResampleNeighbour self = pointAt(DVec3(0), 1);
+  const DVec3 place = 0.5 * gap[0].offset, aside = glm::normalize(DVec3(-place.y, place.x, 0));
+  gap.push_back(pointAt(place + aside, 30));
+  CHECK(wishOf(self, gap).inserts);
+  gap.back().spacing = 3;
+  CHECK_FALSE(wishOf(self, gap).inserts);
+  gap.back() = pointAt(place + DVec3(0, 0, 0.3), 30);
+  gap.back().normal = glm::normalize(DVec3(1, 0, -0.3));
+  CHECK_FALSE(wishOf(self, gap).inserts);
+  gap.back().normal = -kUp;
+  CHECK(wishOf(self, gap).inserts);
+}
+
+TEST_CASE("who waits for another point to go waits only for one that is looked at") {
+  const auto row = [](bool firstIsLookedAt) {
+    std::vector<ResampleNeighbour> points{pointAt({0.3, 0, 0}, 20, firstIsLookedAt), pointAt({0.6, 0, 0}, 10)};
+    for (ResampleNeighbour& point : points) point.rest *= 10;
+    return points;
+  };
+  const ResampleNeighbour self = pointAt(DVec3(0), 30, true);
+  CHECK(wishOf(self, row(true)).unsettled);
+  CHECK_FALSE(wishOf(self, row(true)).goes);
+  CHECK(wishOf(self, row(false)).goes);
+}
+
 TEST_CASE("while a ball carves, what stands outside the solid goes, and no point comes to where it would have to go") {
   // The ends of a gap stand a little above a plane at rest, which is seen a little further off.
   auto gap = ring(1.8);
