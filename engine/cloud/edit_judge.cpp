@@ -24,9 +24,9 @@ constexpr std::size_t kTangentPlanes = 4;
 constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
 constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // tool radii from its way, between which a point is on its wall
 constexpr double kOnGround = 0.4;  // spacings of a place, to one of the points before
-constexpr double kEdgeOn = 0.5;    // cosine of a ball and a normal, up to which the ball may go on either side of it
-constexpr double kStep = 2;     // spacings, from one point of a sheet to the next
-constexpr double kSided = 0.3;  // cosine of fit and known side, from which on the fit's side is known
+constexpr double kEdgeOn = 0.5;  // cosine of a normal and the way to the ball, up to which either side may face it
+constexpr double kStep = 2;      // spacings, from one point of a sheet to the next
+constexpr double kSided = 0.3;   // cosine of fit and known side, from which on the fit's side is known
 
 struct Near {
   std::array<std::uint32_t, kLookedAt> points;
