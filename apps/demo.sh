@@ -11,7 +11,12 @@ model=${1:+$(realpath "$1")}
 if [ -n "$model" ] && [ ! -f "$model" ]; then echo "demo.sh: $1: no such file" >&2; exit 1; fi
 
 cd "$(dirname "$0")/.."
+steps=6 step=0
+say() { step=$((step + 1)); echo; echo "[$step/$steps] $*"; }
+
+say "Looking for what palpate is built with, and installing what is missing"
 bash third_party/install.sh
+say "Building the release (the first time takes minutes; the numbers in front count the files)"
 cmake --preset release > /dev/null
 cmake --build --preset release
 
@@ -22,10 +27,12 @@ if [ -z "$model" ]; then
   [ -f "$model" ] || "$palpate" make sculpture -o "$model"
 fi
 
+say "Drawing $model as it is: out/before.png"
 "$palpate" render "$model" -o out/before.png
+say "Touching it and pushing a dent into it: out/touch.png, out/trace.csv, out/sculpted.ply"
 "$palpate" touch "$model" --path builtin:press --penetration 5 \
   --edit push --tau 1 --beta 0.1 --tool-radius 8 \
   --picture out/touch.png --trace out/trace.csv --save out/sculpted.ply
-/usr/bin/python3 apps/plot_forces.py out/trace.csv out/forces.png
-echo
-echo "out/touch.png  out/before.png  out/trace.csv  out/forces.png  out/sculpted.ply"
+say "Drawing the forces that were felt: out/forces.png"
+/usr/bin/python3 apps/bench/plot_forces.py out/trace.csv out/forces.png
+say "Done; all of it lies in $PWD/out. build/release/palpate $model opens the window."

@@ -1,14 +1,16 @@
 // No force outlives the program: a signal that ends it takes the force away first.
 #pragma once
 
+#include "engine/core/contact_query.hpp"
 #include "haptics/devices/haptic_device.hpp"
 
 namespace palpate {
 
-/// While it lives, the signals by which a program crashes or is told to go (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
+/// While it lives, the signals by which a program crashes or is asked to end (SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT,
 /// SIGTERM, SIGINT, SIGHUP, SIGQUIT) call the device's emergencyStop() first and then take the course they had before:
 /// the handler that was there, or the default. A signal that was ignored stays so. Handlers put in place while it lives
-/// are its caller's affair.
+/// are its caller's affair. On Windows these are exceptions that nobody handles, abort(), Ctrl+C, Ctrl+Break, and a
+/// console or a user's session that is closed; a program that is ended from the task manager is not asked.
 class CrashStop {
  public:
   /// Up to kMostDevices may be guarded at a time; more stop the program (a bug).
@@ -17,7 +19,7 @@ class CrashStop {
   CrashStop(const CrashStop&) = delete;
   CrashStop& operator=(const CrashStop&) = delete;
 
-  static constexpr int kMostDevices = 4;
+  static constexpr int kMostDevices = static_cast<int>(kMostHands);
 
  private:
   int slot_ = 0;

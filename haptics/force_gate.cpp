@@ -9,8 +9,8 @@ namespace {
 constexpr double kRamp_s = 0.5;
 /// A demand up to this counts as small: a tenth of a newton is felt but moves nobody's hand.
 constexpr double kSmallDemand_N = 0.1;
-/// An error up to this long is a hiccup: the hand is still where it was, so the force ramps up again without waiting.
-constexpr double kLongestHiccup_s = 0.1;
+/// An error up to this long is a dropout: the hand is still where it was, so the force ramps up again without waiting.
+constexpr double kLongestDropout_s = 0.1;
 /// Time lost between two ticks from which on the hand may be anywhere.
 constexpr double kLongestPause_s = 0.05;
 /// Old data keep their force for this long: at 0.25 m/s, a fast stroke, the hand has then moved 5 mm.
@@ -34,7 +34,7 @@ DVec3 ForceGate::pass(const DVec3& wanted_N, const TickSigns& signs, double dt_s
     counts_.errors += errorFor_s_ == 0;
     errorFor_s_ += dt_s > 0 ? dt_s : period_s_;
   }
-  if (!signs.on || signs.jumped || errorFor_s_ > kLongestHiccup_s) waiting_ = true;
+  if (!signs.on || signs.jumped || errorFor_s_ > kLongestDropout_s) waiting_ = true;
   if (!error) errorFor_s_ = 0;
   // Only a surface that was really asked may end the wait: no answer, or an old one, is not a small demand.
   if (signs.on && !error && staleFor_s_ <= kFreshFor_s && signs.demand_N <= kSmallDemand_N) waiting_ = false;

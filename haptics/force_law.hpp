@@ -16,6 +16,8 @@ struct ForceOptions {
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
   double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
+
+  bool operator==(const ForceOptions&) const = default;
 };
 
 /// Remembers the last tick; one per session.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "haptics/realtime_priority.hpp"
 #include "haptics/tick_pacer.hpp"
 
 namespace palpate {
@@ -11,7 +12,7 @@ PaceCheck checkPace(double rate_Hz, double duration_s) {
   const RealtimePriority priority;
   const TickPacer pacer(rate_Hz, priority.granted());
   PaceCheck check{.realtimePriority = priority.granted()};
-  const ThreadToll before = tollOfThisThread();
+  const SchedulingStatistics before = schedulingOfThisThread();
   for (std::uint64_t index = 0; index < planned; ++index) {
     const std::uint64_t due = std::min(pacer.waitFor(index), planned);
     check.missed += due - index;
@@ -20,7 +21,7 @@ PaceCheck checkPace(double rate_Hz, double duration_s) {
     check.late_us.add(-pacer.remaining_us(index));
     ++check.ticks;
   }
-  check.toll = tollOfThisThread() - before;
+  check.scheduling = schedulingOfThisThread() - before;
   return check;
 }
 

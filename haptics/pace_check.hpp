@@ -1,7 +1,7 @@
 // What a machine can keep to, before anything is touched.
 #pragma once
 
-#include "haptics/thread_toll.hpp"
+#include "haptics/scheduling_statistics.hpp"
 #include "haptics/tick_histogram.hpp"
 
 namespace palpate {
@@ -10,7 +10,7 @@ struct PaceCheck {
   std::uint64_t ticks = 0;   ///< that came
   std::uint64_t missed = 0;  ///< that did not, since the one before came late by a whole period
   TickHistogram late_us;     ///< by how much each came late
-  ThreadToll toll;
+  SchedulingStatistics scheduling;
   bool realtimePriority = false;
 };
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string_view>
+#include <utility>
 
 #include "engine/core/vec.hpp"
 #include "haptics/devices/haptic_device.hpp"
@@ -13,6 +15,9 @@ enum class PassivityMode {
   observe,  ///< count the energy, change no force
   on        ///< count it and brake
 };
+/// The modes by the names that users know.
+inline constexpr std::array<std::pair<std::string_view, PassivityMode>, 3> kPassivityModes{
+    {{"on", PassivityMode::on}, {"observe", PassivityMode::observe}, {"off", PassivityMode::off}}};
 
 /// Time-domain passivity (Hannaford, Ryu 2002): an observer and a controller at the port between the hand and the
 /// surface. Energies are what the surface has taken in, in mJ (N mm): pressing it adds, being pushed out by it takes

@@ -10,14 +10,14 @@
 
 #include "engine/core/contact_query.hpp"
 #include "haptics/hand.hpp"
-#include "haptics/thread_toll.hpp"
+#include "haptics/scheduling_statistics.hpp"
 #include "haptics/tick_histogram.hpp"
 #include "haptics/tick_pacer.hpp"
 #include "haptics/trace.hpp"
 
 namespace palpate {
 
-/// Is told of every tick at which the devices answered, on the servo thread and as part of the tick: it waits for
+/// Is notified of every tick at which the devices answered, on the servo thread and as part of the tick: it waits for
 /// nobody and allocates nothing. It hears of the first hand.
 class TickRecorder {
  public:
@@ -35,30 +35,28 @@ struct ServoOptions {
   /// it likes and no tick is late, whoever paces them; outlives the loop.
   SteppedClock* clock = nullptr;
   double reserve_us =
-      200;           ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it
-  WorkspaceMap map;  ///< at first; the device's clutch moves it
-  std::optional<PassivityMode> passivity;   ///< unless set: on for a device in a hand, off for a script
+      200;  ///< of a real-time tick, kept from the query for force and late waking; at most a fifth of it
   const std::atomic<bool>* stop = nullptr;  ///< ends the session before its time when it becomes true
   /// No force while it is false; when it becomes true again, as at the start of a session: first a small demand, then
   /// the ramp. Unless set, forces are on.
   const std::atomic<bool>* forcesOn = nullptr;
-  TickRecorder* recorder = nullptr;  ///< told of each tick, in virtual and in real time; outlives the loop
+  TickRecorder* recorder = nullptr;  ///< notified of each tick, in virtual and in real time; outlives the loop
 };
 
-/// A second hand on the same model, which only feels.
-struct SecondHand {
+/// A hand that a session begins with: the device that it holds, which outlives the session, and how its force is made.
+struct SessionHand {
   HapticDevice& device;
   ForceLaw law;
-  HandOptions options;
+  HandOptions options = {};
 };
 
-struct SecondResult {
-  Trace trace;  ///< of the same ticks
+struct HandResult {
+  Trace trace;  ///< all hands have the same ticks
   HandCounts counts;
 };
 
 struct ServoResult {
-  Trace trace;
+  std::vector<HandResult> hands;
   bool deviceFailed = false;
   bool queryLost = false;         ///< ended early: the query will never answer again
   std::string fault;              ///< of the device that failed, in words; empty unless one did
@@ -66,10 +64,11 @@ struct ServoResult {
   bool pacedByDevice = false;     ///< on the device's own thread
   TickHistogram step_us;          ///< from pose read to force ready
   TickHistogram late_us;          ///< from when a tick was due to its begin; empty in virtual time
-  ThreadToll toll;                ///< of the servo thread; nothing in virtual time and at the device's pace
-  GateCounts withheld;
-  std::optional<double> leastEnergy_mJ;  ///< that the surface had ever taken in; see Passivity
-  std::optional<SecondResult> second;    ///< where there is a second hand
+  SchedulingStatistics scheduling;  ///< of the servo thread; nothing in virtual time and at the device's pace
+
+  /// Of the first hand.
+  const Trace& trace() const { return hands.front().trace; }
+  const HandCounts& counts() const { return hands.front().counts; }
 };
 
 /// Called after each tick in virtual time only, outside of the tick: it may take long, allocate and throw.
@@ -77,14 +76,17 @@ using TickObserver = std::function<void(const TraceRow&)>;
 
 /// Whatever happens, the last force the device gets is zero, also when a signal ends the program. A fault of the device
 /// ends the session, with zero force from that tick on; a fault of the query means zero force at that tick, a row that
-/// says so, and a ramp afterwards, or the end where the query is lost for good. Every force passes the ForceGate. Of
-/// two hands both are asked for at once; a fault of one device takes both forces away.
+/// says so, and a ramp afterwards, or the end where the query is lost for good. Every force passes the ForceGate. All
+/// hands are asked for at once; a fault of one device takes all forces away. The first hand's device may pace the
+/// ticks.
 class ServoLoop {
  public:
-  /// Devices and query must outlive the loop. Throws UsageError for a rate or duration out of range, for a second
-  /// device that would pace the ticks, and as Hand does.
+  /// Devices and query must outlive the loop. Throws UsageError for a rate or duration out of range, for another number
+  /// of hands than the query answers, for a device other than the first that would pace the ticks, and as Hand does.
+  ServoLoop(ContactQuery& query, const std::vector<SessionHand>& hands, const ServoOptions& options);
+  /// Of one hand.
   ServoLoop(HapticDevice& device, ContactQuery& query, ForceLaw law, const ServoOptions& options,
-            const std::optional<SecondHand>& second = {});
+            const HandOptions& hand = {});
 
   std::uint64_t plannedTicks() const { return plannedTicks_; }
 
@@ -107,8 +109,8 @@ class ServoLoop {
   /// Does the tick `index`; false when it was the last.
   bool next(std::uint64_t index, double budget_us, Progress& progress, ServoResult& result) noexcept;
   enum class Tick { done, deviceFailed, queryLost };
-  /// `secondRow`: null where there is one hand.
-  Tick tick(double time_s, double dt_s, double budget_us, TraceRow& row, TraceRow* secondRow) noexcept;
+  /// `place`: of the rows to fill.
+  Tick tick(double time_s, double dt_s, double budget_us, std::size_t place, ServoResult& result) noexcept;
   /// False when a device failed; then no device has a force.
   bool readAll(double time_s) noexcept;
   bool writeAll() noexcept;
@@ -117,8 +119,8 @@ class ServoLoop {
   ContactQuery& query_;
   ServoOptions options_;
   std::uint64_t plannedTicks_;
-  Hand hand_;
-  std::optional<Hand> second_;
+  std::vector<Hand> hands_;
+  std::vector<Pose> poses_;       ///< of the present tick, one for each hand
   const Hand* failed_ = nullptr;  ///< the first one whose device did
 };
 

@@ -15,7 +15,7 @@ class SessionClock {
   virtual void waitUntil_ns(std::int64_t time_ns) noexcept = 0;
 };
 
-/// The machine's, CLOCK_MONOTONIC. It has no state: one serves everybody.
+/// The machine's, which never goes back. It has no state: one serves everybody.
 SessionClock& machineClock() noexcept;
 
 /// Stands still while a tick runs, however long that takes, and goes on while the session waits for the next one: at

@@ -152,7 +152,7 @@ void LogReader::readHeader() {
   }
   version_ = header.version;
   if (whole) return;
-  if (!isThere) throw FileError(file_, "is no session log; palpate touch --log writes one");
+  if (!isThere) throw FileError(file_, "is no session log; record a session to get one");
   if (first.version < session_file::kOldestVersion || first.version > session_file::kVersion)
     throw FileError(file_, fmt::format("is a session log of version {}, and this palpate reads versions {} to {}; take "
                                        "the palpate that wrote it",

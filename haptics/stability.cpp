@@ -19,11 +19,11 @@ constexpr double kJudged_s = 0.5;  // of the rest, at its end
 constexpr double kLongestDelay_ms = 100;
 
 /// The god-object on a plane or a sphere whose highest point is the origin. y is up.
-class ExactSurface final : public ContactQuery {
+class ExactSurface final : public OneHandQuery {
  public:
   ExactSurface(StudySurface surface, double radius) : surface_(surface), center_(0, -radius, 0), radius_(radius) {}
 
-  Contact query(const Pose& pose, double) noexcept override {
+  Contact answerTo(const Pose& pose, double) noexcept override {
     const bool plane = surface_ == StudySurface::plane;
     const DVec3 normal = plane ? DVec3(0, 1, 0) : glm::normalize(pose.hip - center_);
     const double depth = plane ? -pose.hip.y : radius_ - glm::distance(pose.hip, center_);
@@ -42,11 +42,11 @@ class ExactSurface final : public ContactQuery {
 };
 
 /// Answers as another query did some ticks ago, carried along with the HIP, so that force and contact are late.
-class DelayedQuery final : public ContactQuery {
+class DelayedQuery final : public OneHandQuery {
  public:
   DelayedQuery(ContactQuery& query, std::size_t ticks) : query_(query), past_(ticks + 1) {}
 
-  Contact query(const Pose& pose, double budget_us) noexcept override {
+  Contact answerTo(const Pose& pose, double budget_us) noexcept override {
     Contact now = query_.query(pose, budget_us);
     now.proxy -= pose.hip;
     if (!begun_) std::fill(past_.begin(), past_.end(), now);
@@ -89,11 +89,10 @@ StabilityResult measureStability(const StabilityOptions& options) {
   ExactSurface surface(options.surface, options.radius_mm);
   const ForceLaw law(
       {.stiffness_N_per_mm = options.stiffness_N_per_mm, .damping_N_s_per_mm = options.damping_N_s_per_mm}, {});
-  const ServoOptions servo{
-      .rate_Hz = options.rate_Hz, .duration_s = device.duration_s(), .passivity = options.passivity};
+  const ServoOptions servo{.rate_Hz = options.rate_Hz, .duration_s = device.duration_s()};
   // The loop throws for a bad rate before a delay is counted in its ticks.
   DelayedQuery late(surface, options.rate_Hz > 0 ? delayTicks(options) : 0);
-  ServoLoop loop(device, late, law, servo);
+  ServoLoop loop(device, late, law, servo, {.passivity = options.passivity});
 
   const double judgedFrom_s = device.duration_s() - kJudged_s;
   DVec3 low(std::numeric_limits<double>::infinity()), high(-low);
@@ -104,8 +103,8 @@ StabilityResult measureStability(const StabilityOptions& options) {
   });
   const DVec3 motion = high - low;
   StabilityResult result{.restMotion_mm = std::max({motion.x, motion.y, motion.z}),
-                         .leastEnergy_mJ = run.leastEnergy_mJ.value_or(0),
-                         .peakForce_N = summarize(run.trace).peakForce_N};
+                         .leastEnergy_mJ = run.counts().leastEnergy_mJ.value_or(0),
+                         .peakForce_N = summarize(run.trace()).peakForce_N};
   result.limitCycle = result.restMotion_mm > touch.encoderStep_mm;
   return result;
 }

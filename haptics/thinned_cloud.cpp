@@ -9,7 +9,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kPlaneNeighbours = 32;  // enough to average noise, few enough to follow detail
-constexpr double kSameSide = 0.3;             // cosine; beyond an edge of about 70 degrees is another face
+constexpr double kSameFace = 0.3;             // cosine; beyond an edge of about 70 degrees is another face
 
 /// One index out of each run, at a scattered place in it: a fixed stride would beat with clouds stored row by row.
 std::vector<std::uint32_t> thinned(std::size_t count, std::size_t most) {
@@ -41,7 +41,7 @@ double wendland(double r) {
 ThinnedCloud::Surfels ThinnedCloud::surfelsOf(const PointCloud& cloud, std::size_t most) {
   if (cloud.empty()) throw Error("the model has no points; a built-in path needs a surface to touch");
   if (!cloud.hasNormals())
-    throw Error("the model has no normals, and a built-in path needs them; load it with --normals estimate");
+    throw Error("the model has no normals, and a built-in path needs them; load it with estimated normals");
   const std::vector<std::uint32_t> chosen = thinned(cloud.size(), most);
   Places places = distinctPlaces(pick(cloud.positions, chosen));
   std::vector<Vec3> normals(places.positions.size(), Vec3(0));
@@ -72,7 +72,7 @@ std::optional<LocalPlane> ThinnedCloud::planeNear(const DVec3& p, const DVec3& f
   const double support = plane.reach * 1.001;  // so that even the farthest weighs something
   double sum = 0;
   for (const Neighbour& neighbour : neighbours) {
-    if (glm::dot(normal(neighbour.index), facing) < kSameSide) continue;
+    if (glm::dot(normal(neighbour.index), facing) < kSameFace) continue;
     const double weight = support > 0 ? wendland(neighbour.distance / support) : 1;
     sum += weight;
     plane.position += weight * position(neighbour.index);
@@ -80,7 +80,7 @@ std::optional<LocalPlane> ThinnedCloud::planeNear(const DVec3& p, const DVec3& f
   }
   if (!(sum > 0)) return std::nullopt;
   plane.position /= sum;
-  plane.normal = glm::normalize(plane.normal);  // all are on one side, so they cannot cancel
+  plane.normal = glm::normalize(plane.normal);  // all belong to one face, so they cannot cancel
   return plane;
 }
 

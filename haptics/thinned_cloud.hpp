@@ -16,7 +16,7 @@ struct Neighbour {
   double distance = 0;  ///< model units
 };
 
-/// A piece of surface seen from one side.
+/// A piece of surface, seen at one face.
 struct LocalPlane {
   DVec3 position{0};  ///< weighted mean of the neighbours
   DVec3 normal{0};    ///< unit

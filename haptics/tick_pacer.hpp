@@ -1,32 +1,11 @@
 // Pacing for the servo loop.
 #pragma once
 
-#include <sched.h>
-
 #include <cstdint>
 
 #include "haptics/session_clock.hpp"
 
 namespace palpate {
-
-/// Asks for SCHED_FIFO and the finest timer for the calling thread and gives its old scheduling back when it goes.
-/// Destroy it on the thread that made it.
-class RealtimePriority {
- public:
-  RealtimePriority() noexcept;
-  ~RealtimePriority();
-  RealtimePriority(const RealtimePriority&) = delete;
-  RealtimePriority& operator=(const RealtimePriority&) = delete;
-
-  /// False when the machine does not let this user have it; ticks then come as the normal scheduler likes.
-  bool granted() const { return granted_; }
-
- private:
-  int oldPolicy_ = 0;
-  sched_param oldParameters_{};
-  int oldSlack_ns_ = 0;  ///< how late the kernel may wake the thread to save wake-ups
-  bool granted_ = false;
-};
 
 /// The ticks of a session, at least one. Throws UsageError for a rate or a duration that is out of range.
 std::uint64_t plannedTicks(double rate_Hz, double duration_s);

@@ -70,7 +70,7 @@ Continuity continuity(JudgedTicks ticks, double rate_Hz, double letGo = 0);
 Continuity continuityOffEdges(JudgedTicks ticks, double rate_Hz);
 
 /// M5: whether a push through a plate has come out of it: at its last tick nothing is touched, or the proxy lies behind
-/// the plate's middle. `outward` is the normal of the side that was pushed.
+/// the plate's middle. `outward` is the normal of the face that was pushed.
 bool cameThrough(const Trace& push, const DVec3& middle, const DVec3& outward);
 
 /// M6: how far the proxy is from the god-object along the surface, and the delay that explains it best: least squares

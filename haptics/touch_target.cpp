@@ -20,7 +20,7 @@ constexpr double kSightWidth = 0.02, kSightTo = 1.5;
 // lets shallow hollows pass. Along a line of sight 60 degrees off the normal a plane is 0.5 away.
 constexpr double kApproachSlope = 0.7, kSightSlope = 0.3;
 
-constexpr double kOtherSide = -0.3;  // cosine; a neighbour that faces away like this belongs to the back of a sheet
+constexpr double kBackFace = -0.3;  // cosine; a neighbour that faces away like this belongs to the back of a sheet
 
 // What a fault costs, against flatness (up to kFlatWorth), facing the viewer (up to kFacingWorth) and nearness to the
 // middle (up to 1).
@@ -49,7 +49,7 @@ Surroundings surroundingsOf(const ThinnedCloud& sample, std::size_t candidate, d
     if (neighbour.distance > radius) break;
     const double cosine = glm::dot(sample.normal(neighbour.index), result.normal);
     result.flatness += cosine;
-    result.oneSided = result.oneSided && cosine > kOtherSide;
+    result.oneSided = result.oneSided && cosine > kBackFace;
     ++count;
   }
   if (count) result.flatness /= static_cast<double>(count);

@@ -21,12 +21,12 @@ void GodObject::follow(const DVec3& hip) {
   if (!started_) lastHip_ = hip;
   started_ = true;
   const double pieces = std::max(1.0, std::ceil(glm::distance(lastHip_, hip) / longestStep_));
-  for (double k = 1; k <= pieces; ++k) look(glm::mix(lastHip_, hip, k / pieces));
+  for (double k = 1; k <= pieces; ++k) step(glm::mix(lastHip_, hip, k / pieces));
   if (!touching_) contact_ = truth_.closest(hip);
   lastHip_ = hip;
 }
 
-void GodObject::look(const DVec3& hip) {
+void GodObject::step(const DVec3& hip) {
   if (!touching_) {
     const bool inside = truth_.signedDistance(hip) <= 0;
     touching_ = inside && outside_;

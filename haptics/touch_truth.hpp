@@ -23,7 +23,7 @@ TouchTruth truthOf(const TriangleMesh& mesh);
 /// an edge is missed, and it looks at every piece until it has arrived, however long that takes.
 class GodObject {
  public:
-  /// `longestStep` of the HIP and of the god-object between two looks, model units.
+  /// `longestStep` of the HIP and of the god-object between two steps, model units.
   GodObject(const TouchTruth& truth, double longestStep) : truth_(truth), longestStep_(longestStep) {}
 
   /// Goes on to where the HIP is now. The first call says where it begins, which has to be outside.
@@ -34,7 +34,7 @@ class GodObject {
   const SurfacePoint& contact() const { return contact_; }
 
  private:
-  void look(const DVec3& hip);
+  void step(const DVec3& hip);
   void slide(const DVec3& hip);
 
   const TouchTruth& truth_;

@@ -2,6 +2,8 @@
 # Installs what a fresh Debian 12 needs to build, test and demonstrate palpate. Idempotent; as root, or with sudo.
 #   third_party/install.sh            install what is missing
 #   third_party/install.sh --check    only list what is missing; exit 1 if anything is
+#   third_party/install.sh --windows  the same for the build for Windows as well (windows.sh)
+#   third_party/install.sh --arm64    the same for the build for Arm (arm64.sh)
 #   third_party/install.sh --udev     only let users open 3D mice, DualSenses and haptic styluses (70-palpate.rules)
 set -euo pipefail
 
@@ -33,7 +35,19 @@ packages=(
   python3-matplotlib         # forces.png
 )
 
-usage() { sed -n '2,5s/^# \{0,1\}//p' "$0"; }
+windows_packages=(
+  g++-mingw-w64-x86-64-posix # compiler; the threads of its standard library are POSIX's
+  dpkg-dev                   # unpacks Debian's sources of the libraries
+  wine64                     # runs the tests, and
+  wine                       # its command
+)
+
+arm64_packages=(
+  g++-aarch64-linux-gnu      # compiler
+  qemu-user                  # runs the tests
+)
+
+usage() { sed -n '2,7s/^# \{0,1\}//p' "$0"; }
 
 as_root=()
 become_root() {  # TO-DO-WHAT
@@ -63,6 +77,8 @@ install_udev_rule() {
   echo "install.sh: the rule holds now, also for what is plugged in; from afar (ssh) be in the group plugdev"
 }
 
+if [ "${1:-}" = --windows ]; then packages+=("${windows_packages[@]}"); fi
+if [ "${1:-}" = --arm64 ]; then packages+=("${arm64_packages[@]}"); fi
 missing=()
 for name in "${packages[@]}"; do
   status=$(dpkg-query -W -f '${db:Status-Status}' "$name" 2>/dev/null || true)
@@ -74,10 +90,10 @@ case "${1:-}" in
     if [ ${#missing[@]} -eq 0 ]; then echo "install.sh: nothing is missing"; exit 0; fi
     printf 'missing: %s\n' "${missing[@]}"
     exit 1 ;;
-  "") ;;
+  "" | --windows | --arm64) ;;
   --udev) install_udev_rule; exit 0 ;;
   -h | --help) usage; exit 0 ;;
-  *) echo "install.sh: unknown option '$1'; use --check, --udev or nothing" >&2; exit 2 ;;
+  *) echo "install.sh: unknown option '$1'; use --check, --windows, --arm64, --udev or nothing" >&2; exit 2 ;;
 esac
 
 if [ ${#missing[@]} -eq 0 ]; then echo "install.sh: nothing to do"; exit 0; fi

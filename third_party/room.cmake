@@ -1,10 +1,43 @@
-# palpate_room(NAME SOURCES files… LINKS rooms-and-libraries…)
+# palpate_system_sources(TARGET names…): what each system does in a way of its own has one header and a file for each
+# system, NAME_linux.cpp and NAME_windows.cpp.
+function(palpate_system_sources target)
+  if(WIN32)
+    list(TRANSFORM ARGN APPEND _windows.cpp)
+  else()
+    list(TRANSFORM ARGN APPEND _linux.cpp)
+  endif()
+  target_sources(${target} PRIVATE ${ARGN})
+endfunction()
+
+# palpate_room(NAME SOURCES files… SYSTEM names… LINKS rooms-and-libraries…)
 # One static library per room, known to the others as palpate::NAME. Includes are written from the top of the tree
 # ("engine/gpu/device.hpp"), so a reader sees which room a header belongs to, and so does the test of the arrows.
 function(palpate_room name)
-  cmake_parse_arguments(ROOM "" "" "SOURCES;LINKS" ${ARGN})
+  cmake_parse_arguments(ROOM "" "" "SOURCES;SYSTEM;LINKS" ${ARGN})
   add_library(palpate_${name} STATIC ${ROOM_SOURCES})
+  palpate_system_sources(palpate_${name} ${ROOM_SYSTEM})
   add_library(palpate::${name} ALIAS palpate_${name})
   target_link_libraries(palpate_${name} PUBLIC ${ROOM_LINKS} PRIVATE palpate_build_options)
   target_include_directories(palpate_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  if(name STREQUAL core)
+    palpate_precompile(palpate_core)
+  else()
+    palpate_precompile(palpate_${name} REUSE_FROM palpate_core)
+  endif()
+endfunction()
+
+# palpate_precompile(TARGET headers… | REUSE_FROM TARGET): what nearly every file includes of other libraries, and these
+# headers, are read once and not again for each file. Only where PALPATE_PRECOMPILE is on: without it a file that does
+# not include what it uses is found.
+function(palpate_precompile target)
+  if(NOT PALPATE_PRECOMPILE)
+    return()
+  elseif(ARGV1 STREQUAL REUSE_FROM)
+    target_precompile_headers(${target} ${ARGN})
+    return()
+  endif()
+  target_precompile_headers(${target} PRIVATE ${ARGN}
+    <fmt/format.h> <glm/ext/quaternion_double.hpp> <glm/ext/quaternion_geometric.hpp> <glm/geometric.hpp> <glm/mat4x4.hpp>
+    <glm/vec2.hpp> <glm/vec3.hpp> <glm/vec4.hpp> <algorithm> <array> <atomic> <cmath> <filesystem> <functional> <map>
+    <memory> <mutex> <optional> <span> <string> <thread> <variant> <vector>)
 endfunction()

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "apps/font.hpp"
+#include "apps/cli/font.hpp"
 
 namespace palpate {
 

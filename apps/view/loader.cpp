@@ -13,14 +13,14 @@ constexpr double kReading = 0.7;  // share of the whole, as far as anybody can s
 
 Loader::~Loader() { cancel(); }
 
-void Loader::open(SessionOptions options, const ToolSettings& tool, const FeelSettings& feel) {
+void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel) {
   cancel();
   options_ = std::move(options);
-  tool_ = tool;
+  brush_ = brush;
   feel_ = feel;
-  cancelled_ = isRead_ = told_ = false;
+  cancelled_ = isRead_ = isLet_ = false;
   mayBuild_ = {};
-  enter("reading " + std::filesystem::path(options_.model.file).filename().string(), 0);
+  enter("reading " + std::filesystem::path(options_.config.model.file).filename().string(), 0);
   context_.log().listen(this);
   result_ = std::async(std::launch::async, [this] { return load(); });
 }
@@ -35,22 +35,22 @@ void Loader::cancel() {
 }
 
 void Loader::build() {
-  if (!std::exchange(told_, true)) mayBuild_.set_value();
+  if (!std::exchange(isLet_, true)) mayBuild_.set_value();
 }
 
 Loader::Result Loader::load() {
   try {
     // Normals on the CPU: the GPU's queues belong to the session that is open still.
-    Model model = loadModel(context_, options_.model, EstimateOn::cpu);
+    Model model = loadModel(options_.config.model, {.log = context_.log(), .threads = context_.threads()});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};
     enter("preparing touch and sight", kReading);
-    return {std::make_unique<Session>(context_, sight_, std::move(model), options_, tool_, feel_), {}};
+    return {std::make_unique<WindowSession>(context_, sight_, std::move(model), options_, brush_, feel_), {}};
   } catch (const Cancelled&) {
     return {};
   } catch (const std::bad_alloc&) {
-    return {nullptr, options_.model.file + ": out of memory"};
+    return {nullptr, options_.config.model.file + ": out of memory"};
   } catch (const std::exception& error) {
     return {nullptr, error.what()};
   }

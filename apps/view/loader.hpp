@@ -19,9 +19,9 @@ class Loader final : private LogListener {
   Loader& operator=(const Loader&) = delete;
 
   /// Ends what is being loaded, and begins with another file.
-  void open(SessionOptions options, const ToolSettings& tool, const FeelSettings& feel);
+  void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel);
   bool isLoading() const { return result_.valid(); }
-  std::string file() const { return options_.model.file; }
+  std::string file() const { return options_.config.model.file; }
   double progress() const { return progress_; }
   std::string stage() const;
   /// What was said since the last call.
@@ -33,7 +33,7 @@ class Loader final : private LogListener {
   void build();
   /// The session, or why there is none, once either is known.
   struct Result {
-    std::unique_ptr<Session> session;
+    std::unique_ptr<WindowSession> session;
     std::string failure;
   };
   std::optional<Result> take();
@@ -48,13 +48,13 @@ class Loader final : private LogListener {
 
   Context& context_;
   Device& sight_;
-  SessionOptions options_;
-  ToolSettings tool_;
+  WindowOptions options_;
+  BrushSettings brush_;
   FeelSettings feel_;
   std::atomic<bool> cancelled_ = false, isRead_ = false;
   std::atomic<double> progress_ = 0;
   std::promise<void> mayBuild_;
-  bool told_ = false;  // that it may build
+  bool isLet_ = false;  // that it may build
   mutable std::mutex lock_;
   std::string stage_;
   std::vector<std::string> remarks_;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/io/cloud_formats.hpp"
+
 namespace palpate {
 
 namespace {
@@ -102,49 +104,48 @@ void Panels::chooseOrAuto(const char* label, const Names& names, std::optional<V
   ImGui::EndCombo();
 }
 
-ViewWishes Panels::draw(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel,
-                        bool& forcesOn) {
-  ViewWishes wishes;
+ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
+  ViewSettings& view = settings.view;
+  ViewRequests requests;
   places_.clear();
-  if (view.panels) drawPanel(status, view, tool, feel, forcesOn, wishes);
+  if (view.panels) drawPanel(status, settings, requests);
   if (status.scaleBar) drawScale(*status.scaleBar, status.unit);
   if (status.heights) drawHeights(*status.heights, status.unit);
-  if (view.panels && view.plots && status.session) drawPlots(status, view, wishes);
+  if (view.panels && view.plots && status.session) drawPlots(status, view, requests);
   if (view.help) drawHelp(view);
   drawMessages(status, view);
-  drawQuestion(status, wishes);
-  drawSaveQuestion(status, wishes);
-  return wishes;
+  drawQuestion(status, requests);
+  drawSaveQuestion(status, requests);
+  return requests;
 }
 
-void Panels::drawPanel(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel,
-                       bool& forcesOn, ViewWishes& wishes) {
+void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({em(kMargin_em), em(kMargin_em)});
   ImGui::SetNextWindowSizeConstraints({em(kPanel_em), 0}, {em(kPanel_em), display.y - em(2 * kMargin_em)});
   ImGui::Begin("palpate", nullptr,
                ImGuiWindowFlags_NoMove | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoTitleBar);
   ImGui::PushItemWidth(em(8));
-  drawModel(status, wishes);
+  drawModel(status, requests);
   if (status.session) {
-    drawTool(status, tool, view, wishes);
-    drawFeel(status, feel, forcesOn);
-    drawLook(status, view, wishes);
-    drawSession(status, wishes);
+    drawBrush(status, settings.brush, settings.view, requests);
+    drawFeel(status, settings.feel, settings.forcesOn);
+    drawLook(status, settings.view, requests);
+    drawSession(status, requests);
   }
   ImGui::PopItemWidth();
   ImGui::End();
 }
 
-void Panels::drawModel(const ViewStatus& status, ViewWishes& wishes) {
+void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
   if (status.session) {
-    ImGui::TextUnformatted(std::filesystem::path(status.model).filename().c_str());
+    ImGui::TextUnformatted(std::filesystem::path(status.model).filename().string().c_str());
     help(status.model.c_str());
     ImGui::TextDisabled("%zu points, 1 unit = %.4g mm", status.session->model().cloud.size(),
                         status.session->model().scale.mm_per_unit);
     help("--mm-per-unit gives another size; without it the longest side is 100 mm");
   } else if (!status.loading) {
-    ImGui::TextUnformatted("Drop a point cloud (PLY) here");
+    ImGui::Text("Drop a point cloud (%s) here", cloudFormats().namesRead().c_str());
   }
   if (status.loading) {
     ImGui::TextUnformatted(status.loadingWhat.c_str());
@@ -155,12 +156,12 @@ void Panels::drawModel(const ViewStatus& status, ViewWishes& wishes) {
   const bool entered = field("file.ply", open_);
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if ((button("Open##file") || entered) && open_[0]) wishes.open = open_.data();
+  if ((button("Open##file") || entered) && open_[0]) requests.open = open_.data();
   const auto list = [&](std::span<const std::string> files) {
     for (const std::string& file : files) {
       ImGui::PushID(file.c_str());
       const std::string name = std::filesystem::path(file).filename().string();
-      if (noted(name, ImGui::Selectable(name.c_str(), file == status.model))) wishes.open = file;
+      if (noted(name, ImGui::Selectable(name.c_str(), file == status.model))) requests.open = file;
       help(file.c_str());
       ImGui::PopID();
     }
@@ -170,35 +171,35 @@ void Panels::drawModel(const ViewStatus& status, ViewWishes& wishes) {
   list(status.recent);
 }
 
-void Panels::drawTool(const ViewStatus& status, ToolSettings& tool, ViewSettings& view, ViewWishes& wishes) {
+void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests) {
   if (!header("Tool", true)) return;
   int number = 0;
   const float width = 0.25f * (ImGui::GetContentRegionAvail().x - 3 * ImGui::GetStyle().ItemSpacing.x);
   const auto choice = [&](const char* name, std::optional<BrushKind> kind) {
     if (number % 4 != 0) ImGui::SameLine();
-    const bool chosen = tool.brush == kind;
+    const bool chosen = brush.kind == kind;
     if (chosen) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyleColorVec4(ImGuiCol_ButtonActive));
-    if (button(name, width)) tool.brush = kind;
+    if (button(name, width)) brush.kind = kind;
     if (chosen) ImGui::PopStyleColor();
     help(fmt::format("key {}", ++number).c_str());
   };
   choice("feel", std::nullopt);
   for (const auto& [name, kind] : kBrushKinds) choice(name.data(), kind);
-  if (tool.brush) {
-    drag("radius", tool.radius_mm, 0.1f, 0.5, 30, "%.1f mm");
+  if (brush.kind) {
+    drag("radius", brush.radius_mm, 0.1f, 0.5, 30, "%.1f mm");
     help("[ and ]");
-    if (tool.brush == BrushKind::push)
-      drag("speed", tool.beta, 0.005f, 0, 1, "%.2f");
+    if (brush.kind == BrushKind::push)
+      drag("speed", brush.beta, 0.005f, 0, 1, "%.2f");
     else
-      drag("strength", tool.strength, 0.01f, 0, 1, "%.2f");
+      drag("strength", brush.strength, 0.01f, 0, 1, "%.2f");
     help("how much of the way the surface goes at each tick; 0: none, 1: all");
-    drag("yields at", tool.tau_mm, 0.02f, 0, 5, "%.2f mm");
+    drag("yields at", brush.tau_mm, 0.02f, 0, 5, "%.2f mm");
     help("how deep the stylus stands in the surface before it gives way");
-    if (tool.brush == BrushKind::paint) {
+    if (brush.kind == BrushKind::paint) {
       float color[3];
-      for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(tool.color[k]) / 255;
+      for (std::size_t k = 0; k < 3; ++k) color[k] = static_cast<float>(brush.color[k]) / 255;
       if (ImGui::ColorEdit3("colour to paint", color, ImGuiColorEditFlags_NoInputs))
-        for (std::size_t k = 0; k < 3; ++k) tool.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
+        for (std::size_t k = 0; k < 3; ++k) brush.color[k] = static_cast<std::uint8_t>(std::lround(color[k] * 255));
     }
   }
   drag("press", view.press_mm, 0.05f, 0.1, 20, "%.1f mm");
@@ -207,12 +208,12 @@ void Panels::drawTool(const ViewStatus& status, ToolSettings& tool, ViewSettings
   help("off: the stylus moves in one plane before the eye, and the wheel moves it in depth");
   const Journal& journal = status.session->journal();
   ImGui::BeginDisabled(journal.undoable() == 0);
-  if (button("Undo", em(4))) wishes.undo = true;
+  if (button("Undo", em(4))) requests.undo = true;
   ImGui::EndDisabled();
   help("Ctrl+Z: takes the last stroke back");
   ImGui::SameLine();
   ImGui::BeginDisabled(journal.redoable() == 0);
-  if (button("Redo", em(4))) wishes.redo = true;
+  if (button("Redo", em(4))) requests.redo = true;
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
@@ -236,7 +237,7 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   ImGui::TextDisabled("%s", status.session->machine().c_str());
 }
 
-void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes) {
+void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
   if (!header("Look")) return;
   choose("colour by", kColors, view.color);
   chooseOrAuto("up", kUpAxes, view.up, nameOf(status.upright.up));
@@ -265,23 +266,23 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewWishes& 
   ImGui::SameLine();
   checkbox("wait for display", view.waitsForDisplay);
   help("off: pictures follow one another as fast as they can, and may tear");
-  if (button("Reset")) wishes.resetView = true;
+  if (button("Reset")) requests.resetView = true;
   help("R: all of the model is seen again");
   for (int axis = 0; axis < 3; ++axis) {
     ImGui::SameLine();
-    if (button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)])) wishes.axis = axis;
+    if (button(std::array{"X", "Y", "Z"}[static_cast<std::size_t>(axis)])) requests.axis = axis;
     help("looks along this axis (the key of this letter; with Shift from behind)");
   }
   ImGui::SameLine();
-  if (button("Picture")) wishes.screenshot = true;
+  if (button("Picture")) requests.screenshot = true;
   help("P: writes a picture of the window to a file");
 }
 
-void Panels::drawSession(const ViewStatus& status, ViewWishes& wishes) {
+void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   if (!header("Save and record")) return;
-  const Session& session = *status.session;
+  const WindowSession& session = *status.session;
   ImGui::BeginDisabled(!session.isChanged() || session.isSaving());
-  if (button("Save")) wishes.save = true;
+  if (button("Save")) requests.save = true;
   ImGui::EndDisabled();
   help(("writes " + status.saveFile).c_str());
   ImGui::SameLine();
@@ -299,27 +300,27 @@ void Panels::drawSession(const ViewStatus& status, ViewWishes& wishes) {
   help(where.c_str());
   ImGui::SameLine();
   if ((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0])
-    wishes.saveAs = saveAs_.data();
+    requests.saveAs = saveAs_.data();
   if (replaces) help("there is a file of this name");
   field("session.log", log_);
   help(where.c_str());
   ImGui::SameLine();
   if (session.isRecording()) {
-    if (button("Stop##record")) wishes.endRecording = true;
+    if (button("Stop##record")) requests.endRecording = true;
     help("ends the recording");
   } else {
     const bool isThereLog = isThere(log_.data());
     ImGui::BeginDisabled(isThereLog);
-    if (button("Record") && log_[0]) wishes.record = log_.data();
+    if (button("Record") && log_[0]) requests.record = log_.data();
     ImGui::EndDisabled();
     help(isThereLog ? "there is a file of this name: Play plays it"
                     : "what the hand does; Play, or palpate replay, runs it again");
   }
   ImGui::SameLine();
   if (session.isPlaying()) {
-    if (button("Stop##play")) wishes.endPlaying = true;
+    if (button("Stop##play")) requests.endPlaying = true;
   } else if (button("Play") && log_[0]) {
-    wishes.play = log_.data();
+    requests.play = log_.data();
   }
 }
 

@@ -6,38 +6,16 @@
 #include <optional>
 #include <span>
 
-#include "apps/look.hpp"
 #include "apps/view/gui.hpp"
-#include "apps/view/session.hpp"
-#include "engine/render/frame_options.hpp"
+#include "apps/view/requests.hpp"
+#include "apps/view/settings.hpp"
 
 namespace palpate {
 
-/// How the model is shown, and how the mouse holds the stylus.
-struct ViewSettings {
-  ColorBy color = ColorBy::rgb;
-  std::optional<UpAxis> up;  ///< nothing: by the model's shape
-  std::optional<LengthUnit> unit;
-  double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
-  bool smoothOutlines = false, scaleBar = true, dark = true;
-  bool mesh = false;
-  int lattice = 128;
-  bool followsSurface = true;  ///< the stylus stays at the surface that is seen under the cursor; else in one plane
-  double press_mm = 2.5;       ///< how deep the hand means to go while it presses
-  bool waitsForDisplay = true;
-  bool panels = true, plots = true, help = false;
-};
-
-/// Whether to save beside a file or over it.
-struct SaveQuestion {
-  std::string loses;         ///< what that file would lose, in words
-  std::string beside, kept;  ///< the name beside it, and the one that it is kept under
-};
-
 /// What is going on, for the panels.
 struct ViewStatus {
-  const Session* session = nullptr;  ///< null: none is open
-  std::optional<double> loading;     ///< how far, 0 to 1
+  const WindowSession* session = nullptr;  ///< null: none is open
+  std::optional<double> loading;           ///< how far, 0 to 1
   std::string loadingWhat;
   std::vector<std::string> messages;  ///< the newest last; each is shown for a while
   std::span<const std::string> models, recent;
@@ -62,22 +40,12 @@ struct ViewStatus {
   std::vector<PassRecord> passes;  ///< of the last picture of the model
 };
 
-/// What a person asks for.
-struct ViewWishes {
-  bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
-       endRecording = false, endPlaying = false, quit = false;
-  bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
-  bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
-  std::optional<int> axis;
-  std::string open, saveAs, record, play;
-};
-
 class Panels {
  public:
   explicit Panels(const Gui& gui) : gui_(gui) {}
 
   /// Between Gui::begin() and Gui::end(). Changes the settings as they are turned.
-  ViewWishes draw(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel, bool& forcesOn);
+  ViewRequests draw(const ViewStatus& status, WindowSettings& settings);
 
   /// Where the last picture has what can be clicked, pixels; what is named so more than once, the last of them.
   std::optional<DVec2> placeOf(const std::string& name) const;
@@ -101,20 +69,19 @@ class Panels {
   bool field(const char* hint, std::array<char, 512>& text);
   bool noted(std::string_view name, bool result);
 
-  void drawPanel(const ViewStatus& status, ViewSettings& view, ToolSettings& tool, FeelSettings& feel, bool& forcesOn,
-                 ViewWishes& wishes);
-  void drawModel(const ViewStatus& status, ViewWishes& wishes);
-  void drawTool(const ViewStatus& status, ToolSettings& tool, ViewSettings& view, ViewWishes& wishes);
+  void drawPanel(const ViewStatus& status, WindowSettings& settings, ViewRequests& requests);
+  void drawModel(const ViewStatus& status, ViewRequests& requests);
+  void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
-  void drawLook(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes);
-  void drawSession(const ViewStatus& status, ViewWishes& wishes);
-  void drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes);
+  void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
+  void drawSession(const ViewStatus& status, ViewRequests& requests);
+  void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawHelp(ViewSettings& view);
   void drawMessages(const ViewStatus& status, const ViewSettings& view);
   void drawScale(const ViewStatus::ScaleBar& bar, LengthUnit unit) const;
   void drawHeights(const HeightRange& heights, LengthUnit unit) const;
-  void drawQuestion(const ViewStatus& status, ViewWishes& wishes);
-  void drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes);
+  void drawQuestion(const ViewStatus& status, ViewRequests& requests);
+  void drawSaveQuestion(const ViewStatus& status, ViewRequests& requests);
   static constexpr double kPanel_em = 18.5, kCurves_em = 18, kMargin_em = 0.6;
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/legend.hpp"
+#include "apps/cli/legend.hpp"
 #include "apps/view/panels.hpp"
 #include "shaders/shared/ramp.h"
 
@@ -47,7 +47,7 @@ void plot(const char* what, const std::vector<float>& curve, float least, float 
 
 }  // namespace
 
-void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes& wishes) {
+void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x - em(kMargin_em), em(kMargin_em)}, ImGuiCond_Always, {1, 0});
   ImGui::SetNextWindowSize({em(kCurves_em), 0});
@@ -83,7 +83,7 @@ void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewWishes&
   }
   if (button(paused_ ? "Go on" : "Pause")) paused_ = !paused_;
   ImGui::SameLine();
-  if (button("Export CSV")) wishes.exportTicks = true;
+  if (button("Export CSV")) requests.exportTicks = true;
   help("writes the last minute of ticks to a file");
   ImGui::End();
 }
@@ -95,7 +95,7 @@ void Panels::drawHelp(ViewSettings& view) {
   ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
   static constexpr std::array<std::pair<const char*, const char*>, 18> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
-       {"Space + left button", "press into the model, and sculpt with a tool"},
+       {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
        {"T", "keep the stylus without holding Space"},
        {"left drag", "turn the view about what is under the cursor"},
@@ -103,8 +103,8 @@ void Panels::drawHelp(ViewSettings& view) {
        {"wheel", "zoom to the cursor"},
        {"double click", "look at what is under the cursor"},
        {"R;  X  Y  Z", "reset the view;  look along an axis (Shift: from behind)"},
-       {"1 to 7", "feel, push, carve, inflate, smooth, grab, paint"},
-       {"[  ]", "smaller, larger tool"},
+       {"1 to 8", "feel, push, carve, inflate, smooth, grab, paint, flatten"},
+       {"[  ]", "smaller, larger brush"},
        {"Ctrl+Z,  Ctrl+Shift+Z", "undo, redo"},
        {"Ctrl+S", "save"},
        {"Backspace", "forces off, and on again"},
@@ -191,22 +191,22 @@ void Panels::drawHeights(const HeightRange& heights, LengthUnit unit) const {
   write(fmt::format("height, {}", nameOf(unit)), right, top - 1.5f * line);
 }
 
-void Panels::drawQuestion(const ViewStatus& status, ViewWishes& wishes) {
+void Panels::drawQuestion(const ViewStatus& status, ViewRequests& requests) {
   if (status.asksAboutChanges && !ImGui::IsPopupOpen("Changes")) ImGui::OpenPopup("Changes");
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   if (!ImGui::BeginPopupModal("Changes", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoMove)) return;
-  ImGui::Text("%s has changed since it was saved.", std::filesystem::path(status.model).filename().c_str());
-  wishes.saveFirst = button("Save");
+  ImGui::Text("%s has changed since it was saved.", std::filesystem::path(status.model).filename().string().c_str());
+  requests.saveFirst = button("Save");
   ImGui::SameLine();
-  wishes.discard = button("Do not save");
+  requests.discard = button("Do not save");
   ImGui::SameLine();
-  wishes.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
-  if (wishes.saveFirst || wishes.discard || wishes.cancel || !status.asksAboutChanges) ImGui::CloseCurrentPopup();
+  requests.cancel = button("Cancel") || ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false);
+  if (requests.saveFirst || requests.discard || requests.cancel || !status.asksAboutChanges) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 
-void Panels::drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes) {
+void Panels::drawSaveQuestion(const ViewStatus& status, ViewRequests& requests) {
   if (status.saveQuestion && !ImGui::IsPopupOpen("How to save")) ImGui::OpenPopup("How to save");
   const ImVec2 display = ImGui::GetIO().DisplaySize;
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -217,16 +217,16 @@ void Panels::drawSaveQuestion(const ViewStatus& status, ViewWishes& wishes) {
   if (const auto& question = status.saveQuestion) {
     ImGui::PushTextWrapPos(std::min(em(32), 0.8f * display.x));
     ImGui::TextWrapped("%s.", question->loses.c_str());
-    wishes.saveBeside = button("Save beside") || pressed(ImGuiKey_Enter);
+    requests.saveBeside = button("Save beside") || pressed(ImGuiKey_Enter);
     ImGui::SameLine();
-    wishes.saveOver = button("Save over");
+    requests.saveOver = button("Save over");
     ImGui::SameLine();
-    wishes.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
+    requests.cancel = button("Cancel") || pressed(ImGuiKey_Escape);
     ImGui::TextWrapped("Beside (Enter): as %s", nameOf(question->beside).c_str());
     ImGui::TextWrapped("Over: what is there now stays as %s", nameOf(question->kept).c_str());
     ImGui::PopTextWrapPos();
   }
-  if (wishes.saveBeside || wishes.saveOver || wishes.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
+  if (requests.saveBeside || requests.saveOver || requests.cancel || !status.saveQuestion) ImGui::CloseCurrentPopup();
   ImGui::EndPopup();
 }
 

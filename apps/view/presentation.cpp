@@ -1,14 +1,11 @@
 #include "apps/view/presentation.hpp"
 
-#include "apps/view/copied_pictures.hpp"
+#include "apps/view/copied_presentation.hpp"
 #include "engine/gpu/swapchain.hpp"
 
 namespace palpate {
 
 namespace {
-
-// Of NVIDIA's own module in the X server; without it the driver has nobody to present to.
-constexpr const char* kNvidiaExtension = "NV-GLX";
 
 bool isNvidias(VkPhysicalDevice gpu) {
   VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
@@ -20,17 +17,16 @@ bool isNvidias(VkPhysicalDevice gpu) {
 }  // namespace
 
 PresentationFound findPresentation(const Window& window, const Instance& instance, VkPhysicalDevice gpu) {
-  const auto copied = [](const char* why) { return PresentationFound{Presentation::copy, why}; };
+  const auto copied = [](std::string_view why) { return PresentationFound{Presentation::copy, std::string(why)}; };
   if (window.extensions().empty()) return copied("the window system has no way to show pictures of Vulkan");
   if (!canMakeSwapchains(gpu)) return copied("its driver has no swapchains");
-  const auto x11 = window.x11();
-  if (x11 && isNvidias(gpu) && !hasXExtension(*x11, kNvidiaExtension))
-    return copied("the X server has no NV-GLX, as remote desktops have none");
+  if (isNvidias(gpu))
+    if (const std::string_view why = whyNotAskNvidia(window); !why.empty()) return copied(why);
   const auto roles = chooseQueues(queueFamiliesOf(gpu));
   if (!roles) return copied("it has no queue that computes");
   const VkSurfaceKHR surface = window.surface(instance);
   VkBool32 can = VK_FALSE;
-  const VkResult result = vkGetPhysicalDeviceSurfaceSupportKHR(gpu, roles->sight.family, surface, &can);
+  const VkResult result = vkGetPhysicalDeviceSurfaceSupportKHR(gpu, roles->throughput.family, surface, &can);
   vkDestroySurfaceKHR(instance.handle(), surface, nullptr);
   if (result != VK_SUCCESS || can != VK_TRUE) return copied("its driver cannot present to this display");
   return {};
@@ -38,18 +34,17 @@ PresentationFound findPresentation(const Window& window, const Instance& instanc
 
 std::unique_ptr<Presenter> makePresenter(const Window& window, Device& device, std::optional<Presentation> wanted,
                                          bool waitsForDisplay) {
-  const PresentationFound found =
-      wanted == Presentation::copy ? PresentationFound{Presentation::copy, "--present copy"}
-                                   : findPresentation(window, device.instance(), device.physical());
+  const PresentationFound found = wanted == Presentation::copy
+                                      ? PresentationFound{Presentation::copy, "--present copy"}
+                                      : findPresentation(window, device.instance(), device.physical());
   if (found.presentation == Presentation::swapchain)
     return std::make_unique<Swapchain>(device, window.surface(device.instance()), window.size_px(), waitsForDisplay);
   if (wanted == Presentation::swapchain)
     throw Error("--present swapchain: {} does not present here: {}; take copy or auto", device.name(), found.why);
-  const auto x11 = window.x11();
-  if (!x11)
+  if (!takesCopies(window))
     throw Error("{} shows nothing in this window ({}), and pictures are copied only to an X display", device.name(),
                 found.why);
-  return std::make_unique<CopiedPictures>(device, *x11, window.size_px(), waitsForDisplay);
+  return copyingPresenter(window, device, waitsForDisplay);
 }
 
 }  // namespace palpate

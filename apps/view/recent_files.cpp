@@ -1,9 +1,9 @@
 #include "apps/view/recent_files.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 
+#include "apps/cli/system_places.hpp"
 #include "engine/core/atomic_file.hpp"
 
 namespace palpate {
@@ -11,11 +11,8 @@ namespace palpate {
 namespace {
 
 std::filesystem::path storePath() {
-  if (const char* state = std::getenv("XDG_STATE_HOME"); state && *state)
-    return std::filesystem::path(state) / "palpate" / "recent";
-  if (const char* home = std::getenv("HOME"); home && *home)
-    return std::filesystem::path(home) / ".local" / "state" / "palpate" / "recent";
-  return {};
+  const std::filesystem::path folder = stateFolder();
+  return folder.empty() ? folder : folder / "palpate" / "recent";
 }
 
 }  // namespace

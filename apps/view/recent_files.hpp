@@ -6,7 +6,8 @@
 
 namespace palpate {
 
-/// The models that were opened last, the latest first: kept in $XDG_STATE_HOME/palpate/recent (or ~/.local/state).
+/// The models that were opened last, the latest first: kept in $XDG_STATE_HOME/palpate/recent (or ~/.local/state; on
+/// Windows %LOCALAPPDATA%).
 /// Where that cannot be read or written they last as long as the program.
 class RecentFiles {
  public:

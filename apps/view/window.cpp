@@ -2,7 +2,6 @@
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
-#include <dlfcn.h>
 
 #include <algorithm>
 #include <utility>
@@ -98,14 +97,6 @@ VkSurfaceKHR Window::surface(const Instance& instance) const {
   VkSurfaceKHR surface = VK_NULL_HANDLE;
   checkVk(glfwCreateWindowSurface(instance.handle(), window_, nullptr, &surface), "glfwCreateWindowSurface", "GLFW");
   return surface;
-}
-
-std::optional<X11Window> Window::x11() const {
-  // Looked up by name: GLFW for Wayland, under the same name of a library, has none of these.
-  const auto display = reinterpret_cast<void* (*)()>(::dlsym(RTLD_DEFAULT, "glfwGetX11Display"));
-  const auto window = reinterpret_cast<unsigned long (*)(GLFWwindow*)>(::dlsym(RTLD_DEFAULT, "glfwGetX11Window"));
-  if (!display || !window || !display()) return std::nullopt;
-  return X11Window{display(), window(window_)};
 }
 
 std::vector<WindowEvent> Window::takeEvents(double wait_s) {

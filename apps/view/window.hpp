@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "apps/view/events.hpp"
-#include "apps/view/x11_canvas.hpp"
 #include "engine/gpu/device.hpp"
 
 struct GLFWwindow;
@@ -31,8 +30,7 @@ class Window {
   /// The instance extensions that surface() needs; none where there is no way to show pictures of Vulkan.
   std::vector<std::string> extensions() const;
   VkSurfaceKHR surface(const Instance& instance) const;
-  /// Where it is one of an X server.
-  std::optional<X11Window> x11() const;
+  GLFWwindow* handle() const { return window_; }
 
   /// What has happened since the last call; waits for something for `wait_s` at most.
   std::vector<WindowEvent> takeEvents(double wait_s = 0);

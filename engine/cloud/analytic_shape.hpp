@@ -61,7 +61,7 @@ struct SampleOptions {
   std::uint64_t seed = 1;
   double noise = 0;      ///< deviation of a Gaussian displacement along x, y and z, model units; normals stay true
   unsigned threads = 0;  ///< 0: one per core; the result is the same
-  std::function<void(double)> progress = {};  ///< is told the share that is done, by any of these threads
+  std::function<void(double)> progress = {};  ///< is called with the share that is done, by any of these threads
 };
 
 /// Spreads `count` points evenly over the area of `shape`, with its normals: a rank-1 lattice of the golden ratio in

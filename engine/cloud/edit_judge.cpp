@@ -1,14 +1,12 @@
 #include "engine/cloud/edit_judge.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <unordered_set>
 
+#include "engine/cloud/edit_aftermath.hpp"
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/cloud/eigen3.hpp"
 #include "engine/core/check.hpp"
 
 namespace palpate {
@@ -16,29 +14,12 @@ namespace palpate {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr std::size_t kLookedAt = 48;                  // nearest points, of which those of one sheet are taken
 constexpr std::size_t kFirstDisc = 4, kLastDisc = 16;  // neighbours whose discs make a point's area
 constexpr std::size_t kOfAPlace = 6;                   // points whose spacing makes that of a place
-constexpr std::size_t kOfAFit = 16, kFewestOfAFit = 6;
 constexpr std::size_t kTangentPlanes = 4;
-constexpr double kKin = 2;      // support radii that a new point may be from whom it goes back to, to be of one sheet
-constexpr double kWallFrom = 0.85, kWallTo = 1.02;  // tool radii from its way, between which a point is on its wall
 constexpr double kOnGround = 0.4;  // spacings of a place, to one of the points before
-constexpr double kEdgeOn = 0.5;  // cosine of a normal and the way to the ball, up to which either side may face it
-constexpr double kStep = 2;      // spacings, from one point of a sheet to the next
-constexpr double kSided = 0.3;   // cosine of fit and known side, from which on the fit's side is known
-
-struct Near {
-  std::array<std::uint32_t, kLookedAt> points;
-  std::array<double, kLookedAt> squared;
-  std::size_t count = 0;
-};
-
-Near nearestTo(const PointTree& tree, const DVec3& place) {
-  Near near;
-  near.count = tree.nearest(Vec3(place), near.points, near.squared);
-  return near;
-}
+constexpr double kStep = 2;        // spacings, from one point of a sheet to the next
+constexpr double kSided = 0.3;     // cosine of fit and known side, from which on the fit's side is known
 
 // The algebraic sphere that fits places and normals (Guennebaud, Germann and Gross 2008, "Dynamic sampling and
 // rendering of algebraic point set surfaces", section 3), relative to some place.
@@ -66,117 +47,7 @@ class SphereFit {
 
 double wendlandWeight(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1) : 0; }
 
-// All points after the edit, and what can be said of one of them.
-class Aftermath {
- public:
-  /// `tree`: of the points before.
-  Aftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after, const ToolWay& way)
-      : before_(before), after_(after), way_(way), sides_(before.size()), facings_(after.size()) {
-    for (std::uint32_t i = 0; i < after.size(); ++i)
-      if (!after[i].gone()) facings_[i] = facingOf(i, tree);
-    for (std::uint32_t i = 0; i < after.size(); ++i)
-      if (!after[i].gone()) {
-        there_.push_back(i);
-        positions_.push_back(after[i].position);
-      }
-    tree_.emplace(positions_);
-  }
-
-  std::span<const std::uint32_t> there() const { return there_; }
-  bool isNew(std::uint32_t i) const { return i >= before_.size(); }
-  bool moved(std::uint32_t i) const { return !isNew(i) && after_[i].position != before_.positions[i]; }
-  DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
-  DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
-
-  // Which way its sheet faces.
-  const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
-  // The file's point that it goes back to.
-  std::uint32_t ancestorOf(std::uint32_t i) const {
-    while (isNew(i)) {
-      PALPATE_CHECK_LT(after_[i].parent, i);
-      i = after_[i].parent;
-    }
-    return i;
-  }
-
-  // To the nearest other point that faces the same way, `most` at most.
-  double nearestOfSheet(std::uint32_t i, double most) const {
-    std::vector<std::uint32_t> found;
-    tree_->within(position(i), most, found);
-    double nearest = most;
-    for (const std::uint32_t k : found)
-      if (there_[k] != i && glm::dot(normal(there_[k]), normal(i)) > 0)
-        nearest = std::min(nearest, glm::distance(position(there_[k]), position(i)));
-    return nearest;
-  }
-
-  // Normal of the plane through the nearest points of its sheet, of either sign; nothing where there are too few.
-  std::optional<DVec3> fit(std::uint32_t i) const {
-    const Near near = nearestTo(*tree_, position(i));
-    const DVec3 side = facing(i);
-    std::vector<DVec3> offsets;
-    DVec3 mean(0);
-    for (std::size_t k = 0; k < near.count && offsets.size() < kOfAFit; ++k)
-      if (glm::dot(facing(there_[near.points[k]]), side) > 0) {
-        offsets.push_back(position(there_[near.points[k]]) - position(i));
-        mean += offsets.back();
-      }
-    if (offsets.size() < kFewestOfAFit) return std::nullopt;
-    mean /= static_cast<double>(offsets.size());
-    SymmetricMatrix3 spread;
-    for (const DVec3& offset : offsets) spread.addSquare(offset - mean);
-    const Eigen3 axes = eigenSymmetric(spread);
-    if (axes.values[0] > 0.25 * axes.values[1]) return std::nullopt;  // no plane
-    return axes.vectors[0];
-  }
-
- private:
-  // On the ball's wall, towards its centre or away from it, as where it comes from did when the ball came: a ball that
-  // goes in sideways lines its tunnel with the sheet before it, and lifts the sheet above it from behind. What it met
-  // edge on may face either way. Elsewhere as the file's point that it goes back to; as the nearest one where it has
-  // come too far for that.
-  DVec3 facingOf(std::uint32_t i, const PointTree& tree) {
-    const std::uint32_t ancestor = ancestorOf(i);
-    if ((way_.carves || way_.pushes) && !way_.centers.empty() && (isNew(i) || moved(i))) {
-      const DVec3 outward = nearestCenter(position(i)) - position(i);
-      const double distance = glm::length(outward);
-      if (distance > kWallFrom * way_.toolRadius && distance < kWallTo * way_.toolRadius) {
-        const double side = way_.carves ? 1 : sideOf(ancestor);
-        return std::abs(side) > kEdgeOn ? std::copysign(1 / distance, side) * outward : normal(i);
-      }
-    }
-    if (!isNew(i) || glm::distance(DVec3(before_.positions[ancestor]), position(i)) < kKin * way_.support)
-      return DVec3(before_.normals[ancestor]);
-    return DVec3(before_.normals[nearestTo(tree, position(i)).points[0]]);
-  }
-
-  // How much a point of the file faced the ball when that first touched it, or was nearest: from -1, it turned its back
-  // on it, to 1.
-  double sideOf(std::uint32_t point) {
-    double& side = sides_[point];
-    if (side != 0) return side;
-    const DVec3 place(before_.positions[point]);
-    const auto touches = [&](const DVec3& c) { return glm::distance(c, place) < kWallTo * way_.toolRadius; };
-    const auto first = std::ranges::find_if(way_.centers, touches);
-    const DVec3 offset = (first != way_.centers.end() ? *first : nearestCenter(place)) - place;
-    return side = glm::dot(offset, DVec3(before_.normals[point])) / std::max(way_.toolRadius, glm::length(offset));
-  }
-
-  DVec3 nearestCenter(const DVec3& place) const {
-    return *std::ranges::min_element(way_.centers, {}, [&](const DVec3& c) { return glm::distance(c, place); });
-  }
-
-  const PointCloud& before_;
-  std::span<const PointState> after_;
-  const ToolWay& way_;
-  std::vector<double> sides_;   // of the file's points, once they were asked for; else 0
-  std::vector<DVec3> facings_;  // by number
-  std::vector<std::uint32_t> there_;
-  std::vector<Vec3> positions_;
-  std::optional<PointTree> tree_;
-};
-
-void judgeNormals(const Aftermath& aftermath, const PointCloud& before, EditVerdict& verdict) {
+void judgeNormals(const EditAftermath& aftermath, const PointCloud& before, EditVerdict& verdict) {
   std::vector<double> angles;
   for (const std::uint32_t i : aftermath.there()) {
     if (!aftermath.isNew(i) && !aftermath.moved(i)) {
@@ -220,7 +91,7 @@ EditJudge::EditJudge(const PointCloud& before) : before_(before), tree_(before.p
 double EditJudge::spacingOf(std::uint32_t point) {
   double& spacing = spacings_[point];
   if (spacing > 0) return spacing;
-  const Near near = nearestTo(tree_, position(point));
+  const NearestPoints near = nearestTo(tree_, position(point));
   double areas = 0;
   std::size_t discs = 0;
   std::vector<Vec3> places{before_.positions[point]};  // coincident points count once
@@ -239,7 +110,7 @@ double EditJudge::spacingOf(std::uint32_t point) {
 }
 
 double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
-  const Near near = nearestTo(tree_, place);
+  const NearestPoints near = nearestTo(tree_, place);
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < near.count && count < kOfAPlace; ++i) {
@@ -255,7 +126,7 @@ double EditJudge::spacingAt(const DVec3& place, const DVec3& facing) {
 // or a tunnel is on none, and what is near it by chance may be sparse: there the ground counts that it comes from.
 double EditJudge::spacingFor(const DVec3& place, std::uint32_t ancestor) {
   const double here = spacingAt(place, normal(ancestor));
-  const Near near = nearestTo(tree_, place);
+  const NearestPoints near = nearestTo(tree_, place);
   std::size_t k = 0;
   while (k < near.count && glm::dot(normal(near.points[k]), normal(ancestor)) <= 0) ++k;
   const bool onGround = k < near.count && std::sqrt(near.squared[k]) <= kOnGround * here;
@@ -265,12 +136,12 @@ double EditJudge::spacingFor(const DVec3& place, std::uint32_t ancestor) {
 double EditJudge::heightAt(const DVec3& place) const { return heightOver({tree_, {}}, place); }
 
 double EditJudge::heightOver(const Sheet& sheet, const DVec3& place) const {
-  const Near toPlace = nearestTo(sheet.tree, place);
+  const NearestPoints toPlace = nearestTo(sheet.tree, place);
   if (toPlace.count == 0) return kFar;
   const std::uint32_t first = sheet.numberOf(toPlace.points[0]);
   const DVec3 middle = position(first), facing = normal(first);
   const auto sameSheet = [&](std::uint32_t i) { return glm::dot(normal(i), facing) > -kSided; };
-  const Near around = nearestTo(sheet.tree, middle);
+  const NearestPoints around = nearestTo(sheet.tree, middle);
   const double reach = 1.2 * std::sqrt(around.squared[std::min(kOfAFit, around.count) - 1]);
   SphereFit sphere;
   for (std::size_t k = 0; k < around.count; ++k) {
@@ -278,14 +149,15 @@ double EditJudge::heightOver(const Sheet& sheet, const DVec3& place) const {
     const double r = reach > 0 ? std::sqrt(around.squared[k]) / reach : 0;
     if (sameSheet(i)) sphere.add(position(i) - middle, normal(i), wendlandWeight(r));
   }
-  double highest = -kFar;
+  double highest = -kFar, own = 0;
   for (std::size_t k = 0, planes = 0; k < toPlace.count && planes < kTangentPlanes; ++k) {
     const std::uint32_t i = sheet.numberOf(toPlace.points[k]);
     if (!sameSheet(i)) continue;
     highest = std::max(highest, glm::dot(place - position(i), normal(i)));
+    own = std::max(own, sphere.height(position(i) - middle));
     ++planes;
   }
-  return std::min(sphere.height(place - middle), highest);
+  return std::min(sphere.height(place - middle) - own, highest);
 }
 
 // Above whatever surface is nearest is not outside where that is another one than the new point comes from, such as the
@@ -312,15 +184,15 @@ double EditJudge::heightFrom(const DVec3& place, std::uint32_t ancestor, double 
   return std::min(height, heightOver({tree, sheet}, place));
 }
 
-EditVerdict EditJudge::judge(std::span<const PointState> after, const ToolWay& way) {
+EditVerdict EditJudge::judge(std::span<const PointState> after, const BrushPath& way) {
   PALPATE_CHECK_LE(before_.size(), after.size());
-  EditVerdict verdict{.farthestMoved = -way.toolRadius / way.support,
-                      .farthestInserted = -way.toolRadius / way.support,
+  EditVerdict verdict{.farthestMoved = -way.radius / way.support,
+                      .farthestInserted = -way.radius / way.support,
                       .farthestOutside = -kFar};
   const auto beyond = [&](const DVec3& place) {
-    return (distanceToWay(place, way.centers) - way.toolRadius) / way.support;
+    return (distanceToWay(place, way.centers) - way.radius) / way.support;
   };
-  const Aftermath aftermath(before_, tree_, after, way);
+  const EditAftermath aftermath(before_, tree_, after, way);
   for (std::uint32_t i = 0; i < before_.size(); ++i) {
     const bool gone = after[i].gone(), moved = !gone && aftermath.moved(i);
     verdict.removed += gone;

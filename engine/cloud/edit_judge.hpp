@@ -1,4 +1,4 @@
-// Whether an edit changed only what it may: in double precision, from the points before and after and the tool's way
+// Whether an edit changed only what it may: in double precision, from the points before and after and the brush's way
 // alone, and with nothing of what edits them.
 #pragma once
 
@@ -12,11 +12,11 @@
 
 namespace palpate {
 
-/// What a tool did, as whoever moved it knows.
-struct ToolWay {
-  std::vector<DVec3> centers;  ///< of the tool's ball in each tick in which it acted; model units, relative to the
+/// What a brush did, as whoever moved it knows.
+struct BrushPath {
+  std::vector<DVec3> centers;  ///< of the brush's ball in each tick in which it acted; model units, relative to the
                                ///< cloud's origin
-  double toolRadius = 0;       ///< model units
+  double radius = 0;           ///< model units
   double support = 0;          ///< support radius, model units
   bool carves = false;         ///< what it leaves faces the ball, and nothing new may stand outside
   bool pushes = false;         ///< what it touches ends on the ball's wall
@@ -27,17 +27,18 @@ struct EditTolerance {
   static constexpr double kReach = 0.01;        ///< support radii that a point may be farther away
   static constexpr double kCrowded = 0.4;       ///< spacings of its place that a new point keeps from others
   static constexpr double kMostCrowded = 0.02;  ///< share of the new points that may be nearer
-  static constexpr double kNearest = 0.3;       ///< spacings that none may be nearer
+  static constexpr double kNearest = 0.25;      ///< spacings that none may be nearer: of an uneven place two measures
+                                                ///< differ by a half
   static constexpr double kOutside = 0.5;  ///< spacings of its place that a new point may stand off the old surface
-  static constexpr double kMostOutside = 0.02;  ///< share of the new points that may: noisy scans have no one surface
-  static constexpr double kMostTurned = 0.01;  ///< share of the changed points whose normals may look to the other side
+  static constexpr double kMostOutside = 0.01;  ///< share of the new points that may: noisy scans have no one surface
+  static constexpr double kMostTurned = 0.01;   ///< share of the changed points whose normals may face the other way
 };
 
 /// Counts points; a point that came and went again counts as nothing.
 struct EditVerdict {
   std::size_t moved = 0, painted = 0, inserted = 0, removed = 0;
   double farthestMoved = 0;      ///< of those that moved, have another colour or went: distance of where they were from
-                                 ///< the tool's way beyond its radius, support radii; negative within it
+                                 ///< brush's way beyond its radius, support radii; negative within it
   double farthestInserted = 0;   ///< the same for new points where they are
   std::size_t crowded = 0;       ///< new points nearer than EditTolerance::kCrowded to another of their sheet
   double nearest = 1;            ///< of new points to others of their sheet, spacings of their place or of where they
@@ -47,8 +48,8 @@ struct EditVerdict {
   std::size_t fitted = 0;        ///< changed points whose normal could be held against a plane fit
   double normal_deg = 0;         ///< 95th percentile of the angle between the two, of either sign
   std::size_t sided = 0;         ///< of them, those of which it is known which side is outside
-  std::size_t turned = 0;        ///< of these, those whose normal looks inwards
-  std::size_t turnedAtRest = 0;  ///< points that did not move, whose normal looks to the other side now
+  std::size_t turned = 0;        ///< of these, those whose normal faces inwards
+  std::size_t turnedAtRest = 0;  ///< points that did not move, whose normal faces the other way now
 
   /// The invariants that are broken, in words; empty when none is.
   std::vector<std::string_view> broken(bool carves) const;
@@ -60,13 +61,14 @@ class EditJudge {
   explicit EditJudge(const PointCloud& before);
 
   /// `after`: `after[i]` has the number i, the cloud's own points first.
-  EditVerdict judge(std::span<const PointState> after, const ToolWay& way);
+  EditVerdict judge(std::span<const PointState> after, const BrushPath& way);
 
   /// Spacing of the place in the cloud before: mean over the nearest of its points that face the same way as `facing`.
   /// Each has the area of the disc that holds its own neighbours.
   double spacingAt(const DVec3& place, const DVec3& facing);
   /// Height above the surface before; negative inside. Below zero as well where some of the nearest points' tangent
-  /// planes leave the place inside, so that a round fit of a sharp edge makes no point stand outside.
+  /// planes leave the place inside, so that a round fit of a sharp edge makes no point stand outside. Where the points
+  /// are noisy the surface is as high as the highest of those nearest to the place.
   double heightAt(const DVec3& place) const;
 
  private:

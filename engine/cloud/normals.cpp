@@ -32,7 +32,7 @@ constexpr double kEdgeFrom = 0.12, kEdgeSurely = 0.2, kEdgeOfNoise = 6;
 /// spacings away a weight falls to 1/e, and by so much of the noise's variance more.
 constexpr double kOwnFlatness = 0.06, kOwnFlatnessOfNoise = 0.5;
 constexpr double kOwnHeight = 0.08, kOwnHeightOfNoise = 3;
-constexpr double kSameSide = 0.9;  // cosine between normals of one side
+constexpr double kSameFace = 0.9;  // cosine between normals of one face
 constexpr double kLeastWeight = 1e-6;
 constexpr std::size_t kAroundEdge = 50;  // points, four spacings wide
 
@@ -120,7 +120,7 @@ std::vector<Vec3> keepEdges(std::span<const Vec3> points, std::span<const Fitted
       if (!(weights[best] >= kLeastWeight)) continue;
       DVec3 sum(0);
       for (std::size_t n = 0; n < found; ++n)
-        if (glm::dot(likes[n], likes[best]) > kSameSide) sum += weights[n] * likes[n];
+        if (glm::dot(likes[n], likes[best]) > kSameFace) sum += weights[n] * likes[n];
       const double share = glm::smoothstep(kEdgeFrom * kEdgeFrom, kEdgeSurely * kEdgeSurely, excess);
       normals[i] = Vec3(glm::normalize(glm::mix(DVec3(own.normal), glm::normalize(sum), share)));
     }

@@ -27,7 +27,7 @@ struct NeighbourGraph {
 /// DeRose, Duchamp, McDonald and Stuetzle 1992, section 3.3), where an edge costs by how much the normals turn along it
 /// and by how far each end lies off the plane of the other. Two normals agree when one is the mirror image of the other
 /// in the plane half-way between their points, as on a circle through both (Koenig and Gumhold 2009, "Consistent
-/// propagation of normal orientations in point clouds"), which goes round edges and tells the two sides of a sheet
+/// propagation of normal orientations in point clouds"), which goes round edges and tells the two faces of a sheet
 /// apart. In each connected part the highest point (largest z) looks upwards. The points must be distinct. The result
 /// does not depend on `threads` (0: one per core).
 void orientNormals(std::span<const Vec3> points, std::span<Vec3> normals, const NeighbourGraph& graph,

@@ -63,7 +63,7 @@ class Sculpture {
     const Jet along = t + 0.08 * sin(3.0 * t);  // about the length of the knot, so that scales are equally long
     const Jet right = kAround * a + kAlong * along, left = kAround * a - kAlong * along;
     const Jet skewedRight = right + kSkew * cos(right), skewedLeft = left - kSkew * cos(left);
-    const Jet onBack = 0.58 - 0.42 * cos(a);  // the inner side of a bend is a smoother belly
+    const Jet onBack = 0.58 - 0.42 * cos(a);  // the inside of a bend is a smoother belly
     return onBack * exp(1.1 * (cos(skewedRight) + cos(skewedLeft) - 2.0));
   }
 

@@ -7,7 +7,6 @@
 
 #include <glm/common.hpp>
 
-#include "engine/cloud/ply_reader.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -169,15 +168,6 @@ SurfacePoint TriangleMesh::closest(const DVec3& p) const {
 double TriangleMesh::signedDistance(const DVec3& p) const {
   const Foot foot = nearest(p);
   return std::copysign(std::sqrt(foot.squaredDistance), glm::dot(p - foot.position, normalFor(foot)));
-}
-
-TriangleMesh readTriangleMesh(const std::filesystem::path& file) {
-  std::vector<TriangleMesh::Triangle> triangles;
-  const PointCloud cloud = readPly(file, nullptr, {.triangles = &triangles});
-  std::vector<DVec3> vertices(cloud.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) vertices[i] = cloud.fileCoordinates(i);
-  if (triangles.empty()) throw FileError(file, "has no faces; a mesh is needed here");
-  return {vertices, triangles};
 }
 
 }  // namespace palpate

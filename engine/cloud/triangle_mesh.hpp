@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <unordered_map>
 #include <vector>
 
@@ -55,8 +54,5 @@ class TriangleMesh {
   std::unordered_map<std::uint64_t, DVec3> edgeNormals_;  // by both vertices; not normalised
   std::vector<Node> nodes_;
 };
-
-/// Reads vertices and faces of a PLY file. Throws FileError, also for a file without faces that have an area.
-TriangleMesh readTriangleMesh(const std::filesystem::path& file);
 
 }  // namespace palpate

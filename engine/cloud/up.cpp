@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/cloud/gist.hpp"
+#include "engine/cloud/voxel_sample.hpp"
 
 namespace palpate {
 
@@ -93,12 +93,12 @@ struct Stand {
 
 class Shape {
  public:
-  explicit Shape(const Gist& gist) : gist_(gist) {
-    for (const Vec3& place : gist.places) middle_ += DVec3(place) / static_cast<double>(gist.places.size());
-    for (const Vec3& normal : gist.normals) mean_ += DVec3(normal) / static_cast<double>(gist.normals.size());
+  explicit Shape(const VoxelSample& sample) : sample_(sample) {
+    for (const Vec3& place : sample.places) middle_ += DVec3(place) / static_cast<double>(sample.places.size());
+    for (const Vec3& normal : sample.normals) mean_ += DVec3(normal) / static_cast<double>(sample.normals.size());
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<double>& heights = heights_[static_cast<std::size_t>(axis)];
-      for (const Vec3& place : gist.places) heights.push_back(place[axis]);
+      for (const Vec3& place : sample.places) heights.push_back(place[axis]);
       low_[axis] = quantile(heights, kTail);
       high_[axis] = quantile(heights, 1 - kTail);
     }
@@ -111,9 +111,9 @@ class Shape {
     const Sides sides = sidesOf(up);
     const auto flat = [&](const auto& p) { return DVec2(p[sides.across], p[sides.along]); };
     const double low = sides.sign > 0 ? low_[sides.axis] : -high_[sides.axis];
-    const double top = low + std::max(kBase * extent()[sides.axis], gist_.cell);
+    const double top = low + std::max(kBase * extent()[sides.axis], sample_.cell);
     std::vector<DVec2> base, all;
-    for (const Vec3& place : gist_.places) {
+    for (const Vec3& place : sample_.places) {
       all.push_back(flat(place));
       if (sides.sign * double{place[sides.axis]} < top) base.push_back(all.back());
     }
@@ -148,9 +148,9 @@ class Shape {
     // Wide enough that some places are in each.
     constexpr double kPlaces = 4;
     const double area = extent()[(axis + 1) % 3] * extent()[(axis + 2) % 3];
-    const double width = std::max(gist_.cell, std::sqrt(kPlaces * area / static_cast<double>(gist_.places.size())));
+    const double width = std::max(sample_.cell, std::sqrt(kPlaces * area / static_cast<double>(sample_.places.size())));
     std::map<std::pair<int, int>, std::vector<double>> columns;
-    for (const Vec3& place : gist_.places) {
+    for (const Vec3& place : sample_.places) {
       const auto cell = [&](int k) { return static_cast<int>(std::floor(double{place[k]} / width)); };
       columns[{cell((axis + 1) % 3), cell((axis + 2) % 3)}].push_back(place[axis]);
     }
@@ -170,19 +170,19 @@ class Shape {
     constexpr double kAside = 0.85, kAligned = 0.966;  // cosines of 32 and 15 degrees
     constexpr double kMostly = 0.65, kEnough = 0.03;
     std::size_t flanks = 0, aligned = 0;
-    for (const Vec3& normal : gist_.normals) {
+    for (const Vec3& normal : sample_.normals) {
       const DVec3 n(normal);
       if (glm::dot(n, n) < 0.5 || std::abs(n[thin]) > kAside) continue;
       ++flanks;
       const double most = std::max(std::abs(n[(thin + 1) % 3]), std::abs(n[(thin + 2) % 3]));
       aligned += most > kAligned * std::sqrt(1 - n[thin] * n[thin]);
     }
-    return static_cast<double>(flanks) > kEnough * static_cast<double>(gist_.normals.size()) &&
+    return static_cast<double>(flanks) > kEnough * static_cast<double>(sample_.normals.size()) &&
            static_cast<double>(aligned) > kMostly * static_cast<double>(flanks);
   }
 
  private:
-  const Gist& gist_;
+  const VoxelSample& sample_;
   std::array<std::vector<double>, 3> heights_;
   DVec3 low_{0}, high_{0}, middle_{0}, mean_{0};
 };
@@ -252,9 +252,9 @@ DVec3 frontOf(UpAxis up) {
 }
 
 Upright findUp(const PointCloud& cloud) {
-  const Gist gist = gistOf(cloud);
-  if (gist.places.size() < kFewest) return {UpAxis::y, "too few points to tell"};
-  const Shape shape(gist);
+  const VoxelSample sample = voxelSampleOf(cloud);
+  if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell"};
+  const Shape shape(sample);
   if (auto sheet = asSheet(shape)) return *sheet;
   return byStand(shape);
 }

@@ -14,7 +14,7 @@ SurfaceSample ContactReference::surface(const DVec3& x, const DVec3& facing) con
   });
 }
 
-Contact ContactReference::query(const Pose& pose, double) noexcept {
+Contact ContactReference::answerTo(const Pose& pose, double) noexcept {
   tracker_.follow(*this, pose.hip - cloud_.origin);
   return {.proxy = tracker_.proxy() + cloud_.origin,
           .normal = tracker_.surface().normal,

@@ -9,7 +9,7 @@ namespace palpate {
 
 /// The fused step in double precision on the CPU: the truth that the GPU is held against. Knows nothing of patches or
 /// budgets.
-class ContactReference final : public ContactQuery, public SurfaceField {
+class ContactReference final : public OneHandQuery, public SurfaceField {
  public:
   /// Keeps a reference to `cloud`, which must have normals.
   ContactReference(const PointCloud& cloud, const SurfaceOptions& options, double friction = 0);
@@ -17,7 +17,7 @@ class ContactReference final : public ContactQuery, public SurfaceField {
   ContactReference(const PointCloud& cloud, double radius)
       : ContactReference(cloud, SurfaceOptions{.radius = radius}) {}
 
-  Contact query(const Pose& pose, double budget_us) noexcept override;
+  Contact answerTo(const Pose& pose, double budget_us) noexcept override;
   SurfaceSample surface(const DVec3& x, const DVec3& facing = DVec3(0)) const override;
 
  private:

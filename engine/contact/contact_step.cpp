@@ -14,14 +14,23 @@ namespace palpate {
 
 namespace {
 
-std::uint64_t spilledPoints(std::uint64_t points) {
+// Of so many points of a patch those that a workgroup does not share.
+std::uint64_t spilledPoints(std::uint64_t points, std::uint32_t held) {
   const std::uint64_t most = std::min<std::uint64_t>(points, shared::kMostPatchPoints);
-  return most - std::min<std::uint64_t>(most, shared::kSharedPatch);
+  return most - std::min<std::uint64_t>(most, held);
 }
 
-// How often a step that waits looks for its question: some 20 ms on a GPU. A software driver needs our cores for it,
+// Points of a patch that a workgroup shares: 24 bytes each beside some 6 KiB for everything else. Fewer than all leave
+// the others to memory, and give the same bits.
+std::uint32_t sharedPatch(const Device& device) {
+  constexpr std::uint32_t kPointBytes = 24, kElse = 6 * 1024, kStep = 128;
+  const std::uint32_t room = (sharedBytes(device) - kElse) / kPointBytes / kStep * kStep;
+  return std::min(room, shared::kMostSharedPatch);
+}
+
+// How often a step that waits polls for its question: some 20 ms on a GPU. A software driver needs our cores for it,
 // and stops a shader silently after 65,535 rounds, of which GPU-assisted validation makes some at each access.
-std::uint32_t looksOn(Device& device) {
+std::uint32_t pollsOn(Device& device) {
   if (device.instance().validates()) return 50;
   return device.isCpu() ? 2'000 : 30'000;
 }
@@ -37,11 +46,11 @@ std::vector<std::uint32_t> fusedForms(const ContactOptions& options, std::uint32
 
 // For each probe, two for a point that shared memory does not hold. Many probes have room for what one gather can bring
 // them, where a single one has it for the largest gather there is.
-std::uint32_t spillSlots(const ContactOptions& options, std::uint32_t cells, std::uint64_t points) {
+std::uint32_t spillSlots(const Device& device, const ContactOptions& options, std::uint32_t cells, std::uint64_t points) {
   std::uint64_t most = points;
   if (options.probes > 1)
     most = std::min<std::uint64_t>(points, std::uint64_t{gatherRounds(cells)} * shared::kPatchRoundCandidates);
-  return 2 * static_cast<std::uint32_t>(spilledPoints(most));
+  return 2 * static_cast<std::uint32_t>(spilledPoints(most, sharedPatch(device)));
 }
 
 }  // namespace
@@ -55,7 +64,7 @@ double smallestCell(double radius) {
 ContactStep::ContactStep(Device& device, const ContactOptions& options, const HashGrid& grid, std::uint32_t points)
     : options_(options),
       cells_(cellsPerGather(grid, options.radius)),
-      spillSlots_(spillSlots(options, cells_, points)),
+      spillSlots_(spillSlots(device, options, cells_, points)),
       gather_(makeGather(device, options.method, grid, options.radius, points)),
       forms_(fusedForms(options, cells_)),
       step_(device, shader_code::contact_contact_step,
@@ -64,8 +73,8 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
              .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
                            std::bit_cast<std::uint32_t>(static_cast<float>(options.friction)),
                            options.probes > 1 ? VK_TRUE : VK_FALSE,
-                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening))}}),
-      looks_(looksOn(device)),
+                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening)), sharedPatch(device)}}),
+      polls_(pollsOn(device)),
       await_(device, shader_code::contact_await_question,
              {.workgroupSize = shared::kContactWorkgroup / (options.probes > 1 ? 1 : 8),
               .pushBytes = sizeof(shared::AwaitQuestionArgs)}),
@@ -118,7 +127,7 @@ void ContactStep::recordAwait(CommandList& commands) const {
                     shared::AwaitQuestionArgs{.question = pose_.address(),
                                               .taken = taken_.address(),
                                               .lastTick = lastTick_.address(),
-                                              .looks = looks_,
+                                              .polls = polls_,
                                               .probes = options_.probes});
 }
 
@@ -161,7 +170,7 @@ void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cl
 
 std::uint64_t ContactStep::predictedBytes(std::uint64_t points) {
   constexpr std::uint64_t kPerPoint = 2 * sizeof(Vec4);  // place and normal
-  return kPerPoint * (spilledPoints(points) + shared::kPatchRoundCandidates);
+  return kPerPoint * (spilledPoints(points, shared::kMostSharedPatch) + shared::kPatchRoundCandidates);
 }
 
 shared::ContactSample ContactStep::sample(std::uint32_t probe) const {

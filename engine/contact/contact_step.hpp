@@ -21,7 +21,7 @@ struct ContactOptions {
   double friction = 0;        ///< coefficient, of a proxy that slides
   std::optional<bool> split;  ///< fused: whether a few workgroups share a gather; where not given, as the patch's size
                               ///< asks for. The answers are the same, bit by bit.
-  std::uint32_t probes = 1;   ///< that are answered at once, each with a story of its own; more than one only fused
+  std::uint32_t probes = 1;   ///< that are answered at once, each with a state of its own; more than one only fused
 };
 
 /// The contact step: gathers the neighbours of the probe by one of the query methods, evaluates the surface and moves
@@ -81,7 +81,7 @@ class ContactStep {
   std::unique_ptr<Gather> gather_;    // none: fused
   std::vector<std::uint32_t> forms_;  // fused: kGather... of each list
   ComputePipeline step_;
-  std::uint32_t looks_;
+  std::uint32_t polls_;
   ComputePipeline await_;
   shared::ContactPose question_{};  // the last one that was put
   struct Seen {

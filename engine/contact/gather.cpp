@@ -7,6 +7,8 @@
 #include "engine/contact/gather_indirect.hpp"
 #include "engine/contact/gather_naive.hpp"
 #include "engine/contact/gather_two_step.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
 #include "engine/gpu/transfer.hpp"
 
 namespace palpate {
@@ -17,6 +19,11 @@ constexpr double kRounding = 0.05;  // of a cell: of places up to 2^18 cells fro
 constexpr double kMargin = 1.001;   // of the reach: boxAround() in shaders/lib/cells.glsl
 
 }  // namespace
+
+QueryMethod queryMethodNamed(std::string_view name) {
+  if (const auto method = valueNamed(kQueryMethods, name)) return *method;
+  throw UsageError("'{}' is no query method", name);
+}
 
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius) {
   const double reach = kMargin * (1.0 + static_cast<double>(shared::kPatchSlack)) * radius;

@@ -34,7 +34,7 @@ class Gather {
 std::uint32_t cellsPerGather(const shared::HashGrid& grid, double radius);
 /// The reach, model units, that a gather over so many cells a side has wherever it stands within them.
 double widestReach(const shared::HashGrid& grid, std::uint32_t cellsPerSide);
-/// Rounds that so many cells are looked at in.
+/// Rounds that so many cells are visited in.
 std::uint32_t gatherRounds(std::uint32_t cells);
 
 /// The gather of a method, for a cloud of up to `points` points; none for the fused one.

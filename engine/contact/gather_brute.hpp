@@ -4,7 +4,7 @@
 
 namespace palpate {
 
-/// Brute force (thesis section 4.3.1): looks at every point of the cloud and needs no index.
+/// Brute force (thesis section 4.3.1): visits every point of the cloud and needs no index.
 class GatherBrute final : public Gather {
  public:
   /// `points`: how many the cloud may have. `mostPoints`: that a patch may take; of more in reach, every so-manyth.

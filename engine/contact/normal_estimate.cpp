@@ -34,19 +34,19 @@ Planes planesOnGpu(Device& device, const std::vector<Vec3>& positions, double ra
                    live.count());
   hash.build(live);
   const NormalEstimate estimate(device, live.count());
-  CommandList list(device, device.touch(), "estimate normals");
+  CommandList list(device, device.latencyQueue(), "estimate normals");
   list.begin();
-  estimate.record(list, hash.view(live.side(), live.count()), radius);
+  estimate.record(list, hash.view(live.front(), live.count()), radius);
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   Planes result;
   for (const Vec4& plane : download<Vec4>(device, estimate.planes(), live.count()))
     result.planes.push_back({.normal = Vec3(plane)});
   for (const Vec4& normal : download<Vec4>(device, estimate.normals(), live.count()))
     result.normals.emplace_back(normal);
-  result.graph = {.degree = shared::kSectors,
+  result.graph = {.degree = shared::kGraphSectors,
                   .neighbours = download<std::uint32_t>(device, estimate.neighbours(),
-                                                        std::uint64_t{live.count()} * shared::kSectors)};
+                                                        std::uint64_t{live.count()} * shared::kGraphSectors)};
   return result;
 }
 
@@ -59,7 +59,7 @@ NormalEstimate::NormalEstimate(Device& device, std::uint32_t points)
       planes_(Buffer::of<Vec4>(device, points, Memory::device, "estimated planes")),
       fits_(Buffer::of<Vec2>(device, points, Memory::device, "how planes fit")),
       normals_(Buffer::of<Vec4>(device, points, Memory::device, "estimated normals")),
-      neighbours_(Buffer::of<std::uint32_t>(device, std::uint64_t{points} * shared::kSectors, Memory::device,
+      neighbours_(Buffer::of<std::uint32_t>(device, std::uint64_t{points} * shared::kGraphSectors, Memory::device,
                                             "estimate's neighbours")) {}
 
 void NormalEstimate::record(CommandList& list, const shared::CloudView& cloud, double radius) const {
@@ -81,7 +81,7 @@ NormalEstimateCost estimateNormals(Device& device, PointCloud& cloud, unsigned t
   NormalEstimateCost cost;
   const Places places = distinctPlaces(cloud.positions);
   const double spacing = meanSpacing(cloud, threads);
-  if (spacing <= 0) {  // fewer than two places: no neighbourhood to look at
+  if (spacing <= 0) {  // fewer than two places: no neighbourhood to visit
     estimateNormals(cloud, kNearest, threads);
     cost.onHost = places.positions.size();
     return cost;

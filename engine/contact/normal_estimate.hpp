@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// Fits a plane to the neighbours of every point of an indexed cloud, weighed by Wendland's function of the distance
-/// (Hoppe et al. 1992, section 3.2), gives points next to an edge the normal of their own side (keepEdges() of
+/// (Hoppe et al. 1992, section 3.2), gives points next to an edge the normal of their own face (keepEdges() of
 /// engine/cloud), and names the nearest neighbours all around each, along which signs can be carried.
 class NormalEstimate {
  public:
@@ -22,7 +22,7 @@ class NormalEstimate {
   const Buffer& planes() const { return planes_; }          ///< vec4: unit normal of either sign, or zero; radius
   const Buffer& fits() const { return fits_; }              ///< vec2: as FittedPlane::off; the spacing squared
   const Buffer& normals() const { return normals_; }        ///< vec4: unit, of either sign; undefined without a plane
-  const Buffer& neighbours() const { return neighbours_; }  ///< kSectors words
+  const Buffer& neighbours() const { return neighbours_; }  ///< kGraphSectors words
 
  private:
   ComputePipeline fit_, keepEdges_, name_;

@@ -1,21 +1,12 @@
 #pragma once
 
-#include <span>
-
+#include "engine/contact/carried_patch.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
 #include "engine/spatial/hash_grid.hpp"
 #include "shaders/shared/patch.h"
 
 namespace palpate {
-
-/// The points around a place, as the live cloud had them. Model units, relative to the cloud's origin.
-struct CarriedPatch {
-  Vec3 centre{0};
-  double reach = 0;              ///< every point nearer than this to the centre is there
-  std::span<const Vec4> points;  ///< two for each point: position with the id's bits, normal
-  bool thinned = false;          ///< only every so-manyth point is there
-};
 
 /// The pass that brings the patch to the host. A command list of its own runs it when a new patch is wanted, so that no
 /// answer waits for it, and the list's fence says when the patch is whole.

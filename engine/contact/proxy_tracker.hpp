@@ -1,13 +1,14 @@
 #pragma once
 
-#include "engine/contact/surface_reference.hpp"
+#include "engine/contact/surface.hpp"
 
 namespace palpate {
 
 /// Whoever can say where the surface is, in double precision.
 class SurfaceField {
  public:
-  /// The surface at a place relative to the cloud's origin. `facing`: the side that is felt (SurfaceSums), or zero.
+  /// The surface at a place relative to the cloud's origin. `facing`: normal of the face that is felt (SurfaceSums), or
+  /// zero.
   virtual SurfaceSample surface(const DVec3& x, const DVec3& facing) const = 0;
 
  protected:
@@ -16,7 +17,7 @@ class SurfaceField {
 
 /// What shaders/contact/contact_step.comp does from tick to tick, over any surface: contact begins where the HIP's
 /// motion crosses the surface, and the proxy tracks the tangent plane (Salisbury and Tarr 1997), held or dragged by
-/// friction (Ruspini, Kolarov, Khatib 1997). A sheet is felt from the side that the HIP came from; a HIP that starts
+/// friction (Ruspini, Kolarov, Khatib 1997). A sheet is felt at the face that the HIP came from; a HIP that starts
 /// within reach behind a surface is not caught until it has been seen in front. All places relative to the cloud's
 /// origin.
 class ProxyTracker {
@@ -25,24 +26,24 @@ class ProxyTracker {
   explicit ProxyTracker(double radius, double friction = 0) : radius_(radius), friction_(friction) {}
 
   /// What one tick leaves to the next.
-  struct Story {
+  struct State {
     bool started = false;  ///< false: there was no tick yet
     bool touching = false;
     bool sticks = false;     ///< the proxy has not slid in the last tick
-    std::uint32_t side = 0;  ///< shared::kSide...; while touching, the one that is felt
+    std::uint32_t face = 0;  ///< shared::kFace...; while touching, the one that is felt
     DVec3 facing{0};         ///< normal of the surface felt last, as the points have it
     DVec3 lastHip{0}, proxy{0};
   };
-  Story story() const { return {started_, touching_, sticks_, side_, facing_, lastHip_, proxy_}; }
-  /// The next tick goes on from here, whoever told it so far.
-  void goOnFrom(const Story& story) {
-    started_ = story.started;
-    touching_ = story.touching;
-    sticks_ = story.sticks;
-    facing_ = story.facing;
-    side_ = story.side;
-    lastHip_ = story.lastHip;
-    proxy_ = story.proxy;
+  State state() const { return {started_, touching_, sticks_, face_, facing_, lastHip_, proxy_}; }
+  /// The next tick goes on from here, whoever tracked it so far.
+  void goOnFrom(const State& state) {
+    started_ = state.started;
+    touching_ = state.touching;
+    sticks_ = state.sticks;
+    facing_ = state.facing;
+    face_ = state.face;
+    lastHip_ = state.lastHip;
+    proxy_ = state.proxy;
   }
 
   /// One tick.
@@ -51,20 +52,19 @@ class ProxyTracker {
   bool touching() const { return touching_; }
   /// The HIP itself while nothing is touched.
   const DVec3& proxy() const { return proxy_; }
-  /// The surface at the proxy; its outside is the side that is felt.
+  /// The surface at the proxy; its outside is the face that is felt.
   const SurfaceSample& surface() const { return surface_; }
 
  private:
   void walkFreely(const SurfaceField& field, const DVec3& hip);
   void track(const SurfaceField& field, const DVec3& hip, bool touched);
   SurfaceSample feel(const SurfaceField& field, const DVec3& x);
-  DVec3 againstFriction(const DVec3& slide, double depth);
 
   double radius_, friction_;
   bool started_ = false;
   bool touching_ = false;
   bool sticks_ = false;     // the proxy has not slid in the last tick
-  std::uint32_t side_ = 0;  // shared::kSide...; while touching, the one that is felt
+  std::uint32_t face_ = 0;  // shared::kFace...; while touching, the one that is felt
   DVec3 facing_{0};         // normal of the surface felt last, as the points have it
   DVec3 lastHip_{0};
   DVec3 proxy_{0};

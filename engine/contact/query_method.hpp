@@ -9,7 +9,7 @@ namespace palpate {
 /// How the neighbours of the probe are found (thesis section 4.3). All give the same points; all but brute, which takes
 /// them in another order, give the same bits.
 enum class QueryMethod {
-  brute,     ///< looks at every point
+  brute,     ///< visits every point
   twoStep,   ///< counts on the GPU, then the host launches buckets x largest count threads
   naive,     ///< one launch by the GPU for each bucket
   indirect,  ///< the GPU lists the buckets and makes one launch for all (array-based dynamic parallelism)
@@ -24,5 +24,7 @@ inline constexpr std::array<std::pair<std::string_view, QueryMethod>, 5> kQueryM
     {"two-step", QueryMethod::twoStep},
     {"brute", QueryMethod::brute},
 }};
+/// Throws UsageError for a name that none has.
+QueryMethod queryMethodNamed(std::string_view name);
 
 }  // namespace palpate

@@ -1,23 +1,12 @@
 #include "engine/core/atomic_file.hpp"
 
-#include <unistd.h>
-
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 #include "engine/core/error.hpp"
+#include "engine/core/system_file.hpp"
 
 namespace palpate {
-
-namespace {
-
-std::string becauseOf(int error) {
-  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
-  return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
-}
-
-}  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)) {
   if (target_.empty()) throw Error("an output file has an empty name; give it one");
@@ -25,16 +14,16 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   const auto status = std::filesystem::status(target_, ignored);
   if (std::filesystem::is_directory(status)) throw FileError(target_, "is a folder; name a file in it");
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    file_ = std::fopen(target_.c_str(), "wb");
+    file_ = openFile(target_, "wb");
   } else {
     if (std::filesystem::exists(status)) target_ = std::filesystem::canonical(target_);
     temporary_ = target_;
-    temporary_ += fmt::format(".{}.tmp", ::getpid());
-    file_ = std::fopen(temporary_.c_str(), "wb");
+    temporary_ += fmt::format(".{}.tmp", processNumber());
+    file_ = openFile(temporary_, "wb");
     if (file_ && std::filesystem::exists(status))
       std::filesystem::permissions(temporary_, status.permissions(), ignored);
   }
-  if (!file_) throw FileError(target_, becauseOf(errno));
+  if (!file_) throw FileError(target_, whyNotWritten(errno));
 }
 
 AtomicFile::~AtomicFile() {
@@ -44,7 +33,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) throw FileError(target_, becauseOf(errno));
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) throw FileError(target_, whyNotWritten(errno));
 }
 
 void AtomicFile::commit() {
@@ -60,7 +49,7 @@ std::filesystem::path AtomicFile::commitAndKeep() {
 }
 
 void AtomicFile::close() {
-  bool written = std::fflush(file_) == 0 && (temporary_.empty() || ::fsync(::fileno(file_)) == 0);
+  bool written = std::fflush(file_) == 0 && (temporary_.empty() || bringToDisk(file_));
   int error = errno;
   if (std::fclose(std::exchange(file_, nullptr)) != 0 && written) {
     written = false;
@@ -68,16 +57,15 @@ void AtomicFile::close() {
   }
   if (written) return;
   removeTemporary();
-  throw FileError(target_, becauseOf(error));
+  throw FileError(target_, whyNotWritten(error));
 }
 
 void AtomicFile::rename() {
   if (temporary_.empty()) return;
-  std::error_code error;
-  std::filesystem::rename(temporary_, target_, error);
+  const std::error_code error = replaceFile(temporary_, target_);
   if (!error) return;
   removeTemporary();
-  throw FileError(target_, becauseOf(error.value()));
+  throw FileError(target_, whyNotWritten(error.value()));
 }
 
 std::filesystem::path AtomicFile::nameToKeep(const std::filesystem::path& target) {
@@ -96,9 +84,11 @@ std::filesystem::path AtomicFile::nameToKeep(const std::filesystem::path& target
 std::filesystem::path AtomicFile::keep() const {
   for (;;) {
     const std::filesystem::path name = nameToKeep(target_);
-    if (name.empty() || ::link(target_.c_str(), name.c_str()) == 0) return name;
-    if (errno == EEXIST) continue;  // since then
+    if (name.empty()) return name;
     std::error_code error;
+    std::filesystem::create_hard_link(target_, name, error);
+    if (!error) return name;
+    if (error == std::errc::file_exists) continue;  // since then
     std::filesystem::copy_file(target_, name, error);
     if (!error) return name;
     if (error == std::errc::file_exists) continue;

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <semaphore.h>
-
 #include <atomic>
 #include <exception>
 #include <functional>
 #include <thread>
+
+#include "engine/core/semaphore.hpp"
 
 namespace palpate {
 
@@ -27,24 +27,10 @@ class BackgroundTask {
   bool finishedWithin(double budget_us);
 
  private:
-  // Posted by one thread, taken by the other.
-  class Signal {
-   public:
-    Signal() { sem_init(&semaphore_, 0, 0); }
-    ~Signal() { sem_destroy(&semaphore_); }
-    Signal(const Signal&) = delete;
-    Signal& operator=(const Signal&) = delete;
-    void post() { sem_post(&semaphore_); }
-    void take();
-    bool takeWithin(double budget_us);
-
-   private:
-    sem_t semaphore_;
-  };
   void serve();
 
   std::function<void()> work_;
-  Signal begin_, end_;
+  Semaphore begin_, end_;
   bool running_ = false;  // as the thread that starts and waits knows it
   std::atomic<bool> stop_ = false;
   std::exception_ptr failure_;  // of the last run; between its end and the next begin for the one who waits

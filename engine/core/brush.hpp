@@ -7,21 +7,23 @@
 
 namespace palpate {
 
-/// What a tool does to the points that it reaches.
+/// What a brush does to the points that it reaches.
 enum class BrushKind {
-  push,     ///< to the surface of a round tool (thesis section 5.2)
-  carve,    ///< takes points inside the tool away and closes the surface behind them
+  push,     ///< to the surface of a ball (thesis section 5.2)
+  carve,    ///< takes points inside the brush away and closes the surface behind them
   inflate,  ///< along their normals, outwards
   smooth,   ///< towards the surface that their neighbours define
   grab,     ///< along with the hand
-  paint     ///< gives them a colour
+  paint,    ///< gives them a colour
+  flatten   ///< onto the plane at the proxy, across the way from HIP to proxy
 };
-constexpr std::array<std::pair<std::string_view, BrushKind>, 6> kBrushKinds = {{{"push", BrushKind::push},
+constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{{"push", BrushKind::push},
                                                                                 {"carve", BrushKind::carve},
                                                                                 {"inflate", BrushKind::inflate},
                                                                                 {"smooth", BrushKind::smooth},
                                                                                 {"grab", BrushKind::grab},
-                                                                                {"paint", BrushKind::paint}}};
+                                                                                {"paint", BrushKind::paint},
+                                                                                {"flatten", BrushKind::flatten}}};
 
 /// A brush and its settings. Every brush acts only while the HIP stands deeper than `tau` behind the proxy. Push and
 /// carve work with a ball whose tip stands tau before the HIP, the others with one about the proxy.
@@ -29,13 +31,13 @@ struct BrushOptions {
   BrushKind kind = BrushKind::push;
   double tau = 0;         ///< how deep the HIP may stand behind the proxy before the surface yields, model units
   double beta = 0;        ///< push: share of the way to its target that a point goes in one tick, 0 to 1
-  double toolRadius = 0;  ///< of the round tool, model units
-  /// The others: how much of its effect a brush has in one tick, 0 to 1; but for carve, at the middle of the tool. The
-  /// whole effect is for carve and smooth the way to the tool and to the surface, for grab the motion of the hand, for
-  /// inflate a thousandth of the tool's radius, for paint the colour.
+  double radius = 0;      ///< of its ball, model units
+  /// The others: how much of its effect a brush has in one tick, 0 to 1; but for carve, at the middle of the brush. The
+  /// whole effect is for carve the way to the brush, for smooth and flatten that to the surface and to the plane, for
+  /// grab the motion of the hand, for inflate a thousandth of the brush's radius, for paint the colour.
   double strength = 0.5;
-  /// Inflate, smooth, grab and paint: how the effect falls off towards the rim, (1 - r^2)^falloff, r the distance in
-  /// tool radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMostFalloff the most.
+  /// All but push and carve: how the effect falls off towards the rim, (1 - r^2)^falloff, r the distance in
+  /// brush radii; a whole number, so that every processor computes the same; 0 is a hard rim, kMostFalloff the most.
   std::uint32_t falloff = 1;
   std::array<std::uint8_t, 4> color{255, 0, 0, 255};  ///< paint: RGBA, 0 to 255
   bool keepsDensity = true;  ///< points are put in where the surface is stretched, and merge where it is crowded

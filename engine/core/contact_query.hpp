@@ -2,22 +2,25 @@
 // the surface?"
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
+#include "engine/core/check.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
-/// Where the device is, in model units.
+/// Hands that touch one cloud at the same time, at most.
+inline constexpr std::size_t kMostHands = 8;
+
+/// Where a hand is, in model units, and when.
 struct Pose {
   double time_s = 0;
   DVec3 hip{0};  ///< haptic interface point
   /// The hand means to change what it touches, where there is a tool. Otherwise it only feels.
   bool sculpts = true;
-  DQuat turn{1, 0, 0, 0};          ///< of the tool's frame against the model's; only a tool of many points asks for it
-  std::optional<DVec3> secondHip;  ///< of another hand, which only feels, with its point alone; model units
+  DQuat turn{1, 0, 0, 0};  ///< of the tool's frame against the model's; only a tool of many points asks for it
 };
 
 /// What the surface answers to one pose. Positions in model units.
@@ -40,28 +43,45 @@ struct PointContact {
   Contact contact;
 };
 
-/// Answers poses in order. query() never blocks past `budget_us` (0: as long as it takes, for virtual time), throws
-/// nothing, and says valid = false on any fault.
+/// Answers poses in order. A hand is a group of probes: its HIP, and the points of its tool, where it has many. All
+/// hands are answered at once, from the same state of the surface; the first one may change it, the others only feel.
 class ContactQuery {
  public:
   virtual ~ContactQuery() = default;
-  virtual Contact query(const Pose& pose, double budget_us) noexcept = 0;
+  /// How many hands there are; always as many.
+  virtual std::size_t hands() const noexcept { return 1; }
+  /// One pose for each hand, all of the same time, and as many answers, which stand until the next call. Never blocks
+  /// past `budget_us` (0: as long as it takes, for virtual time), throws nothing, and says valid = false on any fault.
+  virtual std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept = 0;
+  /// The same where there is one hand.
+  Contact query(const Pose& pose, double budget_us) noexcept { return ask({&pose, 1}, budget_us).front(); }
   /// The force of the last answer is out: now is the time for what need not come before it, and for what makes the next
   /// answer come sooner. Never blocks for long.
   virtual void prepare() noexcept {}
-  /// The last answer point by point, where the tool has many; always as many. The answer as a whole then stands for
-  /// them: its proxy is the HIP and the sum of the ways from the points to their proxies, each times its share, so that
-  /// a spring from the HIP to it has the force of all their springs; its normal is their mean by force; it touches when
-  /// one of them does, is fresh and valid when all are, and its neighbours are the most that one of them has.
-  virtual std::span<const PointContact> points() const noexcept { return {}; }
-  /// The stylus was lifted and is put down elsewhere with the next pose: there was no motion in between, and nothing is
-  /// touched.
-  virtual void beginAnew() noexcept {}
-  /// The last answer to Pose::secondHip, from the same state of the surface as that to the first hand. Not valid where
-  /// nobody can answer two hands.
-  virtual Contact second() const noexcept { return {}; }
-  /// The second hand alone was lifted and is put down elsewhere.
-  virtual void secondBeginsAnew() noexcept {}
+  /// The last answer to a hand point by point, where its tool has many; always as many. The answer as a whole then
+  /// stands for them: its proxy is the HIP and the sum of the ways from the points to their proxies, each times its
+  /// share, so that a spring from the HIP to it has the force of all their springs; its normal is their mean by force;
+  /// it touches when one of them does, is fresh and valid when all are, and its neighbours are the most that one of
+  /// them has.
+  virtual std::span<const PointContact> points(std::size_t /*hand*/) const noexcept { return {}; }
+  /// The hand was lifted and is put down elsewhere with the next pose: there was no motion in between, and it touches
+  /// nothing.
+  virtual void resetHand(std::size_t /*hand*/) noexcept {}
+};
+
+/// Who answers one hand alone.
+class OneHandQuery : public ContactQuery {
+ public:
+  std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept final {
+    PALPATE_CHECK_EQ(poses.size(), 1u);
+    answer_ = answerTo(poses.front(), budget_us);
+    return {&answer_, 1};
+  }
+
+ private:
+  virtual Contact answerTo(const Pose& pose, double budget_us) noexcept = 0;
+
+  Contact answer_;
 };
 
 }  // namespace palpate

@@ -1,12 +1,12 @@
 #include "engine/core/log.hpp"
 
-#include <unistd.h>
-
 #include <cstdio>
+
+#include "engine/core/console.hpp"
 
 namespace palpate {
 
-Log::Log(bool quiet) : quiet_(quiet), terminal_(::isatty(STDERR_FILENO) != 0) {}
+Log::Log(bool quiet) : quiet_(quiet), terminal_(isErrorConsole()) {}
 
 void Log::write(std::string_view line) {
   const std::scoped_lock lock(lock_);

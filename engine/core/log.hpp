@@ -11,7 +11,7 @@
 
 namespace palpate {
 
-/// Is told what a person would read. May throw, which ends what says it.
+/// Receives what a person would read. May throw, which ends what says it.
 class LogListener {
  public:
   virtual ~LogListener() = default;
@@ -34,7 +34,7 @@ class Log {
   void endProgress();
   bool isQuiet() const { return quiet_; }
 
-  /// From now on, or until null, all is told to a listener as well. While nobody uses the log.
+  /// From now on, or until null, a listener receives all of it as well. While nobody uses the log.
   void listen(LogListener* listener) { listener_ = listener; }
 
  private:

@@ -11,6 +11,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "shaders/shared/frame.h"
+
 namespace palpate {
 
 using Vec2 = glm::vec2;
@@ -19,6 +21,7 @@ using Vec4 = glm::vec4;
 using Mat4 = glm::mat4;
 using DVec2 = glm::dvec2;
 using DVec3 = glm::dvec3;
+using DVec4 = glm::dvec4;
 using DQuat = glm::dquat;  // w, x, y, z
 using IVec3 = glm::ivec3;
 using UVec2 = glm::uvec2;
@@ -41,10 +44,9 @@ struct Frame3 {
   DVec3 u, v, n;
 };
 inline Frame3 frameAround(const DVec3& n) {
-  const double sign = std::copysign(1.0, n.z);
-  const double a = -1.0 / (sign + n.z);
-  const double b = n.x * n.y * a;
-  return {{1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
+  Frame3 frame{.u = {}, .v = {}, .n = n};
+  shared::frameAround(n, frame.u, frame.v);
+  return frame;
 }
 
 }  // namespace palpate

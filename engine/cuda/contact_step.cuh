@@ -17,100 +17,106 @@ class ContactStep {
 
   __device__ void run() {
     const Before before = stateBefore(*args_.state, pose_.hip);
+    // Where other kernels gather, too, so that every method finds the same bits.
+    if (!patch_.gathered()) patch_.gatherAround(firstPlace(before, args_.radius), patchReach(args_.radius));
     touching_ = before.touching;
-    side_ = before.side;
+    sticking_ = before.sticking;
+    face_ = before.face;
+    facing_ = before.facing;
     proxy_ = before.proxy;
     if (!touching_) walkFreely(before);
     if (!touching_) return;
-    track();
+    track(before.touching);
     if (touching_) return;
     proxy_ = vec3(0.0f);
-    surface_ = surfaceNear(proxy_);
+    surface_ = feel(proxy_);
   }
 
   /// Thread 0 leaves the state for the next tick and the answer for the host.
   __device__ void write() const {
     if (threadIdx.x != 0) return;
+    const uint touching = !touching_ ? kFree : sticking_ ? kSticking : kSliding;
     ContactSample sample{.spring = proxy_,
-                         .touching = touching_ ? 1u : 0u,
+                         .touching = touching,
                          .normal = surface_.normal,
                          .neighbours = surface_.neighbours,
                          .tick = pose_.tick,
                          .trackingSteps = trackingSteps_,
                          .logHead = 0,
-                         .flags = patch_.thinned() ? kSampleThinned : 0};
+                         .flags = (patch_.thinned() ? kSampleThinned : 0) | face_ << kSampleFaceShift};
     sample.seal = sealOf(sample);
     args_.answer->sample = sample;
     *args_.state = {.lastHip = pose_.hip,
-                    .touching = touching_ ? 1u : 0u,
+                    .touching = touching,
                     .spring = proxy_,
-                    .side = side_,
-                    .facing = vec3(0.0f),
+                    .face = face_,
+                    .facing = facing_,
                     .started = 1};
   }
 
  private:
-  // The surface at a place; gathers a new patch when the place has left the old one.
-  __device__ Surface surfaceNear(const vec3& x) {
+  // The surface at a place, of the points that belong to the face that was felt last; past the edge of such a sheet
+  // every point counts. Its outside is the face that is felt. Gathers a new patch when the place has left the old one.
+  __device__ Surface feel(const vec3& x) {
     const float slack = kPatchSlack * args_.radius;
-    if (!patch_.gathered() || glm::distance(x, patch_.centre()) > slack)
+    if (glm::distance(x, patch_.centre()) > slack)
       patch_.gatherAround(x, patchReach(args_.radius));
-    return surfaceAt(patch_, x - patch_.centre(), args_.radius);
+    Surface surface = surfaceAt(patch_, x - patch_.centre(), args_.radius, facing_);
+    if (!surface.defined && facing_ != vec3(0.0f))
+      surface = surfaceAt(patch_, x - patch_.centre(), args_.radius, vec3(0.0f));
+    facing_ = surface.normal;
+    if (touching_ && face_ == kFaceBehind) {
+      surface.normal = -surface.normal;
+      surface.distance = -surface.distance;
+    }
+    return surface;
   }
 
-  __device__ static vec3 shortened(const vec3& step, float longest) {
-    const float size = glm::length(step);
-    return size > longest ? step * (longest / size) : step;
-  }
-
-  // Walks the segment of the HIP's motion and touches where it comes from outside to inside.
+  // Walks the segment of the HIP's motion and touches where it crosses the surface.
   __device__ void walkFreely(const Before& before) {
-    const uint steps = freeSteps(before, kLongestStep * args_.radius);
-    vec3 outside = before.lastHip;
+    const float way = wayOf(before, args_.radius);
+    const uint steps = substepsOn(way);
+    const bool traced = before.started && way <= float(kMaxSubsteps);
+    vec3 last = before.lastHip;
     for (uint s = 1; s <= steps && !touching_; ++s) {
       const vec3 x = freePlace(before, s, steps);
-      surface_ = surfaceNear(x);
-      if (!surface_.defined) {
-        side_ = kSideUnknown;
-      } else if (surface_.distance > 0.0f) {
-        side_ = kSideOutside;
-        outside = x;
-      } else if (side_ == kSideOutside) {
+      surface_ = feel(x);
+      const bool inFront = surface_.distance > 0.0f;
+      if (surface_.defined && crosses(face_, inFront)) {
         touching_ = true;
-        proxy_ = outside;
+        sticking_ = true;
+        proxy_ = last;
       } else {
-        side_ = kSideInside;
+        face_ = faceAfter(face_, surface_.defined, inFront, traced);
       }
+      last = x;
     }
   }
 
-  // Projects the proxy onto the surface and follows the HIP in the tangent plane until it rests (Salisbury and Tarr
-  // 1997).
-  __device__ void track() {
+  // Projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. `touched`: in the last
+  // tick, too, which felt the surface where the proxy stands.
+  __device__ void track(bool touched) {
     const float longest = kLongestStep * args_.radius;
     const float arrived = kConvergence * args_.radius;
-    vec3 lastSlide(0.0f);
-    float relaxation = 1.0f;
-    surface_ = surfaceNear(proxy_);
+    vec3 firstSlide(0.0f);
+    if (touched && facing_ != vec3(0.0f))
+      firstSlide = slideAlong(face_ == kFaceBehind ? -facing_ : facing_, proxy_, args_.friction, sticking_);
+    auto tracking = trackingFrom(firstSlide, sticking_, arrived);
+    if (tracking.slid) proxy_ += shortened(firstSlide, longest);
+    surface_ = feel(proxy_);
     for (; trackingSteps_ < kMaxTrackingSteps && surface_.defined; ++trackingSteps_) {
-      const vec3 n = surface_.normal;
-      const vec3 lift = -surface_.distance * n;
-      const vec3 slide = glm::dot(proxy_, n) * n - proxy_;
-      const float step = glm::max(glm::length(lift), glm::length(slide));
-      if (step < arrived) break;
-      // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
-      if (glm::dot(slide, lastSlide) < 0.0f) relaxation *= 0.5f;
-      lastSlide = slide;
-      proxy_ += shortened(lift, longest) + shortened(relaxation * slide, longest);
-      if (step < kLastStep * args_.radius) break;
-      surface_ = surfaceNear(proxy_);
+      const auto step = nextStep(tracking, proxy_, surface_.normal, surface_.distance, args_.friction);
+      if (step.size < arrived) break;
+      proxy_ += takeStep(tracking, step, longest);
+      if (step.size < kLastStep * args_.radius) break;
+      surface_ = feel(proxy_);
     }
+    sticking_ = !tracking.slid;
     if (!surface_.defined) {
       touching_ = false;
-      side_ = kSideUnknown;
-    } else if (glm::dot(proxy_, surface_.normal) < 0.0f) {
+      face_ = kFaceInside;  // lost within: not caught again on the way out
+    } else if (dot(proxy_, surface_.normal) < 0.0f) {
       touching_ = false;
-      side_ = kSideOutside;
     }
   }
 
@@ -118,9 +124,9 @@ class ContactStep {
   ContactPose pose_;
   Patch patch_;
   Surface surface_{};
-  vec3 proxy_{0.0f};
-  bool touching_ = false;
-  uint side_ = kSideUnknown;
+  vec3 proxy_{0.0f}, facing_{0.0f};
+  bool touching_ = false, sticking_ = false;
+  uint face_ = kFaceUnknown;
   uint trackingSteps_ = 0;
 };
 

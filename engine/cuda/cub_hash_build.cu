@@ -55,7 +55,7 @@ CubBuild::CubBuild(const HashGrid& grid, std::uint32_t capacity)
       ranges_(std::size_t{grid.bucketMask} + 1),
       scratch_(cubSortScratchBytes(capacity, keyBits_)) {}
 
-void CubBuild::record(const Stream& stream, const CloudSide& from, const CloudSide& to, std::uint32_t count) {
+void CubBuild::record(const Stream& stream, const CloudHalf& from, const CloudHalf& to, std::uint32_t count) {
   const std::uint64_t threads = std::max<std::uint64_t>(count, std::uint64_t{grid_.bucketMask} + 1);
   uint2* const ranges = reinterpret_cast<uint2*>(ranges_.data());
   writeKeys<<<blocksFor(threads), kBlock, 0, stream.get()>>>(quads(from.positions), grid_, count, keys_.data(),
@@ -72,10 +72,10 @@ void CubBuild::record(const Stream& stream, const CloudSide& from, const CloudSi
   checkLaunch("reordering the points");
 }
 
-CloudView CubBuild::view(const CloudSide& side, std::uint32_t count) const {
+CloudView CubBuild::view(const CloudHalf& half, std::uint32_t count) const {
   const auto address = [](const void* pointer) { return reinterpret_cast<std::uint64_t>(pointer); };
-  return {.positions = address(side.positions.data()),
-          .normals = address(side.normals.data()),
+  return {.positions = address(half.positions.data()),
+          .normals = address(half.normals.data()),
           .ranges = address(ranges_.data()),
           .grid = grid_,
           .slots = count,

@@ -7,8 +7,8 @@
 namespace palpate::cu {
 
 /// One order of the cloud in device memory, as engine/spatial/live_cloud.hpp lays it out for Vulkan.
-struct CloudSide {
-  explicit CloudSide(std::size_t count) : positions(count), normals(count) {}
+struct CloudHalf {
+  explicit CloudHalf(std::size_t count) : positions(count), normals(count) {}
   DeviceArray<shared::vec4> positions;  ///< xyz: model units relative to the cloud's origin; w: bits of the id
   DeviceArray<shared::vec4> normals;    ///< xyz: unit; w: 1 while the point's normal waits to be refitted, else 0
 };
@@ -20,12 +20,12 @@ class CubBuild {
   CubBuild(const shared::HashGrid& grid, std::uint32_t capacity);
 
   /// Reads the points on `from`, writes them in bucket order to `to`. Submits only: may be recorded into a graph.
-  void record(const Stream& stream, const CloudSide& from, const CloudSide& to, std::uint32_t count);
+  void record(const Stream& stream, const CloudHalf& from, const CloudHalf& to, std::uint32_t count);
 
   const shared::HashGrid& grid() const { return grid_; }
   const DeviceArray<shared::uvec2>& ranges() const { return ranges_; }
-  /// What a query needs to read the points on `side`.
-  shared::CloudView view(const CloudSide& side, std::uint32_t count) const;
+  /// What a query needs to read the points on `half`.
+  shared::CloudView view(const CloudHalf& half, std::uint32_t count) const;
 
  private:
   shared::HashGrid grid_;

@@ -54,7 +54,7 @@ std::vector<double> timeCubBuild(const PointCloud& cloud, const shared::HashGrid
   const cu::Stream stream;
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(grid, live.count());
-  const cu::Graph graph(stream, [&] { build.record(stream, live.side(0), live.side(1), live.count()); });
+  const cu::Graph graph(stream, [&] { build.record(stream, live.half(0), live.half(1), live.count()); });
   std::vector<double> times;
   for (int i = 0; i < repeat; ++i) times.push_back(timed_us(graph, stream));
   return times;

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "engine/cuda/cuda_side.hpp"
+#include "engine/cuda/cuda_state.hpp"
 
 namespace palpate {
 
@@ -15,18 +15,22 @@ std::span<const std::string_view> cudaMethodNames() { return kMethodNames; }
 std::string_view nameOf(CudaMethod method) { return kMethodNames[static_cast<std::size_t>(method)]; }
 
 CudaTouch::CudaTouch(const PointCloud& cloud, const CudaTouchOptions& options)
-    : side_(std::make_unique<Side>(cloud, options)) {}
+    : state_(std::make_unique<State>(cloud, options)) {}
 CudaTouch::~CudaTouch() = default;
 
-Contact CudaTouch::query(const Pose& pose, double budget_us) noexcept { return side_->query(pose, budget_us); }
-void CudaTouch::finish() { side_->finish(); }
-std::size_t CudaTouch::readBack(PointCloud& cloud) const { return side_->readBack(cloud); }
+std::span<const Contact> CudaTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  PALPATE_CHECK_EQ(poses.size(), 1u);
+  answer_ = state_->query(poses.front(), budget_us);
+  return {&answer_, 1};
+}
+void CudaTouch::finish() { state_->finish(); }
+std::size_t CudaTouch::readBack(PointCloud& cloud) const { return state_->readBack(cloud); }
 
-std::string CudaTouch::machine() const { return side_->machine; }
-double CudaTouch::buildTime_us() const { return side_->buildTime_us; }
-const std::vector<double>& CudaTouch::editTimes_us() const { return side_->editTimes_us; }
-std::optional<double> CudaTouch::firstEditTime_s() const { return side_->firstEditTime_s; }
-const TouchShortfalls& CudaTouch::shortfalls() const { return side_->shortfalls; }
-double CudaTouch::cell() const { return side_->cell; }
+std::string CudaTouch::machine() const { return state_->machine; }
+double CudaTouch::buildTime_us() const { return state_->buildTime_us; }
+const std::vector<double>& CudaTouch::editTimes_us() const { return state_->editTimes_us; }
+std::optional<double> CudaTouch::firstEditTime_s() const { return state_->firstEditTime_s; }
+const TouchShortfalls& CudaTouch::shortfalls() const { return state_->shortfalls; }
+double CudaTouch::cell() const { return state_->cell; }
 
 }  // namespace palpate

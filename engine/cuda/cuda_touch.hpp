@@ -27,6 +27,7 @@ std::string_view nameOf(CudaMethod method);
 
 struct CudaTouchOptions {
   double radius = 0;        ///< support radius, model units
+  double friction = 0;      ///< coefficient of a proxy that slides
   shared::HashGrid grid{};  ///< cells not smaller than one gather covers (smallestCell() of engine/contact)
   CudaMethod method = CudaMethod::fused;
   std::optional<BrushOptions> push;  ///< edit while touching
@@ -36,7 +37,8 @@ struct CudaTouchOptions {
 };
 
 /// The touch side on CUDA: the comparison that Vulkan is held against. The same data, the same answers, and the query
-/// methods of the thesis with real dynamic parallelism. It keeps no edit log; readBack() gives the edited points.
+/// methods of the thesis with real dynamic parallelism. It answers one hand. It keeps no edit log; readBack() gives the
+/// edited points.
 class CudaTouch final : public TouchBackend {
  public:
   /// `cloud` must have normals. Uploads it and builds the index. Throws CudaError.
@@ -45,7 +47,7 @@ class CudaTouch final : public TouchBackend {
 
   /// When the GPU is late, the tangent plane at the last proxy answers, and `fresh` says so: in full for 5 ms after it
   /// was found, then ever softer, and past 20 ms not at all.
-  Contact query(const Pose& pose, double budget_us) noexcept override;
+  std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
 
@@ -59,8 +61,9 @@ class CudaTouch final : public TouchBackend {
   double cell() const override;
 
  private:
-  class Side;
-  std::unique_ptr<Side> side_;
+  class State;
+  std::unique_ptr<State> state_;
+  Contact answer_;
 };
 
 }  // namespace palpate

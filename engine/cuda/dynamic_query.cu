@@ -30,7 +30,7 @@ __device__ void solveAfterChildren(const StepArgs& args, const ContactPose& pose
 }
 
 // A single thread, as in the thesis. It walks every round of cells twice, since the number of a round's candidates says
-// which of them are looked at.
+// which of them are visited.
 __global__ void naiveParent(const __grid_constant__ StepArgs args, ContactPose pose) {
   Gather gather = gatherFor(args, pose);
   gather.box = boxAround(args.cloud, gather.hip, gather.centre, gather.reach);

@@ -9,7 +9,7 @@ namespace {
 __global__ void __launch_bounds__(kStepThreads) fusedStep(const __grid_constant__ StepArgs args) {
   __shared__ SharedPatch memory;
   __shared__ ContactPose pose;
-  if (threadIdx.x == 0) pose = args.letter->pose;  // one read over the bus, not one per warp
+  if (threadIdx.x == 0) pose = args.message->pose;  // one read over the bus, not one per warp
   __syncthreads();
   ContactStep step(args, args.cloud, memory, pose);
   step.run();

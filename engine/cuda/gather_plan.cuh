@@ -1,9 +1,10 @@
-// Which points a gather looks at, and where each of them goes: the arithmetic that all query methods share, so that
+// Which points a gather visits, and where each of them goes: the arithmetic that all query methods share, so that
 // they agree bit by bit on the patch.
 #pragma once
 
 #include "engine/cuda/block_scan.cuh"
 #include "engine/cuda/step_args.hpp"
+#include "shaders/shared/proxy.h"
 
 namespace palpate::cu {
 
@@ -21,23 +22,28 @@ inline __device__ vec3 xyz(const float4& v) { return {v.x, v.y, v.z}; }
 struct Before {
   vec3 lastHip;  // all zero before the first tick
   vec3 proxy;
+  vec3 facing;
+  bool started;
   bool touching;
-  uint side;
+  bool sticking;
+  uint face;
 };
 inline __device__ Before stateBefore(const ContactState& state, const vec3& hip) {
   const bool started = state.started != 0;
   Before before;
+  before.started = started;
   before.lastHip = started ? state.lastHip - hip : vec3(0.0f);
-  before.touching = started && state.touching != 0;
-  before.side = started ? state.side : kSideUnknown;
+  before.touching = started && state.touching != kFree;
+  before.sticking = started && state.touching == kSticking;
+  before.face = started ? state.face : kFaceUnknown;
+  before.facing = started ? state.facing : vec3(0.0f);
   before.proxy = before.touching ? state.spring + before.lastHip : vec3(0.0f);
   return before;
 }
 
-/// A HIP that is free walks from its last place to its new one in so many steps.
-inline __device__ uint freeSteps(const Before& before, float longest) {
-  const float wanted = ceilf(glm::length(before.lastHip) / longest);
-  return wanted >= float(kMaxSubsteps) ? kMaxSubsteps : max(1u, uint(wanted));
+/// The way of the HIP since the last tick, as substepsOn() takes it.
+inline __device__ float wayOf(const Before& before, float radius) {
+  return glm::length(before.lastHip) / (kLongestStep * radius);
 }
 inline __device__ vec3 freePlace(const Before& before, uint step, uint steps) {
   return before.lastHip * (float(steps - step) / float(steps));
@@ -45,7 +51,7 @@ inline __device__ vec3 freePlace(const Before& before, uint step, uint steps) {
 
 /// The first place whose surface a tick asks for, relative to the HIP: where the first gather goes.
 inline __device__ vec3 firstPlace(const Before& before, float radius) {
-  return before.touching ? before.proxy : freePlace(before, 1, freeSteps(before, kLongestStep * radius));
+  return before.touching ? before.proxy : freePlace(before, 1, substepsOn(wayOf(before, radius)));
 }
 
 inline __device__ float patchReach(float radius) { return radius + kPatchSlack * radius; }
@@ -71,7 +77,7 @@ inline __device__ uint2 rangeOfCell(const CloudView& cloud, const CellBox& box, 
 /// Kept low enough for the sum over a round of cells to stay within 32 bits.
 inline __device__ uint candidatesIn(const uint2& range) { return min(range.y - range.x, 1u << 22); }
 
-/// Of a round's candidates every so-manyth is looked at.
+/// Of a round's candidates every so-manyth is visited.
 inline __device__ uint strideFor(uint candidates) {
   return max(1u, (candidates + kPatchRoundCandidates - 1) / kPatchRoundCandidates);
 }

@@ -21,17 +21,17 @@ std::uint32_t checkedCount(const PointCloud& cloud) {
 }  // namespace
 
 LiveCopy::LiveCopy(const PointCloud& cloud, const Stream& stream)
-    : count_(checkedCount(cloud)), sides_{CloudSide(count_), CloudSide(count_)} {
+    : count_(checkedCount(cloud)), halves_{CloudHalf(count_), CloudHalf(count_)} {
   std::vector<Vec4> packed(count_);
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
-  sides_[0].positions.upload(packed, stream);
+  halves_[0].positions.upload(packed, stream);
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
-  sides_[0].normals.upload(packed, stream);
+  halves_[0].normals.upload(packed, stream);
 }
 
 std::size_t LiveCopy::readBack(PointCloud& cloud, const Stream& stream) const {
-  const CloudSide& side = sides_[current_];
-  return takeBack(cloud, side.positions.download(stream), side.normals.download(stream));
+  const CloudHalf& half = halves_[current_];
+  return takeBack(cloud, half.positions.download(stream), half.normals.download(stream));
 }
 
 }  // namespace palpate::cu

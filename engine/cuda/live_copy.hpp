@@ -14,7 +14,7 @@ class LiveCopy {
   std::uint32_t count() const { return count_; }
   unsigned parity() const { return current_; }
   void flip() { current_ = 1 - current_; }
-  CloudSide& side(unsigned parity) { return sides_[parity]; }
+  CloudHalf& half(unsigned parity) { return halves_[parity]; }
 
   /// Writes the present positions and normals into `cloud`, which must be the one this was made from; says how many
   /// points moved. Waits for `stream`.
@@ -22,7 +22,7 @@ class LiveCopy {
 
  private:
   std::uint32_t count_;
-  CloudSide sides_[2];
+  CloudHalf halves_[2];
   unsigned current_ = 0;
 };
 

@@ -1,8 +1,8 @@
 #include "engine/cuda/push_edit.hpp"
 
 #include "engine/cuda/gather_plan.cuh"
-#include "engine/cuda/smallest_eigenvector.cuh"
-#include "engine/cuda/weight.cuh"
+#include "shaders/shared/brush.h"
+#include "shaders/shared/plane_fit.h"
 
 namespace palpate::cu {
 
@@ -16,10 +16,10 @@ __global__ void __launch_bounds__(kBlock)
     pushPoints(float4* positions, float4* normals, const ContactState* state, uint count, const Brush brush) {
   const uint i = blockIdx.x * kBlock + threadIdx.x;
   if (i >= count) return;
-  const Tool tool = toolOf(brush, state->lastHip, state->lastHip, state->spring, state->touching);
+  const BrushBall ball = ballOf(brush, state->lastHip, state->lastHip, state->spring, state->touching);
   const float4 point = positions[i];
   const vec3 from = xyz(point);
-  const vec3 to = brushed(brush, tool, from, vec3(0.0f)).position;
+  const vec3 to = brushed(brush, ball, from, vec3(0.0f)).position;
   if (to == from) return;
   positions[i] = make_float4(to.x, to.y, to.z, point.w);
   normals[i].w = kMarkRefit;
@@ -39,15 +39,6 @@ __global__ void __launch_bounds__(kBlock)
   if (moved) movedPlaces[first + __popc(marked & ((1u << lane) - 1))] = i;
 }
 
-// Weighted moments of the neighbours about a place.
-struct Moments {
-  float weight;
-  uint neighbours;
-  vec3 mean;      // sum of w d
-  vec3 diagonal;  // sums of w dx dx, w dy dy, w dz dz
-  vec3 mixed;     // sums of w dx dy, w dy dz, w dz dx
-};
-
 // Of the points around `center`, summed over the warp.
 __device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, float radius) {
   const ivec3 low = cellOf(cloud.grid, center - radius);
@@ -65,11 +56,7 @@ __device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, floa
           const vec3 d = position - center;
           if (!inReach(cloud, position, cell, d, radius)) continue;
           const float w = wendland(sqrtf(glm::dot(d, d)) / radius);
-          m.weight += w;
-          m.neighbours += 1;
-          m.mean += w * d;
-          m.diagonal += w * d * d;
-          m.mixed += w * d * vec3(d.y, d.z, d.x);
+          addNeighbour(m, d, w);
         }
       }
   return {warpSum(m.weight), warpSum(m.neighbours), warpSum(m.mean), warpSum(m.diagonal), warpSum(m.mixed)};
@@ -77,14 +64,7 @@ __device__ Moments momentsAbout(const CloudView& cloud, const vec3& center, floa
 
 // Direction of least spread (Hoppe et al. 1992, section 3.2) on the side of the old normal.
 __device__ vec3 fittedNormal(const CloudView& cloud, const vec3& center, const vec3& old, float radius) {
-  const Moments m = momentsAbout(cloud, center, radius);
-  if (m.neighbours < kMinNeighbours || m.weight <= 0.0f) return old;
-  const vec3 mean = m.mean / m.weight;
-  const vec3 diagonal = m.diagonal / m.weight - mean * mean;
-  const vec3 mixed = m.mixed / m.weight - mean * vec3(mean.y, mean.z, mean.x);
-  const vec3 normal = smallestEigenvector(glm::mat3(diagonal.x, mixed.x, mixed.z,  //
-                                                    mixed.x, diagonal.y, mixed.y,  //
-                                                    mixed.z, mixed.y, diagonal.z));
+  const vec3 normal = planeNormal(momentsAbout(cloud, center, radius));
   if (glm::dot(normal, normal) < 0.5f) return old;
   return glm::dot(normal, old) < 0.0f ? -normal : normal;
 }
@@ -122,19 +102,19 @@ PushEdit::PushEdit(const BrushOptions& options, double radius, double longestMov
       moved_(points),
       movedCount_(1) {}
 
-void PushEdit::recordPush(const Stream& stream, const CloudSide& side, std::uint32_t count,
+void PushEdit::recordPush(const Stream& stream, const CloudHalf& half, std::uint32_t count,
                           const ContactState* state) const {
   if (count == 0) return;
   const Brush brush{.kind = kBrushPush,
                     .falloff = options_.falloff,
                     .tau = static_cast<float>(options_.tau),
                     .beta = static_cast<float>(options_.beta),
-                    .toolRadius = static_cast<float>(options_.toolRadius),
+                    .radius = static_cast<float>(options_.radius),
                     .strength = static_cast<float>(options_.strength),
                     .longestMove = static_cast<float>(longestMove_),
                     .support = static_cast<float>(radius_),
                     .color = 0};
-  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(side.positions), points(side.normals), state, count,
+  pushPoints<<<blocksFor(count), kBlock, 0, stream.get()>>>(points(half.positions), points(half.normals), state, count,
                                                             brush);
   checkLaunch("launching the push");
 }

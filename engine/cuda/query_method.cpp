@@ -9,8 +9,9 @@
 
 namespace palpate::cu {
 
-StepBuffers::StepBuffers(const Stream& stream, double radius, std::uint32_t points)
+StepBuffers::StepBuffers(const Stream& stream, double radius, double friction, std::uint32_t points)
     : radius_(static_cast<float>(radius)),
+      friction_(static_cast<float>(friction)),
       state_(1),
       gather_(1),
       runs_(shared::kPatchMaxCells),
@@ -23,7 +24,7 @@ StepBuffers::StepBuffers(const Stream& stream, double radius, std::uint32_t poin
 
 StepArgs StepBuffers::argsFor(const shared::CloudView& cloud) const {
   return {.cloud = cloud,
-          .letter = letter_.device(),
+          .message = message_.device(),
           .answer = answer_.device(),
           .report = report_.device(),
           .state = state_.data(),
@@ -32,7 +33,8 @@ StepArgs StepBuffers::argsFor(const shared::CloudView& cloud) const {
           .runs = runs_.data(),
           .slots = slots_.data(),
           .chunkCounts = chunkCounts_.data(),
-          .radius = radius_};
+          .radius = radius_,
+          .friction = friction_};
 }
 
 std::optional<shared::ContactSample> StepBuffers::sample(std::uint32_t tick) const {
@@ -143,7 +145,7 @@ class FusedMethod final : public StreamMethod {
 
  private:
   void launch(const shared::ContactPose& pose, unsigned parity) override {
-    buffers_.letter().pose = pose;
+    buffers_.message().pose = pose;
     launchFused(args_[parity], stream_.get());
     submitted();
   }
@@ -158,7 +160,7 @@ class GraphMethod final : public StreamMethod {
 
  private:
   void launch(const shared::ContactPose& pose, unsigned parity) override {
-    buffers_.letter().pose = pose;
+    buffers_.message().pose = pose;
     graphs_[parity].launch(stream_);
     submitted();
   }

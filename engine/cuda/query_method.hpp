@@ -12,10 +12,10 @@ namespace palpate::cu {
 /// What the queries read and write besides the cloud. Everything a tick needs is taken here.
 class StepBuffers {
  public:
-  StepBuffers(const Stream& stream, double radius, std::uint32_t points);
+  StepBuffers(const Stream& stream, double radius, double friction, std::uint32_t points);
 
   StepArgs argsFor(const shared::CloudView& cloud) const;
-  Letter& letter() const { return letter_.host(); }
+  Message& message() const { return message_.host(); }
   const Answer& answer() const { return answer_.host(); }
   /// The answer to the pose of that tick, once it is there, whole.
   std::optional<shared::ContactSample> sample(std::uint32_t tick) const;
@@ -23,8 +23,8 @@ class StepBuffers {
   const shared::ContactState* state() const { return state_.data(); }
 
  private:
-  float radius_;
-  MappedValue<Letter> letter_;
+  float radius_, friction_;
+  MappedValue<Message> message_;
   MappedValue<Answer> answer_;
   MappedValue<PlanReport> report_;
   DeviceArray<shared::ContactState> state_;
@@ -42,7 +42,7 @@ class QueryMethod {
   QueryMethod(const QueryMethod&) = delete;
   QueryMethod& operator=(const QueryMethod&) = delete;
 
-  /// Submits a query of the cloud on side `parity`; its answer will carry pose.tick. `timed`: time_us()
+  /// Submits a query of the half `parity` of the cloud; its answer will carry pose.tick. `timed`: time_us()
   /// will be asked for.
   virtual void ask(const shared::ContactPose& pose, unsigned parity, bool timed) = 0;
   /// Does what the host has to do in the middle of a query; called again and again until the answer is there.
@@ -59,7 +59,7 @@ class QueryMethod {
   virtual bool inStreamOrder() const { return true; }
 };
 
-/// `views`: what queries read, by the side of the cloud that counts.
+/// `views`: what queries read, by the half of the cloud that counts.
 std::unique_ptr<QueryMethod> makeQueryMethod(CudaMethod method, const Stream& stream, const StepBuffers& buffers,
                                              const shared::CloudView (&views)[2]);
 

@@ -12,7 +12,7 @@ namespace palpate::cu {
 
 namespace {
 constexpr int kMostRevivals = 3;          // more for one query is no coincidence
-constexpr double kLongestFarewell_s = 2;  // a step takes some us, and an idle kernel ends after 50 ms
+constexpr double kLongestEnd_s = 2;       // a step takes some us, and an idle kernel ends after 50 ms
 }  // namespace
 
 ResidentMethod::ResidentMethod(const StepBuffers& buffers, const shared::CloudView (&views)[2])
@@ -27,22 +27,22 @@ ResidentMethod::~ResidentMethod() {
 
 void ResidentMethod::ask(const shared::ContactPose& pose, unsigned parity, bool) {
   revivals_ = 0;
-  Letter& letter = buffers_.letter();
-  letter.pose = pose;
-  letter.parity = parity;
-  letter.stop = 0;
+  Message& message = buffers_.message();
+  message.pose = pose;
+  message.parity = parity;
+  message.stop = 0;
   post();
   if (!begun_) begin();
 }
 
 void ResidentMethod::post() {
   answered_ = posted_++;
-  Letter& letter = buffers_.letter();
-  letter.sequence = posted_;
-  auto words = std::bit_cast<std::array<std::uint32_t, kLetterWords>>(letter);
+  Message& message = buffers_.message();
+  message.sequence = posted_;
+  auto words = std::bit_cast<std::array<std::uint32_t, kMessageWords>>(message);
   words.back() = 0;
-  for (std::uint32_t i = 0; i + 1 < kLetterWords; ++i) words.back() += shared::questionShare(words[i], i);
-  storeRelease(letter.seal, words.back());
+  for (std::uint32_t i = 0; i + 1 < kMessageWords; ++i) words.back() += shared::questionShare(words[i], i);
+  storeRelease(message.seal, words.back());
 }
 
 void ResidentMethod::begin() {
@@ -68,11 +68,11 @@ double ResidentMethod::time_us() {
 void ResidentMethod::rest() {
   if (!begun_) return;
   begun_ = false;
-  buffers_.letter().stop = 1;
+  buffers_.message().stop = 1;
   post();
   const Stopwatch watch;
   while (!stream_.idle("ending the resident kernel")) {
-    if (watch.elapsed_s() > kLongestFarewell_s) throw CudaError("CUDA: the resident kernel does not end");
+    if (watch.elapsed_s() > kLongestEnd_s) throw CudaError("CUDA: the resident kernel does not end");
     std::this_thread::yield();
   }
 }

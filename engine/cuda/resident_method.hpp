@@ -13,7 +13,7 @@ class ResidentMethod final : public QueryMethod {
 
   void ask(const shared::ContactPose& pose, unsigned parity, bool timed) override;
   bool ended() override { return stream_.idle("answering from the resident kernel"); }
-  /// It had ended before it saw the letter.
+  /// It had ended before it saw the message.
   void revive() override;
   double time_us() override;
   void rest() override;
@@ -28,7 +28,7 @@ class ResidentMethod final : public QueryMethod {
   Stream stream_;
   bool begun_ = false;
   int revivals_ = 0;            // for the present query
-  std::uint32_t posted_ = 0;    // sequence of the last letter
+  std::uint32_t posted_ = 0;    // sequence of the last message
   std::uint32_t answered_ = 0;  // and of the one before it, which needs no answer any more
 };
 

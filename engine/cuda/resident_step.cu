@@ -6,11 +6,11 @@ namespace palpate::cu {
 
 namespace {
 
-// Without a letter for so long the kernel ends, and the host launches it again when it has one: a call that waits for
+// Without a message for so long the kernel ends, and the host launches it again when it has one: a call that waits for
 // the whole GPU (freeing memory, loading a kernel) is held up by that much and not for ever.
 constexpr std::uint64_t kLongestIdle_ns = 50'000'000;
 
-struct Sides {
+struct Halves {
   CloudView at[2];
 };
 
@@ -20,9 +20,9 @@ __device__ std::uint64_t now_ns() {
   return time_ns;
 }
 
-// The letter as it is on its way, in one trip over the bus.
-__device__ Letter look(const Letter* box) {
-  uint words[kLetterWords];
+// The message as it is on its way, in one trip over the bus.
+__device__ Message readMailbox(const Message* box) {
+  uint words[kMessageWords];
   const auto* from = reinterpret_cast<const uint*>(box);
   asm volatile("ld.volatile.v4.u32 {%0, %1, %2, %3}, [%4];"
                : "=r"(words[0]), "=r"(words[1]), "=r"(words[2]), "=r"(words[3])
@@ -33,47 +33,47 @@ __device__ Letter look(const Letter* box) {
                : "l"(from + 4)
                : "memory");
   uint seal = 0;
-  for (uint i = 0; i + 1 < kLetterWords; ++i) seal += questionShare(words[i], i);
-  Letter letter;
-  letter.pose.hip = vec3(__uint_as_float(words[0]), __uint_as_float(words[1]), __uint_as_float(words[2]));
-  letter.pose.tick = words[3];
-  letter.parity = words[4];
-  letter.stop = words[5];
-  letter.sequence = words[6];
-  letter.seal = seal ^ words[7];  // 0: it is whole
-  return letter;
+  for (uint i = 0; i + 1 < kMessageWords; ++i) seal += questionShare(words[i], i);
+  Message message;
+  message.pose.hip = vec3(__uint_as_float(words[0]), __uint_as_float(words[1]), __uint_as_float(words[2]));
+  message.pose.tick = words[3];
+  message.parity = words[4];
+  message.stop = words[5];
+  message.sequence = words[6];
+  message.seal = seal ^ words[7];  // 0: it is whole
+  return message;
 }
 
-// Waits for a letter newer than `answered`; one that says stop when none comes.
-__device__ Letter nextLetter(const Letter* box, uint answered) {
+// Waits for a message newer than `answered`; one that says stop when none comes.
+__device__ Message nextMessage(const Message* box, uint answered) {
   const std::uint64_t began_ns = now_ns();
-  Letter letter = look(box);
-  while (letter.seal != 0 || letter.sequence == answered) {
+  Message message = readMailbox(box);
+  while (message.seal != 0 || message.sequence == answered) {
     if (now_ns() - began_ns > kLongestIdle_ns) {
-      letter.stop = 1;
-      return letter;
+      message.stop = 1;
+      return message;
     }
-    letter = look(box);
+    message = readMailbox(box);
   }
   __threadfence_system();  // what other kernels wrote before the host did is seen as well
-  return letter;
+  return message;
 }
 
 __global__ void __launch_bounds__(kStepThreads)
-    residentStep(const __grid_constant__ StepArgs args, const __grid_constant__ Sides sides, uint answered) {
+    residentStep(const __grid_constant__ StepArgs args, const __grid_constant__ Halves halves, uint answered) {
   __shared__ SharedPatch memory;
-  __shared__ Letter letter;
+  __shared__ Message message;
   const std::uint64_t born_ns = now_ns();
   const long long born_clocks = clock64();
   for (;;) {
     long long began_clocks = 0;
     if (threadIdx.x == 0) {
-      letter = nextLetter(args.letter, answered);
+      message = nextMessage(args.message, answered);
       began_clocks = clock64();
     }
     __syncthreads();
-    if (letter.stop != 0) return;
-    ContactStep step(args, sides.at[letter.parity & 1], memory, letter.pose);
+    if (message.stop != 0) return;
+    ContactStep step(args, halves.at[message.parity & 1], memory, message.pose);
     step.run();
     step.write();
     if (threadIdx.x == 0) {
@@ -82,15 +82,15 @@ __global__ void __launch_bounds__(kStepThreads)
       args.answer->alive_clocks = now_clocks - born_clocks;
       args.answer->alive_ns = now_ns() - born_ns;
     }
-    answered = letter.sequence;
-    __syncthreads();  // thread 0 writes the next letter over this one
+    answered = message.sequence;
+    __syncthreads();  // thread 0 writes the next message over this one
   }
 }
 
 }  // namespace
 
-void launchResident(const StepArgs& args, const CloudView (&sides)[2], std::uint32_t answered, cudaStream_t stream) {
-  residentStep<<<1, kStepThreads, 0, stream>>>(args, Sides{{sides[0], sides[1]}}, answered);
+void launchResident(const StepArgs& args, const CloudView (&halves)[2], std::uint32_t answered, cudaStream_t stream) {
+  residentStep<<<1, kStepThreads, 0, stream>>>(args, Halves{{halves[0], halves[1]}}, answered);
   checkLaunch("launching the resident kernel");
 }
 

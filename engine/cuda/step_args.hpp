@@ -5,9 +5,9 @@
 
 namespace palpate::cu {
 
-/// Slots for candidates of one gather: as many as a gather looks at.
+/// Slots for candidates of one gather: as many as a gather visits.
 inline constexpr std::uint32_t kMostSlots = shared::kMostPatchPoints;
-/// Points that one block of the brute force looks at.
+/// Points that one block of the brute force visits.
 inline constexpr std::uint32_t kBruteChunk = 4096;
 
 /// The answer to one pose, in mapped host memory. Words may arrive in any order; the sample is whole when its seal
@@ -21,19 +21,19 @@ struct Answer {
   std::uint64_t alive_ns;      ///< and on the wall's, which ticks too coarsely for one step
 };
 
-/// What the host asks, in mapped host memory. The resident kernel reads all of it at each look, since every look takes
+/// What the host asks, in mapped host memory. The resident kernel reads all of it at each poll, since every poll takes
 /// a trip over the bus, and takes it up when the seal fits.
-struct alignas(32) Letter {
+struct alignas(32) Message {
   shared::ContactPose pose;
-  std::uint32_t parity;  ///< which side of the cloud counts
+  std::uint32_t parity;  ///< which half of the cloud counts
   std::uint32_t stop;
-  std::uint32_t sequence;  ///< grows by one with each letter
+  std::uint32_t sequence;  ///< grows by one with each message
   std::uint32_t seal;      ///< the sum of shared::questionShare() of all words before it
 };
-inline constexpr std::uint32_t kLetterWords = 8;
-static_assert(sizeof(Letter) == kLetterWords * sizeof(std::uint32_t));
+inline constexpr std::uint32_t kMessageWords = 8;
+static_assert(sizeof(Message) == kMessageWords * sizeof(std::uint32_t));
 
-/// The part of one cell's points that a gather looks at: numbers first, first + stride, ... into slots of their own.
+/// The part of one cell's points that a gather visits: numbers first, first + stride, ... into slots of their own.
 /// Slots follow the order of cells and of candidates, so whoever fills them, the patch comes out the same.
 struct CellRun {
   std::uint32_t cell;  ///< number in the gather's box, x fastest
@@ -70,7 +70,7 @@ struct PlanReport {
 /// centre, w 1 where the point is in reach.
 struct StepArgs {
   shared::CloudView cloud;
-  const Letter* letter;  ///< mapped host memory
+  const Message* message;  ///< mapped host memory
   Answer* answer;        ///< mapped host memory
   PlanReport* report;    ///< mapped host memory
   shared::ContactState* state;
@@ -80,6 +80,7 @@ struct StepArgs {
   shared::vec4* slots;         ///< 2 per slot: place, normal
   std::uint32_t* chunkCounts;  ///< brute force: points in reach, one count per chunk
   float radius;                ///< support radius, model units
+  float friction;              ///< coefficient while the proxy slides
 };
 
 inline std::uint32_t bruteChunks(std::uint32_t points) {

@@ -6,7 +6,7 @@
 
 namespace palpate::cu {
 
-/// Everything in one block; the pose stands in args.letter.
+/// Everything in one block; the pose stands in args.message.
 void launchFused(const StepArgs& args, cudaStream_t stream);
 /// Gathers into slots come before; this takes them over, moves the proxy and answers.
 void launchSolve(const StepArgs& args, const shared::ContactPose& pose, cudaStream_t stream);
@@ -25,9 +25,9 @@ void launchArray(const StepArgs& args, const shared::ContactPose& pose, cudaStre
 /// Room for one launch per cell of a gather. Once, before the two above.
 void reserveDeviceLaunches();
 
-/// A kernel that stays and answers letters until one says stop, or none has come for a while. `sides`: the cloud by
-/// the letter's parity; `answered`: sequence of the last letter that has its answer.
-void launchResident(const StepArgs& args, const shared::CloudView (&sides)[2], std::uint32_t answered,
+/// A kernel that stays and answers messages until one says stop, or none has come for a while. `halves`: the cloud by
+/// the message's parity; `answered`: sequence of the last message that has its answer.
+void launchResident(const StepArgs& args, const shared::CloudView (&halves)[2], std::uint32_t answered,
                     cudaStream_t stream);
 
 }  // namespace palpate::cu

@@ -1,64 +1,48 @@
-// The implicit surface that the points of a patch define around a place (Leeper, Chan, Salisbury 2012; Adamson and
-// Alexa 2003), as in shaders/lib/surface.glsl.
+// The averaged surface of the points of a patch around a place (shaders/shared/surface.h), summed up by one block.
 #pragma once
 
 #include "engine/cuda/patch.cuh"
-#include "engine/cuda/weight.cuh"
+#include "shaders/shared/surface.h"
 
 namespace palpate::cu {
 
-struct Surface {
-  bool defined;
-  float distance;  // signed, model units, positive outside
-  vec3 normal;     // unit
-  uint neighbours;
-};
+using Surface = shared::SurfaceOf<float>;
+using SurfaceSums = shared::SurfaceSumsOf<float>;
 
-/// The surface at `x`, relative to the patch's centre. All threads of the block call it together and get the same bits.
+/// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of all where that
+/// is zero. All threads of the block call it together and get the same bits.
 /// Every translation unit has its own: the device linker takes clones of one that they share for the same code.
-static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius) {
+static inline __device__ Surface surfaceAt(const Patch& patch, const vec3& x, float radius, const vec3& facing) {
   __shared__ float partial[kStepWarps][8];
-  vec4 offsets(0.0f);  // sum of w (p - x), sum of w
-  vec4 normals(0.0f);  // sum of w n, neighbours
+  const bool sided = facing != vec3(0.0f);
+  const float scale = 1.0f / radius;
+  SurfaceSums sums{vec4(0.0f), vec4(0.0f), vec2(0.0f)};
   for (uint i = threadIdx.x; i < patch.count(); i += kStepThreads) {
-    const vec3 d = patch.position(i) - x;
-    const float squared = glm::dot(d, d);
-    if (squared < radius * radius) {
-      const float w = wendland(sqrtf(squared) / radius);
-      offsets += w * vec4(d, 1.0f);
-      normals += vec4(w * patch.normal(i), 1.0f);
-    }
+    const vec3 d = (patch.position(i) - x) * scale, n = patch.normal(i);
+    float w = wendland(min(1.0f, length(d)));
+    if (sided) w *= facingWeight(dot(n, facing));
+    sums.offsets += w * vec4(d, 1.0f);
+    sums.normals += vec4(w * n, w > 0.0f ? 1.0f : 0.0f);
   }
-  offsets = warpSum(offsets);
-  normals = warpSum(normals);
+  sums.offsets = warpSum(sums.offsets);
+  sums.normals = warpSum(sums.normals);
   const uint warp = threadIdx.x / kWarp;
   if (threadIdx.x % kWarp == 0) {
     for (int k = 0; k < 4; ++k) {
-      partial[warp][k] = offsets[k];
-      partial[warp][4 + k] = normals[k];
+      partial[warp][k] = sums.offsets[k];
+      partial[warp][4 + k] = sums.normals[k];
     }
   }
   __syncthreads();
-  offsets = normals = vec4(0.0f);
+  sums.offsets = sums.normals = vec4(0.0f);
   for (uint w = 0; w < kStepWarps; ++w) {
     for (int k = 0; k < 4; ++k) {
-      offsets[k] += partial[w][k];
-      normals[k] += partial[w][4 + k];
+      sums.offsets[k] += partial[w][k];
+      sums.normals[k] += partial[w][4 + k];
     }
   }
   __syncthreads();  // the next evaluation writes the partial sums again
-
-  Surface surface;
-  surface.neighbours = uint(normals.w);
-  const vec3 n(normals);
-  const float normalLength = glm::length(n);
-  surface.defined = surface.neighbours >= kMinNeighbours && normalLength > kLeastNormal * offsets.w && offsets.w > 0.0f;
-  surface.normal = surface.defined ? n / normalLength : vec3(0.0f);
-  const vec3 mean = surface.defined ? vec3(offsets) / offsets.w : vec3(0.0f);
-  surface.distance = -glm::dot(surface.normal, mean);
-  if (glm::length(mean + surface.distance * surface.normal) >= kFurthestAside * radius)
-    return {.defined = false, .distance = 0.0f, .normal = vec3(0.0f), .neighbours = surface.neighbours};
-  return surface;
+  return surfaceFrom(sums, radius, kSurfaceAverage);
 }
 
 }  // namespace palpate::cu

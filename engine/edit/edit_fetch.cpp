@@ -17,7 +17,7 @@ constexpr std::uint64_t kPiece = 1 << 18;  // entries that are brought at a time
 EditFetch::EditFetch(Device& device, EditLog& log)
     : device_(device),
       staging_(Buffer::of<PointState>(device, std::min(log.capacity(), kPiece), Memory::readback, "edit fetch")),
-      list_(device, device.sight(), "edit fetch"),
+      list_(device, device.throughputQueue(), "edit fetch"),
       reader_(log) {}
 
 void EditFetch::take(EditBatch& batch) {
@@ -32,7 +32,7 @@ void EditFetch::take(EditBatch& batch) {
     list_.begin();
     list_.copy(reader_.log().entriesBuffer(), staging_, count * sizeof(PointState), slot * sizeof(PointState), 0);
     list_.end();
-    device_.sight().run(list_);
+    device_.throughputQueue().run(list_);
     std::ranges::copy(staged.first(count),
                       batch.points.begin() + static_cast<std::ptrdiff_t>(before + at - range.begin));
     at += count;

@@ -5,7 +5,7 @@
 
 namespace palpate {
 
-/// Brings what is unread in an edit log to the host, on the sight queue: for the thread that uses that queue.
+/// Brings what is unread in an edit log to the host, on the throughput queue: for the thread that uses that queue.
 class EditFetch {
  public:
   /// From now on the log keeps entries for it. Throws OutOfGpuMemory.

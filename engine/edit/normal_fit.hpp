@@ -2,7 +2,7 @@
 #pragma once
 
 #include "engine/cloud/eigen3.hpp"
-#include "engine/contact/surface_reference.hpp"
+#include "engine/contact/surface.hpp"
 
 namespace palpate {
 

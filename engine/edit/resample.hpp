@@ -6,8 +6,8 @@
 namespace palpate {
 
 /// The surface stays a surface while it is sculpted: where an edit stretches it, points are inserted, where it crowds
-/// them, they are merged. The GPU's side of engine/edit/resample_reference.hpp. What a point wishes for at the end of a
-/// tick comes to pass with the next edit, and points that had a wish are looked at again until none has one.
+/// them, they are merged. The GPU's side of engine/edit/resampling.hpp. What a point requests at the end of a
+/// tick is carried out with the next edit, and points that made a request are examined again until none has one.
 class Resample {
  public:
   /// `radius`: support radius, model units.
@@ -22,30 +22,30 @@ class Resample {
     DeviceAddress tables;
     const HashUpdate& lists;
   };
-  /// Once the index has followed and normals are fitted: new wishes. The last passes of an edit, which a force need not
-  /// wait for.
-  void recordWishes(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
-                    const shared::EditEnd& end) const;
-  /// Where the last pass of an edit tells the host of its Resampling.
+  /// Once the index has followed and normals are fitted: new requests. The last passes of an edit, which a force need
+  /// not wait for.
+  void recordRequests(CommandList& list, const Io& io, DeviceAddress changed, DeviceAddress fitted,
+                      const shared::EditEnd& end) const;
+  /// Where the last pass of an edit reports its Resampling to the host.
   DeviceAddress reportAddress() const { return report_.address(); }
-  bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].wishes > 0; }
+  bool unsettled() const { return report_.mapped<const shared::Resampling>()[0].requests > 0; }
 
   DeviceAddress lists() const { return lists_.address(); }
   DeviceAddress spacings() const { return spacings_.address(); }
-  DeviceAddress looks() const { return looks_.address(); }
+  DeviceAddress examined() const { return examined_.address(); }
   DeviceAddress rests() const { return rests_.address(); }
   DeviceAddress reaches() const { return reaches_.address(); }
   std::uint64_t bytes() const {
-    return lists_.bytes() + spacings_.bytes() + looks_.bytes() + rests_.bytes() + reaches_.bytes() + report_.bytes();
+    return lists_.bytes() + spacings_.bytes() + examined_.bytes() + rests_.bytes() + reaches_.bytes() + report_.bytes();
   }
-  static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostWishes);
+  static std::uint64_t predictedBytes(std::uint64_t points, std::uint64_t slots, std::uint64_t mostRequests);
 
  private:
   Device& device_;
   double radius_;
-  std::uint32_t mostWishes_;
-  ComputePipeline measure_, wish_, grant_;
-  Buffer lists_, spacings_, looks_, rests_, reaches_, report_;
+  std::uint32_t mostRequests_;
+  ComputePipeline measure_, request_, grant_;
+  Buffer lists_, spacings_, examined_, rests_, reaches_, report_;
 };
 
 }  // namespace palpate

@@ -6,7 +6,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
-#include "engine/edit/brush_reference.hpp"
+#include "engine/edit/placed_brush.hpp"
 
 namespace palpate {
 

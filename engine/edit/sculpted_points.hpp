@@ -15,7 +15,7 @@ struct SculptedPoints {
   std::vector<std::uint32_t> colors;   ///< RGBA8; 0 where the cloud has none
   std::vector<std::uint32_t> parents;  ///< the point of the file that the other properties come from
   std::vector<std::uint8_t> there;     ///< 0: the point is gone
-  /// Not 0: the point has moved, is new, or has not got what it wished for; the next tick looks at it.
+  /// Not 0: the point has moved, is new, or has not got what it requested; the next tick examines it.
   std::vector<std::uint8_t> unsettled;
   /// Of the points of the file: how far apart they and their neighbours were, which is what edits keep to; model units.
   /// Empty where nobody asks.

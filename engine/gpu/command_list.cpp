@@ -106,8 +106,7 @@ CommandList::CommandList(Device& device, const Queue& queue, std::string name, T
     : device_(device),
       name_(std::move(name)),
       timing_(timing),
-      givesWay_((&queue == &device.sight() || (device.shows() && &queue == &device.window())) &&
-                !device.instance().validates()) {
+      givesWay_(queue.policy() == QueuePolicy::throughput && !device.instance().validates()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .pNext = nullptr,
                                          .flags = 0,
@@ -182,7 +181,7 @@ void CommandList::dispatchBytes(const ComputePipeline& pipeline, std::uint64_t t
   const std::uint32_t largestAxis = device_.properties().limits.maxComputeWorkGroupCount[0];
   const std::uint64_t slice = std::max(pipeline.sliceThreads() / size, (groups + kMostSlices - 1) / kMostSlices);
   const bool slices =
-      givesWay_ && device_.isTouched() && independent_ == Overlap::no && groups > slice && slice <= largestAxis;
+      givesWay_ && device_.hasUrgentWork() && independent_ == Overlap::no && groups > slice && slice <= largestAxis;
   const GroupGrid grid =
       slices ? GroupGrid{static_cast<std::uint32_t>(slice), static_cast<std::uint32_t>((groups + slice - 1) / slice)}
              : groupGrid(groups, largestAxis);

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "engine/core/pass_record.hpp"
 #include "engine/gpu/attachment.hpp"
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
@@ -19,17 +20,6 @@ namespace palpate {
 
 class Device;
 class Queue;
-
-/// One recorded command, for --print-frame.
-struct PassRecord {
-  std::string section;
-  std::string name;
-  std::uint64_t threads =
-      0;  ///< invocations that have work, vertices of a draw; 0 for copies and fills, and where the GPU decides
-  std::uint64_t bytes = 0;  ///< bytes of the arguments, or moved by a copy or fill
-  bool waits = true;        ///< for all that came before it
-  double gpu_us = 0;        ///< last measured time; 0 unless passes are timed, and past the first 200 of a list
-};
 
 /// What a draw goes to: images of one size, colours in the order of the pipeline's formats.
 struct DrawTargets {
@@ -43,7 +33,7 @@ struct DrawTargets {
 /// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
 /// once between begin() and end(), submit as often as wanted, but never while it is still running.
 ///
-/// On the sight queue it gives way: what touch asks for waits until a dispatch that is under way has
+/// On a queue for throughput it gives way: what another queue asks for waits until a dispatch that is under way has
 /// handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does so), and so
 /// none may last long.
 class CommandList {
@@ -123,7 +113,7 @@ class CommandList {
   [[nodiscard]] Independent independent() { return Independent(*this); }
 
   VkCommandBuffer handle() const { return commands_; }
-  /// Told by the queue; before it there are no times to read.
+  /// Called by the queue; before it there are no times to read.
   void noteSubmission() const { submitted_ = true; }
   /// Time of a section in the last completed run, us; 0 when it was not timed.
   double sectionTime_us(std::string_view name) const;

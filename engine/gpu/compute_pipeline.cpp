@@ -1,5 +1,7 @@
 #include "engine/gpu/compute_pipeline.hpp"
 
+#include <algorithm>
+
 #include "engine/core/check.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
@@ -14,12 +16,12 @@ namespace {
 void translateNow(Device& device, const ShaderCode& code, const PipelineOptions& options,
                   const PipelineStore::Compiled& compiled) {
   if (!device.isCpu() || device.instance().validates() || options.images > 0) return;
-  CommandList list(device, device.background(), code.name);
+  CommandList list(device, device.backgroundQueue(), code.name);
   list.begin();
   device.vk().vkCmdBindPipeline(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.pipeline);
   device.vk().vkCmdDispatch(list.handle(), 0, 1, 1);
   list.end();
-  device.background().run(list);
+  device.backgroundQueue().run(list);
 }
 
 // `life`: of WorkgroupWatch::Twin; 0: the shader is not watched.
@@ -58,6 +60,13 @@ PipelineStore::Key keyOf(const ShaderCode& code, const PipelineOptions& options,
 
 }  // namespace
 
+std::uint32_t widestWorkgroup(const Device& device) {
+  const VkPhysicalDeviceLimits& limits = device.properties().limits;
+  return std::min(limits.maxComputeWorkGroupInvocations, limits.maxComputeWorkGroupSize[0]);
+}
+
+std::uint32_t sharedBytes(const Device& device) { return device.properties().limits.maxComputeSharedMemorySize; }
+
 ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const PipelineOptions& options)
     : name_(code.name),
       workgroupSize_(options.workgroupSize),
@@ -65,7 +74,10 @@ ComputePipeline::ComputePipeline(Device& device, const ShaderCode& code, const P
       pushBytes_(options.pushBytes) {
   PALPATE_CHECK_LE(pushBytes_, kMaxPushBytes);
   PALPATE_CHECK_EQ(workgroupSize_ % 32, 0u);  // lavapipe's subgroup operations are wrong otherwise
-  PALPATE_CHECK_LE(workgroupSize_, device.properties().limits.maxComputeWorkGroupInvocations);
+  const std::uint32_t most = widestWorkgroup(device);
+  if (workgroupSize_ > most)
+    throw GpuError("{}: {} wants workgroups of {} invocations, the device has {} at most", device.name(), name_,
+                   workgroupSize_, most);
   const WorkgroupWatch* watch = device.pipelines().watch();
   const auto twin = watch ? watch->twinOf(code) : std::nullopt;
   const ShaderCode& used = twin ? *twin->code : code;

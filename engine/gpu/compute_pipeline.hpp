@@ -8,6 +8,10 @@
 
 namespace palpate {
 
+/// What passes are cut to fit: invocations of a workgroup, and bytes that they may share.
+std::uint32_t widestWorkgroup(const Device& device);
+std::uint32_t sharedBytes(const Device& device);
+
 struct PipelineOptions {
   std::uint32_t workgroupSize = 256;          ///< invocations; specialisation constant 0; a multiple of 32
   std::uint32_t pushBytes = 0;                ///< exact size of the arguments

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine/gpu/device_lookup.hpp"
+#include "engine/gpu/host_device.hpp"
 
 namespace palpate {
 
@@ -52,20 +53,39 @@ std::vector<GpuDescription> describeGpus(const Instance& instance) {
 }
 
 GpuDescription gpuFor(const DeviceOptions& options) {
-  const Instance instance(false);
+  const Instance instance(Validation::off);
   const auto gpus = describeGpus(instance);
   return gpus[choose(instance, gpus, options.gpu)];
 }
 
 Device::Device(const DeviceOptions& options)
-    : instance_(std::make_unique<Instance>(options.validate, options.windowExtensions)),
+    : instance_(std::make_unique<Instance>(options.validation, options.windowExtensions)),
       shows_(options.shows),
       presents_(!options.windowExtensions.empty()) {
   const auto gpus = describeGpus(*instance_);
-  const std::size_t chosen = choose(*instance_, gpus, options.gpu);
-  physical_ = instance_->physicalDevices()[chosen];
-  name_ = gpus[chosen].name;
+  physical_ = instance_->physicalDevices()[choose(*instance_, gpus, options.gpu)];
+  readProperties();
+  createLogicalDevice(options.queues);
+}
 
+Device::Device(const HostDevice& host) {
+  requireHandles(host);
+  instance_ = std::make_unique<Instance>(host);
+  physical_ = host.physical;
+  owns_ = false;
+  readProperties();
+  const auto families = queueFamiliesOf(physical_);
+  requireAdoptable(host, requiredFeatures(physical_), families, name_);
+  roles_ = rolesOf(host, families);
+  device_ = host.device;
+  takeUp(featuresIn(*host.features));
+  volkLoadDeviceTable(&table_, device_);
+  const auto lent = [&](const HostQueue& queue) { return queue.handle ? queue.handle : host.throughput.handle; };
+  createQueues({lent(host.latency), lent(host.throughput), lent(host.background)},
+               [&](VkQueue handle) { return std::make_shared<SharedQueue>(handle, host.lock, host.unlock); });
+}
+
+void Device::readProperties() {
   VkPhysicalDeviceMaintenance3Properties allocation{.sType =
                                                         VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES};
   VkPhysicalDeviceVulkan13Properties v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES,
@@ -77,16 +97,16 @@ Device::Device(const DeviceOptions& options)
   VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
   vkGetPhysicalDeviceProperties2(physical_, &properties);
   properties_ = properties.properties;
+  name_ = properties_.deviceName;
   driverId_ = driver.driverID;
   subgroupSize_ = subgroup.subgroupSize;
   largestBuffer_ = std::min(v13.maxBufferSize, allocation.maxMemoryAllocationSize);
   vkGetPhysicalDeviceMemoryProperties(physical_, &memory_);
-  createLogicalDevice(options.queues);
 }
 
 void Device::createLogicalDevice(QueueArrangement arrangement) {
   const auto roles = chooseQueues(queueFamiliesOf(physical_), arrangement);
-  if (!roles) throw GpuError("{} has no queue that computes; choose another GPU with --gpu", name_);
+  if (!roles) throw GpuError("{} has no queue that computes; choose another GPU", name_);
   roles_ = *roles;
 
   const bool globalPriority = hasExtension(physical_, VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
@@ -113,11 +133,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   VkPhysicalDeviceFeatures2 availables{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &available12};
   vkGetPhysicalDeviceFeatures2(physical_, &availables);
   const VkPhysicalDeviceFeatures& available = availables.features;
-  // GPU-assisted validation of a draw stops NVIDIA's driver (580.159 with the layer of Debian 12) for good.
-  const bool stops = instance_->validates() && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
-  draws_ = roles_.draws && available13.dynamicRendering && available.largePoints && !stops;
-  hasWideAtomics_ = available12.shaderBufferInt64Atomics == VK_TRUE && available.shaderInt64 == VK_TRUE;
-  hasClock_ = clock.shaderDeviceClock == VK_TRUE;
+  takeUp(featuresIn(availables));
   clock.pNext = nullptr;
 
   VkPhysicalDeviceVulkan13Features v13{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
@@ -132,7 +148,7 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   VkPhysicalDeviceFeatures2 features{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, .pNext = &v12};
   features.features.largePoints = draws_;
   features.features.shaderInt64 = hasWideAtomics_;
-  if (instance_->validates()) {
+  if (instance_->validation() == Validation::full) {
     // GPU-assisted validation instruments the shaders and needs these itself.
     features.features.fragmentStoresAndAtomics = available.fragmentStoresAndAtomics;
     features.features.vertexPipelineStoresAndAtomics = available.vertexPipelineStoresAndAtomics;
@@ -142,6 +158,9 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   std::vector<const char*> extensions;
   if (globalPriority) extensions.push_back(VK_KHR_GLOBAL_PRIORITY_EXTENSION_NAME);
   if (hasClock_) extensions.push_back(VK_KHR_SHADER_CLOCK_EXTENSION_NAME);
+  // One that keeps to a part of Vulkan only, as those on top of Metal do, wants it known that this is known.
+  constexpr const char* kPortabilitySubset = "VK_KHR_portability_subset";
+  if (hasExtension(physical_, kPortabilitySubset)) extensions.push_back(kPortabilitySubset);
   if (presents_ && canMakeSwapchains(physical_)) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   const VkDeviceCreateInfo info{.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                 .pNext = &features,
@@ -160,43 +179,58 @@ void Device::createLogicalDevice(QueueArrangement arrangement) {
   }
   check(result, "vkCreateDevice");
   volkLoadDeviceTable(&table_, device_);
+  const auto handleOf = [&](const QueueChoice& choice) {
+    VkQueue handle = VK_NULL_HANDLE;
+    table_.vkGetDeviceQueue(device_, choice.family, choice.index, &handle);
+    return handle;
+  };
   try {
-    createQueues();
+    createQueues({handleOf(roles_.latency), handleOf(roles_.throughput), handleOf(roles_.background)},
+                 [](VkQueue handle) { return std::make_shared<SharedQueue>(handle); });
   } catch (...) {
-    touch_.reset();
-    sight_.reset();
-    background_.reset();
-    window_.reset();
+    destroyQueues();
     table_.vkDestroyDevice(device_, nullptr);
     throw;
   }
 }
 
-void Device::createQueues() {
+void Device::takeUp(const Features& enabled) {
+  // GPU-assisted validation of a draw stops NVIDIA's driver (580.159 with the layer of Debian 12) for good.
+  const bool stops = instance_->validation() == Validation::full && driverId_ == VK_DRIVER_ID_NVIDIA_PROPRIETARY;
+  draws_ = roles_.draws && enabled.dynamicRendering && enabled.largePoints && !stops;
+  hasWideAtomics_ = enabled.bufferInt64Atomics && enabled.int64;
+  hasClock_ = enabled.deviceClock;
+}
+
+void Device::createQueues(const QueueHandles& handles, const MakeQueue& make) {
   std::map<VkQueue, std::shared_ptr<SharedQueue>> queues;  // roles with one handle share its lock
-  const auto queue = [&](const QueueChoice& choice) {
-    VkQueue handle = VK_NULL_HANDLE;
-    table_.vkGetDeviceQueue(device_, choice.family, choice.index, &handle);
+  const auto queue = [&](VkQueue handle, const QueueChoice& choice, QueuePolicy policy) {
     auto& shared = queues[handle];
-    if (!shared) shared = std::make_shared<SharedQueue>();
-    shared->handle = handle;
-    return std::make_unique<Queue>(*this, shared, choice.family);
+    if (!shared) shared = make(handle);
+    return std::make_unique<Queue>(*this, shared, choice.family, policy);
   };
-  sight_ = queue(roles_.sight);
-  touch_ = queue(roles_.touch);
-  background_ = queue(roles_.background);
-  if (shows_) window_ = queue(roles_.sight);
+  throughput_ = queue(handles.throughput, roles_.throughput, QueuePolicy::throughput);
+  latency_ = queue(handles.latency, roles_.latency, QueuePolicy::latency);
+  background_ = queue(handles.background, roles_.background, QueuePolicy::background);
+  if (shows_) window_ = queue(handles.throughput, roles_.throughput, QueuePolicy::throughput);
+}
+
+void Device::destroyQueues() {
+  latency_.reset();
+  throughput_.reset();
+  background_.reset();
+  window_.reset();
 }
 
 Device::~Device() {
   if (!device_) return;
-  table_.vkDeviceWaitIdle(device_);
-  touch_.reset();
-  sight_.reset();
-  background_.reset();
-  window_.reset();
+  try {
+    waitIdle();
+  } catch (const GpuError&) {  // it is lost, and nothing runs on it any more
+  }
+  destroyQueues();
   pipelines_.destroyAll(*this);
-  table_.vkDestroyDevice(device_, nullptr);
+  if (owns_) table_.vkDestroyDevice(device_, nullptr);
 }
 
 std::uint64_t Device::timestampMask(std::uint32_t queueFamily) const {
@@ -211,7 +245,11 @@ std::uint64_t Device::ownMemory() const {
   return bytes;
 }
 
-void Device::waitIdle() const { check(table_.vkDeviceWaitIdle(device_), "vkDeviceWaitIdle"); }
+// vkDeviceWaitIdle() must not meet a submission of the host, nor wait for one.
+void Device::waitIdle() const {
+  if (owns_) return check(table_.vkDeviceWaitIdle(device_), "vkDeviceWaitIdle");
+  for (const Queue* queue : {latency_.get(), throughput_.get(), background_.get()}) queue->finish();
+}
 
 Wait Device::defaultWait() const {
   return isCpu() || std::thread::hardware_concurrency() <= 2 ? Wait::block : Wait::spin;

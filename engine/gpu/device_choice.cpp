@@ -71,42 +71,44 @@ std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> 
     }
   }
   if (!anyCompute) return std::nullopt;
-  const QueueChoice sight{graphics.value_or(*anyCompute), 0};
-  if (arrangement == QueueArrangement::same) return QueueRoles{sight, sight, sight, graphics.has_value()};
-  const std::uint32_t ofSight = families[sight.family].queueCount;
-  const bool apart = computeOnly && *computeOnly != sight.family;
-  const QueueChoice touch = apart ? QueueChoice{*computeOnly, 0} : QueueChoice{sight.family, ofSight > 1 ? 1u : 0u};
+  const QueueChoice throughput{graphics.value_or(*anyCompute), 0};
+  if (arrangement == QueueArrangement::same)
+    return QueueRoles{throughput, throughput, throughput, graphics.has_value()};
+  const std::uint32_t ofThroughput = families[throughput.family].queueCount;
+  const bool apart = computeOnly && *computeOnly != throughput.family;
+  const QueueChoice latency =
+      apart ? QueueChoice{*computeOnly, 0} : QueueChoice{throughput.family, ofThroughput > 1 ? 1u : 0u};
   const std::uint32_t next = apart ? 1 : 2;
-  QueueChoice background = sight;
-  if (apart && families[touch.family].queueCount > 1)
-    background = {touch.family, 1};
-  else if (ofSight > next)
-    background = {sight.family, next};
-  return QueueRoles{touch, sight, background, graphics.has_value()};
+  QueueChoice background = throughput;
+  if (apart && families[latency.family].queueCount > 1)
+    background = {latency.family, 1};
+  else if (ofThroughput > next)
+    background = {throughput.family, next};
+  return QueueRoles{latency, throughput, background, graphics.has_value()};
 }
 
 std::vector<std::uint32_t> QueueRoles::families() const {
-  std::vector<std::uint32_t> all{touch.family};
-  for (const QueueChoice& other : {sight, background})
+  std::vector<std::uint32_t> all{latency.family};
+  for (const QueueChoice& other : {throughput, background})
     if (!std::ranges::count(all, other.family)) all.push_back(other.family);
   return all;
 }
 
 std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement) {
-  constexpr float kTouch = 1.0f, kSight = 0.5f, kBackground = 0.0f;
+  constexpr float kLatency = 1.0f, kThroughput = 0.5f, kBackground = 0.0f;
   const bool weighs = arrangement == QueueArrangement::separate;
   std::map<std::uint32_t, std::vector<float>> priorities;
   const auto want = [&](const QueueChoice& choice, float priority) {
     auto& family = priorities[choice.family];
     family.resize(std::max<std::size_t>(family.size(), choice.index + 1));
-    family[choice.index] = std::max(family[choice.index], weighs ? priority : kSight);
+    family[choice.index] = std::max(family[choice.index], weighs ? priority : kThroughput);
   };
-  want(roles.sight, kSight);
-  want(roles.touch, kTouch);
+  want(roles.throughput, kThroughput);
+  want(roles.latency, kLatency);
   want(roles.background, kBackground);
   std::vector<FamilyQueues> queues;
   for (auto& [family, each] : priorities)
-    queues.push_back({family, std::move(each), weighs && family != roles.sight.family});
+    queues.push_back({family, std::move(each), weighs && family != roles.throughput.family});
   return queues;
 }
 
@@ -123,22 +125,31 @@ std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device) {
   constexpr VkSubgroupFeatureFlags kSubgroup = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
                                                VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
                                                VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-  return {{"Vulkan 1.3", has13},
-          {"bufferDeviceAddress", v12.bufferDeviceAddress == VK_TRUE},
-          {"scalarBlockLayout", v12.scalarBlockLayout == VK_TRUE},
-          {"synchronization2", v13.synchronization2 == VK_TRUE},
-          {"computeFullSubgroups", v13.computeFullSubgroups == VK_TRUE},
-          {"subgroup basic, vote, arithmetic, ballot and shuffle in compute shaders",
-           (subgroup.supportedOperations & kSubgroup) == kSubgroup &&
-               (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0}};
+  std::vector<FeatureState> states{{"Vulkan 1.3", has13},
+                                   {"bufferDeviceAddress", v12.bufferDeviceAddress == VK_TRUE},
+                                   {"scalarBlockLayout", v12.scalarBlockLayout == VK_TRUE},
+                                   {"synchronization2", v13.synchronization2 == VK_TRUE},
+                                   {"computeFullSubgroups", v13.computeFullSubgroups == VK_TRUE},
+                                   {"subgroup basic, vote, arithmetic, ballot and shuffle in compute shaders",
+                                    (subgroup.supportedOperations & kSubgroup) == kSubgroup &&
+                                        (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0}};
+  const auto atLeast = [&](const char* limit, std::uint32_t is, std::uint32_t least) {
+    states.push_back({fmt::format("{} of {} at least (it is {})", limit, least, is), is >= least});
+  };
+  const VkPhysicalDeviceLimits& limits = properties.properties.limits;
+  atLeast("maxComputeWorkGroupInvocations", limits.maxComputeWorkGroupInvocations, kFewestInvocations);
+  atLeast("maxComputeWorkGroupSize[0]", limits.maxComputeWorkGroupSize[0], kFewestInvocations);
+  atLeast("maxComputeSharedMemorySize", limits.maxComputeSharedMemorySize, kLeastSharedBytes);
+  states.push_back({fmt::format("subgroupSize from 4 to 128 (it is {})", subgroup.subgroupSize),
+                    subgroup.subgroupSize >= 4 && subgroup.subgroupSize <= 128});
+  return states;
 }
 
 void requireFeatures(std::span<const FeatureState> features, const std::string& deviceName) {
   std::string missing;
   for (const auto& feature : features)
     if (!feature.present) missing += fmt::format("{}{}", missing.empty() ? "" : ", ", feature.name);
-  if (!missing.empty())
-    throw GpuError("{} lacks {}; update its driver, or choose another GPU with --gpu", deviceName, missing);
+  if (!missing.empty()) throw GpuError("{} lacks {}; update its driver, or choose another GPU", deviceName, missing);
 }
 
 }  // namespace palpate

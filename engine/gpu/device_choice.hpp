@@ -1,5 +1,5 @@
-// Which GPU, and which of its queues serves whom. Pure decisions over what the driver reports, so that they can be
-// tested without the hardware.
+// Which GPU, and which of its queues serves which policy. Pure decisions over what the driver reports, so that they can
+// be tested without the hardware.
 #pragma once
 
 #include <array>
@@ -25,11 +25,11 @@ struct GpuDescription {
 /// then integrated, then virtual, then CPU device. Throws GpuError that lists the GPUs when nothing fits.
 std::size_t chooseGpu(std::span<const GpuDescription> gpus, const std::string& selector);
 
-/// How the roles share a GPU. All but the first are there to be measured against it.
+/// How the policies share a GPU. All but the first are there to be measured against it.
 enum class QueueArrangement {
-  separate,    ///< a queue for each role where there are as many; touch goes first, the background last
+  separate,    ///< a queue for each policy where there are as many; latency goes first, the background last
   noPriority,  ///< the same queues, and none goes before another
-  same         ///< all have sight's queue between them
+  same         ///< all have the queue of throughput between them
 };
 /// The names that the user gives.
 inline constexpr std::array<std::pair<std::string_view, QueueArrangement>, 3> kQueueArrangements{
@@ -43,20 +43,20 @@ struct QueueChoice {
   std::uint32_t index = 0;
   bool operator==(const QueueChoice&) const = default;
 };
-/// Touch gets a compute-only family where there is one, else a second queue of the sight family, else the same queue.
-/// Background work gets a queue of its own where there is one more: of touch's compute-only family first, since work on
-/// a second queue of the graphics family, however short, holds touch up for 400 us while sight draws (an H200 does so).
-/// Else it shares that of sight.
+/// The queue of each policy. Latency gets a compute-only family where there is one, else a second queue of the family
+/// of throughput, else the same queue. Background work gets a queue of its own where there is one more: of that
+/// compute-only family first, since work on a second queue of the graphics family, however short, holds latency up for
+/// 400 us while something is drawn (an H200 does so). Else it shares that of throughput.
 struct QueueRoles {
-  QueueChoice touch, sight, background;
-  bool draws = false;  ///< sight's queue has the graphics pipeline
-  /// Touch and sight have one queue between them.
-  bool shared() const { return touch == sight; }
-  bool backgroundShares() const { return background == sight; }
+  QueueChoice latency, throughput, background;
+  bool draws = false;  ///< the queue of throughput has the graphics pipeline
+  /// Latency and throughput have one queue between them.
+  bool shared() const { return latency == throughput; }
+  bool backgroundShares() const { return background == throughput; }
   /// The families in use, each once.
   std::vector<std::uint32_t> families() const;
 };
-/// Nothing when no family can compute. Sight wants graphics and falls back to any compute family.
+/// Nothing when no family can compute. Throughput wants graphics and falls back to any compute family.
 std::optional<QueueRoles> chooseQueues(std::span<const VkQueueFamilyProperties> families,
                                        QueueArrangement arrangement = QueueArrangement::separate);
 
@@ -69,12 +69,15 @@ struct FamilyQueues {
 /// What the roles need, by family.
 std::vector<FamilyQueues> queuesFor(const QueueRoles& roles, QueueArrangement arrangement);
 
-/// A feature that palpate cannot do without, and whether the device has it.
+/// The least that every pipeline fits into, or is made to fit: Vulkan itself promises 128 invocations.
+inline constexpr std::uint32_t kFewestInvocations = 256, kLeastSharedBytes = 16 * 1024;
+
+/// A feature or a limit that palpate cannot do without, and whether the device has it.
 struct FeatureState {
-  const char* name;
+  std::string name;
   bool present;
 };
-/// Every required feature of a physical device, by its Vulkan name.
+/// Every required feature of a physical device, by its Vulkan name, and every limit with what it is and what it has to be.
 std::vector<FeatureState> requiredFeatures(VkPhysicalDevice device);
 /// Throws GpuError that names the device and each missing feature.
 void requireFeatures(std::span<const FeatureState> features, const std::string& deviceName);

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstring>
 
+#include "engine/gpu/host_device.hpp"
+
 namespace palpate {
 
 namespace {
@@ -30,11 +32,12 @@ bool hasExtension(const char* layer, const char* name) {
 
 }  // namespace
 
-Instance::Instance(bool validate, std::span<const std::string> windowExtensions) : validates_(validate) {
+Instance::Instance(Validation validation, std::span<const std::string> windowExtensions) : validation_(validation) {
+  const bool validate = validates();
   if (volkInitialize() != VK_SUCCESS)
     throw GpuError("no Vulkan loader (libvulkan.so.1) was found; install the package libvulkan1");
   if (validate && !hasLayer(kValidationLayer))
-    throw GpuError("--validate: {} was not found; install the package vulkan-validationlayers", kValidationLayer);
+    throw GpuError("validation: {} was not found; install the package vulkan-validationlayers", kValidationLayer);
 
   std::vector<const char*> layers, extensions;
   for (const std::string& name : windowExtensions) {
@@ -50,13 +53,18 @@ Instance::Instance(bool validate, std::span<const std::string> windowExtensions)
                    (validate && hasExtension(kValidationLayer, VK_EXT_DEBUG_UTILS_EXTENSION_NAME));
   if (hasDebugUtils_) extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 
-  constexpr std::array kEnabled{VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
-                                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT,
-                                VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  // Drivers that keep to a part of Vulkan only are listed where they are asked for.
+  const bool portable = hasExtension(nullptr, VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+  if (portable) extensions.push_back(VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME);
+
+  constexpr std::array kEnabled{VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
+                                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_EXT,
+                                VK_VALIDATION_FEATURE_ENABLE_GPU_ASSISTED_RESERVE_BINDING_SLOT_EXT};
   VkDebugUtilsMessengerCreateInfoEXT messenger = messages_.messengerInfo();
   const VkValidationFeaturesEXT features{.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                          .pNext = &messenger,
-                                         .enabledValidationFeatureCount = kEnabled.size(),
+                                         .enabledValidationFeatureCount =
+                                             validation == Validation::full ? std::uint32_t{kEnabled.size()} : 1,
                                          .pEnabledValidationFeatures = kEnabled.data(),
                                          .disabledValidationFeatureCount = 0,
                                          .pDisabledValidationFeatures = nullptr};
@@ -69,7 +77,8 @@ Instance::Instance(bool validate, std::span<const std::string> windowExtensions)
                                       .apiVersion = VK_API_VERSION_1_3};
   const VkInstanceCreateInfo info{.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                   .pNext = validate ? &features : nullptr,
-                                  .flags = 0,
+                                  .flags = portable ? VkInstanceCreateFlags{VK_INSTANCE_CREATE_ENUMERATE_PORTABILITY_BIT_KHR}
+                                                    : VkInstanceCreateFlags{0},
                                   .pApplicationInfo = &application,
                                   .enabledLayerCount = static_cast<std::uint32_t>(layers.size()),
                                   .ppEnabledLayerNames = layers.data(),
@@ -87,7 +96,14 @@ Instance::Instance(bool validate, std::span<const std::string> windowExtensions)
             "vkCreateDebugUtilsMessengerEXT", kLoader);
 }
 
+Instance::Instance(const HostDevice& host)
+    : owns_(false), validation_(host.validation), hasDebugUtils_(host.debugUtils), instance_(host.instance) {
+  volkInitializeCustom(host.getInstanceProcAddr);
+  volkLoadInstanceOnly(instance_);
+}
+
 Instance::~Instance() {
+  if (!owns_) return;
   if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }

@@ -9,8 +9,8 @@
 
 namespace palpate {
 
-Queue::Queue(Device& device, std::shared_ptr<SharedQueue> queue, std::uint32_t family)
-    : device_(device), queue_(std::move(queue)), family_(family) {
+Queue::Queue(Device& device, std::shared_ptr<SharedQueue> queue, std::uint32_t family, QueuePolicy policy)
+    : device_(device), queue_(std::move(queue)), family_(family), policy_(policy) {
   const VkFenceCreateInfo info{.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO, .pNext = nullptr, .flags = 0};
   for (VkFence& fence : fences_)
     device_.check(device_.vk().vkCreateFence(device_.handle(), &info, nullptr, &fence), "vkCreateFence");
@@ -53,8 +53,8 @@ Queue::Ticket Queue::submit(const CommandList& list, const Semaphores& semaphore
                            .signalSemaphoreInfoCount = semaphores.signals ? 1u : 0u,
                            .pSignalSemaphoreInfos = &signalled};
   {
-    const std::scoped_lock hold(queue_->lock);
-    const VkResult result = device_.vk().vkQueueSubmit2(queue_->handle, 1, &info, fence);
+    const std::scoped_lock hold(*queue_);
+    const VkResult result = device_.vk().vkQueueSubmit2(queue_->handle(), 1, &info, fence);
     broken_ = result != VK_SUCCESS;
     device_.check(result, "vkQueueSubmit2");
   }
@@ -72,8 +72,8 @@ VkResult Queue::present(VkSwapchainKHR swapchain, std::uint32_t image, VkSemapho
                               .pSwapchains = &swapchain,
                               .pImageIndices = &image,
                               .pResults = nullptr};
-  const std::scoped_lock hold(queue_->lock);
-  const VkResult result = device_.vk().vkQueuePresentKHR(queue_->handle, &info);
+  const std::scoped_lock hold(*queue_);
+  const VkResult result = device_.vk().vkQueuePresentKHR(queue_->handle(), &info);
   if (result != VK_SUBOPTIMAL_KHR && result != VK_ERROR_OUT_OF_DATE_KHR) device_.check(result, "vkQueuePresentKHR");
   return result;
 }

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
+#include "engine/core/index_options.hpp"
 #include "engine/core/priority_mutex.hpp"
 #include "engine/gpu/vulkan.hpp"
 
@@ -12,14 +14,29 @@ namespace palpate {
 class CommandList;
 class Device;
 
-/// How a thread waits for the GPU. Spinning answers soonest and burns a core; polling yields between looks; blocking
-/// sleeps in the driver, which is the only fair way where the driver itself needs the cores.
-enum class Wait { spin, poll, block };
+/// A driver queue. Policies that share one all hold this, and lock it around each submission; where another program uses
+/// the queue, too, its lock is taken first (HostDevice).
+class SharedQueue {
+ public:
+  using HostLock = std::function<void(VkQueue)>;
 
-/// A driver queue. Roles that share one all hold this and its lock.
-struct SharedQueue {
-  VkQueue handle = VK_NULL_HANDLE;
-  PriorityMutex lock;
+  explicit SharedQueue(VkQueue handle, HostLock lockHost = {}, HostLock unlockHost = {})
+      : handle_(handle), lockHost_(std::move(lockHost)), unlockHost_(std::move(unlockHost)) {}
+
+  VkQueue handle() const { return handle_; }
+  void lock() {
+    if (lockHost_) lockHost_(handle_);
+    mutex_.lock();
+  }
+  void unlock() {
+    mutex_.unlock();
+    if (unlockHost_) unlockHost_(handle_);
+  }
+
+ private:
+  VkQueue handle_;
+  HostLock lockHost_, unlockHost_;
+  PriorityMutex mutex_;
 };
 
 /// Around a submission; null where there is none.
@@ -28,18 +45,26 @@ struct Semaphores {
   VkSemaphore signals = VK_NULL_HANDLE;  ///< when all of it is done
 };
 
-/// One role's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.
+/// What a queue is for.
+enum class QueuePolicy {
+  latency,     ///< short work that somebody waits for: it goes first, and is never cut up
+  throughput,  ///< long work that gives way: in slices, while there is urgent work (Device::hasUrgentWork)
+  background   ///< work that nobody waits for: it goes last, and whoever submits it keeps each piece short
+};
+
+/// One policy's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.
 class Queue {
  public:
   /// Identifies one submission; grows by one with each.
   using Ticket = std::uint64_t;
 
-  Queue(Device& device, std::shared_ptr<SharedQueue> queue, std::uint32_t family);
+  Queue(Device& device, std::shared_ptr<SharedQueue> queue, std::uint32_t family, QueuePolicy policy);
   ~Queue();
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
 
   std::uint32_t family() const { return family_; }
+  QueuePolicy policy() const { return policy_; }
   /// Waits first when too many submissions are in flight.
   Ticket submit(const CommandList& list, const Semaphores& semaphores = {});
   /// Hands an image to the window system once `after` is signalled; what the driver says, where that is no error.
@@ -49,11 +74,16 @@ class Queue {
   /// True when done, false when `timeout_us` has passed (0: wait for ever). Throws DeviceLost.
   bool wait(Ticket ticket, Wait how = Wait::block, double timeout_us = 0) const;
   void run(const CommandList& list) { wait(submit(list)); }
+  /// Waits until all submissions are done.
+  void finish() const {
+    if (last_ > 0) wait(last_);
+  }
 
  private:
   Device& device_;
   std::shared_ptr<SharedQueue> queue_;
   std::uint32_t family_;
+  QueuePolicy policy_;
   // Fences, not a timeline semaphore: the validation layer of Debian 12 loses track of timelines and waits for seconds.
   static constexpr std::uint64_t kInFlight = 8;
   VkFence fenceOf(Ticket ticket) const { return fences_[ticket % kInFlight]; }

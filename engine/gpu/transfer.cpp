@@ -47,6 +47,6 @@ void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<s
   });
 }
 
-Queue& touchQueueOf(Device& device) { return device.touch(); }
+Queue& latencyQueueOf(Device& device) { return device.latencyQueue(); }
 
 }  // namespace palpate

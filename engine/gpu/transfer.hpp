@@ -16,7 +16,7 @@ void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const
 void downloadBytes(Device& device, Queue& queue, const Buffer& from, std::span<std::byte> bytes,
                    std::uint64_t offset = 0);
 /// The queue of those who name none.
-Queue& touchQueueOf(Device& device);
+Queue& latencyQueueOf(Device& device);
 
 template <class T>
 void upload(Device& device, Queue& queue, const Buffer& to, const std::vector<T>& values) {
@@ -24,7 +24,7 @@ void upload(Device& device, Queue& queue, const Buffer& to, const std::vector<T>
 }
 template <class T>
 void upload(Device& device, const Buffer& to, const std::vector<T>& values) {
-  upload(device, touchQueueOf(device), to, values);
+  upload(device, latencyQueueOf(device), to, values);
 }
 /// `count` values from the start of the buffer, after all earlier work of the queue.
 template <class T>
@@ -35,7 +35,7 @@ std::vector<T> download(Device& device, Queue& queue, const Buffer& from, std::s
 }
 template <class T>
 std::vector<T> download(Device& device, const Buffer& from, std::size_t count) {
-  return download<T>(device, touchQueueOf(device), from, count);
+  return download<T>(device, latencyQueueOf(device), from, count);
 }
 
 }  // namespace palpate

@@ -1,5 +1,6 @@
 #include "engine/gpu/validation.hpp"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -12,8 +13,10 @@ bool isSetupRemark(std::string_view id, std::string_view text) {
   if (id == "UNASSIGNED-GPU-Assisted Validation Setup" || id == "UNASSIGNED-GPU-Assisted-Validation-Setup") return true;
   constexpr std::array kRemarks{"Forcing ", "Enabling ", "shader instrumentation", "Both GPU Assisted Validation and"};
   if (id.find("GPU-Assisted") == std::string_view::npos && id.find("BestPractices") == std::string_view::npos) {
-    return id == "UNASSIGNED-khronos-Validation-debug-build-warning-message" ||
-           id == "UNASSIGNED-khronos-validation-createinstance-status-message";
+    constexpr std::array kIds{"UNASSIGNED-khronos-Validation-debug-build-warning-message",
+                              "UNASSIGNED-khronos-validation-createinstance-status-message", "VALIDATION-SETTINGS",
+                              "WARNING-Setting-Limit-Adjusted"};
+    return std::ranges::find(kIds, id) != kIds.end();
   }
   for (const std::string_view remark : kRemarks)
     if (text.find(remark) != std::string_view::npos) return true;

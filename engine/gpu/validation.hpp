@@ -8,6 +8,13 @@
 
 namespace palpate {
 
+/// How closely the Khronos layer watches.
+enum class Validation {
+  off,
+  core,  ///< every call, every shader when it is compiled, and what is not synchronised
+  full   ///< as core, and every access of the shaders that run: GPU-assisted
+};
+
 /// Collects what the validation layers say. Every warning or error is printed to stderr as it comes and kept, so that a
 /// command can end with exit code 1 and a test can fail.
 class ValidationMessages {

@@ -20,7 +20,7 @@ WorkgroupWatch::WorkgroupWatch(Device& device, std::span<const ShaderCode* const
       twins_(twins),
       lives_(Buffer::of<std::uint32_t>(device, twins.size(), Memory::device, "workgroup lives")) {
   PALPATE_CHECK(isPossible(device));
-  upload(device, device.sight(), lives_, std::vector<std::uint32_t>(twins.size(), 0));
+  upload(device, device.throughputQueue(), lives_, std::vector<std::uint32_t>(twins.size(), 0));
   device_.pipelines().watchBy(this);
 }
 
@@ -29,7 +29,7 @@ WorkgroupWatch::~WorkgroupWatch() { device_.pipelines().watchBy(nullptr); }
 bool WorkgroupWatch::isPossible(const Device& device) { return device.hasClock(); }
 
 std::vector<WorkgroupWatch::Life> WorkgroupWatch::longest() const {
-  const auto ticks = download<std::uint32_t>(device_, device_.sight(), lives_, twins_.size());
+  const auto ticks = download<std::uint32_t>(device_, device_.throughputQueue(), lives_, twins_.size());
   std::vector<Life> lives;
   for (std::size_t i = 0; i < twins_.size(); ++i)
     if (ticks[i] > 0)

@@ -1,14 +1,14 @@
 #pragma once
 
-#include <array>
 #include <span>
 
 #include "engine/core/point_state.hpp"
-#include "engine/gpu/command_list.hpp"
 #include "engine/mesh/mesh.hpp"
+#include "engine/mesh/mesh_passes.hpp"
 #include "engine/mesh/mesh_plan.hpp"
+#include "engine/mesh/mesh_points.hpp"
+#include "engine/mesh/mesh_storage.hpp"
 #include "engine/spatial/prefix_scan.hpp"
-#include "engine/spatial/spatial_hash.hpp"
 
 namespace palpate {
 
@@ -27,14 +27,14 @@ struct MeshTimes {
 struct MeshStep {
   MeshTimes gpu_us;
   std::uint32_t blocks = 0;   ///< that are there
-  std::uint32_t treated = 0;  ///< whose nodes were looked at; the others were carried over
+  std::uint32_t treated = 0;  ///< whose nodes were computed; the others were carried over
 };
 
 /// Marching cubes (Lorensen and Cline 1987; cases as in engine/mesh/cell_table.hpp) over the implicit surface of a
 /// cloud on the GPU. Only blocks of 8 x 8 x 8 cells near points are stored and treated. Passes: hash, mark blocks,
 /// scan, list; value of every node; classify cells; scan; vertices, each placed on its edge and given its normal by a
-/// look at the points there; triangles. After an edit the nodes and vertices of blocks that it may have changed are
-/// made anew, the others' are copied, and the result is that of a build from nothing, bit by bit: points are looked at
+/// pass over the points there; triangles. After an edit the nodes and vertices of blocks that it may have changed are
+/// made anew, the others' are copied, and the result is that of a build from nothing, bit by bit: points are visited
 /// in an order that depends on where they are and on their numbers, and on nothing else. (Places where more than
 /// kMeshMostCandidates points crowd are the exception.) Belongs to the sight side.
 class MarchingCubes {
@@ -52,51 +52,29 @@ class MarchingCubes {
   std::uint32_t vertexCount() const { return vertexCount_; }
   std::uint32_t triangleCount() const { return triangleCount_; }
   /// vertexCount() shared::MeshVertex.
-  const Buffer& vertices() const { return now().vertices; }
+  const Buffer& vertices() const { return storage_.now().vertices; }
   /// Three uint32 for each triangle, anticlockwise as seen from outside.
-  const Buffer& triangles() const { return triangles_; }
-  bool hasColors() const { return colored_; }
+  const Buffer& triangles() const { return storage_.triangles(); }
+  bool hasColors() const { return points_.hasColors(); }
   const MeshPlan& plan() const { return plan_; }
   Mesh download() const;
   /// What it holds on the GPU at present.
-  std::uint64_t bytes() const;
+  std::uint64_t bytes() const { return points_.bytes() + storage_.bytes(); }
 
  private:
-  // What an update keeps from the state before it.
-  struct State {
-    Buffer table, values, vertexStarts, vertices;
-    std::uint64_t bytes() const { return table.bytes() + values.bytes() + vertexStarts.bytes() + vertices.bytes(); }
-  };
-  static constexpr std::uint32_t kNoPlace = 0xffffffffu;
-
-  State& now() { return states_[current_]; }
-  const State& now() const { return states_[current_]; }
-  const State& old() const { return states_[1 - current_]; }
-  State makeState() const;
   MeshStep remesh(bool update);
-  void buildIndex(MeshStep& step);
   void listBlocks(MeshStep& step);
   void fillLattice(MeshStep& step, bool update);
   void writeTriangles(MeshStep& step, bool update);
   void writeAddresses();
   shared::MeshArgs args(std::uint64_t count, bool update = false) const;
-  void grow(Buffer& buffer, std::uint64_t bytes) const;
-  void run(const CommandList& list) const;
 
   Device& device_;
   MeshPlan plan_;
-  bool colored_;
-  std::vector<std::uint32_t> placeOf_;  // of a point in the live cloud; empty where all have their own number
-  DVec3 origin_;
-  LiveCloud live_;  // its first side by number, its other one in the order of the hash
-  SpatialHash hash_;
+  MeshPoints points_;
+  MeshStorage storage_;
+  MeshPasses passes_;
   PrefixScan scan_;
-  ComputePipeline movePoints_, mark_, list_, touch_, field_, classify_, count_, vertices_, writeTriangles_;
-  Buffer addresses_, scratch_, cellCases_, colors_;
-  std::array<State, 2> states_;
-  std::uint32_t current_ = 0;
-  Buffer blocks_, cases_, masks_, ranks_, triangleStarts_, touched_, triangles_, moves_;
-  std::uint32_t moveCount_ = 0;
   std::uint32_t slots_ = 0, vertexCount_ = 0, triangleCount_ = 0;
 };
 

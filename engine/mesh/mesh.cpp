@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
 
@@ -87,7 +87,7 @@ void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell,
   }
   constexpr double kFinest = 1e-3;  // of a cell
   const bool wide = farthest * static_cast<double>(std::numeric_limits<float>::epsilon()) > kFinest * cell;
-  writePly(file, vertices, {.ascii = ascii, .triangles = &mesh.triangles, .doubles = wide});
+  writeCloud(file, vertices, {.ascii = ascii, .triangles = &mesh.triangles, .doubles = wide});
 }
 
 }  // namespace palpate

@@ -36,9 +36,9 @@ struct MeshReport {
 };
 MeshReport examine(const Mesh& mesh);
 
-/// Writes a PLY file of vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are
-/// doubles where single precision would not hold a thousandth of `cell`, the lattice's, model units. The file appears
-/// under its name only when it is whole. Throws FileError.
+/// Writes vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are doubles where
+/// single precision would not hold a thousandth of `cell`, the lattice's, model units. The file appears under its name
+/// only when it is whole. Throws FileError.
 void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii);
 
 }  // namespace palpate

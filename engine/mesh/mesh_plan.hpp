@@ -6,18 +6,15 @@
 #include <utility>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "engine/core/error.hpp"
 #include "shaders/shared/mesh.h"
 
 namespace palpate {
 
-class Device;
-
 /// The implicit function whose zero is the mesh. The first three are the surfaces that are felt, as signed distances:
 /// negative inside, so that the mesh is one sheet where the points are, and known up to a support radius on either
 /// side, which is more than a cell. `sphere` is the default: unlike `average` it neither shrinks nor grows where the
-/// surface is curved, and unlike `sharp` it takes one look at the points. `density`, the thesis's, needs no normals; it
-/// has no inside, so its mesh is a skin around the points with two sheets half a spacing or so off the surface.
+/// surface is curved, and unlike `sharp` it takes one pass over the points. `density`, the thesis's, needs no normals;
+/// it has no inside, so its mesh is a skin around the points with two sheets half a spacing or so off the surface.
 enum class MeshSurface : std::uint32_t {
   average = shared::kSurfaceAverage,
   sphere = shared::kSurfaceSphere,
@@ -47,29 +44,15 @@ struct MeshOptions {
 struct MeshPlan {
   shared::MeshLattice lattice{};
   MeshSurface surface = MeshSurface::sphere;
-  /// Points that are looked at, of all. Where a support radius holds far more than it needs, because the lattice is
+  /// Share of the points that are used. Where a support radius holds far more than it needs, because the lattice is
   /// coarse, a part serves as well; a point's number alone decides whether it belongs to it.
   double share = 1;
 
-  bool looksAt(std::uint32_t point) const;
+  bool uses(std::uint32_t point) const;
 };
 
 /// `spacing`: meanSpacing() of the cloud, model units; 0 where it has none. Throws Error for a lattice that would need
 /// more blocks than can be numbered.
 MeshPlan planMesh(const Bounds& bounds, double spacing, const MeshOptions& options);
-
-/// What a mesh needs on the GPU, bytes.
-struct MeshMemory {
-  std::uint64_t blocks = 0;  ///< how many are there; not bytes
-  std::uint64_t cloud = 0;   ///< points in two orders
-  std::uint64_t index = 0;
-  std::uint64_t lattice = 0;  ///< the table and what the blocks hold
-  std::uint64_t mesh = 0;     ///< vertices and triangles: an estimate on the safe side
-  std::uint64_t total() const { return cloud + index + lattice + mesh; }
-};
-MeshMemory predictMeshMemory(const PointCloud& cloud, const MeshPlan& plan);
-
-/// Throws OutOfGpuMemory, with the numbers, where the device has less memory than that.
-void requireMeshMemory(const Device& device, const MeshMemory& memory);
 
 }  // namespace palpate

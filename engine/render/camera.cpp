@@ -82,7 +82,7 @@ double parseNumber(std::string_view text, std::string_view word) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw UsageError("--camera: '{}' in '{}' is not a number", text, word);
+    throw UsageError("camera: '{}' in '{}' is not a number", text, word);
   return value;
 }
 
@@ -91,29 +91,29 @@ DVec3 parseVector(std::string_view text, std::string_view word) {
   for (int k = 0; k < 3; ++k) {
     const std::size_t comma = text.find(',');
     if ((comma == std::string_view::npos) != (k == 2))
-      throw UsageError("--camera: '{}' needs three numbers, as in eye=0,0,10", word);
+      throw UsageError("camera: '{}' needs three numbers, as in eye=0,0,10", word);
     v[k] = parseNumber(text.substr(0, comma), word);
     text.remove_prefix(k == 2 ? text.size() : comma + 1);
   }
   return v;
 }
 
-struct Wishes {
+struct CameraText {
   std::optional<DVec3> eye, target, up;
   std::optional<double> fov_deg;
 };
 
 template <class T>
-void setOnce(std::optional<T>& wish, T value, std::string_view key) {
-  if (wish) throw UsageError("--camera: '{}' is given twice", key);
-  wish = value;
+void setOnce(std::optional<T>& field, T value, std::string_view key) {
+  if (field) throw UsageError("camera: '{}' is given twice", key);
+  field = value;
 }
 
-Wishes parseWishes(std::string_view text) {
-  Wishes wishes;
+CameraText parseCamera(std::string_view text) {
+  CameraText given;
   while (true) {
     const std::size_t begin = text.find_first_not_of(" \t");
-    if (begin == std::string_view::npos) return wishes;
+    if (begin == std::string_view::npos) return given;
     text.remove_prefix(begin);
     const std::string_view word = text.substr(0, text.find_first_of(" \t"));
     text.remove_prefix(word.size());
@@ -121,15 +121,15 @@ Wishes parseWishes(std::string_view text) {
     const std::string_view key = word.substr(0, equals);
     const std::string_view value = equals == std::string_view::npos ? "" : word.substr(equals + 1);
     if (key == "eye") {
-      setOnce(wishes.eye, parseVector(value, word), key);
+      setOnce(given.eye, parseVector(value, word), key);
     } else if (key == "target") {
-      setOnce(wishes.target, parseVector(value, word), key);
+      setOnce(given.target, parseVector(value, word), key);
     } else if (key == "up") {
-      setOnce(wishes.up, parseVector(value, word), key);
+      setOnce(given.up, parseVector(value, word), key);
     } else if (key == "fov") {
-      setOnce(wishes.fov_deg, parseNumber(value, word), key);
+      setOnce(given.fov_deg, parseNumber(value, word), key);
     } else {
-      throw UsageError("--camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees", word);
+      throw UsageError("camera: '{}' is not known; known are eye=x,y,z target=x,y,z up=x,y,z fov=degrees", word);
     }
   }
 }
@@ -153,19 +153,19 @@ Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, c
 }
 
 Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing) {
-  const Wishes wishes = parseWishes(text);
-  const double fov_deg = wishes.fov_deg.value_or(45);
-  if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("--camera: fov={} is not between 1 and 170 degrees", fov_deg);
+  const CameraText given = parseCamera(text);
+  const double fov_deg = given.fov_deg.value_or(45);
+  if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("camera: fov={} is not between 1 and 170 degrees", fov_deg);
   Camera camera = fitting(cloud, aspect, fov_deg, framing);
   const DVec3 fittedOffset = camera.eye - camera.target;
-  if (wishes.target) camera.target = *wishes.target - cloud.origin;
-  camera.eye = wishes.eye ? *wishes.eye - cloud.origin : camera.target + fittedOffset;
+  if (given.target) camera.target = *given.target - cloud.origin;
+  camera.eye = given.eye ? *given.eye - cloud.origin : camera.target + fittedOffset;
   const DVec3 direction = camera.target - camera.eye;
-  if (glm::length(direction) == 0) throw UsageError("--camera: eye and target are the same point");
-  if (wishes.up) {
-    camera.up = *wishes.up;
+  if (glm::length(direction) == 0) throw UsageError("camera: eye and target are the same point");
+  if (given.up) {
+    camera.up = *given.up;
     if (glm::length(camera.up) == 0 || parallel(camera.up, direction))
-      throw UsageError("--camera: up must be a direction that is not along the view");
+      throw UsageError("camera: up must be a direction that is not along the view");
   } else if (parallel(camera.up, direction)) {
     camera.up = -frontOf(framing.up);  // looking straight down or up: the front of the model is at the bottom
   }

@@ -1,5 +1,7 @@
 #include "engine/render/compute_raster.hpp"
 
+#include <algorithm>
+
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/compiled.hpp"
@@ -27,7 +29,7 @@ const ShaderCode& attributesCode(const Device& device, bool wideAtomics) {
 ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
     : device_(device),
       pick_(device, shader_code::render_splat_pick,
-            {.workgroupSize = shared::kPickWorkgroup,
+            {.workgroupSize = std::min(shared::kPickWorkgroup, widestWorkgroup(device) / 32 * 32),
              .pushBytes = sizeof(shared::SplatArgs),
              .sliceThreads = kPickSlice}),
       plan_(device, shader_code::render_splat_plan, {.workgroupSize = 32, .pushBytes = sizeof(shared::SplatPlanArgs)}),
@@ -39,7 +41,7 @@ ComputeRaster::ComputeRaster(Device& device, bool wideAtomics)
       shares_(Buffer::of<UVec2>(device, shared::kMaxShares, Memory::device, "splat shares")) {}
 
 void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target) const {
-  const std::uint32_t turns = device_.isTouched() ? shared::kSplatTurns : 1;
+  const std::uint32_t turns = device_.hasUrgentWork() ? shared::kSplatTurns : 1;
   shared::SplatArgs args{.frame = target.frame,
                          .counts = counts_.address(),
                          .picked = cloud.picked().address(),
@@ -72,7 +74,7 @@ void ComputeRaster::record(CommandList& list, const DrawnCloud& cloud, const Ras
 }
 
 shared::SplatCounts ComputeRaster::readCounts() const {
-  return download<shared::SplatCounts>(device_, device_.sight(), counts_, 1).front();
+  return download<shared::SplatCounts>(device_, device_.throughputQueue(), counts_, 1).front();
 }
 
 }  // namespace palpate

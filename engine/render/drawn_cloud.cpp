@@ -52,19 +52,20 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
-      list_(device, device.sight(), "catch up") {
-  upload(device, device.sight(), points_.positions, positionsOf(cloud, count_));
-  upload(device, device.sight(), points_.normals, normalsOf(cloud, count_));
+      place_(device, shader_code::render_drawn_cloud_place, {.pushBytes = sizeof(shared::PlaceArgs)}),
+      list_(device, device.throughputQueue(), "catch up") {
+  upload(device, device.throughputQueue(), points_.positions, positionsOf(cloud, count_));
+  upload(device, device.throughputQueue(), points_.normals, normalsOf(cloud, count_));
   if (hasColors_) {
     std::vector<std::array<std::uint8_t, 4>> colors = cloud.colors;
     colors.resize(count_, kUnpainted);
-    upload(device, device.sight(), colors_, colors);
+    upload(device, device.throughputQueue(), colors_, colors);
   }
   list_.begin();
   list_.fill(latest_, 0, latest_.bytes());
   list_.fill(clips_, 0, clips_.bytes());
   list_.end();
-  device.sight().run(list_);
+  device.throughputQueue().run(list_);
   if (!(spacing_ > 0)) return;
   radii_.emplace(device, bounds_, count_, spacing_);
   radii_->measure(points_, clips_);
@@ -117,15 +118,42 @@ void DrawnCloud::apply(const Entries& entries) {
   list_.dispatch(claim_, entries.count, args);
   list_.dispatch(apply_, entries.count, args);
   list_.end();
-  device_.sight().run(list_);
-  stale_ = true;
+  device_.throughputQueue().run(list_);
+  stale_ = std::max(stale_, Stale::changed);
+}
+
+void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots) {
+  list_.begin();
+  list_.dispatch(place_, slots,
+                 shared::PlaceArgs{.livePositions = live.positions.address(),
+                                   .liveNormals = live.normals.address(),
+                                   .positions = points_.positions.address(),
+                                   .normals = points_.normals.address(),
+                                   .slots = slots,
+                                   .pointCount = count_});
+  list_.end();
+  device_.throughputQueue().run(list_);
+  stale_ = Stale::all;
+}
+
+void DrawnCloud::place(const CloudFrame& frame) {
+  const std::size_t count = std::min<std::size_t>(count_, frame.positions.size());
+  std::vector<Vec4> packed(count);
+  for (std::uint32_t i = 0; i < count; ++i) packed[i] = Vec4(frame.positions[i], std::bit_cast<float>(i));
+  upload(device_, device_.throughputQueue(), points_.positions, packed);
+  for (std::uint32_t i = 0; i < count; ++i) packed[i] = Vec4(frame.normals[i], 0.0f);  // the radius is measured anew
+  upload(device_, device_.throughputQueue(), points_.normals, packed);
+  stale_ = Stale::all;
 }
 
 void DrawnCloud::closeSurface() {
-  if (!radii_ || !stale_) return;
-  radii_->measureChanged(points_, clips_);
+  if (!radii_ || stale_ == Stale::none) return;
+  if (stale_ == Stale::all)
+    radii_->measure(points_, clips_);
+  else
+    radii_->measureChanged(points_, clips_);
   largestRadius_ = radii_->largest();
-  stale_ = false;
+  stale_ = Stale::none;
 }
 
 std::uint64_t DrawnCloud::bytes() const {

@@ -9,6 +9,8 @@
 #include "engine/render/frame_options.hpp"
 #include "engine/render/hardware_raster.hpp"
 #include "engine/render/image.hpp"
+#include "engine/render/shading.hpp"
+#include "engine/render/triangle_raster.hpp"
 
 namespace palpate {
 
@@ -30,45 +32,39 @@ class Frame {
   /// The same for a mesh, which is lit from its vertices' normals; the options about splats are not used.
   void record(CommandList& list, const DrawnMesh& mesh, const Camera& camera, const FrameOptions& options);
 
-  /// The last completed frame; waits for the sight queue.
+  /// The last completed frame; waits for the throughput queue.
   Image readColor() const;
   DepthImage readDepth() const;
   /// Of a cloud drawn in compute: how many discs were seen and not left out.
   std::uint32_t readDiscs() const;
 
-  std::uint32_t width() const { return width_; }
-  std::uint32_t height() const { return height_; }
+  std::uint32_t width() const { return size_.width; }
+  std::uint32_t height() const { return size_.height; }
   /// width x height RGBA8, for whoever shows it.
-  const Buffer& image() const { return image_; }
+  const Buffer& image() const { return shading_.image(); }
   /// width x height floats: the depth of what is seen, model units; 0 where nothing is.
-  const Buffer& depthImage() const { return depthImage_; }
+  const Buffer& depthImage() const { return shading_.depthImage(); }
 
  private:
-  std::uint64_t samples() const { return std::uint64_t{width_} * height_ * supersample_ * supersample_; }
-  UVec2 size_px() const { return {width_ * supersample_, height_ * supersample_}; }
-  DeviceAddress writeConstants(const Drawn& drawn, const Camera& camera, const FrameOptions& options,
-                               std::uint32_t tiles);
+  UVec2 size_px() const { return {size_.width * size_.supersample, size_.height * size_.supersample}; }
+  std::uint64_t samples() const { return std::uint64_t{size_px().x} * size_px().y; }
+  // With the constants of the next recording.
+  RasterTarget targetWith(const Drawn& about, const Camera& camera, const FrameOptions& options, std::uint32_t tiles);
   void recordClear(CommandList& list, bool colors) const;
   // Instead of clearing and of the compute passes.
-  void recordHardware(CommandList& list, const DrawnCloud& cloud, DeviceAddress constants, const Drawn& about,
+  void recordHardware(CommandList& list, const DrawnCloud& cloud, const RasterTarget& target, const Drawn& about,
                       const Camera& camera, const FrameOptions& options);
-  RasterTarget target(DeviceAddress constants) const {
-    return {constants, depth_.address(), normalSums_.address(), colorSums_.address()};
-  }
-  // Whose surface each sample shows.
-  void recordSources(CommandList& list, DeviceAddress constants) const;
-  // Smooths the depth first where that is asked for.
-  void recordShading(CommandList& list, DeviceAddress constants, const Camera& camera, const FrameOptions& options);
   void readBack(const Buffer& from, std::span<std::byte> to) const;
 
   Device& device_;
-  std::uint32_t width_, height_, supersample_;
+  FrameSize size_;
   ComputeRaster raster_;
-  ComputePipeline triangleDepth_, triangleAttributes_, closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
+  TriangleRaster triangles_;
+  Shading shading_;
+  std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
   Buffer constants_;
   std::uint32_t recordings_ = 0;
-  Buffer depth_, smoothed_, normalSums_, colorSums_, source_, shaded_, image_, depthImage_;
-  std::unique_ptr<HardwareRaster> hardware_;  // made at its first use
+  Buffer depth_, normalSums_, colorSums_;
 };
 
 }  // namespace palpate

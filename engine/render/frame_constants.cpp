@@ -61,9 +61,9 @@ shared::RenderOverlays overlaysOf(const Overlays& wanted) {
     overlays.arrowDirection = Vec3(wanted.force->along / length);
     overlays.arrowLength = static_cast<float>(length);
   }
-  if (wanted.tool) {
-    overlays.toolCenter = Vec3(wanted.tool->center);
-    overlays.toolRadius = static_cast<float>(wanted.tool->radius);
+  if (wanted.brush) {
+    overlays.brushCenter = Vec3(wanted.brush->center);
+    overlays.brushRadius = static_cast<float>(wanted.brush->radius);
   }
   const double bar = wanted.scale ? glm::length(wanted.scale->along) : 0.0;
   if (bar > 0) {
@@ -115,7 +115,7 @@ PixelRectangle overlayRectangle(const Overlays& overlays, const Camera& camera, 
   constexpr double kThickDisc = 1.5;  // the ball around one, in its radii
   if (overlays.hip) add(overlays.hip->center, overlays.hip->radius);
   if (overlays.proxy) add(overlays.proxy->center, kThickDisc * overlays.proxy->radius);
-  if (overlays.tool) add(overlays.tool->center, overlays.tool->radius);
+  if (overlays.brush) add(overlays.brush->center, overlays.brush->radius);
   for (const double end : {0.0, 1.0}) {
     if (overlays.force)
       add(overlays.force->from + end * overlays.force->along, kWidestPart * overlays.force->shaftRadius);

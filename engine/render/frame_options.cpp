@@ -27,15 +27,15 @@ ImagePass imagePassNamed(std::string_view name) {
   static constexpr std::pair<std::string_view, ImagePass> kChoices[] = {
       {"final", ImagePass::final},   {"depth", ImagePass::depth}, {"smooth-depth", ImagePass::smoothDepth},
       {"normal", ImagePass::normal}, {"color", ImagePass::color}, {"position", ImagePass::position}};
-  return named<ImagePass>("--pass", name, kChoices);
+  return named<ImagePass>("pass", name, kChoices);
 }
 
-ColorBy colorByNamed(std::string_view name) { return named<ColorBy>("--color", name, kColorNames); }
+ColorBy colorByNamed(std::string_view name) { return named<ColorBy>("color", name, kColorNames); }
 
 Raster rasterNamed(std::string_view name) {
   static constexpr std::pair<std::string_view, Raster> kChoices[] = {{"compute", Raster::compute},
                                                                      {"hardware", Raster::hardware}};
-  return named<Raster>("--raster", name, kChoices);
+  return named<Raster>("raster", name, kChoices);
 }
 
 }  // namespace palpate

@@ -74,10 +74,10 @@ struct Overlays {
   std::optional<Ball> hip;
   std::optional<Disc> proxy;
   std::optional<Arrow> force;
-  std::optional<Ball> tool;  ///< shows as its outline
+  std::optional<Ball> brush;  ///< shows as its outline
   std::optional<Bar> scale;
 
-  bool any() const { return hip || proxy || force || tool || scale; }
+  bool any() const { return hip || proxy || force || brush || scale; }
   bool operator==(const Overlays&) const = default;
 };
 

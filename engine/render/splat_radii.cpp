@@ -26,8 +26,8 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
       places_(places),
       spacing_(spacing),
       widest_(widestBorder(bounds, spacing)),
-      hash_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstLook) * spacing, places),
-            places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.sight()),
+      hash_(device, makeHashGrid(Vec3(bounds.min), static_cast<double>(shared::kSplatFirstSearch) * spacing, places),
+            places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.throughputQueue()),
       ordered_{Buffer::of<Vec4>(device, places, Memory::device, "hashed positions"),
                Buffer::of<Vec4>(device, places, Memory::device, "hashed normals"), 0},
       pass_(device, shader_code::render_splat_radius, {.pushBytes = sizeof(shared::SplatRadiusArgs)}),
@@ -40,16 +40,16 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
       list_(Buffer::of<std::uint32_t>(device, places, Memory::device, "changed splats")),
       listed_(Buffer::of<shared::ChangedSplats>(device, 1, Memory::device, "number of changed splats")) {
   largestRead_.mapped<std::uint32_t>()[0] = 0;
-  CommandList clear(device, device.sight(), "clear changed buckets");
+  CommandList clear(device, device.throughputQueue(), "clear changed buckets");
   clear.begin();
   clear.fill(reaches_, 0, reaches_.bytes());
   clear.fill(changed_, 0, changed_.bytes());
   clear.fill(largest_, 0, largest_.bytes());
   clear.end();
-  device.sight().run(clear);
+  device.throughputQueue().run(clear);
 }
 
-void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool onlyChanged) {
+void SplatRadii::run(const LiveCloud::Half& points, const Buffer& clips, bool onlyChanged) {
   const shared::SplatChangedArgs changedArgs{
       .cloud = hash_.view(ordered_, places_),
       .reaches = reaches_.address(),
@@ -69,7 +69,7 @@ void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool on
                                .widest = static_cast<float>(widest_),
                                .onlyListed = onlyChanged ? 1u : 0u,
                                .turn = 0};
-  CommandList list(device_, device_.sight(), "splat radii");
+  CommandList list(device_, device_.throughputQueue(), "splat radii");
   SortMethod sort;
   do {  // again where a bucket was crowded, and its points may have stood in any order
     sort = hash_.sort();
@@ -86,13 +86,13 @@ void SplatRadii::run(const LiveCloud::Side& points, const Buffer& clips, bool on
       list.dispatch(pass_, std::uint64_t{places_} * device_.subgroupSize(), args);
     }
     list.end();
-    device_.sight().run(list);
+    device_.throughputQueue().run(list);
   } while (sort != hash_.sort());
   list.begin();
   list.fill(changed_, 0, changed_.bytes());
   list.copy(largest_, largestRead_, largest_.bytes());
   list.end();
-  device_.sight().run(list);
+  device_.throughputQueue().run(list);
 }
 
 double SplatRadii::largest() const {

@@ -6,7 +6,7 @@
 namespace palpate {
 
 /// Measures how wide each point's disc must be to close the surface around it (shaders/shared/splat_radius.h), by a
-/// hash of the sight side's own: the drawn cloud is in the order of the file. Works on the sight queue and waits.
+/// hash of the sight side's own: the drawn cloud is in the order of the file. Works on the throughput queue and waits.
 class SplatRadii {
  public:
   /// `places`: points at most; `spacing`: mean, model units, positive. No border farther than a tenth of the box
@@ -15,9 +15,9 @@ class SplatRadii {
 
   /// Writes the radius of every point (model units) into the w of its normal, and where its disc is cut off into
   /// `clips`, a word for each place. `points`: in the order of their ids, with ids in the w of their positions.
-  void measure(const LiveCloud::Side& points, const Buffer& clips) { run(points, clips, false); }
+  void measure(const LiveCloud::Half& points, const Buffer& clips) { run(points, clips, false); }
   /// The same for those alone about which something has changed since: all radii are then what measure() would give.
-  void measureChanged(const LiveCloud::Side& points, const Buffer& clips) { run(points, clips, true); }
+  void measureChanged(const LiveCloud::Half& points, const Buffer& clips) { run(points, clips, true); }
 
   const HashGrid& grid() const { return hash_.grid(); }
   /// A bit for each bucket of the grid, to be set when a point in it has come, gone, moved or turned.
@@ -27,13 +27,13 @@ class SplatRadii {
   std::uint64_t bytes() const;
 
  private:
-  void run(const LiveCloud::Side& points, const Buffer& clips, bool onlyChanged);
+  void run(const LiveCloud::Half& points, const Buffer& clips, bool onlyChanged);
 
   Device& device_;
   std::uint32_t places_;
   double spacing_, widest_;
   SpatialHash hash_;
-  LiveCloud::Side ordered_;  // the points in hash order
+  LiveCloud::Half ordered_;  // the points in hash order
   ComputePipeline pass_, changedPass_;
   Buffer reaches_, changed_, largest_, largestRead_;
   Buffer list_, listed_;  // of the slots that are measured again

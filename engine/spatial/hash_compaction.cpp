@@ -4,8 +4,6 @@
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
-#include "engine/gpu/transfer.hpp"
-#include "shaders/compiled.hpp"
 
 namespace palpate {
 
@@ -14,95 +12,28 @@ namespace {
 // Buckets of a slice, each of which holds a few points. On a queue that touch shares a slice takes a part of a tick; on
 // one of its own its workgroups are short, and more of them a submission end sooner.
 constexpr std::uint32_t kSharedSlice = 1 << 11, kOwnSlice = 1 << 17;
-// Slots that a slice empties for each bucket that it may copy.
-constexpr std::uint32_t kSlotsPerBucket = 8;
 
-PipelineOptions pipeline(std::uint32_t pushBytes) {
-  return {.workgroupSize = shared::kUpdateWorkgroup, .pushBytes = pushBytes};
+std::uint32_t bucketsPerSlice(const Device& device, const CompactionOptions& options) {
+  if (options.bucketsPerSlice > 0) return options.bucketsPerSlice;
+  return device.roles().backgroundShares() ? kSharedSlice : kOwnSlice;
 }
-
-std::uint32_t slicesOf(std::uint32_t count, std::uint32_t each) { return (count + each - 1) / each; }
 
 }  // namespace
 
 HashCompaction::HashCompaction(Device& device, const SpatialHash& hash, const LiveCloud& live, const HashUpdate& update,
                                const CompactionOptions& options)
     : device_(device),
-      hash_(hash),
       live_(live),
       update_(update),
-      slicePass_(device, shader_code::spatial_compact_slice, pipeline(sizeof(shared::CompactionArgs))),
-      plan_(device, shader_code::spatial_compact_plan, pipeline(sizeof(shared::CompactionArgs))),
-      again_(device, shader_code::spatial_compact_again, pipeline(sizeof(shared::CompactionArgs))),
-      finish_(device, shader_code::spatial_compact_finish, pipeline(sizeof(shared::CompactionArgs))),
-      state_(Buffer::of<shared::HashCompaction>(device, 1, Memory::device, "compaction state")),
-      report_(Buffer::of<shared::HashCompaction>(device, 1, Memory::readback, "compaction report")),
-      sliceOf_(Buffer::of<shared::CompactionSlice>(device, 1, Memory::upload, "compaction slice")),
-      bucketsPerSlice_(options.bucketsPerSlice > 0         ? options.bucketsPerSlice
-                       : device.roles().backgroundShares() ? kSharedSlice
-                                                           : kOwnSlice),
-      slotsPerSlice_(kSlotsPerBucket * bucketsPerSlice_),
-      clears_(slicesOf(live.slots(), slotsPerSlice_)),
-      copies_(slicesOf(hash.grid().bucketMask + 1, bucketsPerSlice_)),
-      base_(live.count()) {
-  const std::uint32_t parity = live.parity();
-  report_.mapped<shared::HashCompaction>()[0] = {};
-  record(parity, live.side(), live.otherSide(), options.mostDirty);
-  record(1 - parity, live.otherSide(), live.side(), options.mostDirty);
-  warmUp();
-}
+      slices_(live.slots(), hash.grid().bucketMask + 1, bucketsPerSlice(device, options)),
+      lists_(device, hash, live, update, slices_.bucketsEach(), options.mostDirty),
+      base_(live.count()) {}
 
 HashCompaction::~HashCompaction() {
   try {
     if (on_) on_->wait(ticket_);  // all before it has ended: each submission waits for the last one
   } catch (const GpuError&) {     // the device is lost: nothing runs on it any more
   }
-}
-
-// Some drivers compile a pass when it first runs, which no tick should wait for: here all run for nothing.
-void HashCompaction::warmUp() {
-  sliceOf_.mapped<shared::CompactionSlice>()[0] = {.slots = UVec2(0), .buckets = UVec2(0)};
-  device_.touch().run(*begin_[live_.parity()]);
-  device_.background().run(*slice_[live_.parity()]);
-  upload(device_, state_, std::vector<shared::HashCompaction>{{.failed = shared::kCompactionNoSlots}});
-  device_.touch().run(*end_[live_.parity()]);
-}
-
-void HashCompaction::record(std::uint32_t parity, const LiveCloud::Side& from, const LiveCloud::Side& to,
-                            std::uint32_t mostDirty) {
-  const auto recorded = [&](const Queue& queue, const char* name, auto&& record) {
-    auto list = std::make_unique<CommandList>(device_, queue, name, CommandList::Timing::sections);
-    list->begin();
-    {
-      const auto section = list->section("compaction");
-      record(*list);
-    }
-    list->end();
-    return list;
-  };
-  const shared::HashUpdateArgs update = update_.args(hash_.view(from, live_.slots()), to.parity);
-  const shared::CompactionArgs args{.from = update.cloud,
-                                    .positions = to.positions.address(),
-                                    .normals = to.normals.address(),
-                                    .ranges = hash_.ranges(to).address(),
-                                    .capacities = update.capacities,
-                                    .state = state_.address(),
-                                    .slice = sliceOf_.address(),
-                                    .update = update.update,
-                                    .dirty = update.dirty};
-  begin_[parity] = recorded(device_.touch(), "begin compaction", [&](CommandList& list) {
-    update_.recordNoting(list, mostDirty);
-    list.fill(state_, 0, state_.bytes());
-  });
-  slice_[parity] = recorded(device_.background(), "compaction slice",
-                            [&](CommandList& list) { list.dispatch(slicePass_, bucketsPerSlice_, args); });
-  end_[parity] = recorded(device_.touch(), "end compaction", [&](CommandList& list) {
-    list.dispatch(plan_, shared::kPlanGroups * shared::kUpdateWorkgroup, args);
-    list.dispatchIndirect(again_, state_, args, offsetof(shared::HashCompaction, againGroups));
-    list.dispatch(finish_, 1, args);
-    list.copy(state_, report_, sizeof(shared::HashCompaction));
-    update_.recordReport(list);
-  });
 }
 
 bool HashCompaction::isDue(const shared::HashUpdate& report) {
@@ -116,8 +47,8 @@ bool HashCompaction::isDue(const shared::HashUpdate& report) {
 void HashCompaction::begin() {
   PALPATE_CHECK(stage_ == Stage::idle);
   parity_ = live_.parity();
-  next_ = 0;
-  submit(device_.touch(), *begin_[parity_]);
+  slices_.restart();
+  submit(device_.latencyQueue(), lists_.begin(parity_));
   stage_ = Stage::noting;
 }
 
@@ -127,16 +58,7 @@ void HashCompaction::submit(Queue& queue, const CommandList& list) {
 }
 
 void HashCompaction::submitSlice() {
-  const std::uint32_t buckets = hash_.grid().bucketMask + 1, slots = live_.slots();
-  // The slots are emptied first, since a slice may copy to any of them.
-  shared::CompactionSlice slice{.slots = {}, .buckets = {}};
-  if (next_ < clears_)
-    slice.slots = {next_ * slotsPerSlice_, std::min(slots, (next_ + 1) * slotsPerSlice_)};
-  else
-    slice.buckets = {(next_ - clears_) * bucketsPerSlice_, std::min(buckets, (next_ - clears_ + 1) * bucketsPerSlice_)};
-  sliceOf_.mapped<shared::CompactionSlice>()[0] = slice;
-  ++next_;
-  submit(device_.background(), *slice_[parity_]);
+  submit(device_.backgroundQueue(), lists_.slice(parity_, slices_.next()));
   stage_ = Stage::copying;
 }
 
@@ -147,7 +69,7 @@ void HashCompaction::advance() {
   if (!runs || !on_->isDone(ticket_)) return;
   if (stage_ == Stage::abandoning)
     stage_ = Stage::idle;
-  else if (next_ < slices())
+  else if (!slices_.areDone())
     submitSlice();
   else
     stage_ = Stage::copied;
@@ -156,7 +78,7 @@ void HashCompaction::advance() {
 void HashCompaction::end() {
   PALPATE_CHECK(stage_ == Stage::copied);
   PALPATE_CHECK_EQ(parity_, live_.parity());
-  submit(device_.touch(), *end_[parity_]);
+  submit(device_.latencyQueue(), lists_.end(parity_));
   stage_ = Stage::ending;
 }
 

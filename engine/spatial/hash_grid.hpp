@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/index_options.hpp"
 #include "shaders/shared/hash_grid.h"
 
 namespace palpate {
@@ -10,10 +11,6 @@ namespace palpate {
 using shared::bucketOf;
 using shared::cellOf;
 using shared::HashGrid;
-
-/// How cells become buckets: each cell scattered by Teschner's hash (the thesis), or blocks of eight cells a side
-/// scattered and the cells within a block in Morton order.
-enum class BucketKey { teschner, morton };
 
 /// Bits of a bucket number.
 std::uint32_t bucketBits(const HashGrid& grid);

@@ -80,13 +80,13 @@ HashUpdate::HashUpdate(Device& device, const SpatialHash& hash, const LiveCloud&
   upload(device, template_, std::vector{begin});
   upload(device, counters_, std::vector{begin});
   report_.mapped<shared::HashUpdate>()[0] = begin;
-  CommandList clear(device, device.touch(), "clear update");
+  CommandList clear(device, device.latencyQueue(), "clear update");
   clear.begin();
   clear.fill(marks_, 0, marks_.bytes());
   clear.fill(dirty_, 0, dirty_.bytes());
   for (const Buffer& capacities : capacities_) clear.fill(capacities, 0, capacities.bytes());
   clear.end();
-  device.touch().run(clear);
+  device.latencyQueue().run(clear);
 }
 
 shared::HashUpdateArgs HashUpdate::args(const shared::CloudView& cloud, std::uint32_t parity) const {

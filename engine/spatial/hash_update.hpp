@@ -26,9 +26,9 @@ class HashUpdate {
 
   /// Empties the lists, where one update follows another without an end between them.
   void recordBegin(CommandList& list) const;
-  /// Carries the listed moves out in the index of one side of the cloud.
+  /// Carries the listed moves out in the index of one half of the cloud.
   void recordApply(CommandList& list, const shared::CloudView& cloud, std::uint32_t parity) const;
-  /// Writes them where the points stand, for a full build to follow: of this side, whose index then no longer holds.
+  /// Writes them where the points stand, for a full build to follow: of this half, whose index then no longer holds.
   void recordCommit(CommandList& list, const shared::CloudView& cloud) const;
   /// After a full build that has written `cloud`: lists what changed, and which slots are free.
   /// `changed`: room for a word for every slot.
@@ -56,18 +56,18 @@ class HashUpdate {
 
   /// How passes over its lists are dispatched.
   const CountedDispatch& dispatch() const { return dispatch_; }
-  /// Tells the host of the update and empties the lists, which the next one counts on. The last pass of an edit does
+  /// Reports the update to the host and empties the lists, which the next one counts on. The last pass of an edit does
   /// the same by itself: it copies counters() to reportAddress(), and emptyCounters() over their first part.
   void recordEnd(CommandList& list) const;
   DeviceAddress reportAddress() const { return report_.address(); }
   DeviceAddress emptyCounters() const { return template_.address(); }
-  /// Tells the host again what counts beyond one update: points and slots.
+  /// Reports to the host again what counts beyond one update: points and slots.
   void recordReport(CommandList& list) const;
   /// Of the last update that has completed.
   const shared::HashUpdate& report() const { return report_.mapped<const shared::HashUpdate>()[0]; }
 
   std::uint64_t bytes() const;
-  /// Foretells bytes() for a cloud that is not there yet.
+  /// Predicts bytes() for a cloud that is not there yet.
   static std::uint64_t predictedBytes(std::uint64_t points);
 
  private:

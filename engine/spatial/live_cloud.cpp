@@ -26,7 +26,7 @@ std::uint32_t checkedSlots(const Device& device, std::uint32_t count, std::uint3
   return static_cast<std::uint32_t>(slots);
 }
 
-LiveCloud::Side makeSide(Device& device, std::uint32_t slots, std::uint32_t parity) {
+LiveCloud::Half makeHalf(Device& device, std::uint32_t slots, std::uint32_t parity) {
   return {Buffer::of<Vec4>(device, slots, Memory::device, "live positions"),
           Buffer::of<Vec4>(device, slots, Memory::device, "live normals"), parity};
 }
@@ -37,19 +37,19 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
     : device_(device),
       count_(checkedCount(device, cloud)),
       slots_(checkedSlots(device, count_, spare)),
-      sides_{makeSide(device, slots_, 0), makeSide(device, slots_, 1)} {
+      halves_{makeHalf(device, slots_, 0), makeHalf(device, slots_, 1)} {
   std::vector<Vec4> packed(slots_, Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
-  Queue& way = queue ? *queue : touchQueueOf(device);
-  upload(device, way, sides_[0].positions, packed);
+  Queue& way = queue ? *queue : latencyQueueOf(device);
+  upload(device, way, halves_[0].positions, packed);
   std::ranges::fill(packed, Vec4(0));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
-  upload(device, way, sides_[0].normals, packed);
+  upload(device, way, halves_[0].normals, packed);
 }
 
 std::vector<PointState> LiveCloud::points() const {
-  const auto positions = download<Vec4>(device_, side().positions, slots_);
-  const auto normals = download<Vec4>(device_, side().normals, slots_);
+  const auto positions = download<Vec4>(device_, front().positions, slots_);
+  const auto normals = download<Vec4>(device_, front().normals, slots_);
   std::vector<PointState> points;
   points.reserve(count_);
   for (std::size_t slot = 0; slot < positions.size(); ++slot) {

@@ -9,12 +9,12 @@ namespace palpate {
 class Queue;
 
 /// The cloud that is touched, on the GPU: positions and normals in the order of the spatial hash, each point with its
-/// id (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `side()` is
-/// the one that counts. A slot holds a point or is empty (id kEmptySlot); spare slots let an index grow where points
+/// id (its place in the file). There are two copies, because a rebuild reads one order and writes the next; `front()`
+/// is the one that counts. A slot holds a point or is empty (id kEmptySlot); spare slots let an index grow where points
 /// gather. Owned by the touch side; nobody else reads it while a tick runs.
 class LiveCloud {
  public:
-  struct Side {
+  struct Half {
     Buffer positions;  ///< a vec4 a slot: xyz in model units relative to the cloud's origin, w the bits of the id
     Buffer normals;    ///< a vec4 a slot: xyz unit, w 0
     std::uint32_t parity = 0;
@@ -27,19 +27,20 @@ class LiveCloud {
   /// Points as the cloud was loaded.
   std::uint32_t count() const { return count_; }
   std::uint32_t slots() const { return slots_; }
-  const Side& side() const { return sides_[current_]; }
-  const Side& otherSide() const { return sides_[1 - current_]; }
-  /// 0 or 1: which side counts, for command lists recorded ahead for both.
+  const Half& front() const { return halves_[current_]; }
+  const Half& back() const { return halves_[1 - current_]; }
+  const Half& half(std::uint32_t parity) const { return halves_[parity]; }
+  /// 0 or 1: which half counts, for command lists recorded ahead for both.
   std::uint32_t parity() const { return current_; }
   void flip() { current_ = 1 - current_; }
 
-  /// The points that are there, in the order of their slots. Waits for the touch queue.
+  /// The points that are there, in the order of their slots. Waits for the latency queue.
   std::vector<PointState> points() const;
 
  private:
   Device& device_;
   std::uint32_t count_, slots_;
-  Side sides_[2];
+  Half halves_[2];
   std::uint32_t current_ = 0;
 };
 

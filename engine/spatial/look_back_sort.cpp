@@ -33,14 +33,16 @@ std::uint64_t tileBytes(const RadixDigit& digit, std::uint64_t count) {
   return tilesFor(digit, count) * kWord << digit.bits;
 }
 
+constexpr std::uint32_t kHistogramWorkgroup = 1024, kHistogramBytes = 24 * 1024;
+
 PipelineOptions histogramOptions(std::uint32_t keyBits) {
   const std::vector<RadixDigit> digits = radixDigits(keyBits);
   const auto passes = static_cast<std::uint32_t>(std::max<std::size_t>(1, digits.size()));
   const std::uint32_t mostBits = digits.empty() ? 1 : digits.front().bits;  // the longer ones come first
   // Two workgroups fill a processor with invocations, so that each may have half of its shared memory.
-  constexpr std::uint32_t kWorkgroup = 1024, kMostCounters = 24 * 1024 / kWord;
+  constexpr std::uint32_t kMostCounters = kHistogramBytes / kWord;
   const std::uint32_t copies = std::min(32u, std::bit_floor((kMostCounters / passes) >> mostBits));
-  return {.workgroupSize = kWorkgroup,
+  return {.workgroupSize = kHistogramWorkgroup,
           .pushBytes = sizeof(shared::RadixHistogramArgs),
           .constants = {keyBits, passes, mostBits, copies}};
 }
@@ -63,12 +65,13 @@ LookBackSort::LookBackSort(Device& device, std::uint32_t keyBits)
 
 bool LookBackSort::fits(const Device& device, std::uint32_t keyBits) {
   if (device.subgroupSize() > 32) return false;  // one word holds a subgroup's ballot
+  if (widestWorkgroup(device) < kHistogramWorkgroup || sharedBytes(device) < kHistogramBytes) return false;
   const std::uint32_t subgroups = kSweepWorkgroup / device.subgroupSize();
   constexpr std::uint32_t kRest = 512;  // the workgroup's scan, and a few words
   return std::ranges::all_of(radixDigits(keyBits), [&](const RadixDigit& digit) {
     const std::uint32_t radix = 1u << digit.bits;
     const std::uint32_t pool = std::max(subgroups * radix, kSweepWorkgroup * itemsFor(digit));
-    return (pool + radix) * kWord + kRest <= device.properties().limits.maxComputeSharedMemorySize;
+    return (pool + radix) * kWord + kRest <= sharedBytes(device);
   });
 }
 

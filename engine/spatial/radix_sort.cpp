@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "engine/gpu/compute_pipeline.hpp"
 #include "engine/gpu/device.hpp"
 #include "shaders/compiled.hpp"
 #include "shaders/shared/radix_sort.h"
@@ -11,11 +12,19 @@ namespace palpate {
 
 namespace {
 
-// Shared memory holds a histogram of 1 KiB for each subgroup, at most 16 of them, and 32 bytes of keys for each
-// invocation: below the 32 KiB that small GPUs have, whatever their subgroup size.
+constexpr std::uint32_t kWord = sizeof(std::uint32_t);
+
+// Shared memory holds a histogram for each subgroup, at most 16 of them, and the keys of each invocation.
+std::uint32_t bytesFor(std::uint32_t workgroup, std::uint32_t subgroup) {
+  constexpr std::uint32_t kPrefixScan = 256;
+  const std::uint32_t histograms = std::max(1u, workgroup / subgroup) + 2;
+  return kWord * (histograms * shared::kSortRadix + workgroup * shared::kSortItems) + kPrefixScan;
+}
 std::uint32_t workgroupFor(const Device& device) {
   const std::uint32_t size = device.subgroupSize();
-  return std::clamp(size <= 8 ? 16 * size : 8 * size, 64u, 256u);
+  std::uint32_t workgroup = std::clamp(size <= 8 ? 16 * size : 8 * size, 64u, 256u);
+  while (workgroup > 32 && bytesFor(workgroup, size) > sharedBytes(device)) workgroup /= 2;
+  return workgroup;
 }
 
 std::uint64_t partitionsFor(std::uint64_t count, std::uint32_t workgroup) {

@@ -111,7 +111,7 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
         if (cellOf(grid_, point.position) == cell) visit(point);
       });
     });
-  } else {  // looking at every point is less
+  } else {  // a pass over all points costs less
     visitNear({0, static_cast<std::uint32_t>(placed_.size())}, center, squared, visit);
   }
 }
@@ -119,7 +119,7 @@ void SortedGrid::forEachNear(const DVec3& center, double radius, Visit&& visit) 
 template <class Visit>
 void SortedGrid::visitFewCells(const CellBox& box, const DVec3& center, double squared, Visit&& visit) const {
   // All buckets first, then their points: memory answers many questions at a time. Two cells may share a bucket, whose
-  // points are then looked at once, which costs less than asking each of them for its cell.
+  // points are then visited once, which costs less than asking each of them for its cell.
   std::array<UVec2, kFewCells> ranges;
   std::size_t count = 0;
   box.forEach([&](const IVec3& cell) {

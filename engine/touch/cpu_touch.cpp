@@ -1,16 +1,8 @@
 #include "engine/touch/cpu_touch.hpp"
 
-#include <algorithm>
-#include <utility>
-
 #include "engine/cloud/edited_cloud.hpp"
-#include "engine/core/check.hpp"
-#include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
-#include "engine/core/held_contact.hpp"
 #include "engine/core/processor.hpp"
-#include "engine/core/thread_priority.hpp"
-#include "shaders/shared/edit.h"
 
 namespace palpate {
 
@@ -37,87 +29,100 @@ CpuTouch::CpuTouch(const PointCloud& cloud, const CpuTouchOptions& options)
                .kind = options.surface,
                .localRadius = options.localRadius,
                .widening = options.widening},
-      tracker_(options.radius, options.friction),
-      secondTracker_(tracker_),
-      pace_(kStalest_s) {
-  if (!options.tool.points.empty()) toolContacts_.emplace(options.tool);
-  toolTrackers_.assign(options.tool.points.size(), tracker_);
-  if (!options.brush) return;
-  editTimes_us_.reserve(kEditTimesKept);
-  edit_ = std::make_unique<BackgroundTask>([this] {
-    giveWay();  // to the thread that answers
-    edit();
-  });
+      edits_(sculpture_, options.brush, options.radius / options.widening, origin_) {
+  if (options.source) frames_.emplace(*options.source, gridFor(cloud, options), options.threads);
+  for (const ProbeGroup& group : makeProbeGroups(options.tools))
+    hands_.push_back({.probes = group, .trackers = {group.probes(), ProxyTracker(options.radius, options.friction)}});
+  answers_.resize(hands_.size());
 }
 
 SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
+  const SortedGrid& grid = frames_ ? frames_->grid() : sculpture_.grid();
+  const std::vector<Vec3>& normals = frames_ ? frames_->frame().normals : sculpture_.points().normals;
   return surfaceOf(surface_, facing, [&](double radius, auto&& visit) {
-    sculpture_.grid().forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
-      visit(DVec3(point.position) - x, sculpture_.points().normals[point.number]);
+    grid.forEachNear(x, radius, [&](const SortedGrid::Placed& point) {
+      visit(DVec3(point.position) - x, normals[point.number]);
     });
   });
 }
 
-Contact CpuTouch::query(const Pose& pose, double budget_us) noexcept {
-  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
-  second_.ask(pose);
-  if (failure_ || !isFinite(Vec3(pose.hip - origin_)) || !isFinite(Vec3(SecondContact::placeOf(pose) - origin_)) ||
-      (toolContacts_ && !toolContacts_->isFiniteAt(pose, origin_)))
-    return invalid;
+std::span<const Contact> CpuTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  PALPATE_CHECK_EQ(poses.size(), hands_.size());
+  const auto fail = [&] {
+    for (std::size_t i = 0; i < hands_.size(); ++i) hands_[i].probes.fail(poses[i], failure_ != nullptr);
+  };
+  if (failure_ || !isFiniteAt(poses)) {
+    fail();
+    return given();
+  }
   try {
-    if (!editFinishedWithin(budget_us)) return held(pose);
-    const DVec3 lastHip = last_.valid ? lastPose_.hip : pose.hip;
-    answer(pose);
-    if ((!last_.touching || !last_.valid || !pose.sculpts) && sculpture_.settled()) endStroke();
-    if (last_.valid) editIfYielding(lastHip, budget_us > 0);
-    return told();
+    if (edits_.finishedWithin(budget_us))
+      answer(poses, budget_us > 0);
+    else
+      for (std::size_t i = 0; i < hands_.size(); ++i) hands_[i].probes.hold(poses[i]);
   } catch (...) {
     failure_ = std::current_exception();
-    invalid.lost = true;
-    return invalid;
+    fail();
+  }
+  return given();
+}
+
+bool CpuTouch::isFiniteAt(std::span<const Pose> poses) const {
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    if (!hands_[i].probes.isFiniteAt(poses[i], origin_)) return false;
+  return true;
+}
+
+std::span<const Contact> CpuTouch::given() {
+  for (std::size_t i = 0; i < hands_.size(); ++i) answers_[i] = hands_[i].probes.answer();
+  return answers_;
+}
+
+void CpuTouch::prepare() noexcept {
+  if (failure_ || !frames_ || !realtime_) return;
+  try {
+    frames_->goOn(hands_.front().probes.question().time_s);
+  } catch (...) {
+    failure_ = std::current_exception();
   }
 }
 
-std::span<const PointContact> CpuTouch::points() const noexcept {
-  return toolContacts_ ? toolContacts_->points() : std::span<const PointContact>();
+void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
+  realtime_ = realtime;
+  if (frames_ && !realtime) frames_->bring(poses.front().time_s);
+  for (std::size_t i = 0; i < hands_.size(); ++i) feel(hands_[i], poses[i]);
+  const Pose& pose = poses.front();
+  const Contact& own = hands_.front().probes.own();
+  const DVec3 lastHip = lastHip_.value_or(pose.hip);
+  lastHip_ = own.valid ? std::optional(pose.hip) : std::nullopt;
+  if (!own.touching || !own.valid || !pose.sculpts) edits_.rest();
+  if (own.valid) edits_.editIfYielding(own, pose, lastHip, realtime);
 }
 
-Contact CpuTouch::told() { return toolContacts_ ? toolContacts_->whole() : last_; }
-
-Contact CpuTouch::held(const Pose& pose) {
-  second_.hold(pose);
-  return toolContacts_ ? toolContacts_->held(pose) : heldContact(last_, lastPose_, pose);
+void CpuTouch::resetHand(std::size_t hand) noexcept {
+  forget(hands_[hand]);
+  if (hand == 0) lastHip_.reset();
 }
 
-void CpuTouch::beginAnew() noexcept { forget(); }
-
-void CpuTouch::secondBeginsAnew() noexcept {
-  secondTracker_.goOnFrom({});
-  second_.forget();
-}
-
-void CpuTouch::forget() {
-  tracker_.goOnFrom({});
-  for (ProxyTracker& tracker : toolTrackers_) tracker.goOnFrom({});
-  if (toolContacts_) toolContacts_->forget();
-  last_ = {};
+void CpuTouch::forget(CpuHand& hand) {
+  for (ProxyTracker& tracker : hand.trackers) tracker.goOnFrom({});
+  hand.probes.forget();
 }
 
 void CpuTouch::setBrush(const std::optional<BrushOptions>& brush) {
-  if (!edit_) throw Error("{}: points can only be changed where they can be edited", machine());
+  if (!edits_.hasThread()) throw Error("{}: points can only be changed where they can be edited", machine());
   finish();
-  brushOn_ = brush.has_value();
-  if (brush) options_.brush = brush;
+  edits_.setBrush(brush);
 }
 
-void CpuTouch::setContact(SurfaceKind surface, double friction) {
+void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view /*method*/) {
   finish();
   surface_.kind = surface;
-  tracker_ = ProxyTracker(options_.radius, friction);
-  toolTrackers_.assign(toolTrackers_.size(), tracker_);
-  secondTracker_ = tracker_;
-  forget();
-  secondBeginsAnew();
+  for (CpuHand& hand : hands_) {
+    hand.trackers.assign(hand.trackers.size(), ProxyTracker(options_.radius, friction));
+    forget(hand);
+  }
+  lastHip_.reset();
 }
 
 Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip) const {
@@ -131,72 +136,28 @@ Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip) const {
           .neighbours = surface.neighbours};
 }
 
-void CpuTouch::answer(const Pose& pose) {
-  last_ = contactOf(tracker_, pose.hip);
-  lastPose_ = pose;
-  if (toolContacts_) toolContacts_->answered(last_, pose);
-  for (std::uint32_t i = 0; toolContacts_ && i < toolContacts_->size(); ++i)
-    toolContacts_->answered(i, contactOf(toolTrackers_[i], toolContacts_->hip(i, pose)));
-  if (pose.secondHip) second_.answered(contactOf(secondTracker_, *pose.secondHip), pose);
-}
-
-void CpuTouch::editIfYielding(const DVec3& lastHip, bool realtime) {
-  if (!edit_ || !brushOn_ || (last_.touching && !lastPose_.sculpts)) return;
-  const DVec3 spring = last_.touching ? last_.proxy - lastPose_.hip : DVec3(0);
-  tool_.emplace(*options_.brush, options_.radius / options_.widening, lastPose_.hip - origin_, lastHip - origin_,
-                spring);
-  if (!tool_->acts() && sculpture_.settled()) return;
-  if (realtime && !pace_.mayEdit(lastPose_.time_s)) {
-    ++shortfalls_.editsTooSlow;
-    return;
-  }
-  if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
-  editTime_s_ = lastPose_.time_s;
-  editing_ = inStroke_ = true;
-  edit_->start();
-}
-
-void CpuTouch::edit() {
-  const Stopwatch watch;
-  sculpture_.edit(*tool_);
-  const auto changed = sculpture_.changed();
-  queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
-  editsTold_ += changed.size();
-  editTime_us_ = watch.elapsed_us();
-}
-
-bool CpuTouch::editFinishedWithin(double budget_us) {
-  if (!editing_) return true;
-  if (!edit_->finishedWithin(budget_us)) return false;
-  editing_ = false;
-  editsAnswered_ = editsTold_;
-  pace_.took(editTime_s_, editTime_us_ * 1e-6);
-  if (editTimes_us_.size() < editTimes_us_.capacity()) editTimes_us_.push_back(editTime_us_);
-  return true;
-}
-
-void CpuTouch::endStroke() {
-  if (std::exchange(inStroke_, false)) queue_.endStroke();
+void CpuTouch::feel(CpuHand& hand, const Pose& pose) const {
+  hand.probes.ask(pose);
+  for (std::uint32_t i = 0; i < hand.probes.probes(); ++i)
+    hand.probes.answered(i, contactOf(hand.trackers[i], hand.probes.place(i, pose)));
+  hand.probes.give();
 }
 
 void CpuTouch::change(std::span<const PointChange> changes) {
   finish();
-  if (changes.empty()) return;
-  sculpture_.set(changes);
-  queue_.append(
-      changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
-  editsAnswered_ = editsTold_ += changes.size();
-  if (!firstEditTime_s_) firstEditTime_s_ = lastPose_.time_s;
+  edits_.change(changes, hands_.front().probes.ownPose().time_s);
 }
 
 void CpuTouch::finish() {
   if (failure_) std::rethrow_exception(failure_);
-  editFinishedWithin(0);
-  endStroke();
+  edits_.finishedWithin(0);
+  edits_.endStroke();
+  if (frames_) frames_->finish();
 }
 
 std::size_t CpuTouch::readBack(PointCloud& cloud) const {
-  if (edit_) edit_->finishedWithin(0);
+  if (frames_) return placeAt(frames_->frame(), cloud);
+  edits_.wait();
   std::vector<PointState> points(sculpture_.points().size());
   for (std::uint32_t i = 0; i < points.size(); ++i) points[i] = sculpture_.points().state(i);
   const std::size_t changed = changedPoints(cloud, points);

@@ -26,7 +26,7 @@ PatchBridge::PatchBridge(Device& device, const HashGrid& grid, const DVec3& orig
 
 void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud) {
   auto& list = lists_[parity];
-  list = std::make_unique<CommandList>(device_, device_.touch(), "fetch patch");
+  list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "fetch patch");
   list->begin();
   pass_.record(*list, cloud);
   list->end();
@@ -34,11 +34,11 @@ void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud) {
 
 void PatchBridge::renew(const Pose& pose, std::uint32_t parity) {
   takeIn();
-  const ProxyTracker::Story story = contact_.story();
-  const DVec3 place = story.touching ? story.proxy : pose.hip - origin_;
+  const ProxyTracker::State state = contact_.state();
+  const DVec3 place = state.touching ? state.proxy : pose.hip - origin_;
   if (underWay_ || !wanted(place)) return;
   pass_.aimAt(Vec3(place));
-  underWay_ = Fetch{device_.touch().submit(*lists_[parity]), pose.time_s, edits_};
+  underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_};
 }
 
 bool PatchBridge::wanted(const DVec3& place) const {
@@ -46,7 +46,7 @@ bool PatchBridge::wanted(const DVec3& place) const {
 }
 
 void PatchBridge::takeIn() {
-  if (!underWay_ || !device_.touch().isDone(underWay_->ticket)) return;
+  if (!underWay_ || !device_.latencyQueue().isDone(underWay_->ticket)) return;
   taken_ = std::exchange(underWay_, std::nullopt);
   const CarriedPatch patch = pass_.patch();
   // The first edit that it does not see came after it was asked for.
@@ -59,14 +59,14 @@ void PatchBridge::edited(double time_s) {
   contact_.edited(time_s);
 }
 
-void PatchBridge::answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s) {
+void PatchBridge::answered(const Contact& contact, const Pose& pose, const ProxyTracker::State& state, double now_s) {
   contact_.heard(now_s);
   // A late answer, where the CPU has gone on since it was asked for, comes from the past.
-  if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, story);
+  if (!contact_.isAhead()) contact_.goOnFrom(contact, pose, state);
 }
 
-std::optional<ProxyTracker::Story> PatchBridge::newerStory() const {
-  return contact_.isAhead() ? std::optional(contact_.story()) : std::nullopt;
+std::optional<ProxyTracker::State> PatchBridge::newerState() const {
+  return contact_.isAhead() ? std::optional(contact_.state()) : std::nullopt;
 }
 
 Contact PatchBridge::answer(const Pose& pose) {

@@ -13,15 +13,15 @@ namespace palpate {
 class Device;
 
 /// Bridges late answers of the GPU: keeps a patch of the live cloud on the host, fetched anew where the probe goes and
-/// after every edit, and answers from it. A fetch runs on the touch queue behind the question that was just asked; the
-/// host copies it once its fence says that it is whole, and only then asks for another.
+/// after every edit, and answers from it. A fetch runs on the latency queue behind the question that was just asked;
+/// the host copies it once its fence says that it is whole, and only then asks for another.
 class PatchBridge {
  public:
   /// `grid`: of the hash that is fetched through. `origin`: of the cloud, in the poses' coordinates.
   PatchBridge(Device& device, const HashGrid& grid, const DVec3& origin, const SurfaceOptions& surface, double friction,
               std::uint32_t points);
 
-  /// Records the fetch for one side of the live cloud.
+  /// Records the fetch for one half of the live cloud.
   void record(std::uint32_t parity, const shared::CloudView& cloud);
 
   /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
@@ -29,13 +29,13 @@ class PatchBridge {
   void renew(const Pose& pose, std::uint32_t parity);
   /// An edit was submitted at `time_s`.
   void edited(double time_s);
-  /// The GPU's answer to `pose`, taken in at `now_s`, and the story that it left.
-  void answered(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story, double now_s);
+  /// The GPU's answer to `pose`, taken in at `now_s`, and the state that it left.
+  void answered(const Contact& contact, const Pose& pose, const ProxyTracker::State& state, double now_s);
 
   /// The GPU was there at `now_s`, with an answer that counts no more.
   void heard(double now_s) { contact_.heard(now_s); }
-  /// The stylus is put down elsewhere: nothing is touched, and nothing told so far goes on.
-  void beginAnew() { contact_.goOnFrom({.valid = true}, {}, {}); }
+  /// The stylus is put down elsewhere: nothing is touched, and no state so far goes on.
+  void reset() { contact_.goOnFrom({.valid = true}, {}, {}); }
 
   /// For a tick whose own answer is late. Throws DeviceLost.
   Contact answer(const Pose& pose);
@@ -47,8 +47,8 @@ class PatchBridge {
   double trust(double time_s) const { return contact_.trust(time_s); }
 
   /// What the GPU has to go on from at its next question, when that is not its own last answer.
-  std::optional<ProxyTracker::Story> newerStory() const;
-  /// It was told so, or there was nothing to tell.
+  std::optional<ProxyTracker::State> newerState() const;
+  /// The state was handed over, or there was none.
   void handedOver() { contact_.handedOver(); }
 
   /// Times of answer(), us; as many as are kept.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/contact/patch_fetch.hpp"
+#include "engine/contact/carried_patch.hpp"
 #include "engine/core/held_contact.hpp"
 #include "shaders/shared/contact.h"
 
@@ -31,15 +31,15 @@ void PatchContact::edited(double time_s) {
   if (!missingSince_s_) missingSince_s_ = time_s;
 }
 
-void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story) {
+void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::State& state) {
   last_ = contact;
   lastPose_ = pose;
   ahead_ = false;
-  if (contact.valid) tracker_.goOnFrom(story);
+  if (contact.valid) tracker_.goOnFrom(state);
 }
 
 std::optional<Contact> PatchContact::follow(ProxyTracker& tracker, const Pose& pose) const noexcept {
-  const ProxyTracker::Story before = tracker.story();
+  const ProxyTracker::State before = tracker.state();
   crossedBorder_ = false;
   tracker.follow(*this, pose.hip - origin_);
   const SurfaceSample& surface = tracker.surface();

@@ -36,8 +36,8 @@ class PatchContact final : private SurfaceField {
   void edited(double time_s);
   /// Whoever holds the cloud was there at `time_s`.
   void heard(double time_s) { heard_s_ = time_s; }
-  /// The answer to `pose` from whoever holds the cloud; the next one goes on from the story that it left.
-  void goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::Story& story);
+  /// The answer to `pose` from whoever holds the cloud; the next one goes on from the state that it left.
+  void goOnFrom(const Contact& contact, const Pose& pose, const ProxyTracker::State& state);
 
   /// Not fresh.
   Contact answer(const Pose& pose) noexcept;
@@ -48,10 +48,10 @@ class PatchContact final : private SurfaceField {
   double trust(double time_s) const;
 
   /// What answer() and goOnFrom() have come to.
-  ProxyTracker::Story story() const { return tracker_.story(); }
+  ProxyTracker::State state() const { return tracker_.state(); }
   /// Whether answer() has gone on since the last goOnFrom() or handedOver().
   bool isAhead() const { return ahead_; }
-  /// The story so far is told to whoever holds the cloud.
+  /// The state so far is handed to whoever holds the cloud.
   void handedOver() { ahead_ = false; }
   /// Whether a surface at `x`, relative to the cloud's origin, needs points from beyond the patch.
   bool needsMore(const DVec3& x) const { return !(glm::distance(x, centre_) + radius_ <= reach_); }
@@ -75,7 +75,7 @@ class PatchContact final : private SurfaceField {
   double reach_ = 0;
   std::optional<double> missingSince_s_;
   double heard_s_ = 0;
-  Contact last_;  // that the story goes on from
+  Contact last_;  // that the state goes on from
   Pose lastPose_;
   bool ahead_ = false;
   // What surface() works with: the points around the place that it looked at last, and whether it was asked for one

@@ -6,29 +6,20 @@
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"
-#include "engine/core/held_contact.hpp"
-#include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/touch/memory.hpp"
-#include "shaders/shared/edit.h"
 
 namespace palpate {
 
 namespace {
 
-// Drivers that are known to bring what the host writes before a shader that is running. Where sight has the same queue,
-// its frames would wait behind a question that waits.
-bool mayHearTheHost(const Device& device) {
-  return device.driverId() == VK_DRIVER_ID_NVIDIA_PROPRIETARY && !device.roles().shared();
-}
-
-// At about the 520th submission NVIDIA's driver makes room for more, once, and takes 1.8 ms: not in a tick.
-constexpr int kFirstSubmissions = 1100;
+constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
 
 // A cloud whose index is always built anew needs spare slots for new points alone.
 constexpr std::uint32_t kFewerSpare = 4;
 
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
+  if (!options.brush) return 0;
   const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
   return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
 }
@@ -43,22 +34,62 @@ std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions&
 
 void requireFused(const TouchOptions& options, QueryMethod method) {
   if (method == QueryMethod::fused) return;
-  if (!options.tool.points.empty())
+  if (options.tools.size() > 1) throw UsageError("several hands are answered by the query method fused alone");
+  if (!options.tools.front().points.empty())
     throw UsageError("a tool of many points is answered by the query method fused alone");
-  if (options.secondHand) throw UsageError("two hands are answered by the query method fused alone");
 }
 
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireFused(options, options.method);
+  PALPATE_CHECK(!(options.brush && options.source));
   requireGpuMemory(device, cloud.size(), options.brush.has_value());
   return cloud;
 }
 
-HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
+LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& options) {
   const double cell = options.cell > 0 ? options.cell : options.radius;
-  return makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size(),
-                      options.bucketKey);
+  return {.grid = makeHashGrid(Vec3(boundsOf(cloud).min), std::max(cell, smallestCell(options.radius)), cloud.size(),
+                               options.bucketKey),
+          .spareSlots = spareSlots(cloud, options),
+          .sort = options.sort,
+          .bucketOrder = options.bucketOrder,
+          .slots = options.brush ? Slots::spare : Slots::full};
+}
+
+EditOptions editOptions(const TouchOptions& options) {
+  return {.brush = *options.brush,
+          .radius = options.radius / options.widening,
+          .index = options.index,
+          .timing = options.timing,
+          .compaction = options.compaction};
+}
+
+// What the GPU finds beside its question. Places relative to the cloud's origin.
+shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
+  if (!state) return {};
+  return {.lastHip = Vec3(state->lastHip),
+          .touching = !state->touching ? shared::kFree
+                      : state->sticks  ? shared::kSticking
+                                       : shared::kSliding,
+          .spring = Vec3(state->proxy - state->lastHip),
+          .face = state->face,
+          .facing = Vec3(state->facing),
+          .started = state->started ? 1u : 0u};
+}
+
+// What the GPU's answer to a HIP, relative to the cloud's origin, leaves to the next tick.
+ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip) {
+  const std::uint32_t face = sample.flags >> shared::kSampleFaceShift;
+  const bool touching = sample.touching != shared::kFree;
+  const DVec3 normal(sample.normal);
+  return {.started = true,
+          .touching = touching,
+          .sticks = sample.touching == shared::kSticking,
+          .face = face,
+          .facing = touching && face == shared::kFaceBehind ? -normal : normal,
+          .lastHip = hip,
+          .proxy = hip + DVec3(sample.spring)};
 }
 
 }  // namespace
@@ -66,47 +97,42 @@ HashGrid gridFor(const PointCloud& cloud, const TouchOptions& options) {
 TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions& options)
     : device_(device),
       options_(options),
-      wait_(options.wait.value_or(device.defaultWait())),
       origin_(cloud.origin),
-      live_(device, fitting(device, cloud, options), options.brush ? spareSlots(cloud, options) : 0),
-      hash_(device, gridFor(cloud, options), live_.slots(), options.sort, options.bucketOrder,
-            options.brush ? Slots::spare : Slots::full),
-      contact_(device, contactOptions(), hash_.grid(), live_.slots()),
-      log_(device, options.brush ? live_.count() : 0),
-      forget_(device, device.touch(), "begin anew"),
-      forgetSecond_(device, device.touch(), "second hand begins anew"),
-      pace_(kStalest_s) {
-  buildTime_us_ = hash_.build(live_);
-  if (!options.tool.points.empty()) tool_.emplace(options.tool);
-  toolTrackers_.assign(options.tool.points.size(), {.tracker = ProxyTracker(options.radius, options.friction)});
-  if (options.secondHand) second_.emplace();
-  if (options.brush) {
-    edit_.emplace(device, *options.brush, hash_, live_, log_, colorsOf(cloud, options),
-                  options.radius / options.widening);
-    editTimes_us_.reserve(kEditTimesKept);
-    wishTimes_us_.reserve(kEditTimesKept);
-  }
+      hands_(makeHands()),
+      answers_(hands_.size()),
+      index_(device, fitting(device, cloud, options), indexOptions(cloud, options)),
+      record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
+      questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
+                 options.wait.value_or(device.defaultWait()), options.timing) {
+  if (options.brush)
+    edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
+  if (options.source) frames_.emplace(device, *options.source, index_);
   makeBridge();
   recordAll();
-  if (edit_ && options.index == IndexFollow::incremental)
-    compaction_.emplace(device, hash_, live_, edit_->update(), options.compaction);
-  if (wait_ == Wait::spin) warmUp();
-  const bool mayAskAhead = wait_ == Wait::spin && mayHearTheHost(device);
-  ahead_ = contact_.canWait() && options.ahead.value_or(mayAskAhead && hearsTheHost());
-  device_.noteTouch(1);
-}
-
-void TouchSide::warmUp() {
-  for (int i = 0; i < kFirstSubmissions; ++i) device_.touch().wait(device_.touch().submit(forget_), Wait::spin);
+  if (edits_) edits_->followIndex();
+  questions_.warmUp();
+  questions_.allowAhead(options.ahead, index_.parity());
+  device_.noteUrgentWork(1);
 }
 
 TouchSide::~TouchSide() {
-  device_.noteTouch(-1);
+  device_.noteUrgentWork(-1);
   try {
-    withdraw();
+    questions_.withdraw();
     device_.waitIdle();
   } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
   }
+}
+
+std::vector<TouchSide::GpuHand> TouchSide::makeHands() const {
+  std::vector<GpuHand> hands;
+  std::uint32_t probe = 0;
+  for (const ProbeGroup& group : makeProbeGroups(options_.tools)) {
+    hands.push_back({.probes = group, .firstProbe = probe, .points = {}});
+    hands.back().points.assign(group.probes() - 1, {.tracker = ProxyTracker(options_.radius, options_.friction)});
+    probe += group.probes();
+  }
+  return hands;
 }
 
 ContactOptions TouchSide::contactOptions() const {
@@ -117,124 +143,222 @@ ContactOptions TouchSide::contactOptions() const {
           .widening = options_.widening,
           .friction = options_.friction,
           .split = options_.split,
-          .probes = secondProbe() + (options_.secondHand ? 1 : 0)};
+          .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
 void TouchSide::makeBridge() {
-  bridge_.emplace(device_, hash_.grid(), origin_,
+  bridge_.emplace(device_, index_.hash().grid(), origin_,
                   SurfaceOptions{.radius = options_.radius,
                                  .kind = options_.surface,
                                  .localRadius = options_.localRadius,
                                  .widening = options_.widening},
-                  options_.friction, live_.slots());
+                  options_.friction, index_.cloud().slots());
 }
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
-    recordQuery(live_.parity());
-    bridge_->record(live_.parity(), hash_.view(live_.side(), live_.slots()));
-    if (edit_) recordEdits();
-    live_.flip();
+    questions_.record(index_.parity(), index_.view(), record_.log.head());
+    bridge_->record(index_.parity(), index_.view());
+    if (edits_) edits_->record(questions_.contact().state());
+    index_.flip();
   }
-  const std::uint64_t ofFirst = std::uint64_t{secondProbe()} * sizeof(shared::ContactState);
-  forget_.begin();
-  forget_.fill(contact_.state(), 0, ofFirst);
-  forget_.end();
-  if (!second_) return;
-  forgetSecond_.begin();
-  forgetSecond_.fill(contact_.state(), 0, sizeof(shared::ContactState), ofFirst);
-  forgetSecond_.end();
+  std::vector<ProbeRange> ranges;
+  for (const GpuHand& hand : hands_) ranges.push_back({.first = hand.firstProbe, .count = hand.probes.probes()});
+  questions_.recordForgetting(ranges);
 }
 
 void TouchSide::settle() {
   if (failure_) std::rethrow_exception(failure_);
   closeTick();
-  withdraw();
-  if (asked_) answerWithin(0, lastPose_.time_s);
+  questions_.withdraw();
+  if (questions_.isOut()) answerWithin(0, hands_.front().probes.ownPose().time_s);
 }
 
-void TouchSide::setContact(SurfaceKind surface, double friction, QueryMethod method) {
+void TouchSide::setContact(SurfaceKind surface, double friction, std::string_view name) {
+  const QueryMethod method = queryMethodNamed(name);
   requireFused(options_, method);
   finish();
   device_.waitIdle();
   options_.surface = surface;
   options_.friction = friction;
   options_.method = method;
-  toolTrackers_.assign(toolTrackers_.size(), {.tracker = ProxyTracker(options_.radius, friction)});
-  forgetTool();
-  if (second_) second_->forget();
-  ended_.reset();
-  contact_ = ContactStep(device_, contactOptions(), hash_.grid(), live_.slots());
+  for (GpuHand& hand : hands_) {
+    hand.points.assign(hand.points.size(), {.tracker = ProxyTracker(options_.radius, friction)});
+    forget(hand);
+  }
+  questions_.setContact(contactOptions(), index_.hash().grid(), index_.cloud().slots());
   makeBridge();
   recordAll();
-  lastQuery_ = {};
-  last_ = {};
-  ahead_ = ahead_ && contact_.canWait();
 }
 
-void TouchSide::beginAnew() noexcept {
-  if (failure_) return;
+void TouchSide::setBrush(const std::optional<BrushOptions>& brush) {
+  if (!edits_) throw Error("{}: points can only be changed where they can be edited", machine());
+  finish();
+  edits_->setBrush(brush, questions_.contact().state());
+}
+
+std::span<const Contact> TouchSide::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  PALPATE_CHECK_EQ(poses.size(), hands_.size());
+  if (failure_ || !isFiniteAt(poses)) {
+    fail(poses);
+    return given();
+  }
   try {
-    if (asked_) asked_->dropped = true;
-    forgetBy(forget_);
-    bridge_->beginAnew();
-    last_.touching = false;
-    forgetTool();
+    if (!isAnsweredWithin(poses, budget_us)) {
+      bridge(poses);
+      return given();
+    }
+    for (GpuHand& hand : hands_) hand.probes.give();
+    if (budget_us <= 0) closeTick();
   } catch (...) {
     failure_ = std::current_exception();
+    fail(poses);
   }
+  return given();
 }
 
-void TouchSide::secondBeginsAnew() noexcept {
-  if (failure_ || !second_) return;
-  try {
-    if (asked_) asked_->secondDropped = true;
-    forgetBy(forgetSecond_);
-    second_->forget();
-  } catch (...) {
-    failure_ = std::current_exception();
-  }
-}
-
-void TouchSide::forgetBy(const CommandList& forget) {
+bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) {
+  const Stopwatch watch;
+  const bool realtime = budget_us > 0;
+  const double now_s = poses.front().time_s;
   closeTick();
-  withdraw();
-  settleLast();
-  device_.touch().wait(device_.touch().submit(forget), wait_);
-}
-
-void TouchSide::recordQuery(std::uint32_t parity) {
-  queries_[parity].clear();
-  for (std::uint32_t i = 0; i < contact_.lists(); ++i) {
-    auto& list = queries_[parity].emplace_back(
-        std::make_unique<CommandList>(device_, device_.touch(), "query", options_.timing));
-    list->begin();
-    contact_.record(*list, i, hash_.view(live_.side(), live_.slots()), log_.head());
-    list->end();
+  // Nothing new is asked while a question is out.
+  if (questions_.isOut() && !lateAnswerIsIn(now_s, budget_us)) return false;
+  if (realtime && !questions_.mayAskWithin(budget_us)) return false;
+  if (frames_ && !realtime) {
+    questions_.withdraw();
+    frames_->bring(now_s);
   }
+  submitQuestion(poses, realtime);
+  return answerWithin(realtime ? std::max(kPoll_us, budget_us - watch.elapsed_us()) : 0, now_s);
 }
 
-std::span<const PointContact> TouchSide::points() const noexcept {
-  return tool_ ? tool_->points() : std::span<const PointContact>();
+bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    if (!hands_[i].probes.isFiniteAt(poses[i], origin_)) return false;
+  return true;
 }
 
-Contact TouchSide::told() { return tool_ ? tool_->whole() : last_; }
+void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
+  questions_.begin();
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    GpuHand& hand = hands_[i];
+    hand.probes.ask(poses[i]);
+    const auto newer = i == 0 ? bridge_->newerState() : std::nullopt;
+    questions_.put(hand.firstProbe, Vec3(poses[i].hip - origin_), stateOf(newer));
+    for (std::uint32_t k = 0; k < hand.points.size(); ++k) {
+      const bool ahead = std::exchange(hand.points[k].ahead, false);
+      questions_.put(hand.firstProbe + 1 + k, Vec3(hand.probes.place(1 + k, poses[i]) - origin_),
+                     stateOf(ahead ? std::optional(hand.points[k].tracker.state()) : std::nullopt));
+    }
+  }
+  bridge_->handedOver();
+  questions_.ask(poses.front().time_s, realtime, edits_ && edits_->isUnderWay(), index_.parity());
+}
 
-Contact TouchSide::bridged(const Pose& pose) {
-  const Contact own = bridge_->answer(pose);
-  if (second_) second_->hold(pose);
-  if (!tool_) return own;
-  return tool_->bridged(own, pose, bridge_->trust(pose.time_s), [&](std::uint32_t i, const Pose& at) {
-    const std::optional<Contact> contact = bridge_->follow(toolTrackers_[i].tracker, at);
-    toolTrackers_[i].ahead = toolTrackers_[i].ahead || contact;
+bool TouchSide::answerWithin(double budget_us, double now_s) {
+  if (!questions_.isAnsweredWithin(budget_us)) return false;
+  takeAnswer(now_s);
+  return true;
+}
+
+bool TouchSide::lateAnswerIsIn(double now_s, double budget_us) {
+  const bool behindEdit = questions_.question().behindEdit, realtime = budget_us > 0;
+  if (!answerWithin(realtime ? kPoll_us : 0, now_s)) return false;
+  // After an edit the next one waits for an answer in time: until the hand has felt the last. Where no edit was in the
+  // way the GPU is slower than the ticks, and late answers are all there are.
+  if (realtime && !behindEdit) editIfYielding(true);
+  if (realtime) goOn(now_s, true);
+  return true;
+}
+
+void TouchSide::takeAnswer(double now_s) {
+  const Question& asked = questions_.question();
+  if (edits_) edits_->collect(asked.timed ? nullptr : &asked.since);
+  GpuHand& first = hands_.front();
+  const shared::ContactSample sample = questions_.sample(first.firstProbe);
+  record_.log.publish(sample.logHead);
+  record_.answered = record_.log.published();
+  std::uint32_t flags = 0;
+  for (GpuHand& hand : hands_) flags |= takeAnswers(hand);
+  TouchShortfalls& shortfalls = statistics_.shortfalls;
+  shortfalls.truncatedTicks += (flags & shared::kSampleTruncated) != 0;
+  shortfalls.thinnedTicks += (flags & shared::kSampleThinned) != 0;
+  const Contact own = first.probes.own();
+  const Pose& pose = first.probes.ownPose();
+  if (edits_ && (!own.touching || !own.valid || !pose.sculpts)) edits_->rest();
+  for (std::size_t i = 0; i < hands_.size(); ++i)
+    if (asked.dropped[i]) forget(hands_[i]);
+  if (asked.dropped[0])
+    bridge_->heard(now_s);
+  else
+    bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_), now_s);
+  shortfalls.thinnedPatches = bridge_->thinnedPatches();
+}
+
+std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
+  std::uint32_t flags = 0;
+  for (std::uint32_t i = 0; i < hand.probes.probes(); ++i) {
+    const shared::ContactSample sample = questions_.sample(hand.firstProbe + i);
+    flags |= sample.flags;
+    const DVec3 hip = hand.probes.place(i, hand.probes.question());
+    BridgedPoint* const point = i > 0 ? &hand.points[i - 1] : nullptr;
+    // Where the patch has gone on since it was asked, an answer comes from the past.
+    if (point && point->ahead) continue;
+    const Contact contact = contactOf(sample, hip);
+    hand.probes.answered(i, contact);
+    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_));
+  }
+  return flags;
+}
+
+Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& hip) const {
+  return {.proxy = hip + DVec3(sample.spring),
+          .normal = DVec3(sample.normal),
+          .touching = sample.touching != 0,
+          .fresh = true,
+          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal),
+          .neighbours = sample.neighbours,
+          .gpu_us = questions_.question().gpu_us};
+}
+
+std::span<const Contact> TouchSide::given() {
+  for (std::size_t i = 0; i < hands_.size(); ++i) answers_[i] = hands_[i].probes.answer();
+  return answers_;
+}
+
+void TouchSide::bridge(std::span<const Pose> poses) {
+  GpuHand& first = hands_.front();
+  const Contact own = bridge_->answer(poses.front());
+  const double trust = bridge_->trust(poses.front().time_s);
+  first.probes.bridge(own, poses.front(), trust, [&](std::uint32_t probe, const Pose& at) {
+    BridgedPoint& point = first.points[probe - 1];
+    const std::optional<Contact> contact = bridge_->follow(point.tracker, at);
+    point.ahead = point.ahead || contact;
     return contact;
   });
+  for (std::size_t i = 1; i < hands_.size(); ++i) hands_[i].probes.hold(poses[i]);
 }
 
-void TouchSide::forgetTool() {
-  if (!tool_) return;
-  tool_->forget();
-  for (ToolTracker& point : toolTrackers_) {
+void TouchSide::fail(std::span<const Pose> poses) {
+  for (std::size_t i = 0; i < hands_.size(); ++i) hands_[i].probes.fail(poses[i], failure_ != nullptr);
+}
+
+void TouchSide::resetHand(std::size_t hand) noexcept {
+  if (failure_) return;
+  try {
+    closeTick();
+    questions_.resetHand(hand);
+    if (hand == 0) bridge_->reset();
+    forget(hands_[hand]);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+}
+
+void TouchSide::forget(GpuHand& hand) {
+  hand.probes.forget();
+  for (BridgedPoint& point : hand.points) {
     point.tracker.goOnFrom({});
     point.ahead = false;
   }
@@ -244,36 +368,79 @@ void TouchSide::prepare() noexcept {
   if (failure_) return;
   try {
     closeTick();
-    if (ahead_ && !asked_ && !waiting_) askAhead();
+    // In virtual time the frame of the next pose comes first.
+    if (!frames_ || questions_.question().realtime) questions_.askAhead(index_.parity());
   } catch (...) {
     failure_ = std::current_exception();
   }
 }
 
 void TouchSide::closeTick() {
-  const std::optional<Open> open = std::exchange(open_, std::nullopt);
-  if (!open) return;
-  if (open->realtime) bridge_->renew(open->pose, live_.parity());
-  if (!open->answered) return;
-  if (last_.valid) editIfYielding(open->realtime);
-  compactFurther(open->realtime);
+  if (!questions_.isInTick()) return;
+  const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
+  questions_.closeTick();
+  if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity());
+  if (!answered) return;
+  editIfYielding(realtime);
+  goOn(questions_.question().time_s, realtime);
+}
+
+void TouchSide::goOn(double time_s, bool realtime) {
+  index_.compactFurther(realtime);
+  if (frames_ && realtime && frames_->goOn(time_s)) bridge_->edited(time_s);
+}
+
+void TouchSide::editIfYielding(bool realtime) {
+  const ProbeGroup& hand = hands_.front().probes;
+  if (!edits_ || !hand.own().valid) return;
+  if (edits_->editIfYielding(hand.own(), hand.ownPose(), realtime)) bridge_->edited(hand.ownPose().time_s);
 }
 
 void TouchSide::finish() {
   settle();
-  log_.publish(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);  // waits for the queue
-  collectEdit(true);
-  endStroke();
+  record_.log.publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
+  if (frames_) frames_->finish();
+  if (!edits_) return;
+  edits_->collect(nullptr);
+  edits_->endStroke();
+}
+
+void TouchSide::change(std::span<const PointChange> changes) {
+  if (!edits_) throw Error("{}: points can only be changed where they can be edited", machine());
+  finish();
+  edits_->change(changes);
+  record_.answered = record_.log.published();
+  bridge_->edited(hands_.front().probes.ownPose().time_s);
+}
+
+std::size_t TouchSide::readBack(PointCloud& cloud) const {
+  if (frames_) return placeAt(frames_->front(), cloud);
+  return edits_ ? edits_->readBack(cloud) : 0;
+}
+
+EditScope TouchSide::editScope() const {
+  return {.edits = edits_ || frames_,
+          .paints = edits_ && (options_.paintable || edits_->pass().brush().kind == BrushKind::paint),
+          .newPoints = live().slots() - live().count()};
+}
+
+EditCosts TouchSide::editCosts() const {
+  EditCosts costs{.requests_us = statistics_.requestTimes_us,
+                  .states = record_.log.published(),
+                  .longestCompactionEnd_us = index_.compactions().longestEnd_us};
+  if (edits_) costs.lastTouched = edits_->pass().report().changed + edits_->pass().report().gone;
+  return costs;
+}
+
+BackendMemory TouchSide::memory() const {
+  constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);  // positions and normals of both halves
+  return {
+      .points = kBytesPerSlot * live().slots(), .index = hash().bytes(), .lists = edits_ ? edits_->pass().bytes() : 0};
 }
 
 std::vector<PassRecord> TouchSide::passes() const {
-  std::vector<PassRecord> all;
-  for (std::uint32_t list = lastQuery_.first; list <= lastQuery_.last; ++list)
-    std::ranges::copy(queries_[lastQuery_.parity][list]->passes(), std::back_inserter(all));
-  if (edit_) {
-    const CommandList& edit = lastEdit_ ? *lastEdit_ : chosenEdit();
-    std::ranges::copy(edit.passes(), std::back_inserter(all));
-  }
+  std::vector<PassRecord> all = questions_.passes();
+  if (edits_) std::ranges::copy(edits_->passes(), std::back_inserter(all));
   return all;
 }
 

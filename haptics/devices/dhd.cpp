@@ -1,12 +1,11 @@
 #include "haptics/devices/dhd.hpp"
 
-#include <array>
+#include "haptics/devices/system_devices.hpp"
 
 namespace palpate::dhd {
 namespace {
 
 constexpr std::string_view kProduct = "the Force Dimension library (libdhd)";
-constexpr std::array<std::string_view, 5> kNames{"libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so", ""};
 
 }  // namespace
 
@@ -33,7 +32,7 @@ std::vector<std::string> Api::missingFrom(const VendorLibrary& library) { return
 const LibrarySearch& librarySearch() {
   static const LibrarySearch search{.product = kProduct,
                                     .variable = "PALPATE_DHD_LIBRARY",
-                                    .names = kNames,
+                                    .names = forceDimensionNames(),
                                     .probe = "dhdOpenID",
                                     .advice = "install the Force Dimension SDK"};
   return search;

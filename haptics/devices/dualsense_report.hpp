@@ -1,4 +1,4 @@
-// What a DualSense is told over USB. Layout as in Linux, drivers/hid/hid-playstation.c.
+// What is sent to a DualSense over USB. Layout as in Linux, drivers/hid/hid-playstation.c.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ constexpr ModelLimits kModels[]{
 
 VendorLibrary loaded() {
   VendorLibrary library(dhd::librarySearch());
-  if (!library.isLoaded()) throw Error("--device dhd: {}", library.whyNot());
+  if (!library.isLoaded()) throw Error("dhd: {}", library.whyNot());
   return library;
 }
 
@@ -33,7 +33,7 @@ ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loaded()), dhd_
   const int id = dhd_.openID(static_cast<char>(index));
   if (id < 0)
     throw Error(
-        "--device dhd: device {} cannot be opened: {}; check cable and power, close other programs that use it, and "
+        "dhd: device {} cannot be opened: {}; check cable and power, close other programs that use it, and "
         "see palpate doctor for permissions",
         index, lastError());
   device_ = static_cast<char>(id);
@@ -53,7 +53,7 @@ ForceDimensionDevice::ForceDimensionDevice(int index) : library_(loaded()), dhd_
   if (dhd_.setWatchdog(kWatchdog_ms, device_) < 0 || dhd_.enableForce(1, device_) < 0) {
     const std::string why = lastError();
     dhd_.close(device_);
-    throw Error("--device dhd: {} does not take forces: {}; press its force button and start again", facts_.model, why);
+    throw Error("dhd: {} does not take forces: {}; press its force button and start again", facts_.model, why);
   }
 }
 

@@ -45,16 +45,16 @@ void GuidedTouch::aim(const DVec3& place) noexcept {
   if (!isFinite(place)) return;
   aim_.putDowns += std::exchange(aim_.lifted, false);
   aim_.place = place;
-  told_.tell(aim_);
+  latest_.store(aim_);
 }
 
 void GuidedTouch::lift() noexcept {
   aim_.lifted = true;
-  told_.tell(aim_);
+  latest_.store(aim_);
 }
 
 DeviceState GuidedTouch::read(double time_s) noexcept {
-  const Aim aim = told_.told().value_or(last_);
+  const Aim aim = latest_.load().value_or(last_);
   const bool moved = aim.putDowns != last_.putDowns || aim.lifted != last_.lifted;
   last_ = aim;
   if (moved) {

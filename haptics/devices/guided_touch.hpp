@@ -39,7 +39,7 @@ class GuidedTouch final : public HapticDevice {
   };
 
   DVec3 parked_;
-  LatestValue<Aim> told_;
+  LatestValue<Aim> latest_;
   Aim aim_;  // of the thread that aims
   // Of the thread that reads.
   Aim last_;

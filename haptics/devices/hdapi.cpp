@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 
+#include "haptics/devices/system_devices.hpp"
+
 namespace palpate::hdapi {
 namespace {
 
 constexpr std::string_view kProduct = "the OpenHaptics library (libHD)";
-constexpr std::array<std::string_view, 4> kNames{"libHD.so.3.4", "libHD.so", "libHD.so.3.0", ""};
 
 constexpr const char* kReport = "this is a fault of the program or of the driver; note what you did and report it";
 constexpr const char* kReplug = "check cable and power of the device, and start again";
@@ -20,8 +21,8 @@ constexpr std::array kMeanings{
     ErrorMeaning{0x0103, Severity::end, "a value of the wrong type", kReport},
     ErrorMeaning{0x0104, Severity::end, "the device is not open any more", kReplug},
     ErrorMeaning{0x0200, Severity::pause, "the motors are warm", "let go and wait until they have cooled down"},
-    ErrorMeaning{0x0201, Severity::rampBack, "more force than the device can give", "lower --max-force"},
-    ErrorMeaning{0x0202, Severity::rampBack, "the force rose faster than the device allows", "lower --stiffness"},
+    ErrorMeaning{0x0201, Severity::rampBack, "more force than the device can give", "lower the largest force"},
+    ErrorMeaning{0x0202, Severity::rampBack, "the force rose faster than the device allows", "lower the stiffness"},
     ErrorMeaning{0x0203, Severity::rampBack, "the stylus moved faster than the device allows", "move more slowly"},
     ErrorMeaning{0x0204, Severity::rampBack, "the force could not be given", "hold the stylus still for a moment"},
     ErrorMeaning{0x0300, Severity::end, "the device reports a fault of its own", kReplug},
@@ -80,7 +81,7 @@ std::vector<std::string> Api::missingFrom(const VendorLibrary& library) { return
 const LibrarySearch& librarySearch() {
   static const LibrarySearch search{.product = kProduct,
                                     .variable = "PALPATE_HD_LIBRARY",
-                                    .names = kNames,
+                                    .names = openHapticsNames(),
                                     .probe = "hdInitDevice",
                                     .advice = "install the Touch device driver and OpenHaptics from 3D Systems"};
   return search;

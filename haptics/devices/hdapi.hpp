@@ -1,5 +1,5 @@
 // The part of the HDAPI of OpenHaptics (3D Systems) that we call, as a table of functions that are found at run time.
-// Types are those of x86-64; no header of the vendor's is needed.
+// Types are those of 64-bit systems (unsigned long is what it is there); no header of the vendor's is needed.
 #pragma once
 
 #include <cstdint>
@@ -101,7 +101,7 @@ struct Api {
   SymbolTable fill(const VendorLibrary& library);
 };
 
-/// Where libHD is looked for.
+/// Where it is looked for.
 const LibrarySearch& librarySearch();
 
 }  // namespace palpate::hdapi

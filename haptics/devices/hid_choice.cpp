@@ -1,13 +1,11 @@
 #include "haptics/devices/hid_choice.hpp"
 
-#include <grp.h>
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <array>
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/dualsense_report.hpp"
+#include "haptics/devices/hid_node.hpp"
 
 namespace palpate {
 namespace {
@@ -25,16 +23,6 @@ bool isInRule(const HidInfo& info) {
   return logitech || info.vendorId == k3Dconnexion || info.vendorId == k3DSystems || kindOf(info) == HidKind::dualSense;
 }
 
-/// A node whose group may open it is one that the rule has reached: then the user is not seated here.
-std::string permissionMend(const HidInfo& info) {
-  if (!isInRule(info)) return fmt::format("run: sudo chown $USER {} (until it is plugged in again)", info.path);
-  struct stat node {};
-  const bool hasGroup = ::stat(info.path.c_str(), &node) == 0 && node.st_gid != 0 && (node.st_mode & 0060) == 0060;
-  const group* owners = hasGroup ? ::getgrgid(node.st_gid) : nullptr;
-  if (!owners) return "run: third_party/install.sh --udev";
-  return fmt::format("run: sudo usermod -aG {} $USER, then log in again", owners->gr_name);
-}
-
 HidCandidate candidate(HidTransport& transport, const HidInfo& info, HidKind kind) {
   HidCandidate one{.info = info, .kind = kind, .name = nameOf(info)};
   if (kind == HidKind::dualSense && info.bluetooth) {
@@ -46,7 +34,7 @@ HidCandidate candidate(HidTransport& transport, const HidInfo& info, HidKind kin
   one.usable = opening.connection != nullptr;
   if (one.usable) return one;
   one.whyNot = opening.why;
-  one.mend = opening.denied ? permissionMend(info) : "plug it in again";
+  one.mend = opening.denied ? hidPermissionMend(info.path, isInRule(info)) : "plug it in again";
   return one;
 }
 

@@ -59,7 +59,7 @@ DeviceState HidDevice::read(double time_s) noexcept {
     hand_.putDown(time_s);
   }
   const bool waits = time_s < waitsUntil_s_;
-  told_mm_per_s_ = waits ? DVec3(0) : kFastest_mm_per_s * push.motion.push;
+  asked_mm_per_s_ = waits ? DVec3(0) : kFastest_mm_per_s * push.motion.push;
   DeviceState state = hand_.read(time_s);
   state.buttons = push.motion.buttons;
   position_mm_ = state.position;
@@ -69,7 +69,7 @@ DeviceState HidDevice::read(double time_s) noexcept {
 DVec3 HidDevice::intendedAt(double time_s) noexcept {
   const double dt_s = time_s - std::exchange(intendedTime_s_, time_s);
   if (!(dt_s > 0)) return intended_mm_;
-  speed_mm_per_s_ += (1 - std::exp(-dt_s / kEase_s)) * (told_mm_per_s_ - speed_mm_per_s_);
+  speed_mm_per_s_ += (1 - std::exp(-dt_s / kEase_s)) * (asked_mm_per_s_ - speed_mm_per_s_);
   const double push = glm::length(speed_mm_per_s_) / kFastest_mm_per_s;
   const double enough_mm = kAheadAtRest_mm + push * (kFarthestAhead_mm - kAheadAtRest_mm);
   const DVec3 hand_mm = hand_.position_mm(), ahead_mm = intended_mm_ - hand_mm + dt_s * speed_mm_per_s_;

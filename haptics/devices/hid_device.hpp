@@ -30,7 +30,7 @@ class HidDevice final : public HapticDevice {
 
   std::string name_;
   HidListener listener_;
-  DVec3 told_mm_per_s_{0};
+  DVec3 asked_mm_per_s_{0};
   bool adrift_ = true;  // no device holds the stylus; it has none before the first read either
   DVec3 position_mm_, intended_mm_, speed_mm_per_s_{0};
   double intendedTime_s_ = 0, waitsUntil_s_ = 0;

@@ -9,8 +9,8 @@
 namespace palpate {
 namespace {
 
-constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
-constexpr double kLook_s = std::chrono::duration<double>(kBetweenLooks).count(), kLongestWait_s = 30;
+constexpr auto kBetweenSearches = std::chrono::milliseconds(500);
+constexpr double kSearch_s = std::chrono::duration<double>(kBetweenSearches).count(), kLongestWait_s = 30;
 // The system sets the permissions of a new node a moment after it has made it.
 constexpr double kPatience_s = 3;
 constexpr double kFirm_s = 2;  // who is lost sooner after it came back is looked for less often
@@ -22,7 +22,7 @@ HidLink::HidLink(std::shared_ptr<HidTransport> transport, HidInfo device, HidRem
       device_(std::move(device)),
       remark_(std::move(remark)),
       whileGone_(std::move(whileGone)),
-      wait_s_(kLook_s) {
+      wait_s_(kSearch_s) {
   HidOpening opening = transport_->open(device_.path);
   if (!opening.connection)
     throw Error("{} at {} cannot be opened: {}; plug it in again", nameOf(device_), device_.path, opening.why);
@@ -31,9 +31,9 @@ HidLink::HidLink(std::shared_ptr<HidTransport> transport, HidInfo device, HidRem
 
 void HidLink::lose() {
   connection_.reset();
-  wait_s_ = found_.elapsed_s() < kFirm_s ? std::min(2 * wait_s_, kLongestWait_s) : kLook_s;
+  wait_s_ = found_.elapsed_s() < kFirm_s ? std::min(2 * wait_s_, kLongestWait_s) : kSearch_s;
   complained_ = false;
-  absent_ = looked_ = Stopwatch();
+  absent_ = searched_ = Stopwatch();
   remark_(fmt::format("{} was unplugged: {} until it is plugged in again", nameOf(device_), whileGone_));
 }
 
@@ -43,8 +43,8 @@ bool HidLink::isSame(const HidInfo& other) const {
 }
 
 bool HidLink::find() {
-  if (looked_.elapsed_s() < wait_s_) return false;
-  looked_ = Stopwatch();
+  if (searched_.elapsed_s() < wait_s_) return false;
+  searched_ = Stopwatch();
   const std::vector<HidInfo> all = transport_->enumerate();
   const auto it = std::ranges::find_if(all, [this](const HidInfo& other) { return isSame(other); });
   if (it == all.end()) {
@@ -67,7 +67,7 @@ bool HidLink::find() {
 
 void HidLink::rest(const std::stop_token& stop) {
   std::unique_lock lock(restLock_);
-  stopped_.wait_for(lock, stop, kBetweenLooks, [] { return false; });
+  stopped_.wait_for(lock, stop, kBetweenSearches, [] { return false; });
 }
 
 }  // namespace palpate

@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// Is told what a person should read, a sentence at a time, from threads of the devices; throws nothing.
+/// Receives what a person should read, a sentence at a time, from threads of the devices; throws nothing.
 using HidRemark = std::function<void(std::string_view sentence)>;
 
 /// For one thread. The same device is one with the same kind, numbers and, where it has one, serial number, wherever it
@@ -42,7 +42,7 @@ class HidLink {
   HidRemark remark_;
   std::string whileGone_;
   std::unique_ptr<HidConnection> connection_;
-  Stopwatch looked_, absent_, found_;  // since it was looked for, was not there, came back
+  Stopwatch searched_, absent_, found_;  // since it was looked for, was not there, came back
   double wait_s_;                      // until the next look
   bool complained_ = false;            // that it is there and cannot be opened
   std::mutex restLock_;

@@ -32,7 +32,7 @@ HidListener::HidListener(std::shared_ptr<HidTransport> transport, const HidInfo&
       listener_([this](const std::stop_token& stop) { listen(stop); }) {}
 
 const HidPush& HidListener::now() noexcept {
-  if (const auto told = told_.told()) last_ = *told;
+  if (const auto report = latest_.load()) last_ = *report;
   return last_;
 }
 
@@ -40,14 +40,14 @@ void HidListener::listen(const std::stop_token& stop) {
   std::array<std::uint8_t, 128> report;
   HidMotion motion;
   Stopwatch heard;
-  const auto tell = [&](bool plugged) {
-    told_.tell({{shaped(motion.push, deadShare_), shaped(motion.turn, deadShare_), motion.buttons}, plugged});
+  const auto publish = [&](bool plugged) {
+    latest_.store({{shaped(motion.push, deadShare_), shaped(motion.turn, deadShare_), motion.buttons}, plugged});
   };
   while (!stop.stop_requested()) {
     HidConnection* connection = link_.connection();
     if (!connection) {
       if (link_.find())
-        tell(true);
+        publish(true);
       else
         link_.rest(stop);
       continue;
@@ -55,14 +55,14 @@ void HidListener::listen(const std::stop_token& stop) {
     const auto bytes = connection->read(report, kPatience_ms);
     if (!bytes) {
       motion = {};
-      tell(false);
+      publish(false);
       link_.lose();
     } else if (*bytes > 0 && take_({report.data(), std::min(*bytes, report.size())}, motion)) {
       heard = Stopwatch();
-      tell(true);
+      publish(true);
     } else if (heard.elapsed_s() > kSilence_s && (motion.push != DVec3(0) || motion.turn != DVec3(0))) {
       motion.push = motion.turn = DVec3(0);
-      tell(true);
+      publish(true);
     }
   }
 }

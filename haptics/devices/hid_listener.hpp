@@ -9,7 +9,7 @@
 
 namespace palpate {
 
-/// What was told last. A device that is unplugged, or falls silent while it is pushed, pushes no more.
+/// The last report. A device that is unplugged, or falls silent while it is pushed, pushes no more.
 struct HidPush {
   HidMotion motion;  ///< shaped
   bool plugged = true;
@@ -34,7 +34,7 @@ class HidListener {
   TakeHidReport take_;
   double deadShare_;
   HidLink link_;  // of the thread that listens
-  LatestValue<HidPush> told_;
+  LatestValue<HidPush> latest_;
   HidPush last_;           // of the one who asks
   std::jthread listener_;  // goes first
 };

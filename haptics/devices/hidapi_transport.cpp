@@ -1,10 +1,9 @@
-#include <fcntl.h>
 #include <hidapi.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <mutex>
 
+#include "haptics/devices/hid_node.hpp"
 #include "haptics/devices/hid_transport.hpp"
 
 namespace palpate {
@@ -16,11 +15,13 @@ std::mutex& hidapiLock() {
   return lock;
 }
 
-/// Whatever the locale: hidapi gives code points.
+/// Whatever the locale: hidapi gives code points, or pairs of UTF-16 where wchar_t has no room for them.
 std::string utf8(const wchar_t* text) {
   std::string out;
   for (; text && *text; ++text) {
-    const auto code = static_cast<std::uint32_t>(*text);
+    auto code = static_cast<std::uint32_t>(*text);
+    if ((code & 0xfffffc00) == 0xd800 && (static_cast<std::uint32_t>(text[1]) & 0xfffffc00) == 0xdc00)
+      code = 0x10000 + ((code & 0x3ff) << 10) + (static_cast<std::uint32_t>(*++text) & 0x3ff);
     const auto add = [&](std::uint32_t lead, int shift) {
       out += static_cast<char>(lead | (code >> shift));
       for (shift -= 6; shift >= 0; shift -= 6) out += static_cast<char>(0x80 | ((code >> shift) & 0x3f));
@@ -41,10 +42,8 @@ std::string utf8(const wchar_t* text) {
 
 class HidapiConnection final : public HidConnection {
  public:
-  HidapiConnection(hid_device* device, const std::string& path)
-      : device_(device), own_(::open(path.c_str(), O_WRONLY | O_CLOEXEC)) {}
+  HidapiConnection(hid_device* device, const std::string& path) : device_(device), node_(path) {}
   ~HidapiConnection() override {
-    if (own_ >= 0) ::close(own_);
     const std::scoped_lock lock(hidapiLock());
     ::hid_close(device_);
   }
@@ -67,16 +66,11 @@ class HidapiConnection final : public HidConnection {
     }
   }
 
-  // hidapi allocates when it writes, and does not show its file; the kernel takes the same report from any other.
-  void writeFromSignal(std::span<const std::uint8_t> report) noexcept override {
-    const int before = errno;
-    [[maybe_unused]] const auto written = own_ >= 0 ? ::write(own_, report.data(), report.size()) : 0;
-    errno = before;
-  }
+  void writeFromSignal(std::span<const std::uint8_t> report) noexcept override { node_.write(report); }
 
  private:
   hid_device* device_;
-  int own_;
+  HidNode node_;
 };
 
 class HidapiTransport final : public HidTransport {
@@ -106,8 +100,7 @@ class HidapiTransport final : public HidTransport {
       return {.connection = std::make_unique<HidapiConnection>(device, path)};
     std::string why = utf8(::hid_error(nullptr));
     if (const auto cause = why.rfind(": "); cause != std::string::npos) why.erase(0, cause + 2);  // without the path
-    const bool denied = ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) != 0 && errno == EACCES;
-    return {.denied = denied, .why = why};
+    return {.denied = HidNode::isDenied(path), .why = why};
   }
 };
 

@@ -1,4 +1,4 @@
-// One thread tells a value, another one takes the latest; neither waits for the other.
+// One thread stores a value, another one takes the latest; neither waits for the other.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ class LatestValue {
 
  public:
   /// From one thread only.
-  void tell(const T& value) noexcept {
+  void store(const T& value) noexcept {
     std::array<std::uint64_t, kWords> words{};
     std::memcpy(words.data(), &value, sizeof(T));
     // The version is odd while the value is being written. Who sees a part of a new value sees an odd version or a
@@ -28,8 +28,8 @@ class LatestValue {
     version_.store(version + 2, std::memory_order_release);
   }
 
-  /// Nothing before the first one was told, and where the value is just being written: keep what you took last.
-  std::optional<T> told() const noexcept {
+  /// Nothing before the first one was stored, and where the value is just being written: keep what you took last.
+  std::optional<T> load() const noexcept {
     const std::uint32_t before = version_.load(std::memory_order_acquire);
     std::array<std::uint64_t, kWords> words;
     for (std::size_t k = 0; k < kWords; ++k) words[k] = words_[k].load(std::memory_order_acquire);

@@ -1,7 +1,5 @@
 #include "haptics/devices/openhaptics_device.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <ctime>
@@ -34,17 +32,17 @@ constexpr ModelLimits kModels[]{
 constexpr std::array<double, 3> kFrozen_mm{0, -110, -35};  // what a driver without joint data gives for ever
 constexpr std::uint32_t kFrozenTicks = 100;
 constexpr double kHot = 0.95, kCooled = 0.85;
-constexpr std::uint32_t kTicksBetweenLooks = 100;
+constexpr std::uint32_t kTicksBetweenChecks = 100;
 constexpr std::uint32_t kPausedTicks = 1000;  // after each complaint, where the driver does not tell the heat
 constexpr int kMostComplaints = 32;           // that are read at a time: the stack must not hold a tick up
 constexpr double kStall_s = 1;                // without a call, after which the driver's scheduler is taken for dead
-constexpr long kZeroWait_us = 5000;
+constexpr double kZeroWait_us = 5000;
 constexpr std::size_t kMostMotors = 8;
 constexpr double kDriverRate_Hz = 1000;
 
 VendorLibrary loaded() {
   VendorLibrary library(librarySearch());
-  if (!library.isLoaded()) throw Error("--device openhaptics: {}", library.whyNot());
+  if (!library.isLoaded()) throw Error("openhaptics: {}", library.whyNot());
   return library;
 }
 
@@ -79,8 +77,6 @@ std::uint32_t newestError(const Api& hd) {
 
 /// The driver's own number where it is a sane one, and never more than `most`.
 double upTo(double most, double told) { return std::isfinite(told) && told > 0 ? std::min(told, most) : most; }
-
-int thisThread() noexcept { return static_cast<int>(::gettid()); }
 
 }  // namespace
 
@@ -133,7 +129,7 @@ void OpenHapticsDevice::open() {
     const std::string which =
         options_.deviceName.empty() ? "the default device" : fmt::format("the device '{}'", options_.deviceName);
     const ErrorMeaning& meaning = meaningOf(code);
-    throw Error("--device openhaptics: {} cannot be opened: {} (the driver says: {}, 0x{:04x}); {}", which,
+    throw Error("openhaptics: {} cannot be opened: {} (the driver says: {}, 0x{:04x}); {}", which,
                 code == 0 ? "the driver does not say why" : meaning.words, textOf(hd_.getErrorString(code)), code,
                 code == 0 ? "run the vendor's setup program (Touch_Setup), and palpate doctor" : meaning.advice);
   }
@@ -145,8 +141,8 @@ void OpenHapticsDevice::open() {
     if (newestError(hd_) != 0) {
       hd_.disableDevice(device_);
       throw Error(
-          "--device openhaptics: the driver's servo loop does not run at {} Hz; take --rate 1000, or "
-          "--scheduler own",
+          "openhaptics: the driver's servo loop does not run at {} Hz; take a rate of 1000 Hz, or "
+          "the scheduler of our own",
           options_.rate_Hz);
     }
   }
@@ -156,7 +152,7 @@ void OpenHapticsDevice::demandSuccess(const std::string& doing) {
   const std::uint32_t code = newestError(hd_);
   const ErrorMeaning& meaning = meaningOf(code);
   if (meaning.severity != Severity::end) return;
-  throw Error("--device openhaptics: {} failed: {} (the driver says: {}, 0x{:04x}); {}", doing, meaning.words,
+  throw Error("openhaptics: {} failed: {} (the driver says: {}, 0x{:04x}); {}", doing, meaning.words,
               textOf(hd_.getErrorString(code)), code, meaning.advice);
 }
 
@@ -210,9 +206,9 @@ void OpenHapticsDevice::calibrate() {
     if (byHand && !told && options_.say) options_.say(fmt::format("{}: to calibrate, {}", calledName(), what));
     told = told || byHand;
     if (options_.stop && options_.stop->load(std::memory_order_relaxed))
-      throw Error("--device openhaptics: interrupted while {} was waiting to be calibrated", facts_.model);
+      throw Error("openhaptics: interrupted while {} was waiting to be calibrated", facts_.model);
     if (watch.elapsed_s() > options_.calibrationPatience_s)
-      throw Error("--device openhaptics: {} was not calibrated within {} s; {}, and start again", facts_.model,
+      throw Error("openhaptics: {} was not calibrated within {} s; {}, and start again", facts_.model,
                   options_.calibrationPatience_s, what);
     std::this_thread::sleep_for(20ms);
   }
@@ -234,7 +230,7 @@ void OpenHapticsDevice::testPosition() {
     std::this_thread::sleep_for(1ms);
   }
   throw Error(
-      "--device openhaptics: the driver gives the position (0, -110, -35) mm for ever: it has no joint data of "
+      "openhaptics: the driver gives the position (0, -110, -35) mm for ever: it has no joint data of "
       "{}; run the vendor's setup program (Touch_Setup), and mind that LC_NUMERIC must have a decimal point",
       facts_.model);
 }
@@ -289,7 +285,7 @@ bool OpenHapticsDevice::pace(double /*rate_Hz*/, const std::function<bool()>& ti
 
 DeviceState OpenHapticsDevice::read(double /*time_s*/) noexcept {
   if (failed_.load()) return {};
-  servoThread_.store(thisThread(), std::memory_order_relaxed);
+  servoThread_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   hd_.makeCurrentDevice(device_);
   hd_.beginFrame(device_);
   inFrame_ = true;
@@ -355,8 +351,8 @@ Severity OpenHapticsDevice::complaints() noexcept {
 }
 
 void OpenHapticsDevice::watchMotors() noexcept {
-  if (!tellsHeat_ || ticksToLook_-- > 0) return;
-  ticksToLook_ = kTicksBetweenLooks;
+  if (!tellsHeat_ || ticksToCheck_-- > 0) return;
+  ticksToCheck_ = kTicksBetweenChecks;
   double heat[kMostMotors]{};
   hd_.getDoublev(kMotorTemperature, heat);
   const double warmest = *std::ranges::max_element(heat);
@@ -373,9 +369,11 @@ void OpenHapticsDevice::fail(const char* what, const char* advice, std::uint32_t
 
 void OpenHapticsDevice::emergencyStop() noexcept {
   stopped_.store(true);
-  const int servo = servoThread_.load(std::memory_order_relaxed);
-  if (servo == 0 || servo == thisThread()) return;
-  for (long waited_us = 0; waited_us < kZeroWait_us && !zeroSent_.load(); waited_us += 100) {
+  const std::thread::id servo = servoThread_.load(std::memory_order_relaxed);
+  if (servo == std::thread::id() || servo == std::this_thread::get_id()) return;
+  // By the clock: where a system has no sleep as short, it does not sleep at all.
+  const Stopwatch since;
+  while (since.elapsed_us() < kZeroWait_us && !zeroSent_.load()) {
     const timespec nap{.tv_sec = 0, .tv_nsec = 100'000};
     ::nanosleep(&nap, nullptr);
   }

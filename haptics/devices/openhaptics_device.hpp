@@ -5,6 +5,7 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <thread>
 
 #include "haptics/devices/haptic_device.hpp"
 #include "haptics/devices/hdapi.hpp"
@@ -81,7 +82,7 @@ class OpenHapticsDevice final : public HapticDevice {
   // Of the thread that ticks.
   bool inFrame_ = false, hot_ = false;
   hdapi::Severity pending_ = hdapi::Severity::none;  // of the last write, for the next read
-  std::uint32_t ticksToLook_ = 0, pausedTicks_ = 0, frozenTicks_ = 0;
+  std::uint32_t ticksToCheck_ = 0, pausedTicks_ = 0, frozenTicks_ = 0;
   std::atomic<double> temperature_ = 0;
 
   struct Fault {
@@ -93,7 +94,7 @@ class OpenHapticsDevice final : public HapticDevice {
   std::atomic<bool> failed_ = false;
 
   std::atomic<bool> stopped_ = false, zeroSent_ = false;
-  std::atomic<int> servoThread_ = 0;
+  std::atomic<std::thread::id> servoThread_{};
 
   // What the driver's scheduler calls. It stands here because a driver that stalled may still call later.
   struct Calls {

@@ -49,7 +49,7 @@ Rumble::~Rumble() {
   withdraw();
 }
 
-void Rumble::tell(const DVec3& force_N) noexcept {
+void Rumble::setForce(const DVec3& force_N) noexcept {
   const double size_N = glm::length(force_N);
   const bool sane = std::isfinite(size_N);
   const bool touches = sane && size_N > (touching_ ? kLeaves_N : kTouches_N);

@@ -22,7 +22,7 @@ class RumbleShape {
   double tapUntil_s_ = 0;
 };
 
-/// The motors of a DualSense, driven by a thread of its own. They stand still at the end, when nobody tells a force any
+/// The motors of a DualSense, driven by a thread of its own. They stand still at the end, when nobody sets a force any
 /// more, and for good after stop(). Only a kill -9 leaves them as they were.
 class Rumble {
  public:
@@ -35,7 +35,7 @@ class Rumble {
   Rumble& operator=(const Rumble&) = delete;
 
   /// The force of this tick. From one thread; waits for nobody and allocates nothing.
-  void tell(const DVec3& force_N) noexcept;
+  void setForce(const DVec3& force_N) noexcept;
   /// Async-signal-safe.
   void stop() noexcept;
 
@@ -46,7 +46,7 @@ class Rumble {
   void withdraw() noexcept;
 
   double full_N_;
-  bool touching_ = false;  // of the thread that tells
+  bool touching_ = false;  // of the thread that sets forces
   std::atomic<float> share_ = 0;
   std::atomic<std::uint32_t> contacts_ = 0, ticks_ = 0;
   std::atomic<bool> stopped_ = false;

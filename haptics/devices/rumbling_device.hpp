@@ -18,7 +18,7 @@ class RumblingDevice final : public WrappedDevice {
   }
   bool write(const DVec3& force_N) noexcept override {
     const bool written = WrappedDevice::write(force_N);
-    rumble_->tell(written && rendersForce_ ? force_N : DVec3(0));
+    rumble_->setForce(written && rendersForce_ ? force_N : DVec3(0));
     return written;
   }
   void emergencyStop() noexcept override {

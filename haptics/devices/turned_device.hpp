@@ -18,11 +18,11 @@ class TurnedDevice final : public WrappedDevice {
 
   /// The columns are right, up and towards the eye: orthonormal. From one thread, which never waits for the ticks. A
   /// new view begins a new contact, since there was no motion from the old place to the new one.
-  void look(const glm::dmat3& axes) noexcept { looks_.tell(axes); }
+  void setAxes(const glm::dmat3& axes) noexcept { viewAxes_.store(axes); }
 
   DeviceState read(double time_s) noexcept override {
     DeviceState state = WrappedDevice::read(time_s);
-    if (const auto axes = looks_.told(); axes && *axes != axes_) {
+    if (const auto axes = viewAxes_.load(); axes && *axes != axes_) {
       axes_ = *axes;
       turn_ = glm::quat_cast(axes_);
       state.putDown = true;
@@ -35,7 +35,7 @@ class TurnedDevice final : public WrappedDevice {
 
  private:
   DVec3 middle_mm_;
-  LatestValue<glm::dmat3> looks_;
+  LatestValue<glm::dmat3> viewAxes_;
   // Of the thread that ticks.
   glm::dmat3 axes_{1};
   DQuat turn_{1, 0, 0, 0};

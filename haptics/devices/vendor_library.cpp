@@ -1,25 +1,11 @@
 #include "haptics/devices/vendor_library.hpp"
 
-#include <dlfcn.h>
-
 #include <cstdlib>
 
 #include "engine/core/error.hpp"
+#include "haptics/devices/shared_library.hpp"
 
 namespace palpate {
-namespace {
-
-// The loader says "NAME: cannot open shared object file: …" of a file that is not there, about NAME itself.
-bool isAbsent(const VendorLibrary::Attempt& attempt) {
-  return attempt.error.starts_with(attempt.name + ": cannot open shared object file: No such file");
-}
-
-std::string fileOf(void* function) {
-  Dl_info info{};
-  return function && ::dladdr(function, &info) && info.dli_fname ? info.dli_fname : "";
-}
-
-}  // namespace
 
 VendorLibrary::VendorLibrary(const LibrarySearch& search) : search_(search) {
   const std::string variable(search.variable);
@@ -27,18 +13,17 @@ VendorLibrary::VendorLibrary(const LibrarySearch& search) : search_(search) {
   std::vector<std::string> names(search.names.begin(), search.names.end());
   if (named && *named) names = {named};
   for (const std::string& name : names) {
-    void* handle = ::dlopen(name.empty() ? nullptr : name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    if (!handle) {
-      const char* error = ::dlerror();
-      attempts_.push_back({name, error ? error : "the loader does not say why"});
+    const LoadedLibrary loaded = loadLibrary(name);
+    if (!loaded.handle) {
+      attempts_.push_back({name, loaded.error, loaded.isAbsent});
       continue;
     }
-    void* probe = ::dlsym(handle, std::string(search.probe).c_str());
+    void* probe = functionIn(loaded.handle, std::string(search.probe));
     if (!probe) {
-      attempts_.push_back({name.empty() ? "the program itself" : name, fmt::format("has no {}", search.probe)});
+      attempts_.push_back({name.empty() ? "the program itself" : name, fmt::format("has no {}", search.probe), false});
       continue;
     }
-    handle_ = handle;
+    handle_ = loaded.handle;
     file_ = fileOf(probe);
     return;
   }
@@ -48,7 +33,7 @@ std::string VendorLibrary::whyNot() const {
   if (isLoaded()) return {};
   std::string there;  // found, but of no use
   for (const Attempt& attempt : attempts_)
-    if (!isAbsent(attempt) && attempt.name != "the program itself")
+    if (!attempt.isAbsent && attempt.name != "the program itself")
       there += fmt::format("{}{}", there.empty() ? "" : "; ",
                            attempt.error.find(attempt.name) != std::string::npos
                                ? attempt.error
@@ -60,11 +45,11 @@ std::string VendorLibrary::whyNot() const {
   if (!there.empty()) return fmt::format("{} is there but cannot be loaded: {}; {}", search_.product, there, mend);
   std::string names;
   for (const Attempt& attempt : attempts_)
-    if (isAbsent(attempt)) names += (names.empty() ? "" : ", ") + attempt.name;
+    if (attempt.isAbsent) names += (names.empty() ? "" : ", ") + attempt.name;
   return fmt::format("{} is not on this machine (looked for {}); {}", search_.product, names, mend);
 }
 
-void* VendorLibrary::symbol(const char* name) const { return handle_ ? ::dlsym(handle_, name) : nullptr; }
+void* VendorLibrary::symbol(const char* name) const { return handle_ ? functionIn(handle_, name) : nullptr; }
 
 void SymbolTable::requireAll(std::string_view product) const {
   if (missing_.empty()) return;

@@ -23,6 +23,7 @@ class VendorLibrary {
  public:
   struct Attempt {
     std::string name, error;  ///< the loader's own words
+    bool isAbsent = false;    ///< there is no such file
   };
 
   /// Tries to load it; throws nothing but for want of memory.

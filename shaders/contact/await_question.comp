@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Stands before a contact step that is submitted ahead of its questions, and waits until the host has written them: one
-// for each probe, all of the same tick. A subgroup looks at all words of a question at once; they may arrive in any
+// for each probe, all of the same tick. A subgroup reads all words of a question at once; they may arrive in any
 // order, and the seal tells when they are whole.
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -26,7 +26,7 @@ uint wordAt(uint place) {
 }
 
 // Whether there is a question of that probe other than the last one.
-bool look(uint probe, uint lastTick) {
+bool poll(uint probe, uint lastTick) {
   uint share = 0;
   [[unroll]] for (uint k = 0; k < kWordsEach; ++k) {
     words[k] = placeOf(k) < kQuestionWords ? args.question.at[probe * kQuestionWords + placeOf(k)] : 0;
@@ -40,9 +40,9 @@ void main() {
   if (gl_LocalInvocationIndex == 0) counting = 0;
   barrier();
   uint tick = 0;
-  for (uint probe = gl_SubgroupID, looks = 0; probe < args.probes; probe += gl_NumSubgroups) {
+  for (uint probe = gl_SubgroupID, polls = 0; probe < args.probes; probe += gl_NumSubgroups) {
     bool there = false;
-    for (; looks < args.looks && !there; ++looks) there = look(probe, lastTick);
+    for (; polls < args.polls && !there; ++polls) there = poll(probe, lastTick);
     const bool counts = there && wordAt(kQuestionWithdrawnAt) == 0;
     tick = counts ? wordAt(kQuestionTickAt) : 0;
     if (counts && subgroupElect()) atomicAdd(counting, 1);

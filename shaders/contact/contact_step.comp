@@ -7,10 +7,10 @@
 // origin, single precision would lose in absolute coordinates the very differences that the surface is made of.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/probe.glsl"
-#include "shaders/lib/split_gather.glsl"
-#include "shaders/lib/surface.glsl"
 
 layout(push_constant, scalar) uniform Push { ContactStepArgs args; };
+#include "shaders/lib/split_gather.glsl"
+#include "shaders/lib/surface.glsl"
 
 layout(constant_id = 3) const float kFriction = 0.0;
 layout(constant_id = 4) const bool kManyProbes = false;
@@ -19,14 +19,14 @@ layout(constant_id = 4) const bool kManyProbes = false;
 uint probeIndex() { return kManyProbes ? gl_WorkGroupID.x : 0; }
 
 bool touching, sticking;
-uint side;
+uint face;
 vec3 facing;
 
-// The surface at a place, of the points that face the side felt last; past the edge of such a sheet every point counts.
-// Its outside is the side that is felt. Gathers a new patch when the place has left the old one.
+// The surface at a place, of the points that belong to the face that was felt last; past the edge of such a sheet every
+// point counts. Its outside is the face that is felt. Gathers a new patch when the place has left the old one.
 Surface feel(vec3 x) {
   if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
-    gatherPatch(args.cloud, args.spill, args.pose.at[probeIndex()].pose.hip, x, patchReach(args.radius),
+    gatherPatch(args.spill, args.pose.at[probeIndex()].pose.hip, x, patchReach(args.radius),
                 args.mostCells);
   Surface surface;
   for (uint look = 0; look < 2; ++look) {
@@ -35,34 +35,21 @@ Surface feel(vec3 x) {
     facing = vec3(0.0);
   }
   facing = surface.normal;
-  if (touching && side == kSideBehind) {
+  if (touching && face == kFaceBehind) {
     surface.normal = -surface.normal;
     surface.distance = -surface.distance;
   }
   return surface;
 }
 
-vec3 shortened(vec3 step, float longest) {
-  const float size = length(step);
-  return size > longest ? step * (longest / size) : step;
-}
-
-// The part of a slide that friction leaves: the proxy is held while the force stays in the cone, and dragged along its
-// border once it has left it (Ruspini, Kolarov, Khatib 1997).
-vec3 againstFriction(vec3 slide, float depth) {
-  const float size = length(slide);
-  const float held = kFriction * max(0.0, depth);
-  return size <= (sticking ? kStaticFriction * held : held) ? vec3(0.0) : slide * (1.0 - held / size);
-}
-
 // False in a workgroup that has done its share of a split gather and may go.
 bool takeFirstPatch(Probe probe) {
   if (kManyProbes || args.gather == kGatherAlone) {
-    gatherPatch(args.cloud, args.spill, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
+    gatherPatch(args.spill, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
     return true;
   }
   if (args.gather == kGatherSplit) {
-    gatherShare(args.cloud, args.gathered, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
+    gatherShare(args.gathered, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
     if (!finishesLast(args.gathered)) return false;
   }
   takePatch(args.gathered, args.spill);
@@ -76,32 +63,22 @@ void walkFreely(Probe probe, inout vec3 proxy, inout Surface surface, inout bool
   for (uint s = 1; s <= probe.substeps && !touching; ++s) {
     truncated = workDone > kContactWorkBudget;
     if (truncated) {
-      side = kSideInside;
+      face = kFaceInside;
       break;
     }
     const vec3 x = placeOnWay(probe, s);
     surface = feel(x);
     ++workDone;
     const bool inFront = surface.distance > 0.0;
-    if (!surface.defined) {
-      if (side != kSideInside) side = kSideUnknown;
-    } else if ((inFront && side == kSideBehind) || (!inFront && side == kSideOutside)) {
+    if (surface.defined && crosses(face, inFront)) {
       touching = true;
       sticking = true;
       proxy = before;
-    } else if (inFront) {
-      side = kSideOutside;
-    } else if (side == kSideUnknown) {
-      side = probe.traced ? kSideBehind : kSideInside;
+    } else {
+      face = faceAfter(face, surface.defined, inFront, probe.traced);
     }
     before = x;
   }
-}
-
-// From the proxy to where the HIP is nearest in the tangent plane, as far as friction lets it.
-vec3 slideAlong(vec3 n, vec3 proxy) {
-  const float depth = dot(proxy, n);
-  return againstFriction(depth * n - proxy, depth);
 }
 
 // Touching: projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. Gives back the
@@ -112,34 +89,22 @@ uint track(bool touched, inout vec3 proxy, inout Surface surface, inout bool tru
   const float arrived = kConvergence * args.radius;
   const float last = kLastStep * args.radius;
   uint steps = 0;
-  float relaxation = 1.0;
-  vec3 lastSlide = vec3(0.0);
-  if (touched && facing != vec3(0.0)) lastSlide = slideAlong(side == kSideBehind ? -facing : facing, proxy);
-  bool slid = length(lastSlide) >= arrived;
-  if (slid) {
-    sticking = false;
-    proxy += shortened(lastSlide, longest);
-  }
+  vec3 firstSlide = vec3(0.0);
+  if (touched && facing != vec3(0.0))
+    firstSlide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
+  Tracking tracking = trackingFrom(firstSlide, sticking, arrived);
+  if (tracking.slid) proxy += shortened(firstSlide, longest);
   while (true) {
     surface = feel(proxy);
     if (steps == kMaxTrackingSteps || !surface.defined) break;
-    const vec3 lift = -surface.distance * surface.normal;
-    const vec3 slide = slideAlong(surface.normal, proxy);
-    const float step = max(length(lift), relaxation * length(slide));
-    truncated = step >= arrived && workDone > kContactWorkBudget;
-    if (truncated || step < arrived) break;
-    // A slide that turns back has overshot, as it does in a hollow narrower than the HIP is deep.
-    if (dot(slide, lastSlide) < 0.0) relaxation *= 0.5;
-    lastSlide = slide;
-    if (slide != vec3(0.0)) {
-      slid = true;
-      sticking = false;
-    }
-    proxy += shortened(lift, longest) + shortened(relaxation * slide, longest);
+    const TrackingStep step = nextStep(tracking, proxy, surface.normal, surface.distance, kFriction);
+    truncated = step.size >= arrived && workDone > kContactWorkBudget;
+    if (truncated || step.size < arrived) break;
+    proxy += takeStep(tracking, step, longest);
     ++steps;
-    if (step < last) break;
+    if (step.size < last) break;
   }
-  sticking = !slid;
+  sticking = !tracking.slid;
   return steps;
 }
 
@@ -151,7 +116,7 @@ void main() {
   if (!takeFirstPatch(probe)) return;
   touching = probe.touching;
   sticking = probe.sticking;
-  side = probe.side;
+  face = probe.face;
   facing = probe.facing;
   vec3 proxy = probe.proxy;
   Surface surface = Surface(false, 0.0, vec3(0.0), 0);
@@ -163,7 +128,7 @@ void main() {
     trackingSteps = track(probe.touching, proxy, surface, truncated);
     if (!surface.defined) {
       touching = false;
-      side = kSideInside;  // lost within: not caught again on the way out
+      face = kFaceInside;  // lost within: not caught again on the way out
     } else if (dot(proxy, surface.normal) < 0.0) {
       touching = false;
     }
@@ -177,7 +142,7 @@ void main() {
   args.state.at[i].touching = !touching ? kFree : sticking ? kSticking : kSliding;
   args.state.at[i].facing = facing;
   args.state.at[i].lastHip = probe.hip;
-  args.state.at[i].side = side;
+  args.state.at[i].face = face;
   args.state.at[i].started = 1;
   args.state.at[i].motion = -probe.lastHip;
   args.state.at[i].spring = proxy;
@@ -190,7 +155,7 @@ void main() {
   answer.trackingSteps = trackingSteps;
   answer.logHead = args.logHead.at[0];
   answer.flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
-  answer.flags |= side << kSampleSideShift;
+  answer.flags |= face << kSampleFaceShift;
   args.result.at[i].spring = answer.spring;
   args.result.at[i].touching = answer.touching;
   args.result.at[i].normal = answer.normal;

@@ -1,13 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // For every point the normal of the plane that fits its neighbours. One invocation for each point: in hash order those
-// of a subgroup look at the same cells.
-#include "shaders/lib/bucket_share.glsl"
+// of a subgroup visit the same cells.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/normal_estimate.h"
+#include "shaders/shared/plane_fit.h"
 
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
+#include "shaders/lib/bucket_share.glsl"
 
 // Variances of the neighbours: off the plane, and along the shorter and the longer side of where they lie in it.
 struct Spread {
@@ -27,12 +28,12 @@ const Share kAll = Share(0, 1);
 Moments momentsAbout(vec3 center, float radius, Share share, inout uint work) {
   const ivec3 low = cellOf(args.cloud.grid, center - radius);
   const ivec3 high = cellOf(args.cloud.grid, center + radius);
-  Moments m = noMoments();
+  Moments m = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
   for (int z = low.z; z <= high.z; ++z)
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x && work < kEstimateWorkBudget; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(args.cloud, cell, share, kEstimateWorkBudget, work);
+        const uvec2 range = bucketWithin(cell, share, kEstimateWorkBudget, work);
         for (uint j = range.x; j < range.y; j += share.sharers) {
           const vec3 position = args.cloud.positions.at[j].xyz;
           const vec3 d = position - center;
@@ -72,10 +73,10 @@ void main() {
   uint work = 0;
   float radius = args.radius;
   Moments m;
-  for (uint look = 0; look < kEstimateLooks; ++look) {
+  for (uint pass = 0; pass < kEstimatePasses; ++pass) {
     m = momentsAbout(point.xyz, radius, kAll, work);
     const bool few = m.neighbours < kFewestEstimated, many = m.neighbours > kMostEstimated;
-    if (look + 1 == kEstimateLooks || work >= kEstimateWorkBudget || !few && !many) break;
+    if (pass + 1 == kEstimatePasses || work >= kEstimateWorkBudget || !few && !many) break;
     if (few && radius >= kWidestEstimate * args.radius) break;
     radius *= few ? 2.0 : sqrt(float(kWantedEstimated) / float(m.neighbours));
   }

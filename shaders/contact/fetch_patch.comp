@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Fetches the patch of points around a place for the host, as they stand in the live cloud. One workgroup.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/patch.glsl"
+#include "shaders/lib/contact_buffers.glsl"
 
 layout(buffer_reference) buffer FetchedPatch;
 // Written and read by different invocations.
@@ -14,22 +14,23 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) buffer FetchedPatc
 };
 
 layout(push_constant, scalar) uniform Push { PatchFetchArgs args; };
+#include "shaders/lib/candidates.glsl"
 
 void main() {
   const vec3 centre = args.centre.at[0].xyz;
-  const CellBox box = boxAround(args.cloud, centre, args.reach, args.mostCells);
+  const CellBox box = boxAround(centre, args.reach, args.mostCells);
   uint near = 0;
   bool thinned = false;
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
     uint inCell;
-    const uint total = loadRound(args.cloud, box, first, inCell);
+    const uint total = loadRound(box, first, inCell);
     const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     thinned = thinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {
       const uint k = base + scanIndex();
       Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
-      if (k < taken) candidate = candidateAt(args.cloud, box, first, k * stride, centre, vec3(0.0), args.reach);
+      if (k < taken) candidate = candidateAt(box, first, k * stride, centre, vec3(0.0), args.reach);
       uint kept;
       const uint place = near + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
       if (candidate.kept) args.near.at[place] = candidate.point;

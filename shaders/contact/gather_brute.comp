@@ -1,12 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The brute gather (thesis section 4.3.1): looks at every point of the cloud. Run twice, around a sum of the counts:
+// The brute gather (thesis section 4.3.1): visits every point of the cloud. Run twice, around a sum of the counts:
 // the first run counts what each chunk keeps, the second writes it where the sum says.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/cells.glsl"
 #include "shaders/lib/probe.glsl"
 
 layout(push_constant, scalar) uniform Push { GatherBruteArgs args; };
+#include "shaders/lib/cells.glsl"
 
 void main() {
   const uint chunk = workgroupIndex();

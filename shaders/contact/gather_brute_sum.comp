@@ -3,10 +3,10 @@
 // Between the runs of the brute gather: turns the counts of its chunks into the place where each begins. One workgroup;
 // each invocation adds up a run of counts.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/cells.glsl"
 #include "shaders/lib/probe.glsl"
 
 layout(push_constant, scalar) uniform Push { GatherBruteArgs args; };
+#include "shaders/lib/cells.glsl"
 
 void main() {
   const uint each = (args.chunks + kContactWorkgroup - 1) / kContactWorkgroup;

@@ -4,9 +4,10 @@
 // workgroups of the row, one invocation for each candidate. A chunk's points go to its own slots in their order, so
 // that it does not matter which workgroup comes first.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/cells.glsl"
+#include "shaders/lib/contact_buffers.glsl"
 
 layout(push_constant, scalar) uniform Push { GatherBucketsArgs args; };
+#include "shaders/lib/cells.glsl"
 
 void main() {
   const uint entry = args.firstCell + gl_WorkGroupID.y;

@@ -3,10 +3,10 @@
 // The plan of a gather over buckets (thesis sections 4.3.2 and 4.3.3): the cells around the probe's first place, the
 // candidates that each holds, where in the patch their chunks go, and how many workgroups that takes. One workgroup.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/cells.glsl"
 #include "shaders/lib/probe.glsl"
 
 layout(push_constant, scalar) uniform Push { GatherPlanArgs args; };
+#include "shaders/lib/cells.glsl"
 
 shared uint largest;
 
@@ -19,7 +19,7 @@ void writeCommand(uint command, uint x, uint y) {
 void main() {
   const Probe probe = probeOf(args.pose, args.state, 0, args.radius);
   const vec3 centre = firstPlace(probe);
-  const CellBox box = boxAround(args.cloud, probe.hip + centre, patchReach(args.radius), args.mostCells);
+  const CellBox box = boxAround(probe.hip + centre, patchReach(args.radius), args.mostCells);
   const uint lane = scanIndex();
   if (lane == 0) largest = 0;
 
@@ -27,7 +27,7 @@ void main() {
   bool thinned = false;
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
     uint candidates;
-    const uint total = loadRound(args.cloud, box, first, candidates);
+    const uint total = loadRound(box, first, candidates);
     const uint stride = strideOf(total, kPatchRoundCandidates);
     thinned = thinned || stride > 1;
     steps += patchSteps(takenOf(total, stride));

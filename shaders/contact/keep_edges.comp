@@ -3,12 +3,13 @@
 // For every point that has a plane its normal: next to an edge, across which planes are fitted, that of flatter places
 // near by on whose planes the point lies. engine/cloud/normals.cpp does the same in double precision and says why. One
 // invocation for each point.
-#include "shaders/lib/bucket_share.glsl"
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/normal_estimate.h"
+#include "shaders/shared/weight.h"
 
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
+#include "shaders/lib/bucket_share.glsl"
 
 // What has a plane within the radius tells, one thing after the other.
 const uint kFlattest = 0, kBest = 1, kSum = 2;
@@ -31,7 +32,7 @@ void lookAround(vec3 center, vec3 normal, float radius, float spacing2, uint wha
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x && work < kEdgeWorkBudget; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(args.cloud, cell, share, kEdgeWorkBudget, work);
+        const uvec2 range = bucketWithin(cell, share, kEdgeWorkBudget, work);
         for (uint j = range.x; j < range.y; ++j) {
           const vec4 point = args.cloud.positions.at[j];
           const vec3 d = point.xyz - center;
@@ -48,7 +49,7 @@ void lookAround(vec3 center, vec3 normal, float radius, float spacing2, uint wha
           const float height = dot(plane, d);
           const float w = wendland(length(d) / radius) *
                           exp(-max(off - around.flattest, 0.0) / flatness - height * height / height2);
-          if (what == kSum && dot(like, around.best) > kSameSide) around.sum += w * like;
+          if (what == kSum && dot(like, around.best) > kSameFace) around.sum += w * like;
           if (what != kBest || w < around.most || w == around.most && other >= around.who) continue;
           around.most = w;
           around.who = other;

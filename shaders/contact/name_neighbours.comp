@@ -2,12 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // For every point that has a plane the nearest neighbours all around it, for the host to carry the signs of the normals
 // along. One invocation for each point.
-#include "shaders/lib/bucket_share.glsl"
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/normal_estimate.h"
+#include "shaders/shared/plane_fit.h"
 
 layout(push_constant, scalar) uniform Push { NormalEstimateArgs args; };
+#include "shaders/lib/bucket_share.glsl"
 
 const float kFar = 3.0e38;
 
@@ -23,9 +24,9 @@ float lengthAlong(vec3 d, float height) { return dot(d, d) + 8.0 * height * heig
 uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint work) {
   const Share share = Share(0, 1);
   const vec3 u = besides(normal), v = cross(normal, u);
-  float nearest[kSectors];
-  uint who[kSectors];
-  for (uint s = 0; s < kSectors; ++s) {
+  float nearest[kGraphSectors];
+  uint who[kGraphSectors];
+  for (uint s = 0; s < kGraphSectors; ++s) {
     nearest[s] = kFar;
     who[s] = kNoNeighbour;
   }
@@ -35,7 +36,7 @@ uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint 
     for (int y = low.y; y <= high.y; ++y)
       for (int x = low.x; x <= high.x && work < kEstimateWorkBudget; ++x) {
         const ivec3 cell = ivec3(x, y, z);
-        const uvec2 range = bucketWithin(args.cloud, cell, share, kEstimateWorkBudget, work);
+        const uvec2 range = bucketWithin(cell, share, kEstimateWorkBudget, work);
         for (uint j = range.x; j < range.y; ++j) {
           const vec4 point = args.cloud.positions.at[j];
           const vec3 d = point.xyz - center;
@@ -50,8 +51,8 @@ uint nameNeighbours(vec3 center, vec3 normal, uint id, float radius, inout uint 
         }
       }
   uint named = 0;
-  for (uint s = 0; s < kSectors; ++s) {
-    args.neighbours.at[id * kSectors + s] = who[s];
+  for (uint s = 0; s < kGraphSectors; ++s) {
+    args.neighbours.at[id * kGraphSectors + s] = who[s];
     named += who[s] != kNoNeighbour ? 1 : 0;
   }
   return named;

@@ -1,16 +1,16 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // How far apart the points are about each point of a cloud as it was loaded, and where each one rests. Run twice: first
-// to find the points that count, one in each place. The weights of the neighbours within R on an even plane sum up to
-// pi / 7 (R / spacing)^2; where they are more than can be looked at, half of R takes its place, and so on. In double
-// precision: engine/edit/sculpt_reference.cpp. One subgroup for each slot.
+// to find the points that count, one in each place. Where neighbours are more than can be visited, half of the
+// support radius takes its place, and so on. In double precision: engine/edit/cpu_sculpture.cpp. One subgroup for
+// each slot.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_buffers.glsl"
-#include "shaders/lib/frame.glsl"
-#include "shaders/lib/neighbours.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/shared/frame.h"
+#include "shaders/shared/weight.h"
 
 layout(push_constant, scalar) uniform Push { SpacingArgs args; };
+#include "shaders/lib/neighbours.glsl"
 
 const float kFar = 3.0e38;
 
@@ -20,45 +20,45 @@ float radius;
 // Of this invocation's neighbours.
 bool firstOfPlace;
 float weights;
-float nearest[kSectors];
+float nearest[kGapSectors];
 
 void visitNeighbour(uint id, vec3 normal, vec3 d) {
   if (args.counts != 0) {
     if (id < selfId) firstOfPlace = false;
     return;
   }
-  if (args.tables.at[0].looks.at[id] == 0 || dot(selfNormal, normal) <= kSameSheet) return;
+  if (args.tables.at[0].examined.at[id] == 0 || dot(selfNormal, normal) <= kSameSheet) return;
   const float size = length(d);
   weights += wendland(size / radius);
   if (size == 0.0) return;
   const uint sector = sectorOf(dot(d, axisU), dot(d, axisV));
-  [[unroll]] for (uint s = 0; s < kSectors; ++s)
+  [[unroll]] for (uint s = 0; s < kGapSectors; ++s)
     if (s == sector) nearest[s] = min(nearest[s], size);
 }
 
 // Upper median of the sectors that are not empty; 0 where all are.
 float sectorSpacing() {
-  float all[kSectors];
+  float all[kGapSectors];
   uint filled = 0;
-  [[unroll]] for (uint s = 0; s < kSectors; ++s) {
+  [[unroll]] for (uint s = 0; s < kGapSectors; ++s) {
     all[s] = subgroupMin(nearest[s]);
     filled += all[s] < kFar ? 1 : 0;
   }
   float median = 0.0;
-  [[unroll]] for (uint s = 0; s < kSectors; ++s) {
+  [[unroll]] for (uint s = 0; s < kGapSectors; ++s) {
     uint before = 0;
-    [[unroll]] for (uint t = 0; t < kSectors; ++t) before += all[t] < all[s] || (all[t] == all[s] && t < s) ? 1 : 0;
+    [[unroll]] for (uint t = 0; t < kGapSectors; ++t) before += all[t] < all[s] || (all[t] == all[s] && t < s) ? 1 : 0;
     if (before == filled / 2 && filled > 0) median = all[s];
   }
   return median / kSectorSpacings;
 }
 
 // Whether all neighbours within `radius` were seen.
-bool look(vec3 center) {
+bool visitAll(vec3 center) {
   firstOfPlace = true;
   weights = 0.0;
-  [[unroll]] for (uint s = 0; s < kSectors; ++s) nearest[s] = kFar;
-  visitNeighbours(args.cloud, center, radius, walkBudget(kMostLookedAt));
+  [[unroll]] for (uint s = 0; s < kGapSectors; ++s) nearest[s] = kFar;
+  visitNeighbours(center, radius, walkBudget(kMostExamined));
   return walkedAll();
 }
 
@@ -72,17 +72,17 @@ void main() {
   const float least = kLeastSpacing * args.radius;
   if (args.counts != 0) {
     radius = least;
-    look(position.xyz);
+    visitAll(position.xyz);
     const bool alone = subgroupAll(firstOfPlace);
     if (!subgroupElect()) return;
-    args.tables.at[0].looks.at[selfId] = alone ? 1 : 0;
+    args.tables.at[0].examined.at[selfId] = alone ? 1 : 0;
     args.tables.at[0].rests.at[selfId] = position.xyz;
     return;
   }
   frameAround(selfNormal, axisU, axisV);
   radius = args.radius;
-  while (!look(position.xyz) && radius > 2.0 * least) radius *= 0.5;
-  const float spacing = max(radius * sqrt(0.448798951 / max(subgroupAdd(weights), 0.1)), sectorSpacing());
+  while (!visitAll(position.xyz) && radius > 2.0 * least) radius *= 0.5;
+  const float spacing = max(spacingFrom(radius, max(subgroupAdd(weights), kLeastWeights)), sectorSpacing());
   if (subgroupElect())
     args.tables.at[0].spacings.at[selfId] = clamp(spacing, least, kMostSpacing * args.radius);
 }

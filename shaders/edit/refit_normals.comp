@@ -4,12 +4,13 @@
 // of its neighbours (Hoppe et al. 1992, section 3.2), on the side of theirs, and the point goes to the log as
 // it is now. One subgroup for each point.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/log_points.glsl"
-#include "shaders/lib/neighbours.glsl"
-#include "shaders/lib/plane_fit.glsl"
+#include "shaders/lib/edit_buffers.glsl"
 #include "shaders/lib/subgroup_sum.glsl"
+#include "shaders/shared/plane_fit.h"
 
 layout(push_constant, scalar) uniform Push { RefitNormalsArgs args; };
+#include "shaders/lib/log_points.glsl"
+#include "shaders/lib/neighbours.glsl"
 
 vec3 facing;  // the normal as it was
 // What this invocation has seen.
@@ -25,9 +26,9 @@ void visitNeighbour(uint id, vec3 normal, vec3 d) {
 }
 
 Moments momentsAbout(vec3 center, out vec3 side) {
-  moments = noMoments();
+  moments = Moments(0.0, 0, vec3(0.0), vec3(0.0), vec3(0.0));
   sides = vec3(0.0);
-  visitNeighbours(args.cloud, center, args.radius, kNeighbourWorkBudget);
+  visitNeighbours(center, args.radius, kNeighbourWorkBudget);
   const vec4 mean = subgroupSum(vec4(moments.mean, moments.weight));
   side = subgroupSum(vec4(sides, 0.0)).xyz;
   const vec4 diagonal = subgroupSum(vec4(moments.diagonal, float(moments.neighbours)));
@@ -57,19 +58,19 @@ void main() {
     const vec4 before = args.cloud.normals.at[i];
     const uint id = floatBitsToUint(position.w);
     const bool refits = before.w == kMarkRefit;
-    const bool looks = refits && resamples(args.lists);
-    // What the end needs is asked for before the neighbours are looked at.
+    const bool examines = refits && resamples(args.lists);
+    // What the end needs is asked for before the neighbours are visited.
     const uint color = colorOf(args.tables, id);
     const uint parent = parentOf(args.tables, id);
-    float spacing = kNotLooked;
-    if (looks) spacing = args.tables.at[0].spacings.at[parent];
+    float spacing = kNotExamined;
+    if (examines) spacing = args.tables.at[0].spacings.at[parent];
     vec3 normal = before.xyz;
     if (refits) normal = fittedNormal(position.xyz, normal);
     if (subgroupElect()) {
       args.fitted.at[which] = vec4(normal, spacing);
-      if (looks) args.tables.at[0].looks.at[id] = tick;
-      logPoint(args, head + which, position.xyz, id, normal, color, parent);
+      if (examines) args.tables.at[0].examined.at[id] = tick;
+      logPoint(head + which, position.xyz, id, normal, color, parent);
     }
   }
-  logGone(args, head + changed);
+  logGone(head + changed);
 }

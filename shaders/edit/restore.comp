@@ -6,6 +6,7 @@
 #include "shaders/lib/edit_buffers.glsl"
 
 layout(push_constant, scalar) uniform Push { RestoreArgs args; };
+#include "shaders/lib/list_moves.glsl"
 
 // What is known of a point besides its place. When the update has been carried out.
 void finish(uint i) {
@@ -38,12 +39,12 @@ void main() {
   move.mark = kMarkGiven;
   move.slot = kEmptySlot;
   move.fromBucket = kNoBucket;
-  move.toBucket = (toId & kPointGone) != 0 ? kNoBucket : bucketAt(args.cloud, move.position);
+  move.toBucket = (toId & kPointGone) != 0 ? kNoBucket : bucketAt(move.position);
   move.before = 0;
   move.room = kEmptySlot;
   if ((fromId & kPointGone) == 0) {
-    move.fromBucket = bucketAt(args.cloud, args.changes.at[i].from.position);
-    move.slot = slotIn(args.cloud, move.fromBucket, id);
+    move.fromBucket = bucketAt(args.changes.at[i].from.position);
+    move.slot = slotIn(move.fromBucket, id);
     if (move.slot == kEmptySlot) {
       if (subgroupElect()) atomicOr(args.update.at[0].failed, kUpdateUnknown);
       return;
@@ -52,5 +53,5 @@ void main() {
   const bool writes = subgroupElect() && (move.fromBucket != kNoBucket || move.toBucket != kNoBucket);
   const uint at = nextMove(args.update, writes);
   if (!writes) return;
-  writeMove(args.cloud, listsOf(args.update, args.capacities, args.tables), at, move);
+  writeMove(updateLists(), at, move);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The fitted normals of the changed points go into the cloud, the log holds their entries from now on, and the wishes
+// The fitted normals of the changed points go into the cloud, the log holds their entries from now on, and the requests
 // of the last tick have been heard, unless the edit was not carried out.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/edit_end.glsl"
@@ -14,7 +14,7 @@ void settle() {
   if (threadIndex() != 0) return;
   args.head.at[0] += changed + args.update.at[0].gone;
   if (!resamples(args.lists)) return;
-  args.lists.now.wishes = 0;
+  args.lists.now.requests = 0;
   args.lists.now.nextId += args.lists.now.births;
   args.lists.now.births = 0;
   args.lists.now.tick += 1;
@@ -22,5 +22,5 @@ void settle() {
 
 void main() {
   if (args.update.at[0].failed == 0) settle();
-  if (!isNull(args.end.report) && finishesLast(args.update)) endEdit(args.end, args.update, args.lists);
+  if (!isNull(args.end.report) && finishesLast(args.update)) endEdit(args.end.report, args.end.resampling, args.end.empty, args.update, args.lists);
 }

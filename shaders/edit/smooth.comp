@@ -3,12 +3,12 @@
 // Smoothing: each point that the brush has selected goes its share of the way to the algebraic sphere of its neighbours
 // as they all still stand. One subgroup for each.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/brush_reach.glsl"
-#include "shaders/lib/neighbours.glsl"
-#include "shaders/lib/surface_fit.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/lib/edit_buffers.glsl"
+#include "shaders/shared/surface.h"
 
 layout(push_constant, scalar) uniform Push { SmoothArgs args; };
+#include "shaders/lib/brush_reach.glsl"
+#include "shaders/lib/neighbours.glsl"
 
 vec3 facing;       // the side of the sheet that is smoothed
 SurfaceSums sums;  // of what this invocation has seen
@@ -16,7 +16,7 @@ SurfaceSums sums;  // of what this invocation has seen
 void visitNeighbour(uint id, vec3 n, vec3 d) {
   const vec3 offset = d / brush.support;
   const float squared = dot(offset, offset);
-  const float w = wendland(sqrt(squared)) * clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
+  const float w = wendland(sqrt(squared)) * facingWeight(dot(n, facing));
   if (w <= 0.0) return;
   sums.offsets += w * vec4(offset, 1.0);
   sums.normals += vec4(w * n, 1.0);
@@ -25,7 +25,7 @@ void visitNeighbour(uint id, vec3 n, vec3 d) {
 
 Surface surfaceAbout(vec3 place) {
   sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
-  visitNeighbours(args.cloud, place, brush.support, kNeighbourWorkBudget);
+  visitNeighbours(place, brush.support, kNeighbourWorkBudget);
   const SurfaceSums all =
       SurfaceSums(subgroupAdd(sums.offsets), subgroupAdd(sums.normals), subgroupAdd(sums.products));
   return surfaceFrom(all, brush.support, kSurfaceSphere);
@@ -33,8 +33,8 @@ Surface surfaceAbout(vec3 place) {
 
 void main() {
   takeUpBrush(args.brush, args.state);
-  UpdateLists update = listsOf(args.update, args.capacities, args.tables);
-  PointMoves list = update.moves;
+  UpdateLists update = updateLists();
+  PointMoves list = PointMoves(update.moves);
   const uint moves = min(args.update.at[0].moves, update.mostMoves);
   const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
   for (uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; i < moves; i += stride) {
@@ -43,12 +43,12 @@ void main() {
     const Surface surface = surfaceAbout(place);
     const bool goes = list.at[i].toBucket == kNoBucket;
     if (surface.defined && !goes && subgroupElect()) {
-      const vec3 to = smoothed(brush, tool, place, surface.distance, surface.normal);
+      const vec3 to = smoothed(brush, ball, place, surface.distance, surface.normal);
       const uint from = list.at[i].fromBucket;
-      const uint bucket = bucketAt(args.cloud, to);
+      const uint bucket = bucketAt(to);
       list.at[i].position = to;
       list.at[i].toBucket = bucket;
-      if (bucket != from) touchBuckets(args.cloud, update, from, bucket, i);
+      if (bucket != from) touchBuckets(update, from, bucket, i);
     }
   }
 }

@@ -1,4 +1,4 @@
-// The cells around a place, and the points that their buckets hold: the candidates of a patch. They are looked at in
+// The cells around a place, and the points that their buckets hold: the candidates of a patch. They are visited in
 // rounds of kContactWorkgroup cells, in the order of the cells and then of the points, so that what follows from them
 // comes out the same every time and by every method.
 #ifndef PALPATE_LIB_CELLS_GLSL
@@ -17,12 +17,12 @@ struct CellBox {
 };
 
 // `mostCells`: of one gather. Only where a place is so far out that it is rounded by whole cells are there more.
-CellBox boxAround(CloudView cloud, vec3 place, float reach, uint mostCells) {
+CellBox boxAround(vec3 place, float reach, uint mostCells) {
   const float margin = 1.001 * reach;  // the place is rounded
   CellBox box;
-  box.low = cellOf(cloud.grid, place - margin);
-  box.size = uvec3(cellOf(cloud.grid, place + margin) - box.low + 1);
-  box.cells = cloud.slots == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, mostCells);
+  box.low = cellOf(args.cloud.grid, place - margin);
+  box.size = uvec3(cellOf(args.cloud.grid, place + margin) - box.low + 1);
+  box.cells = args.cloud.slots == 0 ? 0 : min(box.size.x * box.size.y * box.size.z, mostCells);
   return box;
 }
 
@@ -32,11 +32,11 @@ ivec3 cellAt(CellBox box, uint c) {
 
 // Loads the round that begins with cell `first`: all invocations of a workgroup of kContactWorkgroup together. `count`:
 // candidates of this invocation's cell, the one at scanIndex(). Gives the candidates of the round.
-uint loadRound(CloudView cloud, CellBox box, uint first, out uint count) {
+uint loadRound(CellBox box, uint first, out uint count) {
   const uint kMostInCell = 1u << 22;  // keeps the sum within 32 bits
   const uint lane = scanIndex();
   uvec2 range = uvec2(0);
-  if (first + lane < box.cells) range = cloud.ranges.at[bucketOf(cloud.grid, cellAt(box, first + lane))];
+  if (first + lane < box.cells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellAt(box, first + lane))];
   count = min(range.y - range.x, kMostInCell);
   uint total;
   cellStart[lane] = workgroupExclusiveScan(count, total);

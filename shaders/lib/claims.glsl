@@ -1,4 +1,4 @@
-// The table in which wishes for new points claim their places (shaders/shared/resample.h).
+// The table in which the requests for new points claim their places (shaders/shared/resample.h).
 #ifndef PALPATE_LIB_CLAIMS_GLSL
 #define PALPATE_LIB_CLAIMS_GLSL
 
@@ -8,27 +8,28 @@
 HashGrid claimsFor(float support) { return claimGrid(support / kSupportSpacings); }
 uint claimAt(HashGrid grid, vec3 place) { return bucketOf(grid, cellOf(grid, place)); }
 
-// Once it is known which wishes come to pass. From wish `first` on every `stride`-th.
+// Once it is known which requests are granted: empties the table. From request `first` on every `stride`-th.
 void dropClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
-  const uint wishes = min(lists.now.wishes, most);
+  const uint requests = min(lists.now.requests, most);
   const HashGrid grid = claimsFor(support);
-  for (uint i = first; i < wishes; i += stride)
-    if (lists.wishes[i].inserts != 0) lists.claims[claimAt(grid, lists.wishes[i].place)] = 0xffffffffu;
+  for (uint i = first; i < requests; i += stride)
+    if (lists.requests[i].inserts != 0) lists.claims[claimAt(grid, lists.requests[i].place)] = 0xffffffffu;
 }
 
-// After all wishes of a tick: whoever has the least id that wants a place of the table says where it wants its point.
+// After all requests of a tick: whoever has the least id that claims a place of the table says where its point
+// is to come.
 void confirmClaims(ResampleLists lists, uint most, float support, uint first, uint stride) {
-  const uint wishes = min(lists.now.wishes, most);
+  const uint requests = min(lists.now.requests, most);
   const HashGrid grid = claimsFor(support);
-  for (uint i = first; i < wishes; i += stride) {
-    if (lists.wishes[i].inserts == 0) continue;
-    const vec3 place = lists.wishes[i].place;
+  for (uint i = first; i < requests; i += stride) {
+    if (lists.requests[i].inserts == 0) continue;
+    const vec3 place = lists.requests[i].place;
     const uint claim = claimAt(grid, place);
-    if (lists.claims[claim] == lists.wishes[i].id) lists.claimed[claim] = place;
+    if (lists.claims[claim] == lists.requests[i].id) lists.claimed[claim] = place;
   }
 }
 
-// Whether a wish has its own cell of the claims, and none of a smaller id in the cells about it a place too near. The
+// Whether a request has its own cell of the claims, and none of a smaller id in the cells about it a place too near. The
 // whole subgroup calls it together.
 bool claimStands(ResampleLists lists, HashGrid grid, vec3 place, uint id, float support) {
   const uint kCellsAbout = 27;

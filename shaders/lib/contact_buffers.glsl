@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference : require
 
 layout(buffer_reference) buffer ContactPoses;
-layout(buffer_reference) coherent volatile buffer QuestionWords;
+layout(buffer_reference) volatile buffer QuestionWords;
 layout(buffer_reference) buffer ContactStates;
 layout(buffer_reference) buffer ContactSamples;
 layout(buffer_reference) coherent buffer GatheredPatch;
@@ -18,7 +18,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) coherent buffer Sp
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactPoses { ContactQuestion at[]; };
 // The same while the host writes it.
-layout(buffer_reference, scalar, buffer_reference_align = 4) coherent volatile buffer QuestionWords { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer QuestionWords { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactStates { ContactState at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer ContactSamples { ContactSample at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer GatherCells { GatherCell at[]; };

@@ -21,17 +21,17 @@ bool finishesLast(HashUpdates update) {
   return finishedLast;
 }
 
-// One workgroup.
-void endEdit(EditEnd end, HashUpdates update, ResampleLists lists) {
+// One workgroup. Where the report, that of resampling and the empty counters are: see EditEnd.
+void endEdit(Uints report, Uints resampled, Uints empty, HashUpdates update, ResampleLists lists) {
   const uint kWord = 4;
   SharedWords counters = SharedWords(uvec2(update)), resampling = SharedWords(uvec2(lists));
   for (uint i = gl_LocalInvocationIndex; i < kUpdateBytes / kWord; i += gl_WorkGroupSize.x) {
-    end.report.at[i] = counters.at[i];
-    if (i < kUpdateBegins / kWord) counters.at[i] = end.empty.at[i];
+    report.at[i] = counters.at[i];
+    if (i < kUpdateBegins / kWord) counters.at[i] = empty.at[i];
   }
-  if (isNull(end.resampling)) return;
+  if (isNull(resampled)) return;
   for (uint i = gl_LocalInvocationIndex; i < kResamplingBytes / kWord; i += gl_WorkGroupSize.x)
-    end.resampling.at[i] = resampling.at[i];
+    resampled.at[i] = resampling.at[i];
 }
 
 #endif

@@ -13,7 +13,7 @@ layout(buffer_reference) buffer DirtyBuckets;
 #include "shaders/shared/hash_update.h"
 // The last workgroup of a pass reads what the others have counted.
 layout(buffer_reference, scalar, buffer_reference_align = 4) coherent buffer HashUpdates { HashUpdate at[1]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PointMoves { PointMove at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer PointMoves { PointMove at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer DirtyBuckets {
   uint capacity;  // buckets that the list holds
   uint words[];   // the map, then the list
@@ -52,71 +52,6 @@ uint nextChanged(HashUpdates update, bool wants) {
     if (kCountsGroups != 0) atomicMax(update.at[0].changedGroups.x, updateGroups(first + count, gl_NumSubgroups));
   }
   return subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(ballot);
-}
-
-// What lists moves and the buckets that they concern.
-struct UpdateLists {
-  HashUpdates update;
-  PointMoves moves;
-  Uints marks, touched, movesOf, capacities;
-  uint mostMoves;
-};
-
-void listBucket(UpdateLists lists, uint bucket) {
-  const uint at = atomicAdd(lists.update.at[0].touched, 1);
-  lists.touched.at[at] = bucket;
-  if (kCountsGroups != 0) atomicMax(lists.update.at[0].applyGroups.x, updateGroups(at + 1, gl_NumSubgroups));
-}
-
-// New slots for a bucket of so many points to which so many more have come, where the next one to come is the one that
-// it outgrows its slots by, or those that it has just taken; kEmptySlot otherwise. `slots`: of the cloud.
-uint roomFor(UpdateLists lists, uint bucket, uint slots, uint points, uint arrived) {
-  const uint before = capacityFor(max(lists.capacities.at[bucket], points), points + arrived);
-  if (before > points + arrived) return kEmptySlot;
-  const uint wanted = capacityFor(before, points + arrived + 1);
-  const uint room = lists.update.at[0].head + atomicAdd(lists.update.at[0].grown, wanted);
-  if (room + wanted > slots) atomicOr(lists.update.at[0].refused, kUpdateNoSlots);
-  return room;
-}
-
-// Says that move `at` brings a point to another bucket. Gives the bucket's mark before that.
-uint arrive(CloudView cloud, UpdateLists lists, uint bucket, uint at) {
-  const uvec2 range = cloud.ranges.at[bucket];
-  uint before = 0;
-  while (true) {
-    if (arrivalsOf(before) == kMostArrivals) {
-      atomicOr(lists.update.at[0].refused, kUpdateCrowded);
-      return before;
-    }
-    const uint after = kMarkListed | ((before & ~kMarkMove) + kMarkArrival) | (at + 1);
-    const uint found = atomicCompSwap(lists.marks.at[bucket], before, after);
-    if (found == before) break;
-    before = found;
-  }
-  lists.moves.at[at].before = before & kMarkMove;
-  lists.moves.at[at].room = roomFor(lists, bucket, cloud.slots, range.y - range.x, arrivalsOf(before));
-  return before;
-}
-
-// Says that move `at` changes a point of one bucket, and brings it to another one; kNoBucket where there is none.
-// Whoever marks a bucket first lists it.
-void touchBuckets(CloudView cloud, UpdateLists lists, uint from, uint to, uint at) {
-  uint fromMark = kMarkListed, toMark = kMarkListed;
-  if (from != kNoBucket) fromMark = atomicOr(lists.marks.at[from], kMarkListed);
-  if (to != kNoBucket && to != from) toMark = arrive(cloud, lists, to, at);
-  if ((fromMark & kMarkListed) == 0) listBucket(lists, from);
-  if ((toMark & kMarkListed) == 0) listBucket(lists, to);
-}
-
-// Writes a move where nextMove() said, and touches the buckets that it concerns.
-void writeMove(CloudView cloud, UpdateLists lists, uint at, PointMove move) {
-  if (at >= lists.mostMoves) {
-    atomicOr(lists.update.at[0].failed, kUpdateTooLarge);
-    return;
-  }
-  lists.moves.at[at] = move;
-  if (move.slot != kEmptySlot) lists.movesOf.at[move.slot] = at;
-  touchBuckets(cloud, lists, move.fromBucket, move.toBucket, at);
 }
 
 #endif

@@ -7,8 +7,8 @@
 const bool kWalkNormals = false;
 #include "shaders/lib/neighbour_walk.glsl"
 
-// Neighbours that a workgroup keeps, each subgroup its part.
-const uint kKeptNeighbours = 4 * kUpdateWorkgroup;
+// Neighbours that a workgroup keeps, each subgroup its part; fewer on GPUs where less is shared.
+layout(constant_id = 2) const uint kKeptNeighbours = kMostKeptNeighbours;
 
 shared vec4 keptNeighbours[kKeptNeighbours];  // offset; w: bits of the slot
 shared uint keptIds[kKeptNeighbours];
@@ -33,21 +33,21 @@ void subgroupShares() {
 
 // Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of
 // work. `again`: the same place as in the last call, whose neighbours may still be there.
-void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget, bool again) {
+void visitNeighbours(vec3 center, float radius, uint budget, bool again) {
   const uint most = kKeptNeighbours / gl_NumSubgroups;
   const uint first = gl_SubgroupID * most;
   visitedBefore = again && allAreKept;
   allAreKept = true;
   if (!visitedBefore) {
     neighboursKept = 0;
-    beginWalk(cloud, center, radius);
+    beginWalk(center, radius);
   }
   bool goesOn = !visitedBefore;
   while (true) {
     uvec4 near[kPointsInFlight];
     uint found = 0;
     [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) near[i] = uvec4(0);
-    if (goesOn) goesOn = walkOn(cloud, center, radius, budget);
+    if (goesOn) goesOn = walkOn(center, radius, budget);
     if (goesOn)
       [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
         near[i] = subgroupBallot(walkedNear[i]);

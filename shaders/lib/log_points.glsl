@@ -5,7 +5,7 @@
 
 #include "shaders/lib/edit_buffers.glsl"
 
-void logPoint(RefitNormalsArgs args, uint entry, vec3 position, uint id, vec3 normal, uint color, uint parent) {
+void logPoint(uint entry, vec3 position, uint id, vec3 normal, uint color, uint parent) {
   const uint slot = entry & args.capacityMask;
   args.entries.at[slot].position = position;
   args.entries.at[slot].id = id;
@@ -15,14 +15,14 @@ void logPoint(RefitNormalsArgs args, uint entry, vec3 position, uint id, vec3 no
 }
 
 // Points that are taken away have no slot any more: the moves name them, and their number among those that are gone.
-void logGone(RefitNormalsArgs args, uint entry) {
+void logGone(uint entry) {
   const uint moves = args.update.at[0].moves;
   if (args.update.at[0].gone == 0) return;
   PointMoves list = args.tables.at[0].moves;
   for (uint i = threadIndex(); i < moves; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
     if (list.at[i].toBucket != kNoBucket) continue;
     const uint id = list.at[i].id;
-    logPoint(args, entry + list.at[i].room, list.at[i].position, id | kPointGone, list.at[i].normal,
+    logPoint(entry + list.at[i].room, list.at[i].position, id | kPointGone, list.at[i].normal,
              colorOf(args.tables, id), parentOf(args.tables, id));
   }
 }

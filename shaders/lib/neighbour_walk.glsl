@@ -46,9 +46,9 @@ uint ownerOf(uint start, uint k) {
   return owner;
 }
 
-void beginWalk(CloudView cloud, vec3 center, float radius) {
-  walkLow = cellOf(cloud.grid, center - radius);
-  walkSize = uvec3(cellOf(cloud.grid, center + radius) - walkLow + 1);
+void beginWalk(vec3 center, float radius) {
+  walkLow = cellOf(args.cloud.grid, center - radius);
+  walkSize = uvec3(cellOf(args.cloud.grid, center + radius) - walkLow + 1);
   walkCells = walkSize.x * walkSize.y * walkSize.z;
   walkNextCell = 0;
   walkWork = 0;
@@ -56,12 +56,12 @@ void beginWalk(CloudView cloud, vec3 center, float radius) {
   walkTaken = 0;
 }
 
-void lookUpCells(CloudView cloud) {
+void lookUpCells() {
   const uint c = walkNextCell + gl_SubgroupInvocationID;
   const uint row = c / walkSize.x, layer = row / walkSize.y;
   const ivec3 cell = walkLow + ivec3(c - row * walkSize.x, row - layer * walkSize.y, layer);
   uvec2 range = uvec2(0);
-  if (c < walkCells) range = cloud.ranges.at[bucketOf(cloud.grid, cell)];
+  if (c < walkCells) range = args.cloud.ranges.at[bucketOf(args.cloud.grid, cell)];
   const uint count = range.y - range.x;
   walkStart = subgroupExclusiveAdd(count);
   walkSlotAtZero = range.x - walkStart;
@@ -75,8 +75,8 @@ void lookUpCells(CloudView cloud) {
 bool walkedAll() { return walkTaken >= walkTotal && walkNextCell >= walkCells; }
 
 // Goes on to the next points; false at the end of the way, or of the budget. The whole subgroup calls it together.
-bool walkOn(CloudView cloud, vec3 center, float radius, uint budget) {
-  while (walkTaken >= walkTotal && walkNextCell < walkCells && walkWork < budget) lookUpCells(cloud);
+bool walkOn(vec3 center, float radius, uint budget) {
+  while (walkTaken >= walkTotal && walkNextCell < walkCells && walkWork < budget) lookUpCells();
   if (walkTaken >= walkTotal || walkWork >= budget) return false;
   uint owners[kPointsInFlight];
   [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
@@ -86,14 +86,14 @@ bool walkOn(CloudView cloud, vec3 center, float radius, uint budget) {
     walkedNear[i] = k < walkTotal;
   }
   [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
-    walkedPositions[i] = cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
+    walkedPositions[i] = args.cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
   if (kWalkNormals)
     [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
-      walkedNormals[i] = cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
+      walkedNormals[i] = args.cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
   [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
     const vec3 d = walkedPositions[i].xyz - center;
     // Another of these cells may share the bucket: its points are visited as that one's.
-    const uvec3 inBox = uvec3(cellOf(cloud.grid, walkedPositions[i].xyz) - walkLow);
+    const uvec3 inBox = uvec3(cellOf(args.cloud.grid, walkedPositions[i].xyz) - walkLow);
     const uint c = inBox.x + walkSize.x * (inBox.y + walkSize.y * inBox.z);
     walkedNear[i] =
         walkedNear[i] && dot(d, d) < radius * radius && c + gl_SubgroupSize == walkNextCell + owners[i];

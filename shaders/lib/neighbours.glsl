@@ -10,9 +10,9 @@ void visitNeighbour(uint id, vec3 normal, vec3 d);
 
 // Visits all points nearer than `radius` to `center`, each once. The whole subgroup calls it together. `budget`: of
 // work.
-void visitNeighbours(CloudView cloud, vec3 center, float radius, uint budget) {
-  beginWalk(cloud, center, radius);
-  while (walkOn(cloud, center, radius, budget)) {
+void visitNeighbours(vec3 center, float radius, uint budget) {
+  beginWalk(center, radius);
+  while (walkOn(center, radius, budget)) {
     [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
       if (walkedNear[i])
         visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);

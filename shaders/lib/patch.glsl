@@ -3,8 +3,9 @@
 #ifndef PALPATE_LIB_PATCH_GLSL
 #define PALPATE_LIB_PATCH_GLSL
 
-#include "shaders/lib/cells.glsl"
+#include "shaders/lib/candidates.glsl"
 
+layout(constant_id = 6) const uint kSharedPatch = kMostSharedPatch;
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre
 shared vec3 patchNormals[kSharedPatch];
 
@@ -32,26 +33,6 @@ void keepPoint(SpilledPoints spill, uint i, vec3 position, vec3 normal) {
   }
 }
 
-// The candidate of the loaded round that stands at `candidate`, if it belongs to a patch.
-struct Candidate {
-  bool kept;
-  uint point;
-  vec3 place;
-  vec3 normal;
-};
-Candidate candidateAt(CloudView cloud, CellBox box, uint firstCell, uint candidate, vec3 hip, vec3 centre,
-                      float reach) {
-  const uint slot = cellOfCandidate(candidate);
-  Candidate found;
-  found.point = cellFirst[slot] + candidate - cellStart[slot];
-  const vec3 position = cloud.positions.at[found.point].xyz;
-  found.normal = cloud.normals.at[found.point].xyz;  // of all of them: to ask for it later would be to wait twice
-  found.place = placeInPatch(position, hip, centre);
-  // Another cell of this gather may share the bucket: its points are taken once, when it is that cell's turn.
-  found.kept = cellOf(cloud.grid, position) == cellAt(box, firstCell + slot) && inReach(found.place, reach);
-  return found;
-}
-
 void chargeSteps(uint steps) { workDone += steps * (1 + gl_NumSubgroups); }  // a scan loops over the subgroups
 
 void patchIsAt(vec3 centre, uint count) {
@@ -63,20 +44,20 @@ void patchIsAt(vec3 centre, uint count) {
 }
 
 // Fills the patch around `centre`, relative to `hip`. All invocations call it together with the same arguments.
-void gatherPatch(CloudView cloud, SpilledPoints spill, vec3 hip, vec3 centre, float reach, uint mostCells) {
-  const CellBox box = boxAround(cloud, hip + centre, reach, mostCells);
+void gatherPatch(SpilledPoints spill, vec3 hip, vec3 centre, float reach, uint mostCells) {
+  const CellBox box = boxAround(hip + centre, reach, mostCells);
   uint count = 0;
   barrier();  // the last evaluation may still be reading the old patch
   for (uint first = 0; first < box.cells; first += kContactWorkgroup) {
     uint inCell;
-    const uint total = loadRound(cloud, box, first, inCell);
+    const uint total = loadRound(box, first, inCell);
     const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     patchThinned = patchThinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {
       const uint k = base + scanIndex();
       Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
-      if (k < taken) candidate = candidateAt(cloud, box, first, k * stride, hip, centre, reach);
+      if (k < taken) candidate = candidateAt(box, first, k * stride, hip, centre, reach);
       uint kept;
       const uint place = count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
       if (candidate.kept) keepPoint(spill, place, candidate.place, candidate.normal);

@@ -4,6 +4,7 @@
 #define PALPATE_LIB_PROBE_GLSL
 
 #include "shaders/lib/contact_buffers.glsl"
+#include "shaders/shared/proxy.h"
 
 // Places relative to the HIP, but the HIP itself.
 struct Probe {
@@ -13,7 +14,7 @@ struct Probe {
   bool traced;  // the sub-steps cover the way since the last tick
   bool touching;
   bool sticking;
-  uint side;
+  uint face;
   vec3 facing;
   uint substeps;  // of a free HIP's way since the last tick
 };
@@ -26,18 +27,18 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   const bool started = carried || state.at[i].started != 0;
   const vec3 lastHip = carried ? pose.at[i].carried.lastHip : state.at[i].lastHip;
   const uint touching = carried ? pose.at[i].carried.touching : state.at[i].touching;
-  const uint side = carried ? pose.at[i].carried.side : state.at[i].side;
+  const uint face = carried ? pose.at[i].carried.face : state.at[i].face;
   const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
   const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
   probe.lastHip = started ? lastHip - probe.hip : vec3(0.0);
   probe.touching = started && touching != kFree;
   probe.sticking = touching == kSticking;
-  probe.side = started ? side : kSideUnknown;
+  probe.face = started ? face : kFaceUnknown;
   probe.facing = started ? facing : vec3(0.0);
   probe.proxy = probe.touching ? spring + probe.lastHip : vec3(0.0);
   precise float way = length(probe.lastHip) / (kLongestStep * radius);
   probe.traced = started && way <= float(kMaxSubsteps);
-  probe.substeps = clamp(uint(ceil(min(way, float(kMaxSubsteps)))), 1u, kMaxSubsteps);
+  probe.substeps = substepsOn(way);
   return probe;
 }
 

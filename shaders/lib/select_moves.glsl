@@ -8,42 +8,42 @@
 shared uint cellStart[kMostSelectCells];  // points in the cells before
 shared uint cellFirst[kMostSelectCells];  // first slot
 
-// Whether the tool's ball may reach into a cell; says so, too, where it misses by less than places are rounded.
+// Whether the brush's ball may reach into a cell; says so, too, where it misses by less than places are rounded.
 bool mayReach(HashGrid grid, ivec3 cell) {
-  const vec3 center = (tool.center - grid.origin) * grid.inverseCell;
+  const vec3 center = (ball.center - grid.origin) * grid.inverseCell;
   const float rounding = 0.01 + 1e-6 * max(abs(center.x), max(abs(center.y), abs(center.z)));
   const vec3 gap = max(vec3(0.0), max(vec3(cell) - center, center - vec3(cell + 1)));
-  const float radius = brush.toolRadius * grid.inverseCell * (1.0 + 1e-6) + rounding;
+  const float radius = brush.radius * grid.inverseCell * (1.0 + 1e-6) + rounding;
   return dot(gap, gap) < radius * radius;
 }
 
-bool reached(CollectArgs args, uint slot, vec4 position, vec4 normal, out PointMove move) {
-  if (!brushedMove(args.cloud, args.tables, slot, position, normal, move)) return false;
+bool reached(uint slot, vec4 position, vec4 normal, out PointMove move) {
+  if (!brushedMove(slot, position, normal, move)) return false;
   if (brush.kind == kBrushPaint)
-    args.tables.at[0].colors.at[move.id] = painted(brush, tool, position.xyz, colorOf(args.tables, move.id));
+    args.tables.at[0].colors.at[move.id] = painted(brush, ball, position.xyz, colorOf(args.tables, move.id));
   else
-    reachAnew(args.tables, move.id);
+    resetReach(move.id);
   return true;
 }
 
-void take(CollectArgs args, UpdateLists update, bool wants, PointMove move) {
+void take(UpdateLists update, bool wants, PointMove move) {
   const uint at = nextMove(args.update, wants);
-  if (wants) writeMove(args.cloud, update, at, move);
+  if (wants) writeMove(update, at, move);
 }
 
-void selectFromSlots(CollectArgs args, UpdateLists update, uint i) {
+void selectFromSlots(UpdateLists update, uint i) {
   const uint slot = args.firstSlot + i;
   PointMove move;
   const bool wants =
-      i < args.slots && reached(args, slot, args.cloud.positions.at[slot], args.cloud.normals.at[slot], move);
-  take(args, update, wants, move);
+      i < args.slots && reached(slot, args.cloud.positions.at[slot], args.cloud.normals.at[slot], move);
+  take(update, wants, move);
 }
 
-// Workgroup `group` of `groups` takes every `groups`-th cell of the tool's box: a surface that lies along the box is
+// Workgroup `group` of `groups` takes every `groups`-th cell of the brush's box: a surface that lies along the box is
 // shared by all of them.
-void selectFromCells(CollectArgs args, UpdateLists update, uint group, uint groups) {
+void selectFromCells(UpdateLists update, uint group, uint groups) {
   const uint side = args.cells, lane = scanIndex();
-  const ivec3 low = cellOf(args.cloud.grid, tool.center - brush.toolRadius);
+  const ivec3 low = cellOf(args.cloud.grid, ball.center - brush.radius);
   const uint c = group + lane * groups;
   uvec2 range = uvec2(0);
   if (lane < kMostSelectCells && c < side * side * side) {
@@ -71,9 +71,9 @@ void selectFromCells(CollectArgs args, UpdateLists update, uint group, uint grou
       // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
       const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position.xyz) - low);
       if (all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == group + owner * groups)
-        wants = reached(args, slot, position, normal, move);
+        wants = reached(slot, position, normal, move);
     }
-    take(args, update, wants, move);
+    take(update, wants, move);
   }
 }
 

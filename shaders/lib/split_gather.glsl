@@ -9,13 +9,13 @@
 shared bool finishedLast;
 
 // The candidates from `begin` to `end` of the loaded round that belong to the patch, in order, to slots from `slot` on.
-uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin,
+uint fillSegment(GatheredPatch gathered, CellBox box, uint firstCell, uint stride, uint begin,
                  uint end, uint slot, vec3 hip, vec3 centre, float reach) {
   uint count = 0;
   for (uint base = begin; base < end; base += kContactWorkgroup) {
     const uint k = base + scanIndex();
     Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
-    if (k < end) candidate = candidateAt(cloud, box, firstCell, k * stride, hip, centre, reach);
+    if (k < end) candidate = candidateAt(box, firstCell, k * stride, hip, centre, reach);
     uint kept;
     const uint place = slot + count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
     if (candidate.kept) {
@@ -28,22 +28,22 @@ uint fillSegment(CloudView cloud, GatheredPatch gathered, CellBox box, uint firs
 }
 
 // Gathers this workgroup's share. The first one also says where the patch is.
-void gatherShare(CloudView cloud, GatheredPatch gathered, vec3 hip, vec3 centre, float reach, uint mostCells) {
-  const CellBox box = boxAround(cloud, hip + centre, reach, mostCells);
+void gatherShare(GatheredPatch gathered, vec3 hip, vec3 centre, float reach, uint mostCells) {
+  const CellBox box = boxAround(hip + centre, reach, mostCells);
   const uint rounds = (box.cells + kContactWorkgroup - 1) / kContactWorkgroup;
   const uint slices = rounds == 0 ? 0 : max(1, gl_NumWorkGroups.x / rounds);
   for (uint share = gl_WorkGroupID.x; share < rounds * slices; share += gl_NumWorkGroups.x) {
     const uint round = share / slices;
     const uint firstCell = round * kContactWorkgroup;
     uint inCell;
-    const uint total = loadRound(cloud, box, firstCell, inCell);
+    const uint total = loadRound(box, firstCell, inCell);
     const uint stride = strideOf(total, kPatchRoundCandidates);
     const uint taken = takenOf(total, stride);
     const uint each = (taken + slices - 1) / slices;
     const uint begin = min(share % slices * each, taken);
     const uint end = min(begin + each, taken);
     const uint slot = round * kPatchRoundCandidates + begin;
-    const uint kept = fillSegment(cloud, gathered, box, firstCell, stride, begin, end, slot, hip, centre, reach);
+    const uint kept = fillSegment(gathered, box, firstCell, stride, begin, end, slot, hip, centre, reach);
     if (gl_LocalInvocationIndex == 0) {
       gathered.segments[share] = uvec2(slot, kept);
       if (share % slices == 0) atomicAdd(gathered.header.steps, patchSteps(taken));

@@ -1,8 +1,4 @@
-// The implicit surface that the points define around a place: signed distance and normal. Three kinds (SurfaceKind):
-// the weighted average (Leeper, Chan, Salisbury 2012; Adamson and Alexa 2003), the algebraic sphere that fits places
-// and normals (Guennebaud and Gross 2007; in closed form Guennebaud, Germann, Gross 2008), and that sphere with weights
-// that let go of points across an edge (Oztireli, Guennebaud, Gross 2009). engine/contact/surface_reference.cpp is the
-// same in double precision. Sums are relative to the place and in support radii: their differences are small.
+// The surface of the patch around a place (shaders/shared/surface.h), summed up by a workgroup.
 #ifndef PALPATE_LIB_SURFACE_GLSL
 #define PALPATE_LIB_SURFACE_GLSL
 
@@ -10,8 +6,7 @@
 
 #include "shaders/lib/patch.glsl"
 #include "shaders/lib/subgroup_sum.glsl"
-#include "shaders/lib/surface_fit.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/shared/surface.h"
 
 layout(constant_id = 1) const uint kSurface = kSurfaceAverage;
 layout(constant_id = 2) const bool kLocalRadius = false;
@@ -24,7 +19,7 @@ shared vec4 partialOffsets[kMaxSubgroups];
 shared vec4 partialNormals[kMaxSubgroups];
 shared vec4 partialProducts[kMaxSubgroups];  // xy
 
-// Points of the patch that an invocation looks at side by side, so that none waits for the one before.
+// Points of the patch that an invocation visits side by side, so that none waits for the one before.
 const uint kPatchInFlight = 4;
 // Rounds in which each subgroup sums up a small patch by itself, all of them the same: none has to wait for the others.
 const uint kRoundsAlone = 8;
@@ -66,33 +61,25 @@ SurfaceSums sumOfAll(SurfaceSums sums) {
   return sums;
 }
 
-// The support radius that holds kSupportSpacings local spacings, as far as `radius` reaches: on an even plane the
-// weights sum up to pi / 7 points of the disc. Looks twice, since the first look averages the density over the whole
-// radius; the second may only widen.
+// The support radius that holds kSupportSpacings local spacings, as far as `radius` reaches. Two passes, since the
+// first averages the density over the whole radius; the second may only widen.
 float localRadiusAt(SpilledPoints spill, vec3 x, float radius) {
   float smallest = kLeastLocalRadius * radius;
   float local = radius;
-  for (uint look = 0; look < 2; ++look) {
+  for (uint pass = 0; pass < 2; ++pass) {
     SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
     for (uint i = firstSummed(); i < patchCount; i += summedStride()) {
       const float r = distance(patchPosition(spill, i), x) / local;
       if (r < 1.0) sums.offsets.w += wendland(r);
     }
     const float weights = sumOfAll(sums).offsets.w;
-    const float spacings = kSupportSpacings * local * sqrt(0.448798951 / max(weights, 1e-30));
-    smallest = local = clamp(spacings, smallest, radius);
+    smallest = local = localRadius(local, weights, smallest, radius);
   }
   return local;
 }
 
-// How much a normal counts where the turn of the surface is judged; `cosine`: of it and the side that is felt.
-float turnWeight(float cosine) {
-  if (kSurface == kSurfaceSharp) return smoothstep(kAcrossEdge, kThisSide, cosine);
-  return clamp(1.0 + 2.0 * cosine, 0.0, 1.0);
-}
-
-// A radius between `narrow` and the widened one: wide where the normals within that agree, as far as they face the side
-// `facing`.
+// A radius between `narrow` and the widened one: wide where the normals within that agree, as far as they belong to
+// the face `facing`.
 float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
   const float wide = kWidening * narrow;
   const bool sided = facing != vec3(0.0);
@@ -102,23 +89,16 @@ float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
     if (r >= 1.0) continue;
     const vec3 n = patchNormal(spill, i);
     float w = wendland(r);
-    if (sided) w *= turnWeight(dot(n, facing));
+    if (sided) w *= turnWeight(kSurface, dot(n, facing));
     sums.offsets.w += w;
     sums.normals.xyz += w * n;
   }
   sums = sumOfAll(sums);
-  const float turn = 1.0 - length(sums.normals.xyz) / max(sums.offsets.w, 1e-30);
-  return mix(wide, narrow, smoothstep(kFlatTurn, kFoldTurn, turn));
+  return wideWhereFlat(narrow, wide, length(sums.normals.xyz) / max(sums.offsets.w, 1e-30));
 }
 
-float robustWeight(Surface before, float radius, vec3 d, vec3 n) {
-  const vec3 turn = (n - before.normal) / kSharpNormal;
-  const float height = (-dot(d, n) - before.distance / radius) / kSharpHeight;
-  return exp(-dot(turn, turn) - height * height);
-}
-
-// The surface at `x`, relative to the patch's centre, of the points that face the side `facing`, or of all where that
-// is zero. All invocations call it together and get the same answer.
+// The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of
+// all where that is zero. All invocations call it together and get the same answer.
 Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing) {
   float radius = largestRadius / kWidening;
   if (kLocalRadius) radius = localRadiusAt(spill, x, radius);
@@ -136,8 +116,8 @@ Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing)
         const vec3 d = (patchPosition(spill, at) - x) * scale, n = patchNormal(spill, at);
         const float squared = dot(d, d);
         float w = i < patchCount ? wendland(min(1.0, sqrt(squared))) : 0.0;
-        if (sided) w *= clamp(1.0 + 2.0 * dot(n, facing), 0.0, 1.0);
-        if (pass > 0) w *= robustWeight(surface, radius, d, n);
+        if (sided) w *= facingWeight(dot(n, facing));
+        if (pass > 0) w *= robustWeight(surface.normal, surface.distance / radius, d, n);
         sums.offsets += w * vec4(d, 1.0);
         sums.normals += vec4(w * n, w > 0.0 ? 1.0 : 0.0);
         if (kSurface != kSurfaceAverage) sums.products += w * vec2(squared, dot(d, n));

@@ -16,12 +16,12 @@
 layout(constant_id = 2) const bool kMeshColored = false;
 
 const uint kPlaces = kLanes / kSharers;
-const uint kBrick = 32;  // invocations in a row whose places are looked at as one box; bits of a word
+const uint kBrick = 32;  // invocations in a row whose places are visited as one box; bits of a word
 const uint kBricks = kLanes / kBrick;
 // Of the points in a word, those that an invocation takes.
 const uint kShare = kSharers == 1 ? 0xffffffffu : kSharers == 2 ? 0x55555555u : 0x11111111u;
-// Points in shared memory. More leave room for fewer workgroups at a time, fewer cost more looks of the bricks.
-const uint kPiece = max(512, kLanes);
+// Points in shared memory, as many as invocations at least. More leave room for fewer workgroups at a time, fewer cost more passes of the bricks.
+layout(constant_id = 3) const uint kPiece = 512;
 // Candidates that an invocation fetches at a time: what it waits for comes together. More take registers, and with them
 // room for other workgroups: 4 of them made an H200 a third slower.
 const uint kFetched = 2;
@@ -145,7 +145,7 @@ Round roundOf(Box box, uint firstCell) {
   return here;
 }
 
-// One look at all points that the box sees, of which every `stride`th is taken. `cells`: the first round of them.
+// One pass over all points that the box sees, of which every `stride`th is taken. `cells`: the first round of them.
 void sumBox(Box box, Round cells, uint stride, vec3 place, Brick brick, bool wanted, Surface before) {
   const uint lane = scanIndex();
   const float radius = 1.0001 * args.lattice.radius;

@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The lattice: the value of every node of every block that is there. A workgroup treats a part of a block.
 #include "shaders/mesh/lattice.glsl"
-const uint kLanes = kMeshFieldWorkgroup;
+const uint kLanes = gl_WorkGroupSize.x;
 const uint kSharers = kMeshFieldSharers;
 #include "shaders/mesh/block_surface.glsl"
 
@@ -13,7 +13,8 @@ uvec3 nodeOfCode(uint code) {
 }
 
 void main() {
-  const uint slot = workgroupIndex() / kMeshFieldParts, part = workgroupIndex() % kMeshFieldParts;
+  const uint parts = kMeshBlockNodes / kPlaces;
+  const uint slot = workgroupIndex() / parts, part = workgroupIndex() % parts;
   if (slot >= args.slots) return;
   const uint first = part * kPlaces, code = first + placeIndex();
   const uvec3 block = blockOfNumber(args.lattice, args.buffers.at[0].blocks.at[slot]);

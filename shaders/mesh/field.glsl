@@ -1,12 +1,11 @@
-// From the points around a place to the surface there: that of contact (shaders/lib/surface_fit.glsl), or the skin
+// From the points around a place to the surface there: that of contact (shaders/shared/surface.h), or the skin
 // where the density of the points (thesis, equation 3.1) falls to a given one.
 #ifndef PALPATE_MESH_FIELD_GLSL
 #define PALPATE_MESH_FIELD_GLSL
 
 #include "shaders/mesh/lattice.glsl"
 // After what names the buffers of contact.
-#include "shaders/lib/surface_fit.glsl"
-#include "shaders/lib/weight.glsl"
+#include "shaders/shared/surface.h"
 
 layout(constant_id = 1) const uint kMeshSurface = kSurfaceSphere;
 
@@ -20,20 +19,13 @@ FieldSums noSums() { return FieldSums(SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0
 
 const Surface kNoSurface = Surface(false, 0.0, vec3(0.0), 0);
 
-// Weights that let go of points across an edge (Oztireli, Guennebaud, Gross 2009).
-float robust(Surface before, vec3 d, vec3 n) {
-  const vec3 turn = (n - before.normal) / kSharpNormal;
-  const float height = (-dot(d, n) - before.distance / args.lattice.radius) / kSharpHeight;
-  return exp(-dot(turn, turn) - height * height);
-}
-
 // Adds a point that is `d` support radii away, and gives its weight: zero where that is one or more, and then nothing
 // changes. `before`: what the pass before this one has found; of the first pass nothing.
 float addPoint(inout FieldSums sums, vec3 d, vec3 n, Surface before) {
   const float squared = dot(d, d);
   const float r = min(sqrt(squared), 1.0);
   float w = wendland(r);
-  if (before.defined) w *= robust(before, d, n);
+  if (before.defined) w *= robustWeight(before.normal, before.distance / args.lattice.radius, d, n);
   sums.surface.offsets += w * vec4(d, 1.0);
   sums.surface.normals += vec4(w * n, w > 0.0 ? 1.0 : 0.0);
   sums.surface.products += w * vec2(squared, dot(d, n));

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Marks the blocks that have a node within reach of a point: a one in the table. An invocation looks at one row of
+// Marks the blocks that have a node within reach of a point: a one in the table. An invocation visits one row of
 // blocks of one point, so that a lattice much finer than the cloud has no long loops.
 #include "shaders/mesh/lattice.glsl"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Marks the blocks that an edit may have changed: those of which a node, an edge or a cell beside one lies within the
-// support radius of where a point was or is. An invocation looks at one row of blocks of one such place.
+// support radius of where a point was or is. An invocation visits one row of blocks of one such place.
 #include "shaders/mesh/lattice.glsl"
 
 void main() {

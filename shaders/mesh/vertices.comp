@@ -80,7 +80,7 @@ void copyOld(uvec3 block, uint first, uint count) {
   }
 }
 
-// The surface is no straight line between two nodes: it was looked at where the line is zero, and the line is drawn
+// The surface is no straight line between two nodes: it was evaluated where the line is zero, and the line is drawn
 // again from there to the node on the other side (one step of the false position).
 void writeVertex(uint vertex, CutEdge edge, Answer there) {
   float t = crossing(0.0, edge.low, 1.0, edge.high);

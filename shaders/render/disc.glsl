@@ -1,8 +1,8 @@
 // A point as an oriented disc, and what of it each pixel shows: the same for whoever draws it.
 #ifndef PALPATE_RENDER_DISC_GLSL
 #define PALPATE_RENDER_DISC_GLSL
-#include "shaders/lib/frame.glsl"
 #include "shaders/render/view.glsl"
+#include "shaders/shared/frame.h"
 
 const float kOutlineFacing = 0.7;  // cosine; more calls insides outlines, less lights outlines as insides
 const float kEdgeTrust = 0.1;      // of a disc on edge; more roughens outlines and folds
@@ -46,14 +46,14 @@ bool placeDisc(RenderView view, vec3 position, out Disc disc) {
 // Which way a disc lies and how it is lit. A disc without a normal faces the eye. One that is seen from its back a
 // little stands just behind an outline and peeps over it: it is lit as if it were the outline. Seen from the back in
 // full it is the inside of an open surface, and its normal is turned. Discs on edge stand out from the surface where a
-// scan has a fold or a stray normal, so the flatter a disc lies before the eye, the more it counts.
-// `everyones`: the radius of all discs, which are whole then; 0: each has its own.
-void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float everyones, inout Disc disc) {
+// scan has a fold or an outlying normal, so the flatter a disc lies before the eye, the more it counts.
+// `commonRadius`: the radius of all discs, which are whole then; 0: each has its own.
+void orientDisc(RenderView view, vec4 normalAndRadius, uint clipBits, float commonRadius, inout Disc disc) {
   const vec3 toViewer = -normalize(disc.center);
   disc.normal = toEye(view, normalAndRadius.xyz);
   if (!(dot(disc.normal, disc.normal) >= 0.25)) disc.normal = toViewer;
-  disc.radius = everyones > 0 ? everyones : normalAndRadius.w;
-  disc.clip = everyones > 0 ? vec3(0) : clipOf(view, normalAndRadius, clipBits);
+  disc.radius = commonRadius > 0 ? commonRadius : normalAndRadius.w;
+  disc.clip = commonRadius > 0 ? vec3(0) : clipOf(view, normalAndRadius, clipBits);
   const float facing = dot(disc.normal, toViewer);
   vec3 shading = disc.normal;
   if (facing < -kOutlineFacing) shading = -shading;

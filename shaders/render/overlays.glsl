@@ -8,7 +8,7 @@
 const vec3 kBallColor = vec3(1.00, 0.44, 0.02);   // sRGB
 const vec3 kDiscColor = vec3(0.10, 0.78, 0.92);
 const vec3 kArrowColor = vec3(0.92, 0.10, 0.36);
-const vec3 kToolColor = vec3(0.98, 0.90, 0.30);
+const vec3 kBrushColor = vec3(0.98, 0.90, 0.30);
 const vec3 kBarColor = vec3(0.94, 0.94, 0.94);
 const float kOutlineWidth = 0.03;  // of the tool's radius, and
 const float kThinnest_px = 3;      // samples at least
@@ -116,9 +116,9 @@ vec3 overlaid(RenderView view, RenderOverlays o, vec3 inEye, float surfaceDepth,
   if (o.ballRadius > 0) hits[0] = hitBall(view.eye, ray, o.ballCenter, o.ballRadius);
   if (o.discRadius > 0) hits[1] = hitThickDisc(view.eye, ray, o);
   if (o.arrowLength > 0) hits[2] = hitArrow(view.eye, ray, o);
-  if (o.toolRadius > 0) hits[3] = hitOutline(view, ray, o.toolCenter, o.toolRadius);
+  if (o.brushRadius > 0) hits[3] = hitOutline(view, ray, o.brushCenter, o.brushRadius);
   if (o.barLength > 0) hits[4] = hitBar(view.eye, ray, o);
-  const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kToolColor, kBarColor);
+  const vec3 colors[kParts] = vec3[kParts](kBallColor, kDiscColor, kArrowColor, kBrushColor, kBarColor);
   for (uint layer = 0; layer < kParts; ++layer) {
     uint farthest = kParts;
     for (uint k = 0; k < kParts; ++k)

@@ -20,7 +20,7 @@ float detailOf(float radius_px) {
   return args.frame.at[0].everyPoint != 0 ? 2 : kDetailCover * finer * finer;
 }
 
-float everyonesRadius() { return args.frame.at[0].splatRadius; }
+float commonRadius() { return args.frame.at[0].splatRadius; }
 
 // The disc of a point as it is drawn; false where it is not. Where points are finer than samples, those with low lots
 // stand for the others, at random but the same in every picture. Before one is left out it fades, so that nothing pops
@@ -30,7 +30,7 @@ bool loadDisc(RenderView view, uint point, out Disc disc) {
   const float lot = lotOf(point);
   const float unitPx = view.focal_px / disc.center.z;
   if (lot >= detailOf(args.frame.at[0].widestSplat * unitPx)) return false;
-  orientDisc(view, args.normals.at[point], args.clips.at[point], everyonesRadius(), disc);
+  orientDisc(view, args.normals.at[point], args.clips.at[point], commonRadius(), disc);
   const float detail = detailOf(disc.radius * unitPx);
   if (lot >= detail) return false;
   disc.trust *= min(4 * (1 - lot / detail), 1);

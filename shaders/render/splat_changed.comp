@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Lists the points whose discs have to be measured again: those that looked at a bucket in which something has changed.
+// Lists the points whose discs have to be measured again: those whose search visited a bucket in which something
+// has changed.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/splat_radius.h"
 

@@ -11,7 +11,7 @@
 shared uint smallsHere, largesHere, sharesHere;
 shared uvec3 starts;
 // Of each invocation: its point, and where its shares begin among those of its subgroup.
-shared uint points[kPickWorkgroup], subgroupStarts[kPickWorkgroup];
+shared uint points[gl_WorkGroupSize.x], subgroupStarts[gl_WorkGroupSize.x];
 
 void main() {
   if (gl_LocalInvocationIndex == 0) smallsHere = largesHere = sharesHere = 0;

@@ -2,13 +2,16 @@
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_vote : require
 // The radius of each point's disc (shaders/shared/splat_radius.h says which). One subgroup for each point: in hash
-// order those of a workgroup look at the same cells. In double precision: engine/render/splat_radius_reference.cpp.
+// order those of a workgroup visit the same cells. In double precision: tests/render/splat_radius_reference.cpp.
 #include "shaders/lib/index.glsl"
-#include "shaders/lib/frame.glsl"
-#include "shaders/lib/neighbours.glsl"
+#include "shaders/shared/frame.h"
 #include "shaders/shared/splat_radius.h"
 
 layout(push_constant, scalar) uniform Push { SplatRadiusArgs args; };
+#include "shaders/lib/neighbours.glsl"
+
+// Small subgroups see fewer points for the same work: it is made up to what those of 8 see.
+uint workBudget() { return max(kSplatWorkBudget, walkBudget(kSplatFewestExamined)); }
 
 // cos and sin of 0, 30, ... 150 degrees; the other six directions are their opposites.
 const vec3 kCosA = vec3(1, 0.866025404, 0.5), kSinA = vec3(0, 0.5, 0.866025404);
@@ -16,7 +19,7 @@ const vec3 kCosB = vec3(0, -0.5, -0.866025404), kSinB = vec3(1, 0.866025404, 0.5
 
 vec3 selfNormal, axisU, axisV;
 bool hasPlane;
-float seen;  // how far the last look went
+float seen;  // how far the last search went
 uint workSpent;
 // One over the distance to the nearest border, in each direction; 0 where there is none.
 vec3 aheadA, aheadB, behindA, behindB;
@@ -70,11 +73,11 @@ void visitNeighbour(uint id, vec3 other, vec3 d) {
   behindB = max(behindB, countedFrom(least, -second));
 }
 
-// Meets the points nearer than `radius` that the last look has not met. The whole subgroup calls it together.
-void look(vec3 center, float radius) {
+// Meets the points nearer than `radius` that the last search has not met. The whole subgroup calls it together.
+void search(vec3 center, float radius) {
   neighbours = 0;
-  visitNeighbours(args.cloud, center, radius, kSplatWorkBudget - workSpent);
-  workSpent = min(workSpent + walkWork, kSplatWorkBudget);
+  visitNeighbours(center, radius, workBudget() - workSpent);
+  workSpent = min(workSpent + walkWork, workBudget());
   aheadA = subgroupMax(aheadA);
   aheadB = subgroupMax(aheadB);
   behindA = subgroupMax(behindA);
@@ -87,7 +90,7 @@ vec2 clipLine(vec3 center, float radius) {
   clips = true;
   clipCloseness = 0;
   clipDirection = vec2(0);
-  visitNeighbours(args.cloud, center, kSplatEdgeReach * radius, kSplatEdgeWorkBudget);
+  visitNeighbours(center, kSplatEdgeReach * radius, max(kSplatEdgeWorkBudget, walkBudget(kSplatEdgeFewestExamined)));
   const float nearest = subgroupMax(clipCloseness);
   if (nearest * radius <= 1) return vec2(0);
   const uint owner = subgroupMin(clipCloseness == nearest ? gl_SubgroupInvocationID : gl_SubgroupSize);
@@ -153,11 +156,11 @@ void main() {
   const uvec2 own = args.cloud.ranges.at[bucketOf(args.cloud.grid, cellOf(args.cloud.grid, point.xyz))];
   const float crowd = float(own.y - own.x) / float(kSplatUsualInCell);
   const float farthest = 2 * args.widest;
-  float reach = min(kSplatFirstLook * args.spacing / sqrt(max(crowd, 1)), farthest);
+  float reach = min(kSplatFirstSearch * args.spacing / sqrt(max(crowd, 1)), farthest);
   float radius = radiusAlone();
   uint met = 0;
   while (true) {
-    look(point.xyz, reach);
+    search(point.xyz, reach);
     bool enough;
     if (hasPlane) {
       const float usual = usualCloseness();
@@ -171,7 +174,7 @@ void main() {
       radius = min(kSplatWithoutPlane * reach * sqrt(3.14159265 / float(met + 1)), 2 * radiusAlone());
       enough = met >= kSplatFewest;
     }
-    if (enough || reach >= farthest || workSpent >= kSplatWorkBudget) break;
+    if (enough || reach >= farthest || workSpent >= workBudget()) break;
     seen = reach;
     reach = min(2 * reach, farthest);
   }

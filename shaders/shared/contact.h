@@ -8,10 +8,10 @@ PALPATE_SHARED_BEGIN
 const uint kContactWorkgroup = 256;
 
 // The patch: points within (1 + kPatchSlack) support radii of its centre, gathered once and evaluated many times. More
-// slack means fewer gathers when the proxy travels, and more points to look at each time.
+// slack means fewer gathers when the proxy travels, and more points to visit each time.
 const float kPatchSlack = 0.5f;
-const uint kSharedPatch = 768;          // points kept in shared memory; the rest spill to a buffer
-const uint kPatchRoundCandidates = 16384;  // looked at for every kContactWorkgroup cells; denser places are thinned evenly
+const uint kMostSharedPatch = 768;      // points kept in shared memory, fewer on small GPUs; the rest spill to a buffer
+const uint kPatchRoundCandidates = 16384;  // visited for every kContactWorkgroup cells; denser places are thinned evenly
 const uint kPatchMaxCells = 2048;       // visited by one gather; SpatialHash cells must not be smaller than allows
 const uint kMostPatchPoints = kPatchMaxCells / kContactWorkgroup * kPatchRoundCandidates;
 
@@ -22,7 +22,7 @@ const uint kSplitNeighbours = 1024;  // of the last answer: from here on
 const uint kSplitCells = 257;        // that a gather may visit: from here on, whatever they hold
 
 const uint kMinNeighbours = 3;          // fewer points than this within the support radius are no surface
-const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no side, so no surface
+const float kLeastNormal = 1e-4f;       // weighted normals that cancel below this (of 1) give no face, so no surface
 
 // What the points define around a place: SurfaceKind of engine/contact/surface_kind.hpp.
 const uint kSurfaceAverage = 0;
@@ -48,16 +48,16 @@ const float kLeastLocalRadius = 0.125f;
 const float kFlatTurn = 0.01f;
 const float kFoldTurn = 0.06f;
 // The sharp surface keeps points across an edge out by itself. For it the radius shrinks where the surface on this side
-// of the edge turns: points count whose normal and the side that is felt make at least the first cosine, in full from
+// of the edge turns: points count whose normal and the face that is felt make at least the first cosine, in full from
 // the second on. More is blind to folds, less rounds off the edges of noisy normals.
 const float kAcrossEdge = 0.3f;
-const float kThisSide = 0.5f;
+const float kThisFace = 0.5f;
 
 // Tangent-plane tracking (Salisbury and Tarr 1997).
 const uint kMaxTrackingSteps = 32;
 const float kConvergence = 1e-5f;       // of the support radius: largest step of a proxy that has arrived
 // Of the support radius: a step smaller than this is the last. From step to step they shrink to a quarter and less, so
-// that a smaller value costs another look, and a larger one is felt as a ripple.
+// that a smaller value costs another evaluation, and a larger one is felt as a ripple.
 const float kLastStep = 1e-4f;
 const float kLongestStep = 0.5f;        // of the support radius: for the proxy and for the sub-steps of the HIP
 const float kStaticFriction = 1.25f;    // times the coefficient of sliding, before a held proxy slides
@@ -67,10 +67,10 @@ const uint kMaxSubsteps = 16;           // a HIP that jumps further than these r
 const uint kContactWorkBudget = 40000;
 
 // Where the HIP was last, as far as the surface can tell.
-const uint kSideUnknown = 0;  // nothing in reach
-const uint kSideOutside = 1;
-const uint kSideInside = 2;  // behind a surface without having come there through free space: not caught on its way out
-const uint kSideBehind = 3;  // behind a sheet, from free space: caught where it comes to the front
+const uint kFaceUnknown = 0;  // nothing in reach
+const uint kFaceOutside = 1;
+const uint kFaceInside = 2;  // behind a surface without having come there through free space: not caught on its way out
+const uint kFaceBehind = 3;  // behind a sheet, from free space: caught where it comes to the front
 
 // How the proxy was in the last tick.
 const uint kFree = 0;
@@ -88,7 +88,7 @@ struct ContactState {
   vec3 lastHip;   // model units relative to the cloud's origin
   uint touching;  // kFree, kSliding or kSticking
   vec3 spring;    // from HIP to proxy
-  uint side;      // kSide...; while touching, the one that is felt
+  uint face;      // kFace...; while touching, the one that is felt
   vec3 motion;    // of the HIP since the tick before
   vec3 facing;    // normal of the surface felt last, as the points have it; zero where there was none
   uint started;   // 0 before the first tick
@@ -96,8 +96,8 @@ struct ContactState {
 PALPATE_SIZE(ContactState, 60);
 
 const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
-const uint kSampleThinned = 2;    // more points were near than a step looks at; every so-manyth was taken
-const uint kSampleSideShift = 30;  // from this bit on: kSide... of the HIP
+const uint kSampleThinned = 2;    // more points were near than a step visits; every so-manyth was taken
+const uint kSampleFaceShift = 30;  // from this bit on: kFace... of the HIP
 
 // What the host writes before a tick. `carried`: where it has gone on from by itself since the last one, in its place;
 // not started: it has not.
@@ -169,12 +169,12 @@ struct ContactStepArgs {
 };
 PALPATE_SIZE(ContactStepArgs, 120);
 
-// A step that was submitted before its questions were there looks for them so many times at most.
+// A step that was submitted before its questions were there polls for them so many times at most.
 struct AwaitQuestionArgs {
   PALPATE_ADDRESS(QuestionWords) question;  // as the host writes it, one for each probe
   PALPATE_ADDRESS(Uints) taken;             // the same once all have come; tick 0: they have not, or were withdrawn
   PALPATE_ADDRESS(Uints) lastTick;          // of the questions that stood there before
-  uint looks;                               // of each subgroup
+  uint polls;                               // of each subgroup
   uint probes;
 };
 PALPATE_SIZE(AwaitQuestionArgs, 32);

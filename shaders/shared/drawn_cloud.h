@@ -23,5 +23,16 @@ struct CatchUpArgs {
 };
 PALPATE_SIZE(CatchUpArgs, 96);
 
+// All points of a live cloud on their way into the drawn cloud.
+struct PlaceArgs {
+  PALPATE_ADDRESS(Vec4s) livePositions;
+  PALPATE_ADDRESS(Vec4s) liveNormals;
+  PALPATE_ADDRESS(Vec4s) positions;
+  PALPATE_ADDRESS(Vec4s) normals;
+  uint slots;
+  uint pointCount;
+};
+PALPATE_SIZE(PlaceArgs, 40);
+
 PALPATE_SHARED_END
 #endif

@@ -11,15 +11,16 @@ PALPATE_SHARED_BEGIN
 // What the loops over the neighbours of one place may cost (lib/neighbour_walk.glsl). Past it what follows comes from the
 // points seen so far; reached only where a hundred thousand points share a place.
 const uint kNeighbourWorkBudget = 20000;
-// The same for those that decide whether points come or go, who look around several times: so many candidates at most,
-// or cells, whatever the size of a subgroup. Past it points go by what they have seen, and none is wished for: only
-// where thousands share a place, and those are merged with the ones that are seen.
-const uint kMostLookedAt = 8192;
+// The same for those that decide whether points come or go, who walk over their neighbours several
+// times: so many candidates at most, or cells, whatever the size of a subgroup. Past it points decide by what they have
+// seen, and no new one is requested: only where thousands share a place, and those are merged with the ones that are
+// seen.
+const uint kMostExamined = 8192;
 
 // Of the support radius: no point moves further in one tick, so that a resting proxy keeps its surface.
 const float kLongestMove = 0.25f;
 
-// Cells that one workgroup looks through for points that a tool reaches: as few as keep so many workgroups busy, within
+// Cells that one workgroup searches for points that a brush reaches: as few as keep so many workgroups busy, within
 // these bounds. Fewer workgroups leave a GPU idle, more come and go for nothing.
 const uint kSelectWorkgroups = 528u;
 const uint kFewestSelectCells = 64u, kMostSelectCells = 256u;  // at most one an invocation
@@ -28,11 +29,13 @@ const uint kFewestSelectCells = 64u, kMostSelectCells = 256u;  // at most one an
 const float kMarkGoes = 3.0f;
 // Bits of the place where a point rested that was never there.
 const uint kNeverRested = 0xffffffffu;
-// In the w of a fitted normal: the point is as it was given, and is not to be looked at.
-const float kNotLooked = -1.0f;
-// New points in one tick. They get their ids in the order of those that wish for them, by comparing each with each.
-// Where more are wished for, none come, and in the next tick half of the wishes are heard.
+// In the w of a fitted normal: the point is as it was given, and is not to be examined.
+const float kNotExamined = -1.0f;
+// New points in one tick. They get their ids in the order of the points that request them, by comparing each with each.
+// Where more are requested none come, and in the next tick half of the requests count.
 const uint kMostBirths = 1024;
+// In memory; no workgroup has an array of this length, to which glslang would give this one's layout.
+const uint kBirthSlots = kMostBirths + 2;
 
 // What an edit knows of points by their ids; null where it is not kept. Places for `ids` points.
 struct PointTables {
@@ -42,7 +45,7 @@ struct PointTables {
   PALPATE_ADDRESS(Places) rests;     // where points stood as loaded; of later ones, half way between their ends
   PALPATE_ADDRESS(Floats) reaches;   // of the points from firstNew on: how far others may come from there
   PALPATE_ADDRESS(Brushes) brush;
-  PALPATE_ADDRESS(Uints) looks;      // tick in which a point was last looked at
+  PALPATE_ADDRESS(Uints) examined;   // tick in which a point was last examined
   PALPATE_ADDRESS(ResampleLists) lists;
   PALPATE_ADDRESS(PointMoves) moves;
   PALPATE_ADDRESS(Uints) marks;
@@ -50,39 +53,42 @@ struct PointTables {
   PALPATE_ADDRESS(Uints) movesOf;
   uint firstNew;
   uint ids;
-  uint mostMoves;  // that there is room for; as many wishes
+  uint mostMoves;  // that there is room for; as many requests
   uint unused;
 };
 PALPATE_SIZE(PointTables, 112);
 
-// What a point that was looked at wishes for in the next tick. To be looked at again is the least.
-struct PointWish {
+// What a point that was examined requests for the next tick: at least to be examined again.
+struct PointRequest {
   vec3 position;  // of the point
   uint id;
   vec3 place;     // of the new point
-  uint inserts;   // not 0: it wishes for one
+  uint inserts;   // not 0: it requests one
   vec3 normal;    // of that, and so on
   uint color;
   uint parent;
   uint other;     // id of the point on the other side of the gap
   float reach;    // how far others may come from there
 };
-PALPATE_SIZE(PointWish, 60);
+PALPATE_SIZE(PointRequest, 60);
 
 struct Resampling {
-  uint wishes;
+  uint requests;
   uint births;       // new points that come with the next edit
   uint nextId;
   uint tick;
-  uint thinning;     // only wishes of every 2^thinning-th point for a new one are heard
+  uint thinning;     // only requests of every 2^thinning-th point for a new one count
 };
 const uint kResamplingBytes = 20;
 PALPATE_SIZE(Resampling, kResamplingBytes);
 
-// What becomes of the wishes of the last tick.
+// Neighbours that a workgroup keeps in shared memory.
+const uint kMostKeptNeighbours = 4u * kUpdateWorkgroup;
+
+// What happens to the requests of the last tick.
 const uint kRecallsNothing = 0;
-const uint kRecallsWishes = 1;  // they become moves
-const uint kForgetsWishes = 2;
+const uint kRecallsRequests = 1;  // they become moves
+const uint kForgetsRequests = 2;
 
 // The points that a brush reaches, and where it brings them.
 struct CollectArgs {
@@ -93,13 +99,13 @@ struct CollectArgs {
   PALPATE_ADDRESS(Brushes) brush;
   PALPATE_ADDRESS(Tables) tables;
   uint recalls;    // kRecalls...
-  uint cells;      // of the tool's box, along one side; 0: slots from firstSlot on are looked at
+  uint cells;      // of the brush's box, along one side; 0: slots from firstSlot on are examined
   uint firstSlot;
   uint slots;
 };
 PALPATE_SIZE(CollectArgs, 112);
 
-// Workgroups that look at these cells or slots; those beyond see to the wishes.
+// Workgroups that visit these cells or slots; those beyond carry out the requests.
 PALPATE_FUNCTION uint selectGroups(uint cells, uint slots) {
   if (cells == 0u) return (slots + kUpdateWorkgroup - 1u) / kUpdateWorkgroup;
   const uint all = cells * cells * cells;
@@ -117,7 +123,7 @@ struct SmoothArgs {
 };
 PALPATE_SIZE(SmoothArgs, 96);
 
-// What the last pass of an edit does besides: it tells the host what the edit came to, and empties the counters.
+// What the last pass of an edit does besides: it reports to the host what the edit came to, and empties the counters.
 struct EditEnd {
   PALPATE_ADDRESS(Uints) report;      // of the HashUpdate; null in passes that are not the last
   PALPATE_ADDRESS(Uints) resampling;  // of the Resampling; null where there is none
@@ -125,7 +131,7 @@ struct EditEnd {
 };
 PALPATE_SIZE(EditEnd, 24);
 
-// After the index has followed: normals as they were fitted, and the wishes that have been heard are forgotten.
+// After the index has followed: normals as they were fitted, and the requests that were carried out are dropped.
 struct SettleArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -137,8 +143,8 @@ struct SettleArgs {
 };
 PALPATE_SIZE(SettleArgs, 120);
 
-// New wishes, and which of those for new points are granted.
-struct WishArgs {
+// New requests, and which of those for new points are granted.
+struct RequestArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) changed;
@@ -147,16 +153,16 @@ struct WishArgs {
   PALPATE_ADDRESS(ResampleLists) lists;
   EditEnd end;
   float radius;  // support radius, model units
-  uint most;     // wishes that there is room for
+  uint most;     // requests that there is room for
 };
-PALPATE_SIZE(WishArgs, 128);
+PALPATE_SIZE(RequestArgs, 128);
 
 // Target spacings, measured once on the cloud as it was loaded.
 struct SpacingArgs {
   CloudView cloud;
   PALPATE_ADDRESS(Tables) tables;
   float radius;  // support radius, model units
-  uint counts;   // not 0: finds out which points count, in their looks; 0: measures
+  uint counts;   // not 0: finds out which points count, in `examined`; 0: measures
 };
 PALPATE_SIZE(SpacingArgs, 72);
 
@@ -183,7 +189,7 @@ struct RefitNormalsArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
   PALPATE_ADDRESS(Uints) changed;
-  PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point; w: its target spacing, or kNotLooked
+  PALPATE_ADDRESS(Vec4s) fitted;  // out: normal of every changed point; w: its target spacing, or kNotExamined
   PALPATE_ADDRESS(EditEntries) entries;
   PALPATE_ADDRESS(Uints) head;
   PALPATE_ADDRESS(Tables) tables;

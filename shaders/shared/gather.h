@@ -4,11 +4,11 @@
 
 PALPATE_SHARED_BEGIN
 
-// One workgroup looks at so many candidates of a bucket at once; each such chunk has slots of its own in the patch.
+// One workgroup visits so many candidates of a bucket at once; each such chunk has slots of its own in the patch.
 const uint kGatherChunk = 64;
 const uint kMostSegments = kPatchMaxCells + kMostPatchPoints / kGatherChunk;
 
-// Points that one invocation of the brute gather looks at. More make fewer counts to add up, and too few workgroups on
+// Points that one invocation of the brute gather visits. More make fewer counts to add up, and too few workgroups on
 // a small cloud.
 const uint kBruteItems = 8;
 const uint kBruteChunk = kBruteItems * kContactWorkgroup;

@@ -1,5 +1,5 @@
-// Compaction of an index that has followed edits: the points of one side of the live cloud stand without gaps on the
-// other, while edits go on on the first. Slices on a queue of the background copy every bucket; those that edits change
+// Compaction of an index that has followed edits: the points of one half of the live cloud stand without gaps in the
+// other, while edits go on in the first. Slices on a queue of the background copy every bucket; those that edits change
 // meanwhile are noted (HashUpdate.dirty) and copied again at the end, on the touch queue, between two edits.
 #ifndef PALPATE_SHARED_HASH_COMPACTION_H
 #define PALPATE_SHARED_HASH_COMPACTION_H
@@ -7,20 +7,20 @@
 
 PALPATE_SHARED_BEGIN
 
-// Why a compaction did not come out; the side that is in use is as it was.
-const uint kCompactionNoSlots = 1;   // the points do not fit; or a torn look at a bucket made it seem large
+// Why a compaction did not come out; the front half is as it was.
+const uint kCompactionNoSlots = 1;   // the points do not fit; or a torn read of a bucket made it seem large
 const uint kCompactionTooDirty = 2;  // edits changed more buckets than could be noted
 
-// Workgroups that look at the noted buckets; loops cover what is beyond.
+// Workgroups that visit the noted buckets; loops cover what is beyond.
 const uint kPlanGroups = 16;
 
 struct HashCompaction {
-  uint head;          // first slot of the other side that the slices have given to no bucket
+  uint head;          // first slot of the back half that the slices have given to no bucket
   uint failed;        // kCompaction...
   uint loose;         // slots for the buckets that have outgrown their first copy, with some to spare
   uint tight;         // the same without
   uint given;         // of those slots, so far
-  uint completed;     // not 0: the other side holds all points, and its index is whole
+  uint completed;     // not 0: the back half holds all points, and its index is whole
   uvec3 againGroups;  // one subgroup a noted bucket
 };
 PALPATE_SIZE(HashCompaction, 36);
@@ -34,7 +34,7 @@ PALPATE_SIZE(CompactionSlice, 16);
 
 struct CompactionArgs {
   CloudView from;
-  PALPATE_ADDRESS(Vec4s) positions;  // these four of the other side
+  PALPATE_ADDRESS(Vec4s) positions;  // these four of the back half
   PALPATE_ADDRESS(Vec4s) normals;
   PALPATE_ADDRESS(UVec2s) ranges;
   PALPATE_ADDRESS(Uints) capacities;

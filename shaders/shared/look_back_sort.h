@@ -4,7 +4,7 @@
 
 #ifndef __cplusplus
 // Read by other workgroups while this one runs. A word holds its state and its count, so no order between words counts.
-layout(buffer_reference, scalar, buffer_reference_align = 4) coherent volatile buffer TileWords { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) volatile buffer TileWords { uint at[]; };
 #endif
 
 PALPATE_SHARED_BEGIN

@@ -10,7 +10,7 @@
 PALPATE_SHARED_BEGIN
 
 // The lattice is kept in blocks of so many nodes a side; a block owns its nodes, the edges that begin at them and the
-// cells whose lowest corner they are. Smaller blocks hug the surface and cost more looks into neighbouring ones.
+// cells whose lowest corner they are. Smaller blocks hug the surface and cost more visits of neighbouring ones.
 const uint kMeshBlockSide = 8;
 const uint kMeshBlockNodes = kMeshBlockSide * kMeshBlockSide * kMeshBlockSide;
 // Nodes that a block's cells touch along an axis.
@@ -26,9 +26,8 @@ const uint kMeshCaseWords = kMeshBlockNodes / kMeshCellsPerWord;
 const uint kMeshWorkgroup = kMeshCaseWords;
 // Invocations that sum together over the points for the nodes of a part of a block, and how many share those of one
 // node. Sharers see fewer points in vain, and fetch more of them.
-const uint kMeshFieldWorkgroup = 512;
+const uint kMeshFieldWorkgroup = 512;  // or 256, where a device has no wider ones
 const uint kMeshFieldSharers = 2;
-const uint kMeshFieldParts = kMeshBlockNodes * kMeshFieldSharers / kMeshFieldWorkgroup;
 // The same for the vertices of a block.
 const uint kMeshVertexWorkgroup = 256;
 const uint kMeshVertexSharers = 2;
@@ -43,7 +42,7 @@ const uint kSurfaceDensity = 3;
 // The density of the surface, of that on an even plane.
 const float kMeshIsoDensity = 0.5f;
 
-// Candidates that one box of places looks at; where its cells hold more it takes every so-manyth. Few enough that an
+// Candidates that one box of places visits; where its cells hold more it takes every so-manyth. Few enough that an
 // invocation, which sums over them up to three times, stays below the 65,535 loop rounds after which one software
 // driver stops a shader; several times what an even cloud needs.
 const uint kMeshMostCandidates = 8192;
@@ -54,7 +53,7 @@ struct MeshLattice {
   float cell;          // edge of a cell, model units
   uvec3 blocks;        // along each axis
   float radius;        // support radius of the surface, model units
-  float reach;         // how far from a point nodes are looked at, model units; at least the radius
+  float reach;         // how far from a point nodes are computed, model units; at least the radius
   float densityScale;  // 1 over the sum of the weights on an even plane
 };
 PALPATE_SIZE(MeshLattice, 40);
@@ -92,7 +91,7 @@ PALPATE_FUNCTION uint lowCornerOf(uint edge) {
 PALPATE_FUNCTION uvec3 cornerOffset(uint corner) { return uvec3(corner & 1u, corner >> 1 & 1u, corner >> 2 & 1u); }
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MeshFloats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer MeshFloats { float at[]; };
 #endif
 
 // One state of the lattice and its mesh. A table of n blocks has n + 1 words: a block's slot, and the next one's is
@@ -133,7 +132,7 @@ struct MeshMove {
 PALPATE_SIZE(MeshMove, 44);
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MeshMoves { MeshMove at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer MeshMoves { MeshMove at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer MeshBuffersOf { MeshBuffers at[]; };
 #endif
 

@@ -14,7 +14,7 @@ struct MeshVertex {
 PALPATE_SIZE(MeshVertex, 28);
 
 #ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MeshVertices { MeshVertex at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer MeshVertices { MeshVertex at[]; };
 #endif
 
 PALPATE_SHARED_END

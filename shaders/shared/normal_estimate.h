@@ -14,7 +14,7 @@ const uint kFewestEstimated = 8;
 const uint kMostEstimated = 200;
 const uint kWantedEstimated = 50;  // an even surface holds them within kSupportSpacings
 const float kWidestEstimate = 4.0f;
-const uint kEstimateLooks = 5;
+const uint kEstimatePasses = 5;
 // A noisy place takes a wider one; engine/cloud/normals.cpp says when and why, in points where this says lengths.
 const float kCleanEstimate = 0.005f;
 const float kWiderEstimate = 2.0f;  // and every other point of it
@@ -28,16 +28,16 @@ const float kOwnFlatness = 0.06f;
 const float kOwnFlatnessOfNoise = 0.5f;
 const float kOwnHeight = 0.08f;
 const float kOwnHeightOfNoise = 3.0f;
-const float kSameSide = 0.9f;          // cosine between normals of one side
-const float kLeastEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a side, below which none does
+const float kSameFace = 0.9f;          // cosine between normals of one face
+const float kLeastEdgeWeight = 1e-6f;  // of the neighbour that speaks the most for a face, below which none does
 // Rounds of one point in one pass. Past it the point is left to the host; reached only where buckets are crowded. Small,
 // since a validated shader searches every buffer in each round, and one software driver stops a shader after 65,535.
 const uint kEstimateWorkBudget = 1024;
-const uint kEdgeWorkBudget = 512;  // for each of three looks, which read more in a round
+const uint kEdgeWorkBudget = 512;  // for each of three walks, which read more in a round
 
 // Of each point, the nearest neighbour in each of so many sectors of its plane: a graph that holds together wherever
 // the points do (Yao 1982), with few edges.
-const uint kSectors = 8;
+const uint kGraphSectors = 8;
 const uint kEnoughSectors = 6;  // with a neighbour within half the support radius; with fewer, all of it is searched
 const uint kNoNeighbour = 0xffffffffu;
 
@@ -45,8 +45,8 @@ struct NormalEstimateArgs {
   CloudView cloud;
   PALPATE_ADDRESS(Vec4s) planes;      // by the point's id: unit normal of either sign, w the radius it took; zero: left to the host
   PALPATE_ADDRESS(Vec2s) fits;        // by id: variance of the neighbours off the plane, and the local spacing squared
-  PALPATE_ADDRESS(Vec4s) normals;     // out, by id: that of the plane, or next to an edge that of the point's own side
-  PALPATE_ADDRESS(Uints) neighbours;  // out, kSectors ids for each id; kNoNeighbour where there is none
+  PALPATE_ADDRESS(Vec4s) normals;     // out, by id: that of the plane, or next to an edge that of the point's own face
+  PALPATE_ADDRESS(Uints) neighbours;  // out, kGraphSectors ids for each id; kNoNeighbour where there is none
   float radius;                       // support radius, model units
   uint unused;
 };

@@ -41,7 +41,7 @@ const uint kMaxTriangleInvocations = 1u << 26;
 const float kCenterPixelWeight = 0.25;
 // Weight of a splat at its rim. Not zero, so that a sample which only rims cover still has a normal and a colour.
 const float kRimWeight = 1.0f / 32;
-// In its radii: how far behind the nearest splat another one still blends with it. Larger blends stray points that stand
+// In its radii: how far behind the nearest splat another one still blends with it. Larger blends outliers that stand
 // out away, smaller keeps sheets apart that lie close behind one another.
 const float kDepthBand = 2;
 // In usual radii: what a gap shows lies so far behind its rim at least. Less fills pits, more leaves gaps beside edges,
@@ -104,8 +104,8 @@ struct RenderOverlays {
   float arrowRadius;  // of the shaft
   vec3 arrowDirection;  // unit
   float arrowLength;  // with its head
-  vec3 toolCenter;
-  float toolRadius;  // of a ball that shows as its outline
+  vec3 brushCenter;
+  float brushRadius;  // of a ball that shows as its outline
   vec3 barFrom;
   float barRadius;
   vec3 barDirection;  // unit
@@ -145,7 +145,7 @@ PALPATE_SIZE(RenderFrame, 80 + 128 + 44 + 40 + 52);
 
 #ifndef __cplusplus
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderFrames { RenderFrame at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Floats { float at[]; };
 #endif
 
 // What the picking pass finds. Splats are small or large; a large one is also listed by its tiles, the shares.
@@ -228,7 +228,7 @@ struct ResolveArgs {
   PALPATE_ADDRESS(UVec2s) shaded;
   PALPATE_ADDRESS(Uints) image;       // one per pixel: RGBA8
   PALPATE_ADDRESS(Floats) depthImage;  // one per pixel: the nearest sample's depth, 0 where there is none
-  uvec2 first_px;  // the pixels that are looked at: of a rectangle
+  uvec2 first_px;  // the pixels that are resolved: of a rectangle
   uvec2 size_px;
 };
 PALPATE_SIZE(ResolveArgs, 64);

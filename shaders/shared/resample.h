@@ -1,20 +1,10 @@
 // How a surface that is stretched or crowded by an edit keeps its points: small functions and constants that C++ and
-// GLSL share. The decisions themselves: engine/edit/resample_reference.hpp.
+// GLSL share. The decisions themselves: engine/edit/resampling.hpp.
 #ifndef PALPATE_SHARED_RESAMPLE_H
 #define PALPATE_SHARED_RESAMPLE_H
 #include "shaders/shared/hash_grid.h"
 
-#ifdef __cplusplus
-#include <glm/geometric.hpp>
-#endif
-
 PALPATE_SHARED_BEGIN
-
-#ifdef __cplusplus
-using glm::dot;
-using glm::max;
-using glm::min;
-#endif
 
 // In target spacings, which are those of the cloud as it was loaded. Where the ends of a pair have two, the coarser one
 // counts, so that dense ground never grows into sparse ground.
@@ -34,13 +24,13 @@ const float kCrowded = 0.4f;
 // as loaded, or stood in the same place, which is less than this many spacings wide.
 const float kComeNearer = 0.75f, kSamePlace = 1e-3f;
 
-// Of the support radius. A point looks no further around than this, or kLookSpacings of its own target where that is
-// more: far enough for what one tick may tear open, and on ground much denser than the radius is made for not so far
-// that its neighbours are too many to look at.
-const float kLeastLook = 0.5f;
-const float kLookSpacings = 8.0f;
+// Of the support radius. The neighbourhood of a point is no wider than this, or kNeighbourhoodSpacings of its own target
+// where that is more: far enough for what one tick may tear open, and on ground much denser than the radius is made for
+// not so far that its neighbours are too many to visit.
+const float kLeastNeighbourhood = 0.5f;
+const float kNeighbourhoodSpacings = 8.0f;
 // Of the support radius: how far from a point that the brush has moved others may come because of it, from one to the
-// next. With the longest move it makes one support radius beyond the tool.
+// next. With the longest move it makes one support radius beyond the brush.
 const float kReach = 0.75f;
 
 // Of the support radius: no target is smaller, and points nearer to one another than this count as one when the targets
@@ -49,8 +39,11 @@ const float kLeastSpacing = 0.03125f;
 // Of the support radius: no target is larger, or a gap could be wider than what a point sees.
 const float kMostSpacing = 0.5f;
 
-// Directions in the tangent plane that are looked at by themselves: each neighbour of an even lattice has its own.
-const uint kSectors = 6u;
+// Of the weights that a place sums up: fewer are no surface to measure a target by.
+const float kLeastWeights = 0.1f;
+
+// Directions in the tangent plane that are examined by themselves: each neighbour of an even lattice has its own.
+const uint kGapSectors = 6u;
 // The least cosine between the normals of two points of one sheet; others are not neighbours here.
 const float kSameSheet = 0.0f;
 // At most so much are two points of the two sheets of a plate for one another.
@@ -98,24 +91,24 @@ PALPATE_FUNCTION uint sectorOf(float u, float v) {
 
 // How much of a bulge over the chord to a neighbour `offset` away stays below the tangent plane of the point, which is
 // convex there, or adds nothing to what the chord itself is above it: 0 to 1.
-PALPATE_FUNCTION float bulgeBelow(vec3 offset, vec3 normal, vec3 bulge) {
-  const float rises = dot(bulge, normal), falls = max(0.0f, -0.5f * dot(offset, normal));
-  return rises > falls ? falls / rises : 1.0f;
+PALPATE_FORMULA Real bulgeBelow(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 bulge) {
+  const Real rises = dot(bulge, normal), falls = max(Real(0.0), Real(-0.5) * dot(offset, normal));
+  return rises > falls ? falls / rises : Real(1.0);
 }
 
 // Half way on the curved surface from a point to a neighbour `offset` away: the middle of a cubic that is tangent to
 // the surface at both ends (Vlachos et al. 2001, section 3.1), right to the second order in curvature. At an edge, where
 // the normals of the ends disagree, such a cubic leaves the solid: no more of it than stays within both tangent planes.
 // Relative to the point.
-PALPATE_FUNCTION vec3 halfWay(vec3 offset, vec3 normal, vec3 otherNormal) {
-  const vec3 bulge = 0.125f * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
-  return 0.5f * offset +
+PALPATE_FORMULA PALPATE_VEC3 halfWay(PALPATE_VEC3 offset, PALPATE_VEC3 normal, PALPATE_VEC3 otherNormal) {
+  const PALPATE_VEC3 bulge = Real(0.125) * (dot(offset, otherNormal) * otherNormal - dot(offset, normal) * normal);
+  return Real(0.5) * offset +
          min(bulgeBelow(offset, normal, bulge), bulgeBelow(-offset, otherNormal, bulge)) * bulge;
 }
 
-// How far a point with this target looks around, `radius` the support radius, model units.
-PALPATE_FUNCTION float lookRadius(float target, float radius) {
-  return min(radius, max(kLookSpacings * target, kLeastLook * radius));
+// Radius of the neighbourhood that a point with this target examines, `radius` the support radius, model units.
+PALPATE_FUNCTION float neighbourhoodRadius(float target, float radius) {
+  return min(radius, max(kNeighbourhoodSpacings * target, kLeastNeighbourhood * radius));
 }
 
 // In target spacings: the upper median of the distances to the nearest neighbours in those sectors that have one, on

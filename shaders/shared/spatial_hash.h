@@ -52,8 +52,8 @@ PALPATE_SIZE(HashReorderArgs, 64);
 // the points in a bucket.
 const uint kCrowdedBucket = 512;
 // Points of a larger bucket are left in the order of their arrival. Above kCrowdedBucket, so that hardly an edit gets
-// there before the sort has changed. Each point looks at all of its bucket, and validation on the GPU searches every
-// buffer at each look: a larger bucket would take it past the 65,535 rounds after which one software driver stops a
+// there before the sort has changed. Each point visits all of its bucket, and validation on the GPU searches every
+// buffer at each access: a larger bucket would take it past the 65,535 rounds after which one software driver stops a
 // shader, and it would call good addresses bad.
 const uint kMostRanked = 1024;
 

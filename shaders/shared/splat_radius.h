@@ -15,7 +15,7 @@
 
 PALPATE_SHARED_BEGIN
 
-// Directions are looked at in this many pairs, evenly turned.
+// Directions are taken in this many pairs, evenly turned.
 const uint kSplatDirectionPairs = 6;
 // The least cosine between a direction and a neighbour that counts in it.
 const float kSplatAhead = 0.45f;
@@ -30,11 +30,11 @@ const uint kSplatUsualRank = 5;
 const float kSplatOpen = 4.5f;
 // The same for a point that has an open direction: at corners of a sheet the others are no measure of its gaps.
 const float kSplatOpenAtBorder = 3.0f;
-// In mean spacings. The first look goes so far; where that is not enough the next goes twice as far.
-const float kSplatFirstLook = 3.2f;
+// In mean spacings. The first search goes so far; where that is not enough the next goes twice as far.
+const float kSplatFirstSearch = 3.2f;
 // In mean spacings: no border farther than this is believed.
 const float kSplatWidest = 4.0f;
-// Points of one cell with an even surface in it; where there are more, the first look is shorter.
+// Points of one cell with an even surface in it; where there are more, the first search is shorter.
 const uint kSplatUsualInCell = 12;
 // In spacings, where a point has no normal and so no plane to look in: wide enough for most random samplings.
 const float kSplatWithoutPlane = 1.3f;
@@ -47,10 +47,12 @@ const float kSplatSharp = 0.8f;
 const float kSplatSharpest = -0.5f;
 // In radii: the other side of an edge that a disc reaches has points so near.
 const float kSplatEdgeReach = 2.0f;
-// Work of all looks of a subgroup (shaders/lib/neighbour_walk.glsl), and of the one for the other side of an edge. Past
-// it the answer comes from what was seen: only in a heap of points.
+// Work of all searches of a subgroup (shaders/lib/neighbour_walk.glsl), and of the one for the other side of an edge.
+// Past it the answer comes from what was seen: only in a heap of points.
 const uint kSplatWorkBudget = 1000;
 const uint kSplatEdgeWorkBudget = 800;
+// Points that either examines at least, whatever its subgroups.
+const uint kSplatFewestExamined = 2000, kSplatEdgeFewestExamined = 1600;
 
 // Workgroups that every GPU takes along one axis.
 const uint kMostGroups = 65535;
@@ -91,7 +93,7 @@ struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order
   PALPATE_ADDRESS(Vec4s) normals;     // by id; the radius goes into w
   PALPATE_ADDRESS(Uints) clips;       // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
-  PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last look went, model units
+  PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last search went, model units
   PALPATE_ADDRESS(Uints) list;        // slots of the points to measure, where `onlyListed` is set
   PALPATE_ADDRESS(ChangedSplatsAt) counts;
   PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius

@@ -3,6 +3,7 @@
 // a C++ compiler stops when the two sides would part.
 #ifndef PALPATE_SHARED_TYPES_H
 #define PALPATE_SHARED_TYPES_H
+#include "shaders/shared/real.h"
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -11,8 +12,6 @@
 
 #include "engine/core/vec.hpp"
 
-#define PALPATE_SHARED_BEGIN namespace palpate::shared {
-#define PALPATE_SHARED_END }
 #define PALPATE_SIZE(type, bytes) static_assert(sizeof(type) == (bytes))
 #define PALPATE_ADDRESS(reference) std::uint64_t
 #ifdef __CUDACC__
@@ -39,13 +38,13 @@ using glm::floor;
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference2 : require
 
-#define PALPATE_SHARED_BEGIN
-#define PALPATE_SHARED_END
 #define PALPATE_SIZE(type, bytes)
 #define PALPATE_ADDRESS(reference) reference
 #define PALPATE_FUNCTION
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
+// A reference that stands in memory itself says 8, as the addresses there do: glslang aligns the load of an address to what
+// it refers to.
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer UVec2s { uvec2 at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4s { vec4 at[]; };
 #endif

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Compaction, 1 of 4: a slice of the copy in the background. Each workgroup takes 256 buckets, gives them consecutive
-// slots of the other side and copies their points there, each bucket in its order. Edits may change a bucket while it is
+// slots of the back half and copies their points there, each bucket in its order. Edits may change a bucket while it is
 // read: it is noted and copied again, and what is read here must only do no harm.
 #include "shaders/lib/index.glsl"
 #include "shaders/lib/hash_compaction.glsl"
@@ -10,7 +10,7 @@
 layout(push_constant, scalar) uniform Push { CompactionArgs args; };
 
 shared uint starts[kUpdateWorkgroup];  // slots before this bucket's, in this workgroup
-shared uint firsts[kUpdateWorkgroup];  // its first slot on the side that is read
+shared uint firsts[kUpdateWorkgroup];  // its first slot in the half that is read
 shared uint target;
 
 void emptySlots(uvec2 slots) {

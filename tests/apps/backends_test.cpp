@@ -1,7 +1,7 @@
 // palpate touch by every back end, method and device that answers alike.
 #include <algorithm>
 
-#include "engine/cloud/ply_reader.hpp"
+#include "engine/io/ply_reader.hpp"
 #include "tests/apps/program.hpp"
 
 namespace palpate {

@@ -8,7 +8,7 @@ namespace {
 // A hundred ticks, slow enough for a software driver on busy cores.
 constexpr const char* kSmall = "bench coexist --sizes 20000 --size 160x120 --touched 100 --rate 50 --duration 2 ";
 
-void checkRow(const nlohmann::json& row) {
+void checkRow(const Result& row) {
   const std::string situation = row["situation"];
   CAPTURE(row.dump());
   CHECK(row["points"] == 20000);

@@ -109,6 +109,40 @@ TEST_CASE("every number has bounds, which its complaint names") {
   works("touch " + model + " --stiffness 1000 --friction 0 --radius auto --max-force 0");
 }
 
+TEST_CASE("what a session cannot be configured with is said by the flags that ask for it") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 500 -o " + model);
+  const auto refused = [&](const std::string& arguments, const std::string& complaint) {
+    CAPTURE(arguments);
+    const Outcome outcome = palpate(arguments);
+    CHECK(outcome.code == 2);
+    CHECK(says(outcome.text, "palpate: " + complaint));
+  };
+  const std::string touch = "touch " + model + " ", second = "--second-device path --second-path builtin:slide ";
+  refused(touch + "--surface sphere --backend cuda",
+          "--surface: --backend cuda has only average; take vulkan or cpu for sphere");
+  refused(touch + "--tool pad --backend cuda", "--tool: --backend cuda has only point; take vulkan or cpu for pad");
+  refused(touch + "--tool pad --method naive", "--tool: --method naive has only point; take fused for pad");
+  refused(touch + "--tool ball --ahead on --backend vulkan", "--ahead: a ball is not asked ahead; leave it out");
+  refused(touch + "--tool pad --tool-axis 0,0,0 --backend cpu", "--tool-axis: is no direction");
+  refused(touch + second + "--backend cuda", "--second-device: --backend cuda feels with one hand; take vulkan or cpu");
+  refused(touch + second + "--method naive", "--second-device: --method naive feels with one hand; take fused");
+  refused(touch + second + "--ahead on --backend vulkan", "--ahead: two hands are not asked ahead; leave it out");
+  refused(touch + "--ahead off --backend cpu", "--ahead: only --backend vulkan can be asked ahead");
+  refused(touch + "--wait spin --backend cpu", "--wait: only --backend vulkan can be told how to wait");
+  refused(touch + "--print-tick --backend cpu", "--print-tick: only --backend vulkan knows its passes");
+  refused(touch + "--edit carve --backend cuda", "--edit: --backend cuda has only push; take vulkan or cpu for carve");
+  refused(touch + "--edit push --undo 1 --backend cuda",
+          "--undo: --backend cuda tells nobody of its edits; take vulkan or cpu");
+  refused(touch + "--log x --backend cuda", "--log: --backend cuda tells nobody of its edits; take vulkan or cpu");
+  refused(touch + "--method direct --backend vulkan", "--method: direct is none of --backend vulkan, which has fused");
+  refused(touch + "--device dhd:x --realtime --duration 1 --backend cpu", "--device: dhd:x: the number of a device");
+  refused("bench step --sizes 2000 --surface sphere --backend cuda", "--surface: --backend cuda has only average");
+  refused("bench edit --sizes 2000 --touched 100 --duration 1 --rate 20000",
+          "--rate: 20000 is not between 1 and 10000");
+}
+
 TEST_CASE("a terminal sees how far a job has come, a file reads it in lines, and nobody does with --quiet") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string();
@@ -157,7 +191,7 @@ TEST_CASE("touch takes a GPU, and the CPU where only a software driver is, unles
   CHECK(backendOf("--validate") == "vulkan");
   const std::string log = (folder / "log").string();
   CHECK(backendOf("--log " + log) == own);
-  CHECK(says(contentOf(log), "\"--backend\": \"" + own + "\""));
+  CHECK(says(contentOf(log), "\"name\": \"" + own + "\""));
   works("replay " + log);
 }
 

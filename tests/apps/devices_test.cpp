@@ -1,4 +1,6 @@
 // Haptic devices as a user meets them: by a driver library that is found at run time, and by recordings.
+#include <algorithm>
+
 #include "tests/apps/running_program.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
 #include "tests/says.hpp"
@@ -133,7 +135,7 @@ TEST_CASE("without a library, with a broken or an old one, a sentence says what 
     CHECK(says(complaint("openhaptics"), "is not on this machine (looked for /nowhere/libHD.so)"));
   }
   {
-    const Variable variable("PALPATE_HD_LIBRARY", fakeDriverFile("fake_hd_old"));
+    const Variable variable("PALPATE_HD_LIBRARY", fakeDriverFile("fake_hd_old").string());
     CHECK(says(complaint("openhaptics"), "has no hdGetErrorString; it is too old"));
   }
   {

@@ -191,10 +191,10 @@ TEST_CASE("the window has a model upright, turns it over on demand, and shows wh
   CHECK(says(played->outcome.text, "up is z: it stands on a base"));
   const auto first = played->state("first.json"), turned = played->state("turned.json");
   CHECK(first["up"] == "z");
-  CHECK(first["camera"]["up"] == nlohmann::json({0.0, 0.0, 1.0}));
+  CHECK(first["camera"]["up"] == std::vector{0.0, 0.0, 1.0});
   CHECK(first["camera"]["eye"][1].get<double>() < -1);
   CHECK(turned["up"] == "-z");
-  CHECK(turned["camera"]["up"] == nlohmann::json({0.0, 0.0, -1.0}));
+  CHECK(turned["camera"]["up"] == std::vector{0.0, 0.0, -1.0});
   CHECK(played->state("heights.json")["color"] == "height");
   const Picture shown(played->folder.path() / "heights.png"), before(played->folder.path() / "first.png");
   CHECK(differing(before, shown, 772, 560, 8) > 50);  // the legend

@@ -2,17 +2,16 @@
 #pragma once
 
 #include <doctest/doctest.h>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
-#include <cstdlib>
+#include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <sstream>
+#include <string>
+#include <vector>
 
 #include "engine/core/vec.hpp"
+#include "tests/apps/result.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/content_of.hpp"
 
 namespace palpate {
 
@@ -21,61 +20,21 @@ struct Outcome {
   std::string text;  // stdout and stderr
 };
 
-inline std::string program() {
-  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
-  return elsewhere ? elsewhere : PALPATE_PROGRAM;
-}
+/// The file that is run.
+std::string program();
+/// Runs a command of the shell, and reads what it says.
+Outcome run(const std::string& command);
+Outcome palpate(const std::string& arguments);
+/// For commands that have to work: a failing one says what it was and what it said.
+void works(const std::string& arguments);
 
-inline Outcome palpate(const std::string& arguments) {
-  const std::string command = program() + " " + arguments + " 2>&1";
-  Outcome outcome;
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
-    outcome.text.append(piece.data(), size);
-  const int status = ::pclose(pipe);
-  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  return outcome;
-}
-
-// For commands that have to work: a failing one says what it was and what it said.
-inline void works(const std::string& arguments) {
-  const Outcome outcome = palpate(arguments);
-  REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
-}
-
-inline std::string contentOf(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-inline nlohmann::json jsonOf(const std::filesystem::path& file) { return nlohmann::json::parse(contentOf(file)); }
+Result jsonOf(const std::filesystem::path& file);
 
 struct Row {
   double t_s = 0, penetration_mm = 0;
   DVec3 hip{0}, proxy{0}, normal{0}, force{0};
   bool contact = false;
 };
-
-inline std::vector<Row> readTrace(const std::filesystem::path& file) {
-  std::istringstream lines(contentOf(file));
-  std::string line;
-  std::getline(lines, line);
-  CHECK(line ==
-        "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,"
-        "penetration_mm,contact,neighbours,fresh,gpu_us,step_us");
-  std::vector<Row> rows;
-  while (std::getline(lines, line)) {
-    std::vector<double> cells;
-    std::istringstream in(line);
-    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(std::stod(cell));
-    REQUIRE(cells.size() == 19);
-    const auto at = [&](std::size_t i) { return DVec3(cells[i], cells[i + 1], cells[i + 2]); };
-    rows.push_back({cells[0], cells[13], at(1), at(4), at(7), at(10), cells[14] != 0});
-  }
-  return rows;
-}
+std::vector<Row> readTrace(const std::filesystem::path& file);
 
 }  // namespace palpate

@@ -1,8 +1,8 @@
 // What palpate touch --save leaves: beside what was there before, and with all that the points came with.
 #include <cmath>
 
-#include "engine/cloud/ply_reader.hpp"
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "engine/io/ply_writer.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/says.hpp"
 

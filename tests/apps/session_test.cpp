@@ -1,8 +1,8 @@
 // Undo, saving, session logs and their replay, as a user meets them.
 #include <cstring>
 
-#include "engine/cloud/ply_reader.hpp"
 #include "engine/core/checksum.hpp"
+#include "engine/io/ply_reader.hpp"
 #include "haptics/session_log.hpp"
 #include "tests/apps/running_program.hpp"
 #include "tests/says.hpp"
@@ -32,13 +32,13 @@ struct Scene {
   ScratchFolder folder;
 };
 
-nlohmann::json replay(const Scene& scene, const std::string& options, int code = 0) {
+Result replay(const Scene& scene, const std::string& options, int code = 0) {
   const Outcome outcome = palpate("replay " + options + " --json " + scene.file("replay.json"));
   REQUIRE_MESSAGE(outcome.code == code, outcome.text);
   return jsonOf(scene.folder / "replay.json");
 }
 
-void checkSame(const nlohmann::json& json) {
+void checkSame(const Result& json) {
   CAPTURE(json.dump());
   CHECK(json["compared_ticks"] == json["ticks"]);
   CHECK(json["force_ticks"] == 0);
@@ -137,7 +137,7 @@ TEST_CASE("a replay that does not come out the same says by how much, and is exi
   const Scene scene(2);
   works(scene.touch("--backend cpu --log " + scene.file("log")));
   SUBCASE("another stiffness: other forces, the same points") {
-    changeText(scene.file("log"), scene.file("other"), "\"--stiffness\": \"0.8\"", "\"--stiffness\": \"0.7\"");
+    changeText(scene.file("log"), scene.file("other"), "\"stiffness_N_per_mm\": 0.8", "\"stiffness_N_per_mm\": 0.7");
     const auto json = replay(scene, scene.file("other"), 1);
     CHECK(json["force_ticks"] > 50);
     CHECK(json["largest_force_N"] > 0.01);
@@ -146,7 +146,7 @@ TEST_CASE("a replay that does not come out the same says by how much, and is exi
     CHECK(replay(scene, scene.file("other") + " --tolerance 1")["force_ticks"] == 0);
   }
   SUBCASE("another tool: other points") {
-    changeText(scene.file("log"), scene.file("other"), "\"--beta\": \"0.1\"", "\"--beta\": \"0.2\"");
+    changeText(scene.file("log"), scene.file("other"), "\"beta\": 0.1", "\"beta\": 0.2");
     const auto json = replay(scene, scene.file("other"), 1);
     CHECK(json["edit_ticks"] > 20);
     CHECK(json["end_points"] > 20);
@@ -154,7 +154,7 @@ TEST_CASE("a replay that does not come out the same says by how much, and is exi
     CHECK(json["ends_as_recorded"] == true);
   }
   SUBCASE("an option that is none") {
-    changeText(scene.file("log"), scene.file("other"), "\"--beta\": \"0.1\"", "\"--geta\": \"0.1\"");
+    changeText(scene.file("log"), scene.file("other"), "\"beta\": 0.1", "\"geta\": 0.1");
     const Outcome outcome = palpate("replay " + scene.file("other"));
     CHECK(outcome.code == 1);
     CHECK_MESSAGE(outcome.text.find("does not say how") != std::string::npos, outcome.text);

@@ -57,27 +57,27 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
   works("make plane -n 10000 -o " + model);
   for (const std::string tool : {"pad --tool-points 16", "spatula --tool-points 8 --tool-axis 0,0.3,-1"}) {
     CAPTURE(tool);
-    std::vector<std::vector<ToolRow>> stories;
+    std::vector<std::vector<ToolRow>> states;
     for (const std::string backend : {"cpu", "vulkan", "vulkan"}) {
-      if (stories.size() == 2 && tool.starts_with("spatula")) break;
-      const std::string trace = (folder / ("t" + std::to_string(stories.size()) + ".csv")).string();
+      if (states.size() == 2 && tool.starts_with("spatula")) break;
+      const std::string trace = (folder / ("t" + std::to_string(states.size()) + ".csv")).string();
       const std::string json = (folder / "t.json").string();
       works("touch " + model + " --path " + path + " --backend " + backend + " --tool " + tool + " --trace " + trace +
             " --json " + json);
-      stories.push_back(readToolTrace(trace));
+      states.push_back(readToolTrace(trace));
       const auto report = jsonOf(json);
       CHECK(report["tool"] == tool.substr(0, tool.find(' ')));
       CHECK(report["tool_points"] == (tool.starts_with("pad") ? 16 : 8));
       double peak_mNm = 0;
-      for (const ToolRow& row : stories.back()) peak_mNm = std::max(peak_mNm, glm::length(row.torque_mNm));
+      for (const ToolRow& row : states.back()) peak_mNm = std::max(peak_mNm, glm::length(row.torque_mNm));
       CHECK(report["peak_torque_mNm"] == peak_mNm);
       CHECK(report["contact_error_mm"].is_null());
     }
-    if (stories.size() == 3) CHECK(contentOf(folder / "t1.csv") == contentOf(folder / "t2.csv"));
-    REQUIRE(stories[0].size() == stories[1].size());
+    if (states.size() == 3) CHECK(contentOf(folder / "t1.csv") == contentOf(folder / "t2.csv"));
+    REQUIRE(states[0].size() == states[1].size());
     std::size_t touched = 0;
-    for (std::size_t i = 0; i < stories[0].size(); ++i) {
-      const ToolRow &cpu = stories[0][i], &gpu = stories[1][i];
+    for (std::size_t i = 0; i < states[0].size(); ++i) {
+      const ToolRow &cpu = states[0][i], &gpu = states[1][i];
       CHECK(cpu.contact == gpu.contact);
       CHECK(glm::distance(cpu.force_N, gpu.force_N) < 1e-3);
       CHECK(glm::distance(cpu.torque_mNm, gpu.torque_mNm) < 1e-3);
@@ -86,7 +86,7 @@ TEST_CASE("tools are felt by both back ends alike, the same every time, and say 
     }
     CHECK(touched > 50);
     // At rest the proxy stands for all: 0.8 N/mm times its distance is the force.
-    const ToolRow& last = stories[1].back();
+    const ToolRow& last = states[1].back();
     CHECK(glm::distance(0.8 * (last.proxy - last.hip), last.force_N) < 1e-3);
     CHECK(last.normal.z == doctest::Approx(1).epsilon(1e-4));
     const bool askew = tool.find("axis") != std::string::npos;
@@ -119,7 +119,7 @@ TEST_CASE("what does not go with a tool is refused before anything is loaded") {
   fails("--tool-points 8", "--tool pad, ball or spatula");
   fails("--tool ball --tool-size 0", "--tool-size");
   fails("--tool pad --tool-axis 0,0", "X,Y,Z");
-  fails("--tool pad --tool-axis 0,0,0", "nowhere");
+  fails("--tool pad --tool-axis 0,0,0", "--tool-axis: is no direction");
   fails("--tool pad --backend cuda", "--backend cuda has only point");
   fails("--tool pad --method brute", "--method brute has only point");
   fails("--tool pad --ahead on", "not asked ahead");

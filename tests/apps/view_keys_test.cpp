@@ -5,11 +5,10 @@ namespace palpate {
 
 namespace {
 
-DVec3 vecOf(const nlohmann::json& v) { return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}; }
+DVec3 vecOf(const Result& v) { return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}; }
 
 struct Eye {
-  explicit Eye(const nlohmann::json& state)
-      : eye(vecOf(state["camera"]["eye"])), target(vecOf(state["camera"]["target"])) {}
+  explicit Eye(const Result& state) : eye(vecOf(state["camera"]["eye"])), target(vecOf(state["camera"]["target"])) {}
   DVec3 way() const { return eye - target; }
   DVec3 direction() const { return glm::normalize(way()); }
   DVec3 eye, target;
@@ -81,11 +80,13 @@ TEST_CASE("the mouse and the keys move the view") {
   CHECK(count("y.json", "pictures_of_model") == count("behind_x.json", "pictures_of_model") + 1);
 }
 
-TEST_CASE("keys choose the tool, keep the stylus and put the forces down") {
+TEST_CASE("keys choose the brush, keep the stylus and put the forces down") {
   if (!hasDisplay()) return;
   std::string script = "0.1 mouse 400 300\n0.4 state %/begin.json\n";
-  for (int key = 1; key <= 7; ++key)
-    script += fmt::format("{0}.5 key {1}\n{0}.8 state %/tool{1}.json\n", key - 1, key);
+  for (int key = 1; key <= 8; ++key) {
+    const double time_s = 0.5 + 0.8 * (key - 1);
+    script += fmt::format("{:.1f} key {}\n{:.1f} state %/tool{}.json\n", time_s, key, time_s + 0.3, key);
+  }
   script += R"(
 7.0 key 1
 7.2 key [
@@ -111,7 +112,7 @@ TEST_CASE("keys choose the tool, keep the stylus and put the forces down") {
                            [](const std::filesystem::path& folder) { makeSphere(folder, 2000); });
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
-  const std::array<std::string, 7> tools{"feel", "push", "carve", "inflate", "smooth", "grab", "paint"};
+  const std::array<std::string, 8> tools{"feel", "push", "carve", "inflate", "smooth", "grab", "paint", "flatten"};
   for (std::size_t i = 0; i < tools.size(); ++i)
     CHECK(played->state(fmt::format("tool{}.json", i + 1))["tool"] == tools[i]);
   const auto kept = played->state("kept.json");

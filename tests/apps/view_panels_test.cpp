@@ -11,7 +11,7 @@ void makeTwo(const std::filesystem::path& folder) {
   works("--quiet make torus -n 1000 -o " + (folder / "torus.ply").string());
 }
 
-// Presses the tool into the middle of a window of 800 x 600.
+// Presses the brush into the middle of a window of 800 x 600.
 constexpr const char* kStroke = R"(
 0.1 mouse 400 300
 0.4 key space down

@@ -57,21 +57,15 @@ std::unique_ptr<Shown> show(const std::string& options, int depth) {
       "2.0 state %/seen.json\n",
       folder);
   std::ofstream(folder / "play.sh") << inFolder(
-      "timeout 300 " + std::filesystem::absolute(program()).string() + " view %/sphere.ply --size 640x480 " + options +
+      "timeout 900 " + std::filesystem::absolute(program()).string() + " view %/sphere.ply --size 640x480 " + options +
           " --script %/script.txt &\npid=$!\n"
           "while kill -0 $pid 2> /dev/null && [ ! -e %/seen.json ]; do sleep 0.05; done\n"
           "cp %/Xvfb_screen0 %/screen.xwd\nkill $pid 2> /dev/null && exit 0\nwait $pid\n",
       folder);
   const std::string command = inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 800x600x" +
-                                           std::to_string(depth) + " -fbdir %' bash play.sh 2>&1",
+                                           std::to_string(depth) + " -fbdir %' bash play.sh",
                                        folder);
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
-    shown->outcome.text.append(piece.data(), size);
-  const int status = ::pclose(pipe);
-  shown->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  shown->outcome = run(command);
   return shown;
 }
 
@@ -91,8 +85,11 @@ TEST_CASE("what is on the screen is what was drawn, presented by the GPU and cop
     const char* options;
     int depth, tolerance;
   };
-  for (const Case& each : {Case{"", 24, 0}, {"--present swapchain", 24, 0}, {"--present copy", 24, 0},
-                           {"--present copy", 16, 8}, {"--present copy --sight-gpu 0", 24, 0}}) {
+  for (const Case& each : {Case{"", 24, 0},
+                           {"--present swapchain", 24, 0},
+                           {"--present copy", 24, 0},
+                           {"--present copy", 16, 8},
+                           {"--present copy --sight-gpu 0", 24, 0}}) {
     CAPTURE(each.options);
     CAPTURE(each.depth);
     const auto shown = show(each.options, each.depth);
@@ -125,8 +122,8 @@ TEST_CASE("doctor says how pictures come to the display, or that there is none")
   if (!hasDisplay()) return;
   const ScratchFolder folder;
   const std::string json = (folder / "d.json").string();
-  const std::string command =
-      "xvfb-run -a " + std::filesystem::absolute(program()).string() + " --quiet doctor --json " + json + " > /dev/null";
+  const std::string command = "xvfb-run -a " + std::filesystem::absolute(program()).string() +
+                              " --quiet doctor --json " + json + " > /dev/null";
   REQUIRE(std::system(command.c_str()) == 0);
   const auto display = jsonOf(json)["display"];
   REQUIRE(display.size() == jsonOf(json)["gpus"].size());
@@ -138,8 +135,8 @@ TEST_CASE("doctor says how pictures come to the display, or that there is none")
     presents = presents || gpu["present"] == "swapchain";
   }
   if (says(palpate("doctor").text, "llvmpipe")) CHECK(presents);
-  const std::string without = "env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " doctor --json " + json +
-                              " > " + (folder / "said").string();
+  const std::string without =
+      "env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " doctor --json " + json + " > " + (folder / "said").string();
   CHECK(std::system(without.c_str()) == 0);
   CHECK(says(contentOf(folder / "said"), "Display: none."));
   CHECK(jsonOf(json)["display"].is_null());

@@ -1,6 +1,6 @@
 // Saving in the window: what a file would lose is asked about first, and nothing that a person made is lost.
-#include "engine/cloud/ply_reader.hpp"
-#include "engine/cloud/ply_writer.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "engine/io/ply_writer.hpp"
 #include "tests/apps/window_play.hpp"
 #include "tests/says.hpp"
 
@@ -19,7 +19,7 @@ void makeMesh(const std::filesystem::path& folder) {
   std::filesystem::copy_file(folder / "mesh.ply", folder / "original.ply");
 }
 
-// Presses the tool into the middle of a window of 800 x 600.
+// Presses the brush into the middle of a window of 800 x 600.
 std::string strokeAt(double time_s) {
   return fmt::format("{} mouse 400 300\n{} key space down\n{} button left down\n{} button left up\n{} key space up\n",
                      time_s, time_s + 0.2, time_s + 0.3, time_s + 2.8, time_s + 2.9);

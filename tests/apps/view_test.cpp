@@ -6,7 +6,7 @@ namespace palpate {
 
 namespace {
 
-// The tool's ring is the only thing that is yellow.
+// The brush's ring is the only thing that is yellow.
 int ringPixels(const Picture& picture, int x, int y) {
   return count(x, y, 40, [&](int i, int j) {
     const auto p = picture.at(i, j);
@@ -84,7 +84,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(before["points"] == 8000);
   CHECK(before["strokes"] == 0);
   CHECK(before["tool"] == "push");
-  CHECK(before["size"] == nlohmann::json({800, 600}));
+  CHECK(before["size"] == std::vector{800, 600});
   CHECK(touch["contact"] == true);
   CHECK(touch["stylus"] == true);
   CHECK(touch["penetration_mm"] > 0);
@@ -106,7 +106,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
   CHECK(undone["undoable"] == dent["undoable"].get<int>() - 1);
   CHECK(played->state("redone.json")["undoable"] == dent["undoable"]);
   CHECK(played->state("turned.json")["camera"]["eye"] != before["camera"]["eye"]);
-  CHECK(played->state("resized.json")["size"] == nlohmann::json({640, 480}));
+  CHECK(played->state("resized.json")["size"] == std::vector{640, 480});
   CHECK(played->state("tool.json")["tool"] == "carve");
   CHECK(played->state("tool.json")["tool_radius_mm"] > 6.1);
 
@@ -159,8 +159,8 @@ TEST_CASE("a script plays the same ticks on any machine, and in real time those 
 1.6 quit
 )";
   const auto sphere = [](const std::filesystem::path& folder) { makeSphere(folder, 3000); };
-  nlohmann::json states[2];
-  for (nlohmann::json& state : states) {
+  Result states[2];
+  for (Result& state : states) {
     const auto played = play("%/sphere.ply --size 800x600 --edit push", script, "", sphere);
     REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
     state = played->state("pressed.json");
@@ -210,8 +210,8 @@ TEST_CASE("the cap of a 3D mouse is the model, and the stylus while its first bu
   CAPTURE(played->outcome.text);
   REQUIRE(played->outcome.code == 0);
   const auto camera = [&](const char* name) { return played->state(name)["camera"]; };
-  const auto part = [](const nlohmann::json& v, int k) { return v[static_cast<std::size_t>(k)].get<double>(); };
-  const auto distance = [&](const nlohmann::json& one) {
+  const auto part = [](const Result& v, int k) { return v[static_cast<std::size_t>(k)].get<double>(); };
+  const auto distance = [&](const Result& one) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) sum += std::pow(part(one["eye"], k) - part(one["target"], k), 2);
     return std::sqrt(sum);
@@ -366,7 +366,7 @@ TEST_CASE("a device that a person holds is felt in the window, and goes where th
                            "", [](const auto& folder) { makeSphere(folder); });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const auto touched = played->state("touch.json"), turned = played->state("turned.json");
-  const auto sizeOf = [](const nlohmann::json& v) {
+  const auto sizeOf = [](const Result& v) {
     return std::hypot(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
   };
   CAPTURE(touched.dump());
@@ -385,13 +385,9 @@ TEST_CASE("a device that a person holds is felt in the window, and goes where th
 
 TEST_CASE("without a display the window says what it needs") {
   if (std::getenv("PALPATE_PROGRAM")) return;
-  const char* program = PALPATE_PROGRAM;
-  std::FILE* pipe = ::popen((std::string("env -u DISPLAY -u WAYLAND_DISPLAY ") + program + " view 2>&1").c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 1024> text{};
-  const std::size_t size = std::fread(text.data(), 1, text.size() - 1, pipe);
-  CHECK(WEXITSTATUS(::pclose(pipe)) == 1);
-  CHECK(std::string(text.data(), size).find("needs a display") != std::string::npos);
+  const Outcome outcome = run("env -u DISPLAY -u WAYLAND_DISPLAY " + program() + " view");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.text.find("needs a display") != std::string::npos);
 }
 
 }  // namespace palpate

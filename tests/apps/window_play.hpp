@@ -28,7 +28,7 @@ inline bool hasDisplay() {
 struct Played {
   Outcome outcome;
   ScratchFolder folder;
-  nlohmann::json state(const std::string& name) const { return jsonOf(folder.path() / name); }
+  Result state(const std::string& name) const { return jsonOf(folder.path() / name); }
 };
 
 inline std::string inFolder(std::string text, const std::filesystem::path& folder) {
@@ -46,16 +46,9 @@ inline std::unique_ptr<Played> play(const std::string& arguments, const std::str
   std::ofstream(folder / "script.txt") << inFolder(script, folder);
   const std::string program = std::filesystem::absolute(palpate::program()).string();
   const std::string command =
-      inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 300 ", folder) +
-      program + " " + before + " view " + inFolder(arguments, folder) + inFolder(" --script %/script.txt", folder) +
-      " 2>&1";
-  std::FILE* pipe = ::popen(command.c_str(), "r");
-  REQUIRE(pipe);
-  std::array<char, 4096> piece;
-  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
-    played->outcome.text.append(piece.data(), size);
-  const int status = ::pclose(pipe);
-  played->outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      inFolder("cd % && XDG_STATE_HOME=%/state xvfb-run -a -s '-screen 0 1600x1000x24' timeout 900 ", folder) +
+      program + " " + before + " view " + inFolder(arguments, folder) + inFolder(" --script %/script.txt", folder);
+  played->outcome = run(command);
   return played;
 }
 

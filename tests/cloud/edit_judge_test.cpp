@@ -24,9 +24,9 @@ PointCloud grid(int side, double spacing = 1) {
   return cloud;
 }
 
-// A tool of radius 3 that stands at the middle, a carving one a little above it; support radius 4.
-ToolWay middleTool(bool carves = false) {
-  return {.centers = {DVec3(0, 0, carves ? 2 : 0)}, .toolRadius = 3, .support = 4, .carves = carves};
+// A brush of radius 3 that stands at the middle, a carving one a little above it; support radius 4.
+BrushPath middleTool(bool carves = false) {
+  return {.centers = {DVec3(0, 0, carves ? 2 : 0)}, .radius = 3, .support = 4, .carves = carves};
 }
 
 struct Edited {
@@ -46,12 +46,12 @@ struct Edited {
                       .normal = Vec3(normal),
                       .parent = parent});
   }
-  EditVerdict verdict(const ToolWay& way = middleTool()) const { return EditJudge(cloud).judge(states, way); }
+  EditVerdict verdict(const BrushPath& way = middleTool()) const { return EditJudge(cloud).judge(states, way); }
 };
 
 }  // namespace
 
-TEST_CASE("the way of a tool is the line through its places") {
+TEST_CASE("the way of a brush is the line through its places") {
   const std::vector<DVec3> way{{0, 0, 0}, {10, 0, 0}, {10, 10, 0}};
   CHECK(distanceToWay({5, 3, 0}, way) == doctest::Approx(3));
   CHECK(distanceToWay({12, 5, 0}, way) == doctest::Approx(2));
@@ -78,7 +78,7 @@ TEST_CASE("an edit within its bounds breaks nothing") {
   CHECK(verdict.broken(true) == Words{});
 }
 
-TEST_CASE("points that move, go or change colour beyond the tool are told") {
+TEST_CASE("points that move, go or change colour beyond the brush are told") {
   for (const int what : {0, 1, 2}) {
     Edited edited(grid(41));
     PointState& far = edited.states[edited.at(4, 0)];
@@ -90,12 +90,12 @@ TEST_CASE("points that move, go or change colour beyond the tool are told") {
   }
 }
 
-TEST_CASE("new points beyond the tool and a support radius are told") {
+TEST_CASE("new points beyond the brush and a support radius are told") {
   Edited edited(grid(41));
   edited.insert({7.5, 0.5, 0}, 0);
   CHECK(edited.verdict().broken(false) == Words{"inserts far"});
-  // Where no tool acted, nothing may change at all.
-  CHECK(edited.verdict({.centers = {}, .toolRadius = 3, .support = 4}).broken(false) == Words{"inserts far"});
+  // Where no brush acted, nothing may change at all.
+  CHECK(edited.verdict({.centers = {}, .radius = 3, .support = 4}).broken(false) == Words{"inserts far"});
 }
 
 TEST_CASE("a new point too near to another of its sheet is told, and one near to another sheet is not") {
@@ -156,7 +156,15 @@ TEST_CASE("height above a surface is that of the truth, on curves, on plates and
   CHECK(onCube.heightAt({0, 0, 0}) < -8);
 }
 
-TEST_CASE("new points outside the old surface are growth where the tool carves, and only there") {
+TEST_CASE("of a noisy surface the highest point of a place is its height") {
+  Edited edited(grid(41));
+  for (std::size_t i = 0; i < edited.cloud.size(); ++i) edited.cloud.positions[i].z = i % 3 == 0 ? 0.8F : -0.4F;
+  const EditJudge judge(edited.cloud);
+  CHECK(judge.heightAt({0.5, 0.5, 0.8}) < 0.2);
+  CHECK(judge.heightAt({0.5, 0.5, 1.8}) == doctest::Approx(1).epsilon(0.2));
+}
+
+TEST_CASE("new points outside the old surface are growth where the brush carves, and only there") {
   Edited edited(grid(41));
   edited.insert({0.5, 0.5, 0.4}, edited.at(0, 0));
   CHECK(edited.verdict(middleTool(true)).broken(true) == Words{});
@@ -180,7 +188,7 @@ TEST_CASE("a wall under a roof and over a floor stands outside neither, and what
     cloud.normals.push_back(cloud.normals[i]);
   }
   edited.states = statesOf(cloud);
-  const ToolWay way{.centers = {DVec3(0, 0, -1)}, .toolRadius = 3, .support = 2, .carves = true};
+  const BrushPath way{.centers = {DVec3(0, 0, -1)}, .radius = 3, .support = 2, .carves = true};
   for (double angle = 0; angle < 6; angle += 0.5)
     edited.insert(DVec3(2.5 * std::cos(angle), 2.5 * std::sin(angle), -2.66), edited.at(3, 0));
   CHECK(edited.verdict(way).outside == 0);
@@ -216,7 +224,7 @@ TEST_CASE("a carved wall looks at the ball, wherever its sheet looked before") {
   const PointCloud wall = sampleShape(*makeShape("sphere", 6, center), {.count = 700});
   for (std::size_t k = 0; k < wall.size(); ++k)
     if (wall.positions[k].z < -0.2F) edited.insert(DVec3(wall.positions[k]), edited.at(0, 0), -DVec3(wall.normals[k]));
-  const ToolWay way{.centers = {center}, .toolRadius = 3, .support = 4, .carves = true};
+  const BrushPath way{.centers = {center}, .radius = 3, .support = 4, .carves = true};
   CHECK(edited.verdict(way).sided > 400);
   CHECK(edited.verdict(way).turned == 0);
   for (std::size_t i = edited.cloud.size(); i < edited.states.size(); ++i) edited.states[i].normal *= -1;
@@ -227,7 +235,7 @@ TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before i
   // Straight down into a plane until it is under it, then along: the tunnel's ceiling hangs under the plane, which is
   // pushed up by it.
   Edited edited(grid(61, 0.5));
-  ToolWay way{.centers = {}, .toolRadius = 3, .support = 2, .pushes = true};
+  BrushPath way{.centers = {}, .radius = 3, .support = 2, .pushes = true};
   for (int k = 0; k <= 60; ++k) way.centers.push_back(DVec3(-8, 0, 3 - 0.1 * k));
   for (int k = 0; k <= 160; ++k) way.centers.push_back(DVec3(-8 + 0.1 * k, 0, -2.8));
   for (double x = -4; x <= 6; x += 0.5)
@@ -245,6 +253,35 @@ TEST_CASE("a ball that goes in sideways lines its tunnel with the sheet before i
   CHECK(right.turned == 0);
   for (std::size_t i = edited.cloud.size(); i < edited.states.size(); ++i) edited.states[i].normal *= -1;
   CHECK(edited.verdict(way).turned > 500);
+}
+
+TEST_CASE("a sheet that a brush has bent over faces to where its bend has brought it") {
+  // What is on the right of the middle is rolled up around a cylinder of radius 1, by three quarters of a turn.
+  Edited edited(grid(61, 0.1));
+  const BrushPath way{.centers = {DVec3(0)}, .radius = 6, .support = 2};
+  for (std::uint32_t i = 0; i < edited.cloud.size(); ++i) {
+    PointState& point = edited.states[i];
+    const double angle = std::min(point.position.x, 3.0F);
+    if (angle <= 0) continue;
+    point.position = Vec3(std::sin(angle), point.position.y, 1 - std::cos(angle));
+    point.normal = Vec3(-std::sin(angle), 0, std::cos(angle));
+  }
+  CHECK(edited.verdict(way).sided > 1500);
+  CHECK(edited.verdict(way).turned == 0);
+  for (PointState& point : edited.states)
+    if (point.normal.z < 0) point.normal *= -1;
+  CHECK(edited.verdict(way).turned > 500);
+  CHECK(edited.verdict(way).broken(false) == Words{"turns normals"});
+}
+
+TEST_CASE("a normal that lies along its surface does not say where outside is") {
+  Edited edited(grid(41));
+  const std::uint32_t moved = edited.at(1, 0);
+  edited.states[moved].position.z = -0.1F;
+  edited.states[moved].normal = Vec3(0, 0, -1);
+  CHECK(edited.verdict().turned == 1);
+  edited.cloud.normals[moved] = Vec3(1, 0, 0.1);
+  CHECK(edited.verdict().turned == 0);
 }
 
 TEST_CASE("a new point near its ancestor is of that one's sheet, one far from it of the sheet that it is on") {

@@ -1,16 +1,13 @@
 #include "engine/cloud/edited_cloud.hpp"
 
 #include <doctest/doctest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <csignal>
 #include <fstream>
 
-#include "engine/cloud/ply_reader.hpp"
-#include "engine/cloud/ply_writer.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "engine/io/ply_writer.hpp"
+#include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -38,12 +35,6 @@ PointCloud richCloud() {
 
 std::int16_t qualityOf(const PointCloud& cloud, std::size_t i) {
   return loadScalar<std::int16_t>(cloud.extra[0].data.data() + 2 * i);
-}
-
-std::string contentOf(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 }  // namespace
@@ -108,36 +99,6 @@ TEST_CASE("a cloud without points left is written and read") {
   CHECK(changedPoints(cloud, points) == 100);
   writePly(folder / "none.ply", editedCloud(cloud, points));
   CHECK(readPly(folder / "none.ply").empty());
-}
-
-TEST_CASE("saving onto a full disk says so, and leaves the older file and nothing else") {
-  const ScratchFolder folder;
-  const PointCloud cloud = richCloud();
-  writePly(folder / "saved.ply", cloud);
-  const std::string before = contentOf(folder / "saved.ply");
-  const pid_t child = ::fork();
-  if (child == 0) {
-    std::signal(SIGXFSZ, SIG_IGN);
-    const rlimit tiny{1000, 1000};
-    ::setrlimit(RLIMIT_FSIZE, &tiny);
-    auto points = statesOf(cloud);
-    points[0].position.z = 9;
-    try {
-      writePly(folder / "saved.ply", editedCloud(cloud, points));
-    } catch (const FileError& error) {
-      const std::string text = error.what();
-      const bool clear =
-          text.find("saved.ply") != std::string::npos && text.find("free some space") != std::string::npos;
-      ::_exit(clear ? 0 : 2);
-    }
-    ::_exit(3);
-  }
-  int status = 0;
-  REQUIRE(::waitpid(child, &status, 0) == child);
-  CHECK(WIFEXITED(status));
-  CHECK(WEXITSTATUS(status) == 0);
-  CHECK(contentOf(folder / "saved.ply") == before);
-  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 1);
 }
 
 }  // namespace palpate

@@ -55,7 +55,7 @@ TEST_CASE("noise is told in spacings of the place where density changes") {
   CHECK(measured(cloud) == within(0.25, 0.08));
 }
 
-TEST_CASE("edges, coincident points and stray ones are not taken for noise") {
+TEST_CASE("edges, coincident points and outliers are not taken for noise") {
   // A twentieth of the points lies a spacing off: half of the places hold one of them.
   PointCloud cloud = noisyCloud("cube", 0);
   const double spacing = meanSpacing(cloud);

@@ -9,10 +9,10 @@
 
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/gist.hpp"
-#include "engine/cloud/ply_reader.hpp"
 #include "engine/cloud/up.hpp"
+#include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/io/ply_reader.hpp"
 
 namespace palpate::test {
 namespace {
@@ -137,7 +137,7 @@ PointCloud turned(PointCloud cloud, UpAxis up) {
   return cloud;
 }
 
-void addStrays(PointCloud& cloud, double share, double far) {
+void addOutliers(PointCloud& cloud, double share, double far) {
   Dice dice{.seed = 99};
   const Bounds box = boundsOf(cloud);
   const DVec3 half = DVec3(far * box.longestSide());
@@ -180,7 +180,7 @@ TEST_CASE("what stands or lies is found, whichever way its file has it") {
     }
 }
 
-TEST_CASE("stray points and uneven sampling do not turn a model over") {
+TEST_CASE("outliers and uneven sampling do not turn a model over") {
   for (const auto& [name, make] : kStanding)
     for (const auto& [upName, up] : kUpAxes)
       for (const double far : {0.7, 40.0}) {
@@ -188,7 +188,7 @@ TEST_CASE("stray points and uneven sampling do not turn a model over") {
         CAPTURE(upName);
         CAPTURE(far);
         PointCloud cloud = turned(make(), up);
-        addStrays(cloud, 0.01, far);
+        addOutliers(cloud, 0.01, far);
         CHECK(nameOf(findUp(cloud).up) == upName);
         // A tenth of the points is left at one end, all of them at the other.
         const PointCloud all = cloud;
@@ -249,7 +249,7 @@ TEST_CASE("a few points far away do not widen what a picture shows") {
     const Bounds whole = coreBoundsOf(cloud);
     CHECK(whole.min == box.min);
     CHECK(whole.max == box.max);
-    addStrays(cloud, 0.002, 30);
+    addOutliers(cloud, 0.002, 30);
     const Bounds core = coreBoundsOf(cloud);
     CHECK(core.longestSide() < 1.2 * box.longestSide());
     for (int k = 0; k < 3; ++k) {

@@ -14,34 +14,34 @@ namespace {
 
 class ContactFixture : public GpuFixture {
  protected:
-  // Plays a path to the GPU and to the reference; both must tell the same story.
-  struct Story {
+  // Plays a path to the GPU and to the reference; both must come to the same outcome.
+  struct Outcome {
     std::size_t ticks = 0, touched = 0, disagreed = 0, neighboursDiffer = 0;
     double worstProxy = 0;  // distance of the proxies, support radii
     double worstNormal_deg = 0;
   };
-  Story compare(const Scene& scene, const std::vector<DVec3>& path, double cell = 0) {
+  Outcome compare(const Scene& scene, const std::vector<DVec3>& path, double cell = 0) {
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .cell = cell});
     ContactReference reference(scene.cloud, scene.radius);
-    Story story;
+    Outcome outcome;
     for (const DVec3& hip : path) {
       const Pose pose{.hip = hip};
       const Contact gpu = touch.query(pose, 0), cpu = reference.query(pose, 0);
       REQUIRE(gpu.valid);
-      ++story.ticks;
-      story.touched += cpu.touching;
-      story.neighboursDiffer += gpu.neighbours != cpu.neighbours;
+      ++outcome.ticks;
+      outcome.touched += cpu.touching;
+      outcome.neighboursDiffer += gpu.neighbours != cpu.neighbours;
       if (gpu.touching != cpu.touching) {
-        ++story.disagreed;
+        ++outcome.disagreed;
         continue;
       }
       if (!cpu.touching) CHECK(gpu.proxy == hip);
-      story.worstProxy = std::max(story.worstProxy, glm::distance(gpu.proxy, cpu.proxy) / scene.radius);
+      outcome.worstProxy = std::max(outcome.worstProxy, glm::distance(gpu.proxy, cpu.proxy) / scene.radius);
       if (glm::length(cpu.normal) > 0 && glm::length(gpu.normal) > 0)
-        story.worstNormal_deg = std::max(story.worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
+        outcome.worstNormal_deg = std::max(outcome.worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
     }
     touch.finish();
-    return story;
+    return outcome;
   }
 };
 
@@ -56,24 +56,24 @@ TEST_CASE_FIXTURE(ContactFixture, "GPU and reference agree over random paths on 
       std::ranges::copy(wanderingPath(scene, 150, 0.5 * scene.radius, seed), std::back_inserter(path));
       path.push_back(1000.0 * path.back());  // lets go before the next place
     }
-    const Story story = compare(scene, path);
-    CHECK(story.touched > 90);
-    CHECK(story.touched < story.ticks);
-    CHECK(story.disagreed == 0);
-    CHECK(story.worstProxy < 1e-4);
-    CHECK(story.worstNormal_deg < 0.1);
-    CHECK(story.neighboursDiffer < story.ticks / 20);  // points within rounding of the support radius
+    const Outcome outcome = compare(scene, path);
+    CHECK(outcome.touched > 90);
+    CHECK(outcome.touched < outcome.ticks);
+    CHECK(outcome.disagreed == 0);
+    CHECK(outcome.worstProxy < 1e-4);
+    CHECK(outcome.worstNormal_deg < 0.1);
+    CHECK(outcome.neighboursDiffer < outcome.ticks / 20);  // points within rounding of the support radius
   }
 }
 
 TEST_CASE_FIXTURE(ContactFixture, "they agree far from the origin, and at negative coordinates") {
   for (const DVec3 center : {DVec3(1e6, -2e6, 3e6), DVec3(-700, -700, -700)}) {
     const Scene scene = makeScene("torus", 10'000, center);
-    const Story story = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 5));
-    CHECK(story.touched > 30);
-    CHECK(story.disagreed == 0);
-    CHECK(story.worstProxy < 1e-4);
-    CHECK(story.worstNormal_deg < 0.1);
+    const Outcome outcome = compare(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 5));
+    CHECK(outcome.touched > 30);
+    CHECK(outcome.disagreed == 0);
+    CHECK(outcome.worstProxy < 1e-4);
+    CHECK(outcome.worstNormal_deg < 0.1);
   }
 }
 
@@ -82,10 +82,10 @@ TEST_CASE_FIXTURE(ContactFixture, "they agree whatever the cell, down to the sma
   const auto path = wanderingPath(scene, 100, 0.5 * scene.radius, 4);
   for (const double cell : {smallestCell(scene.radius), 0.5 * scene.radius, 3 * scene.radius, 1000.0}) {
     CAPTURE(cell);
-    const Story story = compare(scene, path, cell);
-    CHECK(story.disagreed == 0);
-    CHECK(story.worstProxy < 1e-4);
-    CHECK(story.worstNormal_deg < 0.1);
+    const Outcome outcome = compare(scene, path, cell);
+    CHECK(outcome.disagreed == 0);
+    CHECK(outcome.worstProxy < 1e-4);
+    CHECK(outcome.worstNormal_deg < 0.1);
   }
 }
 
@@ -93,11 +93,11 @@ TEST_CASE_FIXTURE(ContactFixture,
                   "a support radius that holds thousands of points spills from shared memory unharmed") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
-  const Story story = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
-  CHECK(story.touched > 10);
-  CHECK(story.disagreed == 0);
-  CHECK(story.worstProxy < 1e-4);
-  CHECK(story.worstNormal_deg < 0.1);
+  const Outcome outcome = compare(scene, wanderingPath(scene, 60, 0.2 * scene.radius, 4));
+  CHECK(outcome.touched > 10);
+  CHECK(outcome.disagreed == 0);
+  CHECK(outcome.worstProxy < 1e-4);
+  CHECK(outcome.worstNormal_deg < 0.1);
 }
 
 TEST_CASE_FIXTURE(ContactFixture, "clouds without a surface never touch") {

@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(GpuFixture, "around the edges and corners of a cube normals st
   for (std::size_t i = 0; i < cloud.size(); ++i) REQUIRE(glm::dot(cloud.normals[i], cloud.positions[i]) > 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of its own side") {
+TEST_CASE_FIXTURE(GpuFixture, "next to a cube's edge a point has the normal of its own face") {
   for (const double noise : {0.0, 0.1}) {
     CAPTURE(noise);
     const double spacing = makeScene("cube", 30'000).spacing;
@@ -130,11 +130,11 @@ TEST_CASE_FIXTURE(GpuFixture,
     SpatialHash hash(device, makeHashGrid(boundsOf(scene.cloud).min, scene.radius, live.count()), live.count());
     hash.build(live);
     const NormalEstimate estimate(device, live.count());
-    CommandList list(device, device.touch(), "estimate");
+    CommandList list(device, device.latencyQueue(), "estimate");
     list.begin();
-    estimate.record(list, hash.view(live.side(), live.count()), scene.radius);
+    estimate.record(list, hash.view(live.front(), live.count()), scene.radius);
     list.end();
-    device.touch().run(list);
+    device.latencyQueue().run(list);
     const auto planes = download<Vec4>(device, estimate.planes(), live.count());
     const auto fits = download<Vec2>(device, estimate.fits(), live.count());
     const auto normals = download<Vec4>(device, estimate.normals(), live.count());
@@ -252,17 +252,17 @@ TEST_CASE_FIXTURE(GpuFixture, "the named neighbours stand nearest in the eight s
   SpatialHash hash(device, makeHashGrid(Vec3(-60), scene.radius, live.count()), live.count());
   hash.build(live);
   const NormalEstimate estimate(device, live.count());
-  CommandList list(device, device.touch(), "estimate");
+  CommandList list(device, device.latencyQueue(), "estimate");
   list.begin();
-  estimate.record(list, hash.view(live.side(), live.count()), scene.radius);
+  estimate.record(list, hash.view(live.front(), live.count()), scene.radius);
   list.end();
-  device.touch().run(list);
-  const auto ids = download<std::uint32_t>(device, estimate.neighbours(), live.count() * shared::kSectors);
+  device.latencyQueue().run(list);
+  const auto ids = download<std::uint32_t>(device, estimate.neighbours(), live.count() * shared::kGraphSectors);
   for (std::uint32_t i = 0; i < live.count(); i += 997) {
     std::set<std::uint32_t> own;
     std::size_t inSectors = 0;
-    for (std::uint32_t s = 0; s < shared::kSectors; ++s) {
-      const std::uint32_t other = ids[i * shared::kSectors + s];
+    for (std::uint32_t s = 0; s < shared::kGraphSectors; ++s) {
+      const std::uint32_t other = ids[i * shared::kGraphSectors + s];
       if (other == shared::kNoNeighbour) continue;
       ++inSectors;
       own.insert(other);

@@ -1,4 +1,4 @@
-// The proxy in double precision: over exact surfaces, sheets of two sides, edges, grooves and with friction.
+// The proxy in double precision: over exact surfaces, sheets of two faces, edges, grooves and with friction.
 #include "engine/contact/proxy_tracker.hpp"
 
 #include <doctest/doctest.h>
@@ -7,7 +7,7 @@
 
 #include "engine/contact/contact_reference.hpp"
 #include "engine/touch/cpu_touch.hpp"
-#include "engine/touch/touch_side.hpp"
+#include "tests/contact/sheet.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -32,21 +32,6 @@ class ExactSurface final : public SurfaceField {
  private:
   const AnalyticShape& shape_;
 };
-
-// Squares of 40 x 40 with a spacing of 0.5, on z = 0 looking up and, for a plate, on z = -thickness looking down.
-PointCloud sheet(double thickness = 0) {
-  PointCloud cloud;
-  for (int i = -40; i <= 40; ++i)
-    for (int j = -40; j <= 40; ++j) {
-      cloud.positions.emplace_back(0.5 * i, 0.5 * j, 0);
-      cloud.normals.emplace_back(0, 0, 1);
-      if (thickness <= 0) continue;
-      cloud.positions.emplace_back(0.5 * i + 0.25, 0.5 * j, -thickness);
-      cloud.normals.emplace_back(0, 0, -1);
-    }
-  return cloud;
-}
-constexpr double kSheetRadius = 2;
 
 // Two faces at a right angle that meet in the line x = z = 0 and rise from it.
 PointCloud groove() {
@@ -92,7 +77,7 @@ TEST_CASE("the proxy follows the exact god-object") {
   }
 }
 
-TEST_CASE("a thin plate and a single sheet are felt from both sides, each time the side that the HIP came from") {
+TEST_CASE("a thin plate and a single sheet are felt at both faces, each time the one that the HIP came from") {
   for (const SurfaceKind kind : kKinds)
     for (const double thickness : {0.0, 0.3, 1.0, 3.0}) {
       CAPTURE(static_cast<int>(kind));
@@ -112,29 +97,6 @@ TEST_CASE("a thin plate and a single sheet are felt from both sides, each time t
         CHECK_FALSE(touch.query({.hip = {1.3, 0.2, face + 0.1 * up}}, 0).touching);
       }
     }
-}
-
-TEST_CASE("the GPU feels both sides of sheets as double precision does, their edges and friction included") {
-  Device device({.gpu = "", .validate = false});  // surfaces_test.cpp runs the same shader with it
-  for (const double thickness : {0.0, 0.4}) {
-    CAPTURE(thickness);
-    const PointCloud cloud = sheet(thickness);
-    TouchSide gpu(device, cloud, {.radius = kSheetRadius, .surface = SurfaceKind::sharp, .friction = 0.3});
-    ContactReference cpu(cloud, {.radius = kSheetRadius, .kind = SurfaceKind::sharp}, 0.3);
-    std::size_t touched = 0, differ = 0;
-    double worst = 0;
-    for (int i = 0; i < 700; ++i) {  // down and up through the plane, from inside the sheet to past its edge
-      const DVec3 hip(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
-      const Contact a = gpu.query({.hip = hip}, 0), b = cpu.query({.hip = hip}, 0);
-      touched += b.touching;
-      differ += a.touching != b.touching;
-      if (a.touching && b.touching) worst = std::max(worst, glm::distance(a.proxy, b.proxy) / kSheetRadius);
-    }
-    CHECK(touched > 200);
-    CHECK(differ == 0);
-    CHECK(worst < 1e-4);
-    gpu.finish();
-  }
 }
 
 TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {

@@ -51,7 +51,7 @@ class MethodsFixture : public GpuFixture {
     return played;
   }
 
-  // Plays the path by every method; each must tell the story of the fused one, which is given back.
+  // Plays the path by every method; each must tell the state of the fused one, which is given back.
   Played checkAllMethods(const PointCloud& cloud, const std::vector<DVec3>& path, TouchOptions options) {
     options.split = false;
     Played fused = play(cloud, path, options);
@@ -185,7 +185,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where thousands of 
   const auto path = leapingPath(scene, 8, 0.2 * scene.radius);
   const Played fused = checkAllMethods(scene.cloud, path, {.radius = scene.radius});
   checkAgainstReference(scene, path, fused);
-  CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kSharedPatch / 2);
+  CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMostSharedPatch / 2);
 }
 
 TEST_CASE_FIXTURE(MethodsFixture, "where the cloud is thinned, the methods that read buckets thin it the same") {
@@ -223,7 +223,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "what is sculpted by one method is what is scu
   const Scene scene = makeScene("sphere", 5'000);
   std::vector<DVec3> path;
   for (int i = 0; i <= 60; ++i) path.emplace_back(0.05 * i, 0, 51 - 4 * std::min(1.0, i / 30.0));
-  TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}};
+  TouchOptions options{.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}};
   const Played fused = play(scene.cloud, path, options);
   CHECK(fused.cloud.positions != scene.cloud.positions);
   for (const Way& way : kOtherWays) {
@@ -251,7 +251,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "each method runs the passes that it is named 
     Queue::Ticket submissions = 0;
     double gpu_us = 0;
   };
-  CommandList nothing(device, device.touch(), "nothing");
+  CommandList nothing(device, device.latencyQueue(), "nothing");
   nothing.begin();
   nothing.end();
   const auto see = [&](TouchOptions options) {
@@ -259,8 +259,8 @@ TEST_CASE_FIXTURE(MethodsFixture, "each method runs the passes that it is named 
     TouchSide touch(device, scene.cloud, options);
     touch.query({.hip = {0, 0, 51}}, 0);
     const auto ticketNow = [&] {
-      const Queue::Ticket ticket = device.touch().submit(nothing);
-      device.touch().wait(ticket);
+      const Queue::Ticket ticket = device.latencyQueue().submit(nothing);
+      device.latencyQueue().wait(ticket);
       return ticket;
     };
     const Queue::Ticket before = ticketNow();
@@ -330,14 +330,14 @@ TEST_CASE_FIXTURE(MethodsFixture, "a fused gather is split where the last answer
 TEST_CASE("two steps that come late are held at either of them, and answered in the end") {
   const Scene scene = makeScene("sphere", 20'000);
   // GPU-assisted validation waits at every submission: nothing is ever late.
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .method = QueryMethod::twoStep, .wait = Wait::block});
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, 0);
   const Contact fresh = touch.query({.time_s = 0.001, .hip = {0, 0, 49}}, 0);
   REQUIRE(fresh.touching);
 
   const Buffer busy(device, 64 << 20, Memory::device, "busy");
-  CommandList work(device, device.touch(), "busy");
+  CommandList work(device, device.latencyQueue(), "busy");
   work.begin();
   for (int i = 0; i < 200; ++i) work.fill(busy, 1, busy.bytes());
   work.end();
@@ -348,10 +348,10 @@ TEST_CASE("two steps that come late are held at either of them, and answered in 
   };
   const auto lateAtBoth = [&] {
     device.waitIdle();
-    device.touch().submit(work);
+    device.latencyQueue().submit(work);
     if (!isLate(0.002)) return false;  // before it has counted
     device.waitIdle();
-    device.touch().submit(work);
+    device.latencyQueue().submit(work);
     return isLate(0.003) && isLate(0.004);  // the count is there, the launch stands behind other work
   };
   // A machine that is busy elsewhere may stop this thread until the answer is there after all.

@@ -26,11 +26,11 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
   return positions;
 }
 
-void checkSide(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild& build, const CpuHash& reference,
+void checkHalf(const cu::Stream& stream, cu::LiveCopy& live, const cu::CubBuild& build, const CpuHash& reference,
                const PointCloud& cloud) {
-  const cu::CloudSide& side = live.side(live.parity());
-  const auto positions = side.positions.download(stream);
-  const auto normals = side.normals.download(stream);
+  const cu::CloudHalf& half = live.half(live.parity());
+  const auto positions = half.positions.download(stream);
+  const auto normals = half.normals.download(stream);
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const std::uint32_t id = reference.order()[i];
@@ -55,7 +55,7 @@ void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
   cu::LiveCopy live(cloud, stream);
   cu::CubBuild build(grid, live.count());
   const auto record = [&] {
-    build.record(stream, live.side(live.parity()), live.side(1 - live.parity()), live.count());
+    build.record(stream, live.half(live.parity()), live.half(1 - live.parity()), live.count());
   };
   for (int turn = 0; turn < 3; ++turn) {
     if (turn < 2)
@@ -63,7 +63,7 @@ void checkBuild(const PointCloud& cloud, const HashGrid& grid) {
     else
       cu::Graph(stream, record).launch(stream), stream.synchronize("building from a graph");
     live.flip();
-    checkSide(stream, live, build, reference, cloud);
+    checkHalf(stream, live, build, reference, cloud);
   }
 }
 

@@ -26,8 +26,8 @@ std::vector<Contact> referenceAnswers(const Scene& scene, const std::vector<DVec
   return answers;
 }
 
-// Both tell the same story, within the rounding of single precision.
-void checkStory(const std::vector<Contact>& gpu, const std::vector<Contact>& cpu, double radius) {
+// Both tell the same state, within the rounding of single precision.
+void checkPlay(const std::vector<Contact>& gpu, const std::vector<Contact>& cpu, double radius) {
   std::size_t disagreed = 0, neighboursDiffer = 0;
   double worstProxy = 0, worstNormal_deg = 0;
   for (std::size_t i = 0; i < cpu.size(); ++i) {
@@ -64,7 +64,38 @@ TEST_CASE("every method and the reference agree over random paths on every shape
     for (const CudaMethod method : allCudaMethods()) {
       CAPTURE(nameOf(method));
       CudaTouch touch(scene.cloud, cudaOptions(scene.cloud, scene.radius, method));
-      checkStory(answersTo(touch, path), expected, scene.radius);
+      checkPlay(answersTo(touch, path), expected, scene.radius);
+    }
+  }
+}
+
+TEST_CASE("both faces of a sheet and of a plate are felt as in double precision, their edges and friction included") {
+  NEEDS_CUDA_DEVICE();
+  constexpr double kRadius = 2;
+  for (const double thickness : {0.0, 0.4}) {
+    CAPTURE(thickness);
+    // Squares of 40 x 40 with a spacing of 0.5, on z = 0 looking up and, of the plate, below it looking down.
+    PointCloud cloud;
+    for (int i = -40; i <= 40; ++i)
+      for (int j = -40; j <= 40; ++j) {
+        cloud.positions.emplace_back(0.5 * i, 0.5 * j, 0);
+        cloud.normals.emplace_back(0, 0, 1);
+        if (thickness <= 0) continue;
+        cloud.positions.emplace_back(0.5 * i + 0.25, 0.5 * j, -thickness);
+        cloud.normals.emplace_back(0, 0, -1);
+      }
+    std::vector<DVec3> path;  // down and up through the plane, from inside the sheet to past its edge
+    for (int i = 0; i < 700; ++i) path.emplace_back(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
+    ContactReference reference(cloud, {.radius = kRadius}, 0.3);
+    std::vector<Contact> expected;
+    for (const DVec3& hip : path) expected.push_back(reference.query({.hip = hip}, 0));
+    CHECK(touchedTicks(expected) > 200);
+    for (const CudaMethod method : allCudaMethods()) {
+      CAPTURE(nameOf(method));
+      CudaTouchOptions options = cudaOptions(cloud, kRadius, method);
+      options.friction = 0.3;
+      CudaTouch touch(cloud, options);
+      checkPlay(answersTo(touch, path), expected, kRadius);
     }
   }
 }
@@ -81,7 +112,7 @@ TEST_CASE("they agree when the support spans one, three and seven cells a side")
     for (const CudaMethod method : allCudaMethods()) {
       CAPTURE(nameOf(method));
       CudaTouch touch(scene.cloud, cudaOptions(scene.cloud, scene.radius, method, cell));
-      checkStory(answersTo(touch, path), expected, scene.radius);
+      checkPlay(answersTo(touch, path), expected, scene.radius);
     }
   }
 }
@@ -98,7 +129,7 @@ TEST_CASE("they agree far from the origin, and where the patch spills from share
     for (const CudaMethod method : allCudaMethods()) {
       CAPTURE(nameOf(method));
       CudaTouch touch(scene->cloud, cudaOptions(scene->cloud, scene->radius, method));
-      checkStory(answersTo(touch, path), expected, scene->radius);
+      checkPlay(answersTo(touch, path), expected, scene->radius);
     }
   }
 }

@@ -3,8 +3,8 @@
 #include <bit>
 
 #include "engine/cuda/live_copy.hpp"
-#include "engine/edit/brush_reference.hpp"
 #include "engine/edit/normal_fit.hpp"
+#include "engine/edit/placed_brush.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
@@ -27,14 +27,14 @@ Moved push(const PointCloud& cloud, const DVec3& hip, const DVec3& spring, const
   cu::DeviceArray<shared::ContactState> state(1);
   state.upload(
       std::vector<shared::ContactState>{
-          {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .side = 0, .facing = {}, .started = 1}},
+          {.lastHip = Vec3(hip), .touching = 1, .spring = Vec3(spring), .face = 0, .facing = {}, .started = 1}},
       stream);
-  edit.recordPush(stream, live.side(0), live.count(), state.data());
-  build.record(stream, live.side(0), live.side(1), live.count());
-  edit.recordRefit(stream, build.view(live.side(1), live.count()));
+  edit.recordPush(stream, live.half(0), live.count(), state.data());
+  build.record(stream, live.half(0), live.half(1), live.count());
+  edit.recordRefit(stream, build.view(live.half(1), live.count()));
   Moved moved{std::vector<Vec4>(cloud.size()), std::vector<Vec4>(cloud.size())};
-  const auto positions = live.side(1).positions.download(stream);
-  const auto normals = live.side(1).normals.download(stream);
+  const auto positions = live.half(1).positions.download(stream);
+  const auto normals = live.half(1).normals.download(stream);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const auto id = std::bit_cast<std::uint32_t>(positions[i].w);
     REQUIRE(id < cloud.size());
@@ -55,20 +55,20 @@ TEST_CASE("points in range move as the reference says, the others stay bit by bi
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :
-       {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+       {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
-    const BrushTool tool(options, scene.radius, hip, hip, spring);
+    const PlacedBrush brush(options, scene.radius, hip, hip, spring);
     std::size_t inRange = 0, wrong = 0, marked = 0, disturbed = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = tool.brushed(before, {}).position;
+      const DVec3 expected = brush.brushed(before, {}).position;
       inRange += expected != before;
       wrong += glm::distance(DVec3(moved.positions[i]), expected) > 1e-4;
       marked += moved.normals[i].w != 0;
-      // A point within rounding of the tool's border may be marked and refitted without having moved.
+      // A point within rounding of the brush's border may be marked and refitted without having moved.
       const bool clearlyOutside =
-          glm::distance(before, hip + (options.tau + options.toolRadius) * outward) > options.toolRadius + 1e-3;
+          glm::distance(before, hip + (options.tau + options.radius) * outward) > options.radius + 1e-3;
       disturbed +=
           clearlyOutside && (movedAt(moved, scene.cloud, i) || Vec3(moved.normals[i]) != scene.cloud.normals[i]);
     }
@@ -84,7 +84,7 @@ TEST_CASE("normals of moved points are those of the new shape, on their old side
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
-      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .toolRadius = 12}, scene.radius);
+      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
   const CpuHash hash(positions, makeHashGrid(Vec3(0), scene.radius, positions.size()));
@@ -116,7 +116,7 @@ TEST_CASE("a spring no longer than tau moves nothing") {
   NEEDS_CUDA_DEVICE();
   const Scene scene = makeScene("plane", 5'000);
   const Moved moved =
-      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .toolRadius = 5}, scene.radius);
+      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .radius = 5}, scene.radius);
   std::size_t count = 0;
   for (std::size_t i = 0; i < scene.cloud.size(); ++i) count += movedAt(moved, scene.cloud, i);
   CHECK(count == 0);
@@ -127,7 +127,7 @@ TEST_CASE("points all in one place, and points on a line, keep a unit normal") {
   PointCloud cloud = pointsInOnePlace(3000, Vec3(0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
-  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
+  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .radius = 3}, 0.5);
   std::size_t wrong = 0;
   for (const Vec4& normal : moved.normals)
     wrong += !isFinite(normal) || std::abs(glm::length(Vec3(normal)) - 1) > 1e-5f;
@@ -139,8 +139,7 @@ TEST_CASE("edits of empty and of tiny clouds, and of every point at once") {
   for (const std::size_t count : {0, 1, 2, 4'097}) {
     CAPTURE(count);
     const PointCloud cloud = pointsInOnePlace(count, Vec3(0, 0, 50));
-    const Moved moved =
-        push(cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .toolRadius = 1000}, 1);
+    const Moved moved = push(cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .radius = 1000}, 1);
     std::size_t moves = 0;
     for (std::size_t i = 0; i < count; ++i) moves += movedAt(moved, cloud, i);
     CHECK(moves == count);
@@ -160,7 +159,7 @@ TEST_CASE("a session that sculpts leaves the same cloud, bit by bit, whatever th
     if (method == CudaMethod::brute) continue;
     CAPTURE(nameOf(method));
     CudaTouchOptions options = cudaOptions(scene.cloud, scene.radius, method);
-    options.push = BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6};
+    options.push = BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6};
     CudaTouch touch(scene.cloud, options);
     const auto answers = answersTo(touch, path);
     CHECK(answers.back().touching);

@@ -33,11 +33,11 @@ struct BrushProbeArgs {
 PALPATE_SIZE(BrushProbeArgs, 24);
 
 PALPATE_FUNCTION BrushAnswer answerTo(BrushQuestion q, float signedDistance) {
-  const Tool tool = toolOf(q.brush, q.hip, q.lastHip, q.spring, q.touching);
+  const BrushBall ball = ballOf(q.brush, q.hip, q.lastHip, q.spring, q.touching);
   BrushAnswer answer;
-  answer.brushed = brushed(q.brush, tool, q.position, q.normal);
-  answer.painted = painted(q.brush, tool, q.position, q.color);
-  answer.smoothed = smoothed(q.brush, tool, q.position, signedDistance, q.normal);
+  answer.brushed = brushed(q.brush, ball, q.position, q.normal);
+  answer.painted = painted(q.brush, ball, q.position, q.color);
+  answer.smoothed = smoothed(q.brush, ball, q.position, signedDistance, q.normal);
   return answer;
 }
 

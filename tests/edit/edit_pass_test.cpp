@@ -4,8 +4,8 @@
 #include <bit>
 #include <set>
 
-#include "engine/edit/brush_reference.hpp"
 #include "engine/edit/normal_fit.hpp"
+#include "engine/edit/placed_brush.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
 #include "shaders/shared/edit.h"
@@ -62,16 +62,16 @@ TEST_CASE_FIXTURE(EditFixture, "points in range move as the reference says, the 
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :
-       {BrushOptions{.tau = 0.5, .beta = 0.1, .toolRadius = 6}, BrushOptions{.tau = 0, .beta = 1, .toolRadius = 12}}) {
+       {BrushOptions{.tau = 0.5, .beta = 0.1, .radius = 6}, BrushOptions{.tau = 0, .beta = 1, .radius = 12}}) {
     const DVec3 hip = 47.0 * outward, spring = 3.0 * outward;
-    const BrushTool tool(options, scene.radius, hip, hip, spring);
+    const PlacedBrush brush(options, scene.radius, hip, hip, spring);
     const Moved moved = push(scene.cloud, hip, spring, options, scene.radius);
     std::size_t count = 0;
     for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
       const DVec3 before(scene.cloud.positions[i]);
-      const DVec3 expected = tool.brushed(before, {}).position;
+      const DVec3 expected = brush.brushed(before, {}).position;
       if (expected == before) {
-        // A point within rounding of the tool's border may go either way; by less than that.
+        // A point within rounding of the brush's border may go either way; by less than that.
         CHECK(glm::distance(DVec3(moved.positions[i]), before) < 1e-4);
         continue;
       }
@@ -87,7 +87,7 @@ TEST_CASE_FIXTURE(EditFixture, "points in range move as the reference says, the 
 TEST_CASE_FIXTURE(EditFixture, "the log holds exactly the points that moved, once each, as they are now") {
   const Scene scene = makeScene("torus", 20'000);
   const DVec3 hip(48, 0, 0), spring(2, 0, 0);
-  const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .toolRadius = 8}, scene.radius);
+  const Moved moved = push(scene.cloud, hip, spring, {.tau = 0.2, .beta = 0.3, .radius = 8}, scene.radius);
   std::set<std::uint32_t> ids;
   for (const auto& entry : moved.entries) {
     CHECK(ids.insert(entry.id).second);
@@ -106,7 +106,7 @@ TEST_CASE_FIXTURE(EditFixture, "normals of moved points are those of the new sha
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward(0, 0, 1);
   const Moved moved =
-      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .toolRadius = 12}, scene.radius);
+      push(scene.cloud, 46.0 * outward, 4.0 * outward, {.tau = 0.1, .beta = 1, .radius = 12}, scene.radius);
   std::vector<Vec3> positions;
   for (const Vec4& position : moved.positions) positions.emplace_back(position);
   const CpuHash hash(positions, makeHashGrid(Vec3(0), scene.radius, positions.size()));
@@ -133,7 +133,7 @@ TEST_CASE_FIXTURE(EditFixture, "normals of moved points are those of the new sha
 TEST_CASE_FIXTURE(EditFixture, "a spring no longer than tau moves nothing") {
   const Scene scene = makeScene("plane", 5'000);
   const Moved moved =
-      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .toolRadius = 5}, scene.radius);
+      push(scene.cloud, DVec3(0, 0, -0.5), DVec3(0, 0, 0.5), {.tau = 0.5, .beta = 0.5, .radius = 5}, scene.radius);
   CHECK(moved.entries.empty());
 }
 
@@ -145,7 +145,7 @@ TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, k
   cloud.positions.assign(kHeap, Vec3(0, 0, 0));
   for (int i = 0; i < 1000; ++i) cloud.positions.push_back(Vec3(0.01f * static_cast<float>(i) - 5, 0, 0));
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));
-  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .toolRadius = 3}, 0.5);
+  const Moved moved = push(cloud, DVec3(0, 0, -1), DVec3(0, 0, 1), {.tau = 0.1, .beta = 0.5, .radius = 3}, 0.5);
   CHECK(moved.entries.size() > kHeap);
   for (const Vec4& normal : moved.normals) {
     CHECK(isFinite(normal));
@@ -153,10 +153,10 @@ TEST_CASE_FIXTURE(EditFixture, "points all in one place, and points on a line, k
   }
 }
 
-TEST_CASE_FIXTURE(EditFixture, "a tool larger than the model moves every point and the log holds them all") {
+TEST_CASE_FIXTURE(EditFixture, "a brush larger than the model moves every point and the log holds them all") {
   const Scene scene = makeScene("sphere", 4'097);
-  const Moved moved = push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150),
-                           {.tau = 1, .beta = 0.01, .toolRadius = 1000}, scene.radius);
+  const Moved moved =
+      push(scene.cloud, DVec3(0, 0, -100), DVec3(0, 0, 150), {.tau = 1, .beta = 0.01, .radius = 1000}, scene.radius);
   CHECK(moved.entries.size() == scene.cloud.size());
 }
 

@@ -21,11 +21,11 @@ EditedScene::EditedScene(Device& device, const PointCloud& cloud, const HashGrid
 
 bool EditedScene::run(How how, const std::function<void(CommandList&)>& record) {
   if (how != How::incremental) compaction_->settle();
-  CommandList list(device_, device_.touch(), "edit");
+  CommandList list(device_, device_.latencyQueue(), "edit");
   list.begin();
   record(list);
   list.end();
-  device_.touch().run(list);
+  device_.latencyQueue().run(list);
   if (how != How::incremental) live_.flip();
   return edit_->report().failed == 0;
 }
@@ -35,15 +35,15 @@ bool EditedScene::brush(const DVec3& hip, const DVec3& spring, How how, const DV
          std::vector<shared::ContactState>{{.lastHip = Vec3(hip),
                                             .touching = 1,
                                             .spring = Vec3(spring),
-                                            .side = 0,
+                                            .face = 0,
                                             .motion = Vec3(motion),
                                             .facing = {},
                                             .started = 1}});
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_->recordIncremental(list, live_.side(), state_);
+      edit_->recordIncremental(list, live_.front(), state_);
     else
-      edit_->recordRebuild(list, live_.side(), live_.otherSide(), state_, hash_.sort(),
+      edit_->recordRebuild(list, live_.front(), live_.back(), state_, hash_.sort(),
                            how == How::rebuild ? EditPass::Reach::box : EditPass::Reach::all);
   });
 }
@@ -52,15 +52,15 @@ bool EditedScene::change(std::span<const PointChange> changes, How how) {
   edit_->give(changes);
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_->recordGivenIncremental(list, live_.side());
+      edit_->recordGivenIncremental(list, live_.front());
     else
-      edit_->recordGivenRebuild(list, live_.side(), live_.otherSide(), hash_.sort());
+      edit_->recordGivenRebuild(list, live_.front(), live_.back(), hash_.sort());
   });
 }
 
 void EditedScene::compact() {
   run(How::rebuild,
-      [&](CommandList& list) { edit_->recordCompaction(list, live_.side(), live_.otherSide(), hash_.sort()); });
+      [&](CommandList& list) { edit_->recordCompaction(list, live_.front(), live_.back(), hash_.sort()); });
 }
 
 bool EditedScene::compactFurther(std::uint32_t steps) {
@@ -84,6 +84,7 @@ bool EditedScene::compactFurther(std::uint32_t steps) {
 
 std::vector<PointState> EditedScene::takeLog() {
   const auto head = download<std::uint32_t>(device_, log_.headBuffer(), 1)[0];
+  PALPATE_CHECK_LE(head - logSeen_, log_.capacity());  // or it was overwritten before anyone read it
   const auto ring = download<PointState>(device_, log_.entriesBuffer(), log_.capacity());
   std::vector<PointState> taken;
   for (; logSeen_ != head; ++logSeen_) taken.push_back(ring[logSeen_ % log_.capacity()]);
@@ -99,10 +100,10 @@ std::map<std::uint32_t, PointState> EditedScene::points() const {
 }
 
 std::size_t EditedScene::faults() const {
-  const auto positions = download<Vec4>(device_, live_.side().positions, live_.slots());
-  const auto normals = download<Vec4>(device_, live_.side().normals, live_.slots());
+  const auto positions = download<Vec4>(device_, live_.front().positions, live_.slots());
+  const auto normals = download<Vec4>(device_, live_.front().normals, live_.slots());
   const std::uint32_t buckets = hash_.grid().bucketMask + 1;
-  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.side()), buckets);
+  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.front()), buckets);
   std::vector<bool> owned(positions.size());
   std::map<std::uint32_t, int> ids;
   std::size_t faults = 0;
@@ -127,8 +128,8 @@ std::size_t EditedScene::faults() const {
 }
 
 std::map<std::uint32_t, std::vector<std::uint32_t>> EditedScene::buckets() const {
-  const auto positions = download<Vec4>(device_, live_.side().positions, live_.slots());
-  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.side()), hash_.grid().bucketMask + 1);
+  const auto positions = download<Vec4>(device_, live_.front().positions, live_.slots());
+  const auto ranges = download<UVec2>(device_, hash_.ranges(live_.front()), hash_.grid().bucketMask + 1);
   std::map<std::uint32_t, std::vector<std::uint32_t>> all;
   for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket)
     for (std::uint32_t slot = ranges[bucket].x; slot < ranges[bucket].y; ++slot)

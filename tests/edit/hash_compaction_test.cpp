@@ -51,11 +51,11 @@ struct Compacted {
 // Something that the background queue is busy with for a while.
 struct LongWork {
   explicit LongWork(Device& device)
-      : large(device, 64 << 20, Memory::device, "large"), list(device, device.background(), "long work") {
+      : large(device, 64 << 20, Memory::device, "large"), list(device, device.backgroundQueue(), "long work") {
     list.begin();
     for (int i = 0; i < 20; ++i) list.fill(large, 1, large.bytes());
     list.end();
-    ticket = device.background().submit(list);
+    ticket = device.backgroundQueue().submit(list);
   }
 
   Buffer large;
@@ -189,7 +189,7 @@ TEST_CASE_FIXTURE(GpuFixture, "more changed buckets than can be noted make a com
   CHECK(scene.points() == before);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points that find no room on the other side stay where they are") {
+TEST_CASE_FIXTURE(GpuFixture, "points that find no room in the back half stay where they are") {
   // Eight places of 999 points, to each of which one more comes back after it was copied: the copies of all are too
   // small, and there is no room for eight more.
   std::vector<Vec3> positions;
@@ -238,7 +238,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a full build in the middle of a compaction gives 
 }
 
 TEST_CASE("given up without a build, a compaction leaves edits and the next compaction as they were") {
-  Device device({.gpu = "", .validate = false});  // validation on the GPU waits for every submission
+  Device device({.gpu = "", .validation = Validation::off});  // validation on the GPU waits for every submission
   Compacted compacted(device, makeScene("sphere", 5'000).cloud);
   EditedScene& scene = compacted.scene;
   scene.compactFurther(7);
@@ -259,18 +259,18 @@ TEST_CASE("given up without a build, a compaction leaves edits and the next comp
 }
 
 TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
-  Device device({.gpu = "", .validate = false});  // validation on the GPU waits for every submission
+  Device device({.gpu = "", .validation = Validation::off});  // validation on the GPU waits for every submission
   std::optional<Compacted> compacted(std::in_place, device, makeScene("sphere", 5'000).cloud);
   compacted->scene.compactFurther(7);
   device.waitIdle();
   const LongWork work(device);
   compacted->scene.compaction().advance();
   compacted.reset();
-  CHECK(device.background().isDone(work.ticket + 1));
+  CHECK(device.backgroundQueue().isDone(work.ticket + 1));
 }
 
 TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without") {
-  Device device({.gpu = "", .validate = false});  // which would take a minute for a million points
+  Device device({.gpu = "", .validation = Validation::off});  // which would take a minute for a million points
   const Scene scene = makeScene("sphere", 1'000'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
@@ -286,7 +286,7 @@ TEST_CASE("a live cloud whose index follows edits takes less than two thirds as 
 
 TEST_CASE(
     "a compaction of a million points is made of short slices, or of a few long ones, between which edits go on") {
-  Device device({.gpu = "", .validate = false});  // times are shown
+  Device device({.gpu = "", .validation = Validation::off});  // times are shown
   const Scene scene = makeScene("sphere", 1'000'000);
   constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
   for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {

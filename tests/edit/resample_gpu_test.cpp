@@ -1,4 +1,4 @@
-// Points come and go on the GPU as engine/edit/resample_reference.hpp says.
+// Points come and go on the GPU as engine/edit/resampling.hpp says.
 #include "tests/edit/edited_scene.hpp"
 #include "tests/gpu_fixture.hpp"
 
@@ -22,9 +22,10 @@ PointCloud sheetWith(std::initializer_list<Vec3> more) {
   return cloud;
 }
 
-constexpr BrushOptions kEverything{.kind = BrushKind::grab, .tau = 0, .toolRadius = 1e3, .strength = 1, .falloff = 0};
+constexpr BrushOptions kEverything{.kind = BrushKind::grab, .tau = 0, .radius = 1e3, .strength = 1, .falloff = 0};
 
-// Moves everything a little, so that all points are looked at, and then lets their wishes come to pass. Ticks that took.
+// Moves everything a little, so that all points are examined, and then lets their requests be carried out. Ticks that
+// took.
 int shake(EditedScene& scene) {
   const DVec3 hip(0, 0, -1);
   CHECK(scene.brush(hip, DVec3(0, 0, 1), EditedScene::How::incremental, DVec3(0, 0, 0.01)));
@@ -34,7 +35,7 @@ int shake(EditedScene& scene) {
   return ticks;
 }
 
-// Puts points elsewhere without a look at any of them.
+// Puts points elsewhere without examining any of them.
 void put(EditedScene& scene, const std::function<bool(PointState&)>& moved) {
   std::vector<PointChange> changes;
   for (const auto& [id, state] : scene.points()) {
@@ -62,7 +63,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in a row of crowded points the second goes, and t
   CHECK(points.contains(sheet + 1));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however often it is looked at") {
+TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however often it is examined") {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(0, kSide - 1);
   PointCloud cloud = sheetWith({});

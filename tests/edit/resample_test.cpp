@@ -1,5 +1,5 @@
 // When points come and go: the decisions one by one, and what they make of whole surfaces.
-#include "engine/edit/resample_reference.hpp"
+#include "engine/edit/resampling.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-#include "engine/edit/sculpt_reference.hpp"
+#include "engine/edit/cpu_sculpture.hpp"
 #include "tests/edit/surface_gaps.hpp"
 #include "tests/scenes.hpp"
 
@@ -22,8 +22,8 @@ ResampleNeighbour pointAt(const DVec3& offset, std::uint32_t number, bool unsett
   return {.offset = offset, .normal = kUp, .rest = offset, .spacing = 1, .number = number, .unsettled = unsettled};
 }
 
-ResampleWish wishOf(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
-  return resampleWish(self, {.neighbours = neighbours});
+ResampleRequest requestOf(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+  return resampleRequest(self, {.neighbours = neighbours});
 }
 
 // Six neighbours around, the first of which an edit has brought `far` times as far away as it was.
@@ -38,7 +38,7 @@ std::vector<ResampleNeighbour> ring(double far) {
   return points;
 }
 
-// A flat sheet of points about a spacing of 1 apart, in a square of `side` points.
+// A flat sheet of points about a spacing of 1 apart, in a square of `half` points.
 PointCloud sheet(int side, double uneven = 0, std::uint32_t seed = 3) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> offset(-uneven, uneven);
@@ -62,19 +62,19 @@ PointCloud densePatches(int side) {
   return cloud;
 }
 
-// Moves everything a little, so that all is looked at, and waits until nothing comes or goes.
-int shakeUntilSettled(SculptReference& sculpture, double radius) {
-  const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .toolRadius = 1e4, .strength = 1, .falloff = 0};
+// Moves everything a little, so that all is examined, and waits until nothing comes or goes.
+int shakeUntilSettled(CpuSculpture& sculpture, double radius) {
+  const BrushOptions everything{.kind = BrushKind::grab, .tau = 0, .radius = 1e4, .strength = 1, .falloff = 0};
   const DVec3 hip(0, 0, -1);
-  sculpture.edit(BrushTool(everything, radius, hip, hip - DVec3(0, 0, 0.01), kUp));
-  const BrushTool nothing(everything, radius, hip, hip, DVec3(0));
+  sculpture.edit(PlacedBrush(everything, radius, hip, hip - DVec3(0, 0, 0.01), kUp));
+  const PlacedBrush nothing(everything, radius, hip, hip, DVec3(0));
   int ticks = 1;
   for (; !sculpture.settled() && ticks < 1000; ++ticks) sculpture.edit(nothing);
   return ticks;
 }
 
 // Cuts a sheet in two, whose halves then stand three spacings apart.
-void tear(SculptReference& sculpture) {
+void tear(CpuSculpture& sculpture) {
   std::vector<PointChange> apart;
   for (std::uint32_t i = 0; i < sculpture.points().size(); ++i) {
     if (sculpture.points().positions[i].x < 20.5f) continue;
@@ -84,7 +84,7 @@ void tear(SculptReference& sculpture) {
   sculpture.set(apart);
 }
 
-PointCloud cloudOf(const SculptReference& sculpture) {
+PointCloud cloudOf(const CpuSculpture& sculpture) {
   PointCloud cloud;
   for (std::uint32_t i = 0; i < sculpture.points().size(); ++i) {
     if (!sculpture.points().there[i]) continue;
@@ -104,7 +104,7 @@ TEST_CASE("a sector is a sixth of the turn, counter-clockwise") {
   }
   CHECK(shared::sectorOf(1, 0) == 0);
   CHECK(shared::sectorOf(-1, 0) == 3);
-  CHECK(shared::sectorOf(0, 0) < shared::kSectors);
+  CHECK(shared::sectorOf(0, 0) < shared::kGapSectors);
 }
 
 TEST_CASE("half way between two points of a sphere lies on it") {
@@ -116,40 +116,40 @@ TEST_CASE("half way between two points of a sphere lies on it") {
   }
 }
 
-TEST_CASE("a point whose neighbours are all near wishes for nothing; behind a gap it wants one in the middle") {
-  const ResampleWish content = wishOf(pointAt(DVec3(0), 1), ring(1.5));
+TEST_CASE("a point whose neighbours are all near requests nothing; behind a gap it wants one in the middle") {
+  const ResampleRequest content = requestOf(pointAt(DVec3(0), 1), ring(1.5));
   CHECK_FALSE(content.inserts);
   CHECK_FALSE(content.goes);
   CHECK_FALSE(content.unsettled);
   const auto gap = ring(1.8);
-  const ResampleWish wish = wishOf(pointAt(DVec3(0), 1), gap);
-  CHECK(wish.inserts);
-  CHECK(wish.unsettled);
-  CHECK(wish.other == 10);
-  CHECK(glm::distance(wish.offset, 0.5 * gap[0].offset) < 1e-12);
+  const ResampleRequest request = requestOf(pointAt(DVec3(0), 1), gap);
+  CHECK(request.inserts);
+  CHECK(request.unsettled);
+  CHECK(request.other == 10);
+  CHECK(glm::distance(request.offset, 0.5 * gap[0].offset) < 1e-12);
 }
 
-TEST_CASE("no point is wished for beyond a border, where one stands, or on the other side of a sheet") {
+TEST_CASE("no point is requested beyond a border, where one stands, or on the other side of a sheet") {
   auto border = ring(1.8);
   border.erase(border.begin());
-  CHECK_FALSE(wishOf(pointAt(DVec3(0), 1), border).inserts);
+  CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), border).inserts);
 
   auto taken = ring(1.8);
   taken.push_back(pointAt(0.5 * taken[0].offset + DVec3(0, 0, 0.55), 30));
-  CHECK_FALSE(wishOf(pointAt(DVec3(0), 1), taken).inserts);
+  CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), taken).inserts);
   taken.back().normal = -kUp;  // stands on the back of the sheet
-  CHECK(wishOf(pointAt(DVec3(0), 1), taken).inserts);
+  CHECK(requestOf(pointAt(DVec3(0), 1), taken).inserts);
 
   auto back = ring(1.8);
   back[0].normal = -kUp;
-  CHECK_FALSE(wishOf(pointAt(DVec3(0), 1), back).inserts);
+  CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), back).inserts);
 }
 
 TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; never both") {
   const auto goes = [](const ResampleNeighbour& self, ResampleNeighbour other) {
     other.offset = {0.3, 0, 0};
     other.rest = {1, 0, 0};
-    return wishOf(self, std::vector{other}).goes;
+    return requestOf(self, std::vector{other}).goes;
   };
   const auto at = [](std::uint32_t number, bool unsettled) { return pointAt(DVec3(0), number, unsettled); };
   const auto compressed = [](const DVec3& offset, std::uint32_t number) {
@@ -162,13 +162,13 @@ TEST_CASE("of two crowded points one goes: the unsettled one, or the later one; 
   CHECK(goes(at(3, true), at(7, false)));
   CHECK_FALSE(goes(at(7, false), at(3, true)));
   // In a chain the middle one goes for the first; the last waits to see whether it may stay.
-  const ResampleWish last =
-      wishOf(at(9, true), std::vector{compressed({0.3, 0, 0}, 5), compressed({0.6, 0, 0}, 2)});
+  const ResampleRequest last =
+      requestOf(at(9, true), std::vector{compressed({0.3, 0, 0}, 5), compressed({0.6, 0, 0}, 2)});
   CHECK_FALSE(last.goes);
   CHECK(last.unsettled);
 }
 
-TEST_CASE("what a point wishes does not depend on the order in which its neighbours come") {
+TEST_CASE("what a point requests does not depend on the order in which its neighbours come") {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-3, 3);
   std::size_t inserted = 0, gone = 0;
@@ -181,17 +181,17 @@ TEST_CASE("what a point wishes does not depend on the order in which its neighbo
     neighbours.push_back(neighbours[3]);  // two that are equally near
     neighbours.back().number = 40;
     const ResampleNeighbour self = pointAt(DVec3(0), 20, true);
-    const ResampleWish wish = wishOf(self, neighbours);
-    inserted += wish.inserts;
-    gone += wish.goes;
+    const ResampleRequest request = requestOf(self, neighbours);
+    inserted += request.inserts;
+    gone += request.goes;
     for (int shuffle = 0; shuffle < 4; ++shuffle) {
       std::ranges::shuffle(neighbours, random);
-      const ResampleWish again = wishOf(self, neighbours);
-      CHECK(again.goes == wish.goes);
-      CHECK(again.inserts == wish.inserts);
-      CHECK(again.unsettled == wish.unsettled);
-      CHECK(again.other == wish.other);
-      CHECK(again.offset == wish.offset);
+      const ResampleRequest again = requestOf(self, neighbours);
+      CHECK(again.goes == request.goes);
+      CHECK(again.inserts == request.inserts);
+      CHECK(again.unsettled == request.unsettled);
+      CHECK(again.other == request.other);
+      CHECK(again.offset == request.offset);
     }
   }
   CHECK(inserted > 100);
@@ -219,7 +219,7 @@ TEST_CASE("of all claims near one place that of the smallest number stands, and 
   CHECK(claims.stands(wanted[0].first, 5));
 }
 
-TEST_CASE("what is uneven or has holes as it was loaded stays so, however often it is looked at") {
+TEST_CASE("what is uneven or has holes as it was loaded stays so, however often it is examined") {
   const Scene sphere = makeScene("sphere", 20'000);
   PointCloud holed = sheet(40, 0.2);
   std::erase_if(holed.positions, [](const Vec3& p) { return glm::distance(p, Vec3(20.3f, 19.6f, 0)) < 1.9f; });
@@ -227,7 +227,7 @@ TEST_CASE("what is uneven or has holes as it was loaded stays so, however often 
   const std::vector<std::pair<PointCloud, double>> clouds{
       {sphere.cloud, sphere.radius}, {sheet(40, 0.6), 4}, {holed, 4}, {densePatches(40), 4}};
   for (const auto& [cloud, radius] : clouds) {
-    SculptReference sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
+    CpuSculpture sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
     for (int k = 0; k < 3; ++k) CHECK(shakeUntilSettled(sculpture, radius) < 5);
     CHECK(sculpture.points().size() == cloud.size());
     CHECK(std::ranges::count(sculpture.points().there, 0) == 0);
@@ -236,7 +236,7 @@ TEST_CASE("what is uneven or has holes as it was loaded stays so, however often 
 
 TEST_CASE("a gap that an edit has torn closes, evenly, and grows no border") {
   const PointCloud whole = sheet(40, 0.2);
-  SculptReference sculpture(whole, makeHashGrid(Vec3(0), 4, whole.size()), {.radius = 4});
+  CpuSculpture sculpture(whole, makeHashGrid(Vec3(0), 4, whole.size()), {.radius = 4});
   tear(sculpture);
   const auto middle = [](const DVec3& p) { return std::abs(p.x - 21.5) < 8 && std::abs(p.y - 20) < 8; };
   CHECK(SurfaceGapFinder(cloudOf(sculpture), 4, 1).find(middle).widest > 1.2);
@@ -256,54 +256,55 @@ TEST_CASE("a gap that an edit has torn closes, evenly, and grows no border") {
 TEST_CASE("a gap counts against the coarser of its ends, and what comes has the target of that one") {
   auto gap = ring(1.8);
   gap[0].spacing = 1.5;
-  CHECK_FALSE(wishOf(pointAt(DVec3(0), 1), gap).inserts);
+  CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), gap).inserts);
   gap = ring(2.4);
   gap[0].spacing = 1.5;
-  const ResampleWish wish = wishOf(pointAt(DVec3(0), 1), gap);
-  CHECK(wish.inserts);
-  CHECK(wish.takesAfterOther);
-  CHECK_FALSE(wishOf(pointAt(DVec3(0), 1), ring(2.4)).takesAfterOther);
+  const ResampleRequest request = requestOf(pointAt(DVec3(0), 1), gap);
+  CHECK(request.inserts);
+  CHECK(request.takesAfterOther);
+  CHECK_FALSE(requestOf(pointAt(DVec3(0), 1), ring(2.4)).takesAfterOther);
 }
 
-TEST_CASE("no point is wished for beyond its reach, or where not all neighbours are seen") {
+TEST_CASE("no point is requested beyond its reach, or where not all neighbours are seen") {
   const auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
-  CHECK(resampleWish(self, {.neighbours = gap, .reach = 0.91}).inserts);
-  CHECK_FALSE(resampleWish(self, {.neighbours = gap, .reach = 0.89}).inserts);
-  CHECK_FALSE(resampleWish(self, {.neighbours = gap, .complete = false}).inserts);
+  CHECK(resampleRequest(self, {.neighbours = gap, .reach = 0.91}).inserts);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .reach = 0.89}).inserts);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = gap, .complete = false}).inserts);
 }
 
-TEST_CASE("no point comes to where it would crowd one with a wider target, or one whose sheet may prove to be its own") {
+TEST_CASE(
+    "no point comes to where it would crowd one with a wider target, or one whose sheet may prove to be its own") {
   auto gap = ring(1.8);
   const ResampleNeighbour self = pointAt(DVec3(0), 1);
   const DVec3 place = 0.5 * gap[0].offset, aside = glm::normalize(DVec3(-place.y, place.x, 0));
   gap.push_back(pointAt(place + aside, 30));
-  CHECK(wishOf(self, gap).inserts);
+  CHECK(requestOf(self, gap).inserts);
   gap.back().spacing = 3;
-  CHECK_FALSE(wishOf(self, gap).inserts);
+  CHECK_FALSE(requestOf(self, gap).inserts);
   gap.back() = pointAt(place + DVec3(0, 0, 0.3), 30);
   gap.back().normal = glm::normalize(DVec3(1, 0, -0.3));
-  CHECK_FALSE(wishOf(self, gap).inserts);
+  CHECK_FALSE(requestOf(self, gap).inserts);
   gap.back().normal = -kUp;
-  CHECK(wishOf(self, gap).inserts);
+  CHECK(requestOf(self, gap).inserts);
 }
 
-TEST_CASE("who waits for another point to go waits only for one that is looked at") {
-  const auto row = [](bool firstIsLookedAt) {
-    std::vector<ResampleNeighbour> points{pointAt({0.3, 0, 0}, 20, firstIsLookedAt), pointAt({0.6, 0, 0}, 10)};
+TEST_CASE("who waits for another point to go waits only for one that is examined") {
+  const auto row = [](bool firstIsExamined) {
+    std::vector<ResampleNeighbour> points{pointAt({0.3, 0, 0}, 20, firstIsExamined), pointAt({0.6, 0, 0}, 10)};
     for (ResampleNeighbour& point : points) point.rest *= 10;
     return points;
   };
   const ResampleNeighbour self = pointAt(DVec3(0), 30, true);
-  CHECK(wishOf(self, row(true)).unsettled);
-  CHECK_FALSE(wishOf(self, row(true)).goes);
-  CHECK(wishOf(self, row(false)).goes);
+  CHECK(requestOf(self, row(true)).unsettled);
+  CHECK_FALSE(requestOf(self, row(true)).goes);
+  CHECK(requestOf(self, row(false)).goes);
 }
 
 TEST_CASE("while a ball carves, what stands outside the solid goes, and no point comes to where it would have to go") {
   // The ends of a gap stand a little above a plane at rest, which is seen a little further off.
   auto gap = ring(1.8);
-  ResampleNeighbour self = pointAt(DVec3(0), 1);
+  const ResampleNeighbour self = pointAt(DVec3(0), 1);
   const auto raised = [&](double height) {
     auto all = gap;
     for (ResampleNeighbour& each : all) each.rest = each.offset - DVec3(0, 0, 5);
@@ -314,18 +315,18 @@ TEST_CASE("while a ball carves, what stands outside the solid goes, and no point
     }
     return all;
   };
-  const auto wish = [&](double height, bool carves) {
+  const auto request = [&](double height, bool carves) {
     const auto all = raised(height);
-    return resampleWish(self, {.neighbours = all, .carves = carves});
+    return resampleRequest(self, {.neighbours = all, .carves = carves});
   };
-  CHECK(wish(0.05, false).inserts);
-  CHECK_FALSE(wish(0.05, true).goes);
-  CHECK_FALSE(wish(0.05, true).inserts);
-  CHECK(wish(-0.05, true).inserts);
-  CHECK(wish(0.15, true).goes);
-  CHECK_FALSE(wish(0.15, false).goes);
-  self.atRest = true;
-  CHECK_FALSE(wish(0.15, true).goes);
+  CHECK(request(0.05, false).inserts);
+  CHECK_FALSE(request(0.05, true).goes);
+  CHECK_FALSE(request(0.05, true).inserts);
+  CHECK(request(-0.05, true).inserts);
+  CHECK(request(0.15, true).goes);
+  CHECK_FALSE(request(0.15, false).goes);
+  const auto all = raised(0.15);
+  CHECK_FALSE(resampleRequest(self, {.neighbours = all, .carves = true, .moved = false}).goes);
 }
 
 TEST_CASE("what a ball has carved into ground that has no one surface settles") {
@@ -337,18 +338,27 @@ TEST_CASE("what a ball has carved into ground that has no one surface settles") 
     cloud.normals[i] = glm::normalize(Vec3(tilt(random), tilt(random), 1));
   }
   const double radius = 4;
-  SculptReference sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
-  const BrushOptions carve{.kind = BrushKind::carve, .tau = 0, .toolRadius = 5, .strength = 0.5};
-  DVec3 hip(10, 20, -1);
+  CpuSculpture sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
+  const BrushOptions carve{.kind = BrushKind::carve, .tau = 0, .radius = 5, .strength = 0.5};
+  DVec3 hip(10, 20, -3);
   for (int tick = 0; tick < 200; ++tick) {
     const DVec3 last = std::exchange(hip, hip + DVec3(0.1, 0, 0));
-    sculpture.edit(BrushTool(carve, radius, hip, last, kUp));
+    sculpture.edit(PlacedBrush(carve, radius, hip, last, kUp));
   }
   CHECK(sculpture.points().size() > cloud.size());
-  const BrushTool lifted(carve, radius, hip, hip, DVec3(0));
+  const PlacedBrush lifted(carve, radius, hip, hip, DVec3(0));
   int ticks = 0;
   while (!sculpture.settled() && ++ticks < 300) sculpture.edit(lifted);
   CHECK(sculpture.settled());
+  // None came and went again that no brush had moved since.
+  std::size_t came = 0, went = 0;
+  for (std::size_t i = cloud.size(); i < sculpture.points().size(); ++i) {
+    const bool untouched = sculpture.points().reaches[i - cloud.size()] < shared::kReach * static_cast<float>(radius);
+    came += untouched;
+    went += untouched && !sculpture.points().there[i];
+  }
+  CHECK(came > 0);
+  CHECK(went == 0);
 }
 
 TEST_CASE("half way over an edge, or between normals that disagree, nothing stands outside the ends' planes") {
@@ -369,7 +379,7 @@ TEST_CASE("many points in one place become one") {
   cloud.positions.insert(cloud.positions.end(), 3000, cloud.positions[40]);
   const std::size_t single = cloud.size() - 3000;
   cloud.normals.assign(cloud.positions.size(), Vec3(kUp));
-  SculptReference heap(cloud, makeHashGrid(Vec3(0), 4, cloud.size()), {.radius = 4});
+  CpuSculpture heap(cloud, makeHashGrid(Vec3(0), 4, cloud.size()), {.radius = 4});
   CHECK(shakeUntilSettled(heap, 4) < 100);
   std::size_t left = 0;
   for (std::uint32_t i = 0; i < heap.points().size(); ++i)
@@ -383,8 +393,7 @@ TEST_CASE("the result does not depend on the cells of the index or the number of
   std::vector<Vec3> first;
   for (const double cell : {1.0, 0.4, 2.5})
     for (const unsigned threads : {1u, 3u}) {
-      SculptReference sculpture(rough, makeHashGrid(Vec3(0), cell * 4, rough.size()),
-                                {.radius = 4, .threads = threads});
+      CpuSculpture sculpture(rough, makeHashGrid(Vec3(0), cell * 4, rough.size()), {.radius = 4, .threads = threads});
       tear(sculpture);
       shakeUntilSettled(sculpture, 4);
       if (first.empty()) first = sculpture.points().positions;

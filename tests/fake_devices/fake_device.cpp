@@ -1,9 +1,5 @@
 #include "tests/fake_devices/fake_device.hpp"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -17,16 +13,6 @@ namespace {
 [[noreturn]] void giveUp(const std::string& why) {
   std::fprintf(stderr, "fake device: %s\n", why.c_str());
   std::abort();
-}
-
-// Zero at first, and there for everybody as long as the file is.
-FakeNote* mapped(const std::string& file) {
-  const int handle = ::open(file.c_str(), O_RDWR | O_CREAT, 0600);
-  if (handle < 0 || ::ftruncate(handle, sizeof(FakeNote)) != 0) giveUp("cannot note in " + file);
-  void* memory = ::mmap(nullptr, sizeof(FakeNote), PROT_READ | PROT_WRITE, MAP_SHARED, handle, 0);
-  ::close(handle);
-  if (memory == MAP_FAILED) giveUp("cannot map " + file);
-  return static_cast<FakeNote*>(memory);
 }
 
 }  // namespace
@@ -65,7 +51,8 @@ void FakeDevice::read(const std::filesystem::path& script) {
       words >> press.bit >> press.at_s >> press.for_s;
       presses_.push_back(press);
     } else if (what == "note" && words >> name) {
-      note_ = mapped(name);
+      note_ = mappedNote(name);
+      if (!note_) giveUp("cannot note in " + name);
       note_->frames = 0;  // another session may have noted there before
     } else if (what == "fault" && words >> name) {
       FakeFault fault{.name = name};

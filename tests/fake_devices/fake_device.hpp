@@ -43,6 +43,9 @@ struct FakeNote {
   std::uint32_t opened = 0, closed = 0, enabled = 0;
 };
 
+/// Zero at first, and there for everybody as long as the file is; nothing where it cannot be.
+FakeNote* mappedNote(const std::filesystem::path& file);
+
 class FakeDevice {
  public:
   static constexpr const char *kFirst = "PALPATE_FAKE_DEVICE", *kSecond = "PALPATE_FAKE_SECOND_DEVICE";

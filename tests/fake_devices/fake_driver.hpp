@@ -13,38 +13,27 @@
 
 #include "tests/fake_devices/fake_device.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/surroundings.hpp"
 
 namespace palpate {
 
 inline std::filesystem::path fakeDevicesFolder() {
   const char* elsewhere = std::getenv("PALPATE_FAKE_DEVICES_FOLDER");
-  return elsewhere ? elsewhere : std::filesystem::read_symlink("/proc/self/exe").parent_path() / "fake_devices";
+  return elsewhere ? elsewhere : programFolder() / "fake_devices";
 }
 
 inline std::filesystem::path fakeDriverFile(const std::string& name) {
-  const std::filesystem::path file = fakeDevicesFolder() / ("lib" + name + ".so");
+  const std::filesystem::path file = fakeDevicesFolder() / libraryFileName(name);
   REQUIRE_MESSAGE(std::filesystem::exists(file), "no " << file.string() << "; build fake_drivers");
   return file;
 }
-
-/// A variable of the environment, while it lives.
-class Variable {
- public:
-  Variable(const char* name, const std::string& value) : name_(name) { ::setenv(name, value.c_str(), 1); }
-  ~Variable() { ::unsetenv(name_); }
-  Variable(const Variable&) = delete;
-  Variable& operator=(const Variable&) = delete;
-
- private:
-  const char* name_;
-};
 
 /// What stands behind a stylus, and what was noted of it.
 class FakeStylus {
  public:
   /// `script`: see FakeDevice; with %/ for its folder. `hand`: rows of a path, if it has any.
   FakeStylus(const char* variable, std::string script, const std::string& hand)
-      : variable_(variable, folder_ / "script") {
+      : variable_(variable, (folder_ / "script").string()) {
     for (std::size_t at; (at = script.find('%')) != std::string::npos;) script.replace(at, 1, folder_.path().string());
     if (!hand.empty()) {
       std::ofstream(folder_ / "hand.csv") << "t_s,x,y,z\n" << hand;
@@ -89,7 +78,7 @@ class FakeDriver : public FakeStylus {
                       const std::string& hand = "")
       : FakeStylus(FakeDevice::kFirst, script, hand),
         library_(library.starts_with("fake_dhd") ? "PALPATE_DHD_LIBRARY" : "PALPATE_HD_LIBRARY",
-                 fakeDriverFile(library)) {}
+                 fakeDriverFile(library).string()) {}
 
  private:
   Variable library_;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "haptics/devices/hdapi.hpp"
+#include "haptics/realtime_priority.hpp"
 #include "haptics/tick_pacer.hpp"
 #include "tests/fake_devices/fake_device.hpp"
 

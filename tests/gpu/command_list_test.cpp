@@ -31,7 +31,7 @@ class CommandListFixture : public GpuFixture {
 TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, without a word about barriers") {
   constexpr std::uint32_t kCount = 10'007, kRounds = 20;
   const Buffer a = words(kCount), b = words(kCount);
-  CommandList list(device, device.touch(), "chain");
+  CommandList list(device, device.latencyQueue(), "chain");
   list.begin();
   list.fill(a, 5, a.bytes());
   for (std::uint32_t round = 0; round < kRounds; ++round) {
@@ -39,13 +39,13 @@ TEST_CASE_FIXTURE(CommandListFixture, "each command sees what came before it, wi
     list.dispatch(addOne, kCount, args(b, a, kCount));
   }
   list.end();
-  for (int run = 1; run <= 3; ++run) device.touch().run(list);  // recorded once, submitted often
+  for (int run = 1; run <= 3; ++run) device.latencyQueue().run(list);  // recorded once, submitted often
   CHECK(download<std::uint32_t>(device, a, kCount) == std::vector<std::uint32_t>(kCount, 5 + 2 * kRounds));
 }
 
 TEST_CASE("a pass that gives way in between does all its work, and once") {
-  Device device({.gpu = "", .validate = false});  // none does under validation, and
-  device.noteTouch(1);                            // none where nobody touches
+  Device device({.gpu = "", .validation = Validation::off});  // none does under validation, and
+  device.noteUrgentWork(1);                            // none where nobody touches
   const ComputePipeline sliced{device,
                                shader_code::gpu_add_one,
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs), .sliceThreads = 256}};
@@ -54,7 +54,7 @@ TEST_CASE("a pass that gives way in between does all its work, and once") {
     CAPTURE(count);
     const Buffer a = Buffer::of<std::uint32_t>(device, count, Memory::device, "words");
     const shared::AddOneArgs args{.from = a.address(), .to = a.address(), .count = count, .unused = 0};
-    for (Queue* queue : {&device.touch(), &device.sight()}) {
+    for (Queue* queue : {&device.latencyQueue(), &device.throughputQueue()}) {
       CommandList list(device, *queue, "sliced");
       list.begin();
       list.fill(a, 7, a.bytes());
@@ -71,7 +71,7 @@ TEST_CASE("a pass that gives way in between does all its work, and once") {
 TEST_CASE_FIXTURE(CommandListFixture, "lists submitted one after another see each other's work, on either queue") {
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount);
-  for (Queue* queue : {&device.touch(), &device.sight()}) {
+  for (Queue* queue : {&device.latencyQueue(), &device.throughputQueue()}) {
     CommandList fill(device, *queue, "fill"), add(device, *queue, "add");
     fill.begin();
     fill.fill(a, 1, a.bytes());
@@ -96,7 +96,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
                   "commands in an independent scope all run, and what follows waits for all of them") {
   constexpr std::uint32_t kCount = 5000;
   const Buffer zero = words(kCount), a = words(kCount), b = words(kCount), sum = words(kCount);
-  CommandList list(device, device.touch(), "independent");
+  CommandList list(device, device.latencyQueue(), "independent");
   list.begin();
   list.fill(zero, 0, zero.bytes());
   {
@@ -110,7 +110,7 @@ TEST_CASE_FIXTURE(CommandListFixture,
   std::vector<bool> waits;
   for (const PassRecord& pass : list.passes()) waits.push_back(pass.waits);
   CHECK(waits == std::vector<bool>{true, true, false, true});
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   CHECK(download<std::uint32_t>(device, b, kCount) == std::vector<std::uint32_t>(kCount, 1));
   CHECK(download<std::uint32_t>(device, sum, kCount) == std::vector<std::uint32_t>(kCount, 2));
 }
@@ -121,13 +121,13 @@ TEST_CASE_FIXTURE(CommandListFixture,
   const Buffer a = words(kCount), b = words(kCount), groups = words(3);
   for (const std::uint32_t wanted : {0u, 1u, 3u, 16u}) {
     upload(device, groups, std::vector<std::uint32_t>{wanted, 1, 1});
-    CommandList list(device, device.touch(), "indirect");
+    CommandList list(device, device.latencyQueue(), "indirect");
     list.begin();
     list.fill(a, 8, a.bytes());
     list.fill(b, 0, b.bytes());
     list.dispatchIndirect(addOne, groups, args(a, b, kCount));
     list.end();
-    device.touch().run(list);
+    device.latencyQueue().run(list);
     const auto values = download<std::uint32_t>(device, b, kCount);
     CHECK(std::ranges::count(values, 9u) == std::min(wanted * 64, kCount));
   }
@@ -137,26 +137,26 @@ TEST_CASE_FIXTURE(CommandListFixture, "an indirect dispatch takes its command fr
   constexpr std::uint32_t kCount = 1000;
   const Buffer a = words(kCount), b = words(kCount), groups = words(9);
   upload(device, groups, std::vector<std::uint32_t>{0, 1, 1, 2, 1, 1, 5, 1, 1});
-  CommandList list(device, device.touch(), "offset");
+  CommandList list(device, device.latencyQueue(), "offset");
   list.begin();
   list.fill(a, 8, a.bytes());
   list.fill(b, 0, b.bytes());
   list.dispatchIndirect(addOne, groups, args(a, b, kCount), 12);
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 9u) == 2 * 64);
 }
 
 TEST_CASE_FIXTURE(CommandListFixture, "a list of more passes than can be timed is still timed as a whole") {
   const Buffer a = words(10), b = words(10);
-  CommandList list(device, device.touch(), "long", CommandList::Timing::passes);
+  CommandList list(device, device.latencyQueue(), "long", CommandList::Timing::passes);
   list.begin();
   for (int part = 0; part < 2; ++part) {
     const auto section = list.section(part == 0 ? "first" : "second");
     for (int i = 0; i < 300; ++i) list.dispatch(addOne, 10, args(a, b, 10));
   }
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   const auto passes = list.passes();
   REQUIRE(passes.size() == 600);
   CHECK(passes.front().gpu_us > 0);
@@ -166,7 +166,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "a list of more passes than can be timed i
 
 TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted and timed") {
   const Buffer a = words(100'000), b = words(100'000);
-  CommandList list(device, device.touch(), "timed", CommandList::Timing::passes);
+  CommandList list(device, device.latencyQueue(), "timed", CommandList::Timing::passes);
   list.begin();
   {
     const auto outer = list.section("outer");
@@ -178,7 +178,7 @@ TEST_CASE_FIXTURE(CommandListFixture, "passes and sections are named, counted an
   list.end();
   CHECK(list.sectionTime_us("outer") == 0);  // it has not run
   const Stopwatch watch;
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   const double wall_us = watch.elapsed_us();
   CHECK(list.sectionTime_us("outer") < wall_us);
   CHECK(list.sectionTime_us("outer") > 1e-3 * wall_us);
@@ -213,11 +213,11 @@ TEST_CASE_FIXTURE(CommandListFixture, "mapped buffers are seen from both sides, 
   Buffer output = words(100, Memory::readback);
   std::ranges::fill(input.mapped<std::uint32_t>(), 41u);
   const Buffer moved = std::move(input);
-  CommandList list(device, device.touch(), "mapped");
+  CommandList list(device, device.latencyQueue(), "mapped");
   list.begin();
   list.dispatch(addOne, 100, args(moved, output, 100));
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   for (const std::uint32_t value : output.mapped<std::uint32_t>()) CHECK(value == 42);
 }
 
@@ -228,17 +228,28 @@ TEST_CASE_FIXTURE(CommandListFixture, "a buffer that cannot fit is refused with 
 }
 
 TEST_CASE("a mistake is noticed: the validation that guards the tests speaks up") {
-  Device device({.gpu = "", .validate = true});
+  if (askedValidation() == Validation::off) {
+    MESSAGE("skipped: nothing is validated");
+    return;
+  }
+  Device device({.gpu = "", .validation = askedValidation()});
+  const VkBufferCreateInfo empty{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = 0, .usage = VK_BUFFER_USAGE_TRANSFER_SRC_BIT};
+  VkBuffer buffer = VK_NULL_HANDLE;
+  device.vk().vkCreateBuffer(device.handle(), &empty, nullptr, &buffer);
+  device.vk().vkDestroyBuffer(device.handle(), buffer, nullptr);
+  CHECK(device.instance().messages().take().size() > 0);
+  if (askedValidation() != Validation::full) return;
+
   const Buffer a = Buffer::of<std::uint32_t>(device, 16, Memory::device, "too small");
   const ComputePipeline addOne(device, shader_code::gpu_add_one,
                                {.workgroupSize = 64, .pushBytes = sizeof(shared::AddOneArgs)});
-  CommandList list(device, device.touch(), "mistaken");
+  CommandList list(device, device.latencyQueue(), "mistaken");
   list.begin();
   // Reads far past the end of every buffer: only GPU-assisted validation can see it.
   list.dispatch(addOne, 1,
                 shared::AddOneArgs{.from = a.address() + (1ull << 40), .to = a.address(), .count = 1, .unused = 0});
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   CHECK(device.instance().messages().count() > 0);
 }
 
@@ -247,12 +258,12 @@ TEST_CASE_FIXTURE(CommandListFixture, "a pass of more workgroups than one axis h
                               {.workgroupSize = 32, .pushBytes = sizeof(shared::AddOneArgs)});
   constexpr std::uint32_t kCount = 32 * 65'536 + 17;
   const Buffer a = words(kCount), b = words(kCount);
-  CommandList list(device, device.touch(), "wide");
+  CommandList list(device, device.latencyQueue(), "wide");
   list.begin();
   list.fill(a, 6, a.bytes());
   list.dispatch(small, kCount, args(a, b, kCount));
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   CHECK(std::ranges::count(download<std::uint32_t>(device, b, kCount), 7u) == kCount);
 }
 

@@ -25,7 +25,7 @@ constexpr VkQueueFlags kCompute = VK_QUEUE_COMPUTE_BIT | VK_QUEUE_TRANSFER_BIT;
 
 }  // namespace
 
-TEST_CASE("without a wish the first discrete GPU is taken, then integrated, then CPU") {
+TEST_CASE("without a request the first discrete GPU is taken, then integrated, then CPU") {
   CHECK(chooseGpu(kGpus, "") == 2);
   CHECK(chooseGpu(std::span(kGpus).first(2), "") == 1);
   CHECK(chooseGpu(std::span(kGpus).first(1), "") == 0);
@@ -38,27 +38,27 @@ TEST_CASE("a GPU is chosen by number or by part of its name in any case") {
   CHECK(chooseGpu(kGpus, "LLVMPIPE") == 0);
 }
 
-TEST_CASE("a wish that cannot be met names the GPUs there are") {
+TEST_CASE("a request that cannot be met names the GPUs there are") {
   CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "4"), doctest::Contains("NVIDIA T4"), GpuError);
   CHECK_THROWS_WITH_AS(chooseGpu(kGpus, "radeon"), doctest::Contains("Intel Iris"), GpuError);
   CHECK_THROWS_WITH_AS(chooseGpu({}, ""), doctest::Contains("mesa-vulkan-drivers"), GpuError);
 }
 
-TEST_CASE("touch gets a compute-only family, sight the graphics family") {
+TEST_CASE("latency gets a compute-only family, throughput the graphics family") {
   const std::array families{family(kGraphics, 16), family(VK_QUEUE_TRANSFER_BIT, 2), family(kCompute, 8)};
   const auto roles = chooseQueues(families);
   REQUIRE(roles);
-  CHECK(roles->touch == QueueChoice{2, 0});
-  CHECK(roles->sight == QueueChoice{0, 0});
+  CHECK(roles->latency == QueueChoice{2, 0});
+  CHECK(roles->throughput == QueueChoice{0, 0});
   CHECK(roles->draws);
   CHECK_FALSE(roles->shared());
 }
 
-TEST_CASE("touch gets a second queue of the same family where there is no other") {
+TEST_CASE("latency gets a second queue of the same family where there is no other") {
   const std::array families{family(kGraphics, 4)};
   const auto roles = chooseQueues(families);
   REQUIRE(roles);
-  CHECK(roles->touch == QueueChoice{0, 1});
+  CHECK(roles->latency == QueueChoice{0, 1});
   CHECK_FALSE(roles->shared());
 }
 
@@ -67,7 +67,7 @@ TEST_CASE("a single queue is shared") {
   CHECK(chooseQueues(families)->shared());
 }
 
-TEST_CASE("background work has a queue of its own where there is one more, and never touch's unless all share one") {
+TEST_CASE("background work has a queue of its own where there is one more, and never that of latency unless all share one") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueChoice background;
@@ -85,7 +85,7 @@ TEST_CASE("background work has a queue of its own where there is one more, and n
     REQUIRE(roles);
     CHECK(roles->background == each.background);
     CHECK(roles->backgroundShares() == each.shares);
-    CHECK((roles->background == roles->touch) == roles->shared());
+    CHECK((roles->background == roles->latency) == roles->shared());
     const auto used = roles->families();
     CHECK(std::ranges::count(used, roles->background.family) == 1);
     CHECK(used.size() == each.families.size());
@@ -99,16 +99,16 @@ TEST_CASE("queues may be arranged to share one, and to go without priorities") {
   CHECK(same->shared());
   CHECK(same->backgroundShares());
   CHECK(same->draws);
-  CHECK(same->touch == QueueChoice{0, 0});
+  CHECK(same->latency == QueueChoice{0, 0});
   CHECK(same->families() == std::vector<std::uint32_t>{0});
 
   const auto separate = chooseQueues(families), equal = chooseQueues(families, QueueArrangement::noPriority);
-  CHECK(equal->touch == separate->touch);
-  CHECK(equal->sight == separate->sight);
+  CHECK(equal->latency == separate->latency);
+  CHECK(equal->throughput == separate->throughput);
   CHECK(equal->background == separate->background);
 }
 
-TEST_CASE("touch's queue goes first, also against other programs where its family is its own, unless none is to") {
+TEST_CASE("the queue of latency goes first, also against other programs where its family is its own, unless none is to") {
   struct Case {
     std::vector<VkQueueFamilyProperties> families;
     QueueArrangement arrangement;
@@ -137,9 +137,9 @@ TEST_CASE("a GPU without graphics computes and draws on one family; one that can
   const std::array computeOnly{family(kCompute, 2)};
   const auto roles = chooseQueues(computeOnly);
   REQUIRE(roles);
-  CHECK(roles->sight.family == 0);
+  CHECK(roles->throughput.family == 0);
   CHECK_FALSE(roles->draws);
-  CHECK(roles->touch == QueueChoice{0, 1});
+  CHECK(roles->latency == QueueChoice{0, 1});
   const std::array transferOnly{family(VK_QUEUE_TRANSFER_BIT, 2)};
   CHECK_FALSE(chooseQueues(transferOnly));
 }

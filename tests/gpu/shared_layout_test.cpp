@@ -24,12 +24,12 @@ TEST_CASE_FIXTURE(GpuFixture, "a shader reads the numbers that C++ wrote, field 
   upload(device, input, patterns);
   const ComputePipeline pipeline(device, shader_code::gpu_shared_layout,
                                  {.workgroupSize = 32, .pushBytes = sizeof(shared::LayoutArgs)});
-  CommandList list(device, device.touch(), "layout");
+  CommandList list(device, device.latencyQueue(), "layout");
   list.begin();
   list.dispatch(pipeline, 1,
                 shared::LayoutArgs{.pattern = input.address(), .numbers = output.address(), .scale = 3, .unused = 0});
   list.end();
-  device.touch().run(list);
+  device.latencyQueue().run(list);
   const auto numbers = download<float>(device, output, 33);
   for (int i = 0; i < 33; ++i) CHECK(numbers[static_cast<std::size_t>(i)] == 3.0f * static_cast<float>(i + 1));
 }

@@ -179,7 +179,7 @@ TEST_CASE("what cannot be touched is refused in words") {
   PointCloud bare;
   bare.positions = {{1, 2, 3}, {4, 5, 6}};
   CHECK_THROWS_WITH_AS(builtinPath("press", bare, {}),
-                       "the model has no normals, and a built-in path needs them; load it with --normals estimate",
+                       "the model has no normals, and a built-in path needs them; load it with estimated normals",
                        Error);
   CHECK_NOTHROW(builtinPath("orbit", bare, {}));
   CHECK_THROWS_WITH_AS(builtinPath("pres", bare, {}),

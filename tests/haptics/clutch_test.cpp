@@ -32,9 +32,9 @@ class Gliding final : public HapticDevice {
 };
 
 /// A floor at y = 1, which may be entered at once; notes whether the hand means to sculpt.
-class Floor final : public ContactQuery {
+class Floor final : public OneHandQuery {
  public:
-  Contact query(const Pose& pose, double) noexcept override {
+  Contact answerTo(const Pose& pose, double) noexcept override {
     sculpts.push_back(pose.sculpts);
     const double depth = pose.time_s < 0.02 ? 0 : 1;
     return {.proxy = pose.hip + DVec3(0, depth, 0),
@@ -63,8 +63,8 @@ TEST_CASE("the buttons of a stylus clutch and sculpt, and what it cannot render 
   Gliding device;
   Floor floor;
   ServoLoop loop(device, floor, ForceLaw({.stiffness_N_per_mm = 0.09, .damping_N_s_per_mm = 0}, {}),
-                 {.duration_s = 0.35, .passivity = PassivityMode::off});
-  const Trace trace = loop.run().trace;
+                 {.duration_s = 0.35}, {.passivity = PassivityMode::off});
+  const Trace trace = loop.run().trace();
   REQUIRE(trace.rows.size() == 350);
   CHECK(trace.rows[99].hip.x == doctest::Approx(9.9));
   CHECK(trace.rows[99].force_N.y > 0);

@@ -4,13 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <vector>
 
 #include "engine/core/contact_query.hpp"
 
 namespace palpate {
 
 /// A god-object on a sphere; faults on demand.
-class SphereContact : public ContactQuery {
+class SphereContact : public OneHandQuery {
  public:
   explicit SphereContact(double radius, const DVec3& center = DVec3(0)) : radius_(radius), center_(center) {}
 
@@ -21,7 +22,7 @@ class SphereContact : public ContactQuery {
     withNaN_ = withNaN;
   }
 
-  Contact query(const Pose& pose, double budget_us) noexcept override {
+  Contact answerTo(const Pose& pose, double budget_us) noexcept override {
     smallestBudget_us = std::min(smallestBudget_us, budget_us);
     largestBudget_us = std::max(largestBudget_us, budget_us);
     const DVec3 offset = pose.hip - center_;
@@ -52,24 +53,24 @@ class SphereContact : public ContactQuery {
   bool withNaN_ = false;
 };
 
-/// A sphere that both hands feel; counts who is put down.
+/// A sphere that all hands feel; counts who is put down.
 class SharedSphere final : public ContactQuery {
  public:
-  explicit SharedSphere(double radius = 50) : sphere_(radius) {}
-  Contact query(const Pose& pose, double budget_us) noexcept override {
-    if (pose.secondHip) second_ = sphere_.query({.time_s = pose.time_s, .hip = *pose.secondHip}, budget_us);
+  explicit SharedSphere(std::size_t hands, double radius = 50) : putDown(hands), sphere_(radius), answers_(hands) {}
+  std::size_t hands() const noexcept override { return answers_.size(); }
+  std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override {
+    for (std::size_t i = 0; i < answers_.size(); ++i) answers_[i] = sphere_.query(poses[i], budget_us);
     ++queries;
-    return sphere_.query(pose, budget_us);
+    return answers_;
   }
-  Contact second() const noexcept override { return second_; }
-  void beginAnew() noexcept override { ++firstPutDown; }
-  void secondBeginsAnew() noexcept override { ++secondPutDown; }
+  void resetHand(std::size_t hand) noexcept override { ++putDown[hand]; }
 
-  int queries = 0, firstPutDown = 0, secondPutDown = 0;
+  int queries = 0;
+  std::vector<int> putDown;
 
  private:
   SphereContact sphere_;
-  Contact second_;
+  std::vector<Contact> answers_;
 };
 
 /// A point of a tool that is pressed so deep into a plane at its proxy.
@@ -85,10 +86,10 @@ inline PointContact pressedPoint(const DVec3& hip, double depth, double share, c
 }
 
 /// A tool of two points, 4 to each side of the HIP, over a plane at `height`; the one at x < 0 is off the plane's edge.
-class HalfOverPlane final : public ContactQuery {
+class HalfOverPlane final : public OneHandQuery {
  public:
   explicit HalfOverPlane(double height = 0) : height_(height) {}
-  Contact query(const Pose& pose, double) noexcept override {
+  Contact answerTo(const Pose& pose, double) noexcept override {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const DVec3 hip = pose.hip + pose.turn * DVec3(i == 0 ? -4 : 4, 0, 0);
       points_[i] = pressedPoint(hip, i == 0 ? 0 : std::max(0.0, height_ - hip.z), 0.5);
@@ -101,7 +102,7 @@ class HalfOverPlane final : public ContactQuery {
             .fresh = true,
             .valid = pose.time_s < failsFrom_s};
   }
-  std::span<const PointContact> points() const noexcept override { return points_; }
+  std::span<const PointContact> points(std::size_t /*hand*/) const noexcept override { return points_; }
 
   double failsFrom_s = std::numeric_limits<double>::infinity();
 

@@ -27,8 +27,8 @@ TEST_CASE("an omega presses on a sphere, in our axes and millimetres") {
   const FakeDriver driver("fake_dhd", "", kPressing);
   const ServoResult result = feel();
   CHECK_FALSE(result.deviceFailed);
-  REQUIRE(result.trace.rows.back().contact);
-  CHECK(result.trace.rows.back().force_N.y > 0.2);
+  REQUIRE(result.trace().rows.back().contact);
+  CHECK(result.trace().rows.back().force_N.y > 0.2);
   const FakeNote note = driver.note();
   CHECK(note.mostForce_N > 0.2);
   CHECK(driver.lastForce_N() == DVec3(0));
@@ -71,7 +71,7 @@ TEST_CASE("what goes wrong with a Force Dimension is said in words") {
     const ServoResult result = feel();
     CHECK(result.deviceFailed);
     CHECK(result.fault == "omega.3: communication error; check cable and power of the device, and start again");
-    CHECK(result.trace.rows.back().force_N == DVec3(0));
+    CHECK(result.trace().rows.back().force_N == DVec3(0));
     CHECK(driver.note().mostForce_N > 0.1);
   }
   SUBCASE("a position that is no number") {

@@ -19,7 +19,7 @@ const DVec3 kParked(0, 0, 300);
 class CountingContact final : public SphereContact {
  public:
   using SphereContact::SphereContact;
-  void beginAnew() noexcept override { ++begins; }
+  void resetHand(std::size_t /*hand*/) noexcept override { ++begins; }
   int begins = 0;
 };
 
@@ -90,13 +90,13 @@ TEST_CASE("the surface holds the stylus back while the aim sinks in") {
   const ServoResult result = loop.run([&](const TraceRow& row) {
     if (row.time_s > 0.5) device.aim({0, 0, 46});
   });
-  const TraceRow& last = result.trace.rows.back();
+  const TraceRow& last = result.trace().rows.back();
   CHECK(last.contact);
   CHECK(last.hip.z > 47);  // aimed at 46
   CHECK(last.hip.z < 49.5);
   CHECK(last.force_N.z > 0.5);
   CHECK(sphere.begins == 1);
-  CHECK(result.trace.rows.front().putDown);
+  CHECK(result.trace().rows.front().putDown);
 }
 
 TEST_CASE("an endless session goes on until it is stopped, keeps no trace, and begins at the time it was given") {
@@ -108,7 +108,7 @@ TEST_CASE("an endless session goes on until it is stopped, keeps no trace, and b
                  {.begin_s = 12.5, .endless = true, .realtime = true, .stop = &stop, .recorder = &recorder});
   std::jthread servo([&] {
     const ServoResult result = loop.run();
-    CHECK(result.trace.rows.empty());
+    CHECK(result.trace().rows.empty());
     CHECK(!result.deviceFailed);
   });
   while (recorder.count < 50) std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -288,7 +288,7 @@ TEST_CASE("in a session a steady push comes to rest on the surface, at low rates
     largest_N = std::max(largest_N, row.force_N.z);
     smallest_N = std::min(smallest_N, row.force_N.z);
   });
-  CHECK(result.trace.rows.back().contact);
+  CHECK(result.trace().rows.back().contact);
   CHECK(smallest_N > 2);
   CHECK(largest_N < 1.1 * smallest_N);
 }
@@ -313,9 +313,9 @@ TEST_CASE("a session with a 3D mouse runs through an unplugging without a missed
   });
   const ServoResult result = loop.run();
   CHECK(!result.deviceFailed);
-  CHECK(result.trace.rows.back().contact);
+  CHECK(result.trace().rows.back().contact);
   CHECK(remarks.count("was unplugged") == 1);
-  CHECK(result.trace.rows.back().hip == result.trace.rows[result.trace.rows.size() - 10].hip);
+  CHECK(result.trace().rows.back().hip == result.trace().rows[result.trace().rows.size() - 10].hip);
 }
 
 }  // namespace palpate

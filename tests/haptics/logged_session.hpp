@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "haptics/session_writer.hpp"
+#include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {
@@ -83,11 +84,6 @@ inline bool saysOneOf(const std::vector<std::string>& sentences, const std::stri
   return std::ranges::any_of(sentences, [&](const std::string& s) { return s.find(part) != s.npos; });
 }
 
-inline std::string contentOf(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
 inline void write(const std::filesystem::path& file, const std::string& content) {
   std::ofstream(file, std::ios::binary) << content;
 }

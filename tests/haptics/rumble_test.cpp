@@ -30,7 +30,7 @@ struct Scene {
   /// As a servo loop would, until something has come true.
   bool telling(const DVec3& force_N, const auto& condition) {
     return comesTrue([&] {
-      rumble->tell(force_N);
+      rumble->setForce(force_N);
       return condition();
     });
   }
@@ -119,7 +119,7 @@ TEST_CASE("the strongest hum is for the strongest force of the device, or of a T
   }
   Rumble rumble(hid, dualSense(), remarks.sink(), full_N);
   CHECK(comesTrue([&] {
-    rumble.tell({2, 0, 0});
+    rumble.setForce({2, 0, 0});
     const auto sent = hid->sent(kPad);
     return !sent.empty() && sent.back()[4] == expected;
   }));
@@ -153,7 +153,7 @@ TEST_CASE("an emergency stop silences at once and for good") {
   REQUIRE(scene.telling({3, 0, 0}, [&] { return scene.ranAndStopped(); }));
   const std::size_t so_far = scene.hid->sent(kPad).size();
   for (int i = 0; i < 100; ++i) {
-    scene.rumble->tell({3, 0, 0});
+    scene.rumble->setForce({3, 0, 0});
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   CHECK(scene.hid->sent(kPad).size() == so_far);
@@ -163,7 +163,7 @@ TEST_CASE("reports go out at a modest rate, however wild the force") {
   Scene scene;
   const Stopwatch watch;
   for (int i = 0; watch.elapsed_s() < 0.5; ++i) {
-    scene.rumble->tell({i % 2 * 3.0, 0, 0});
+    scene.rumble->setForce({i % 2 * 3.0, 0, 0});
     std::this_thread::sleep_for(std::chrono::microseconds(300));
   }
   CHECK(scene.hid->sent(kPad).size() > 3);

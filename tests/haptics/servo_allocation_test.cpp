@@ -43,21 +43,24 @@ TEST_CASE("no tick allocates memory") {
     realtime = false;
     query = &plane;
   }
-  SharedSphere shared(10);
-  SimulatedTouch other(Path({{0, {12, 0, 0}}, {0.05, {8, 0, 0}}}), {});
-  std::optional<SecondHand> second;
-  SUBCASE("of two hands") {
+  SharedSphere shared(4, 10);
+  SimulatedTouch others[3]{SimulatedTouch(Path({{0, {12, 0, 0}}, {0.05, {8, 0, 0}}}), {}),
+                           SimulatedTouch(Path({{0, {0, 12, 0}}, {0.05, {0, 8, 0}}}), {}),
+                           SimulatedTouch(Path({{0, {-12, 0, 0}}, {0.05, {-8, 0, 0}}}), {})};
+  std::vector<SessionHand> hands{{.device = device, .law = ForceLaw({}, {})}};
+  SUBCASE("of four hands") {
     realtime = false;
     query = &shared;
-    second.emplace(SecondHand{.device = other, .law = ForceLaw({}, {}), .options = {}});
+    for (SimulatedTouch& other : others) hands.push_back({.device = other, .law = ForceLaw({}, {})});
   }
-  ServoLoop loop(device, *query, ForceLaw({}, {}), {.duration_s = 0.1, .realtime = realtime}, second);
+  ServoLoop loop(*query, hands, {.duration_s = 0.1, .realtime = realtime});
   allocations = 0;
   const ServoResult result = loop.run();
   counting = false;
   CHECK(allocations == 0);
-  if (second) CHECK(summarize(result.second->trace).contactTicks > 0);
-  if (!realtime) CHECK(summarize(result.trace).contactTicks > 0);  // a busy machine may miss them
+  REQUIRE(result.hands.size() == hands.size());
+  for (const HandResult& hand : result.hands)
+    if (!realtime) CHECK(summarize(hand.trace).contactTicks > 0);  // a busy machine may miss them
 
   counting = true;
   int* volatile kept = new int(7);  // volatile, so that no compiler leaves it out

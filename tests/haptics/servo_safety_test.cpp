@@ -32,10 +32,10 @@ class HeldDevice final : public HapticDevice {
 };
 
 /// A sphere whose answers a test may spoil.
-class SpoiltSphere final : public ContactQuery {
+class SpoiltSphere final : public OneHandQuery {
  public:
   explicit SpoiltSphere(std::function<void(const Pose&, Contact&)> spoil) : spoil_(std::move(spoil)) {}
-  Contact query(const Pose& pose, double budget_us) noexcept override {
+  Contact answerTo(const Pose& pose, double budget_us) noexcept override {
     Contact contact = sphere_.query(pose, budget_us);
     spoil_(pose, contact);
     return contact;
@@ -49,15 +49,17 @@ class SpoiltSphere final : public ContactQuery {
 /// Outside until 0.6 s, then 1 unit deep within 0.1 s, and there until 3 s.
 Path press() { return Path({{0, {0, 0, 52}}, {0.6, {0, 0, 52}}, {0.7, {0, 0, 49}}, {3, {0, 0, 49}}}); }
 
-ServoOptions lasting(double duration_s) { return {.duration_s = duration_s, .passivity = PassivityMode::off}; }
+ServoOptions lasting(double duration_s) { return {.duration_s = duration_s}; }
+
+const HandOptions kUnbraked{.passivity = PassivityMode::off};
 
 double forceAt(const ServoResult& result, double time_s) {
-  return glm::length(result.trace.rows[static_cast<std::size_t>(std::lround(time_s * 1000))].force_N);
+  return glm::length(result.trace().rows[static_cast<std::size_t>(std::lround(time_s * 1000))].force_N);
 }
 
 ServoResult played(HapticDevice& device, const ServoOptions& options = lasting(3)) {
   SphereContact sphere(50);
-  return ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
+  return ServoLoop(device, sphere, ForceLaw({}, {}), options, kUnbraked).run();
 }
 
 }  // namespace
@@ -67,7 +69,7 @@ TEST_CASE("a hand that is outside while forces ramp up feels the whole surface a
   const ServoResult result = played(device);
   CHECK(forceAt(result, 0.5) == 0);
   CHECK(forceAt(result, 2) == doctest::Approx(0.8));
-  CHECK(result.withheld.errors + result.withheld.stale + result.withheld.hot == 0);
+  CHECK(result.counts().withheld.errors + result.counts().withheld.stale + result.counts().withheld.hot == 0);
 }
 
 TEST_CASE("a hand that is inside when the session starts feels nothing until it has been outside") {
@@ -80,9 +82,9 @@ TEST_CASE("a hand that is inside when the session starts feels nothing until it 
   options.rate_Hz = rate_Hz;
   const ServoResult result = played(held, options);
   const auto at = [&](double time_s) {
-    return glm::length(result.trace.rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
+    return glm::length(result.trace().rows[static_cast<std::size_t>(std::lround(time_s * rate_Hz))].force_N);
   };
-  for (const TraceRow& row : result.trace.rows) {
+  for (const TraceRow& row : result.trace().rows) {
     if (row.time_s <= 1) REQUIRE(row.force_N == DVec3(0));
   }
   CHECK(at(1.25) > 0.05);
@@ -95,7 +97,7 @@ TEST_CASE("a script is a measuring instrument: it feels the whole force from its
   const ServoResult result = played(device, {.duration_s = 0.2});
   CHECK(forceAt(result, 0.01) == doctest::Approx(0.8));
   CHECK(forceAt(result, 0.19) == doctest::Approx(0.8));
-  CHECK_FALSE(result.leastEnergy_mJ);
+  CHECK_FALSE(result.counts().leastEnergy_mJ);
 }
 
 TEST_CASE("a device that jumps farther than a hand can throw it gives no force until it has been outside") {
@@ -103,16 +105,16 @@ TEST_CASE("a device that jumps farther than a hand can throw it gives no force u
     return Path({{0, {0, 0, 60}}, {0.8, {0, 0, 60}}, {0.801, {0, 0, to}}, {3, {0, 0, to}}});
   };
   HeldDevice thrown(jumping(56)), lost(jumping(48.5));
-  CHECK(played(thrown).withheld.errors == 0);  // 4 mm in a tick: fast, but a hand can
+  CHECK(played(thrown).counts().withheld.errors == 0);  // 4 mm in a tick: fast, but a hand can
   const ServoResult result = played(lost);
-  CHECK(result.withheld.errors == 1);
-  for (const TraceRow& row : result.trace.rows) REQUIRE(row.force_N == DVec3(0));
+  CHECK(result.counts().withheld.errors == 1);
+  for (const TraceRow& row : result.trace().rows) REQUIRE(row.force_N == DVec3(0));
 }
 
 TEST_CASE("answers that are never fresh lose their force, however valid they say they are") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.fresh = pose.time_s < 1 || pose.time_s >= 2; });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
   CHECK(forceAt(result, 1.015) == doctest::Approx(0.8));
   CHECK(forceAt(result, 1.08) == 0);
   CHECK(forceAt(result, 1.99) == 0);
@@ -126,17 +128,17 @@ TEST_CASE("answers that are always a tick late, and say so, keep their force") {
     contact.fresh = false;
     contact.dataTime_s = std::max(0.0, pose.time_s - 0.001);
   });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
   CHECK(forceAt(result, 2) == doctest::Approx(0.8));
-  CHECK(result.withheld.stale == 0);
+  CHECK(result.counts().withheld.stale == 0);
 }
 
 TEST_CASE("a query that is lost for good leaves zero force for good") {
   HeldDevice device(press());
   SpoiltSphere sphere([](const Pose& pose, Contact& contact) { contact.valid = pose.time_s < 1; });
-  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3)).run();
+  const ServoResult result = ServoLoop(device, sphere, ForceLaw({}, {}), lasting(3), kUnbraked).run();
   CHECK(forceAt(result, 0.999) == doctest::Approx(0.8));
-  for (std::size_t i = 1000; i < 3000; ++i) REQUIRE(result.trace.rows[i].force_N == DVec3(0));
+  for (std::size_t i = 1000; i < 3000; ++i) REQUIRE(result.trace().rows[i].force_N == DVec3(0));
 }
 
 TEST_CASE("one switch takes the force away at once and gives it back slowly") {
@@ -151,14 +153,14 @@ TEST_CASE("one switch takes the force away at once and gives it back slowly") {
   std::atomic<bool> on = true;
   ServoOptions options = lasting(3);
   options.forcesOn = &on;
-  ServoLoop loop(device, sphere, ForceLaw({}, {}), options);
+  ServoLoop loop(device, sphere, ForceLaw({}, {}), options, kUnbraked);
   const ServoResult result = loop.run([&](const TraceRow& row) { on = row.time_s < 1 || row.time_s > 1.2; });
   CHECK(forceAt(result, 1) == doctest::Approx(0.8));
   CHECK(forceAt(result, 1.001) == 0);
   CHECK(forceAt(result, 1.45) == 0);  // on again, but the hand is still inside
   CHECK(forceAt(result, 1.7) < 0.4);
   CHECK(forceAt(result, 2.5) == doctest::Approx(0.8));
-  CHECK(result.trace.rows[1300].contact);
+  CHECK(result.trace().rows[1300].contact);
 }
 
 TEST_CASE("motors that are driven too hard for too long get what they bear") {
@@ -166,20 +168,21 @@ TEST_CASE("motors that are driven too hard for too long get what they bear") {
   const ServoResult result = played(device, lasting(12));
   CHECK(forceAt(result, 1) == doctest::Approx(3.3));
   CHECK(forceAt(result, 11.9) == doctest::Approx(0.88).scale(0).epsilon(0.01));
-  CHECK(result.withheld.hot > 5000);
-  for (std::size_t i = 1000; i < result.trace.rows.size(); ++i)
-    REQUIRE(glm::distance(result.trace.rows[i].force_N, result.trace.rows[i - 1].force_N) < 0.02);
+  CHECK(result.counts().withheld.hot > 5000);
+  for (std::size_t i = 1000; i < result.trace().rows.size(); ++i)
+    REQUIRE(glm::distance(result.trace().rows[i].force_N, result.trace().rows[i - 1].force_N) < 0.02);
 }
 
 TEST_CASE("a controller that brakes needs a device that yields") {
   PathDevice script(press());
   SphereContact sphere(50);
-  ServoOptions options{.duration_s = 3, .passivity = PassivityMode::on};
-  CHECK_THROWS_AS(ServoLoop(script, sphere, ForceLaw({}, {}), options), UsageError);
-  options.passivity = PassivityMode::observe;
-  const ServoResult result = ServoLoop(script, sphere, ForceLaw({}, {}), options).run();
-  REQUIRE(result.leastEnergy_mJ);
-  CHECK(*result.leastEnergy_mJ == 0);  // it only ever pressed
+  const auto made = [&](PassivityMode mode) {
+    return ServoLoop(script, sphere, ForceLaw({}, {}), lasting(3), {.passivity = mode});
+  };
+  CHECK_THROWS_AS(made(PassivityMode::on), UsageError);
+  const ServoResult result = made(PassivityMode::observe).run();
+  REQUIRE(result.counts().leastEnergy_mJ);
+  CHECK(*result.counts().leastEnergy_mJ == 0);  // it only ever pressed
 }
 
 }  // namespace palpate

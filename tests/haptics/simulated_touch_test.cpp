@@ -143,20 +143,20 @@ TEST_CASE("in a session the hand presses a sphere and feels it; the trace is the
     const Path path({{0, {0, 0, 53}}, {0.2, {0, 0, 48}}, {0.6, {0, 0, 48}}});
     SimulatedTouch device(path, workspaceAround(path, {}), {.lead_s = 0.5});
     SphereContact sphere(50);
-    ServoLoop loop(device, sphere, ForceLaw({}, {}),
-                   {.duration_s = device.duration_s(), .map = workspaceAround(path, {})});
+    ServoLoop loop(device, sphere, ForceLaw({}, {}), {.duration_s = device.duration_s()},
+                   {.map = workspaceAround(path, {})});
     const ServoResult result = loop.run();
-    REQUIRE(result.trace.rows.size() == 1100);
-    CHECK(glm::distance(result.trace.rows.front().hip, DVec3(0, 0, 53)) < 0.055);
-    const TraceRow& last = result.trace.rows.back();
+    REQUIRE(result.trace().rows.size() == 1100);
+    CHECK(glm::distance(result.trace().rows.front().hip, DVec3(0, 0, 53)) < 0.055);
+    const TraceRow& last = result.trace().rows.back();
     // At rest the spring of the surface, the hand's and friction hold each other.
     CHECK(last.force_N.z == doctest::Approx(0.8 * last.penetration_mm));
     CHECK(std::abs(last.force_N.z - 0.4 * (2 - last.penetration_mm)) <= 0.26 + 0.03);
     CHECK(last.force_N.z > 0.3);
-    REQUIRE(result.leastEnergy_mJ);
-    CHECK(*result.leastEnergy_mJ > -0.1);
-    if (run == 0) first = result.trace.rows;
-    for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(first[i].force_N == result.trace.rows[i].force_N);
+    REQUIRE(result.counts().leastEnergy_mJ);
+    CHECK(*result.counts().leastEnergy_mJ > -0.1);
+    if (run == 0) first = result.trace().rows;
+    for (std::size_t i = 0; i < first.size(); ++i) REQUIRE(first[i].force_N == result.trace().rows[i].force_N);
   }
 }
 

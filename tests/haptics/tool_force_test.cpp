@@ -118,7 +118,7 @@ TEST_CASE("the servo loop traces a tool's torque, with the force that went out")
   PathDevice device(kPress);
   HalfOverPlane query;
   ServoLoop loop(device, query, ForceLaw(kPlainSpring, {}), {.duration_s = 0.2});
-  const Trace trace = loop.run().trace;
+  const Trace trace = loop.run().trace();
   CHECK(trace.torques);
   std::size_t touched = 0;
   for (const TraceRow& row : trace.rows) {
@@ -148,7 +148,8 @@ TEST_CASE("forces that are off, and answers that fail, leave no torque") {
   }
   SUBCASE("failing") { query.failsFrom_s = 0; }
   ServoLoop loop(device, query, ForceLaw(kPlainSpring, {}), options);
-  for (const TraceRow& row : loop.run().trace.rows) {
+  const ServoResult result = loop.run();
+  for (const TraceRow& row : result.trace().rows) {
     CHECK(row.force_N == DVec3(0));
     CHECK(row.torque_mNm == DVec3(0));
   }

@@ -1,106 +1,25 @@
 // Two hands in one session: each as it would be alone, and no force on either once one device fails.
 #include <doctest/doctest.h>
 
-#include <fstream>
-#include <iterator>
 #include <thread>
 
 #include "engine/core/error.hpp"
 #include "haptics/devices/openhaptics_device.hpp"
 #include "haptics/devices/path_device.hpp"
-#include "haptics/servo_loop.hpp"
 #include "tests/fake_devices/fake_driver.hpp"
-#include "tests/haptics/contact_doubles.hpp"
-#include "tests/scratch_folder.hpp"
+#include "tests/haptics/troubled_hands.hpp"
 
 namespace palpate {
-namespace {
-
-constexpr double kRadius = 50;
-
-/// Outside while forces ramp up, down onto the pole, and along there.
-Path left() { return Path({{0, {0, 0, 53}}, {0.55, {0, 0, 53}}, {0.7, {0, 0, 48.5}}, {1, {4, 3, 48.4}}}); }
-/// To the sphere's side, in and out again.
-Path right() {
-  return Path({{0, {54, 0, 0}}, {0.6, {54, 0, 0}}, {0.75, {49, 0, 0}}, {0.9, {48, 5, 0}}, {1, {54, 5, 0}}});
-}
-
-/// A hand that goes where a path says, on a device with the limits and the troubles that a test gives it.
-class TroubledDevice final : public HapticDevice {
- public:
-  explicit TroubledDevice(Path path) : path_(std::move(path)) {}
-  std::string_view name() const override { return "troubled"; }
-  DeviceLimits limits() const override { return {.buttons = 2}; }
-  bool paces() const override { return pacesItself; }
-  DeviceState read(double time_s) noexcept override {
-    now_s_ = time_s;
-    const bool clutched = time_s >= clutchedFrom_s && time_s < clutchedTo_s;
-    return {.position = path_.at(time_s),
-            .buttons = clutched ? kClutchButton : 0,
-            .putDown = std::abs(time_s - putDownAt_s) < 1e-9,
-            .rendersForce = !(time_s >= mutedFrom_s && time_s < mutedTo_s),
-            .ok = time_s < failsReadAt_s};
-  }
-  bool write(const DVec3& force_N) noexcept override {
-    last_N = force_N;
-    most_N = std::max(most_N, glm::length(force_N));
-    return now_s_ < failsWriteAt_s;
-  }
-  void emergencyStop() noexcept override {}
-  std::string faultText() const override { return text; }
-
-  bool pacesItself = false;
-  double failsReadAt_s = 1e9, failsWriteAt_s = 1e9, putDownAt_s = -1;
-  double clutchedFrom_s = 1e9, clutchedTo_s = 1e9, mutedFrom_s = 1e9, mutedTo_s = 1e9;
-  std::string text;
-  DVec3 last_N{9};
-  double most_N = 0;
-
- private:
-  Path path_;
-  double now_s_ = 0;
-};
-
-const ServoOptions kSession{.duration_s = 1, .passivity = PassivityMode::off};
-
-ServoResult alone(HapticDevice& device, ServoOptions options = kSession) {
-  SharedSphere sphere;
-  return ServoLoop(device, sphere, ForceLaw({}, {}), options).run();
-}
-
-SecondHand secondOf(HapticDevice& device) {
-  return {.device = device, .law = ForceLaw({}, {}), .options = {.passivity = PassivityMode::off}};
-}
-
-ServoResult together(HapticDevice& first, HapticDevice& second, ServoOptions options = kSession) {
-  SharedSphere sphere;
-  ServoResult result = ServoLoop(first, sphere, ForceLaw({}, {}), options, secondOf(second)).run();
-  REQUIRE(result.second);
-  CHECK(static_cast<std::size_t>(sphere.queries) >= result.trace.rows.size() - 1);
-  CHECK(static_cast<std::size_t>(sphere.queries) <= result.trace.rows.size());  // one for both
-  return result;
-}
-
-std::string csvOf(const Trace& trace) {
-  const ScratchFolder folder;
-  writeTraceCsv(folder / "trace.csv", trace);
-  std::ifstream in(folder / "trace.csv", std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-double mostOf(const Trace& trace) { return summarize(trace).peakForce_N; }
-
-}  // namespace
 
 TEST_CASE("two hands leave the traces that each leaves alone, byte for byte") {
   const auto check = [](HapticDevice& first, HapticDevice& second) {
-    const std::string firstAlone = csvOf(alone(first).trace), secondAlone = csvOf(alone(second).trace);
-    const ServoResult both = together(first, second);
-    CHECK(csvOf(both.trace) == firstAlone);
-    CHECK(csvOf(both.second->trace) == secondAlone);
-    CHECK(mostOf(both.trace) > 0.5);
-    CHECK(mostOf(both.second->trace) > 0.5);
-    CHECK(csvOf(both.trace) != csvOf(both.second->trace));
+    const std::string firstAlone = csvOf(alone(first).trace()), secondAlone = csvOf(alone(second).trace());
+    const ServoResult both = together({&first, &second});
+    CHECK(csvOf(both.trace()) == firstAlone);
+    CHECK(csvOf(both.hands[1].trace) == secondAlone);
+    CHECK(mostOf(both.trace()) > 0.5);
+    CHECK(mostOf(both.hands[1].trace) > 0.5);
+    CHECK(csvOf(both.trace()) != csvOf(both.hands[1].trace));
   };
   SUBCASE("scripts") {
     PathDevice first(left()), second(right());
@@ -115,17 +34,17 @@ TEST_CASE("two hands leave the traces that each leaves alone, byte for byte") {
 TEST_CASE("a second hand has its own map, force and passivity") {
   PathDevice first(left());
   TroubledDevice second(right());
-  SharedSphere sphere;
-  const SecondHand half{.device = second,
-                        .law = ForceLaw({.stiffness_N_per_mm = 0.1}, {}),
-                        .options = {.map = {.scale = 1, .offset = {0.5, 0, 0}}, .passivity = PassivityMode::observe}};
-  const ServoResult result = ServoLoop(first, sphere, ForceLaw({}, {}), kSession, half).run();
-  CHECK(result.second->trace.rows[0].hip == DVec3(54.5, 0, 0));
-  CHECK_FALSE(result.leastEnergy_mJ);
-  CHECK(result.second->counts.leastEnergy_mJ);
-  CHECK(mostOf(result.trace) > 1);
-  CHECK(mostOf(result.second->trace) < 0.2);
-  CHECK(mostOf(result.second->trace) > 0.05);
+  SharedSphere sphere(2);
+  const SessionHand half{.device = second,
+                         .law = ForceLaw({.stiffness_N_per_mm = 0.1}, {}),
+                         .options = {.map = {.scale = 1, .offset = {0.5, 0, 0}}, .passivity = PassivityMode::observe}};
+  const ServoResult result = ServoLoop(sphere, {handOf(first), half}, kSession).run();
+  CHECK(result.hands[1].trace.rows[0].hip == DVec3(54.5, 0, 0));
+  CHECK_FALSE(result.counts().leastEnergy_mJ);
+  CHECK(result.hands[1].counts.leastEnergy_mJ);
+  CHECK(mostOf(result.trace()) > 1);
+  CHECK(mostOf(result.hands[1].trace) < 0.2);
+  CHECK(mostOf(result.hands[1].trace) > 0.05);
 }
 
 TEST_CASE("a fault of either device takes both forces away and ends the session with its own words") {
@@ -138,10 +57,10 @@ TEST_CASE("a fault of either device takes both forces away and ends the session 
       TroubledDevice& failing = firstFails ? first : second;
       failing.text = firstFails ? "left: the cable is out" : "right: the cable is out";
       (reading ? failing.failsReadAt_s : failing.failsWriteAt_s) = 0.8;
-      const ServoResult result = together(first, second);
+      const ServoResult result = together({&first, &second});
       CHECK(result.deviceFailed);
       CHECK(result.fault == failing.text);
-      for (const Trace* trace : {&result.trace, &result.second->trace}) {
+      for (const Trace* trace : {&result.trace(), &result.hands[1].trace}) {
         REQUIRE(trace->rows.size() == 801);
         CHECK(glm::length(trace->rows[799].force_N) > 0.1);
         CHECK(trace->rows[800].force_N == DVec3(0));
@@ -185,7 +104,7 @@ TEST_CASE("neither device keeps a force until a session has died down: both are 
     options.realtime = true;
     SteppedClock clock;
     options.clock = &clock;
-    const ServoResult result = together(pacing, second, options);
+    const ServoResult result = together({&pacing, &second}, options);
     CHECK(result.pacedByDevice);
     CHECK(result.deviceFailed);
     CHECK(result.fault == "troubled: the device failed without saying why");
@@ -199,7 +118,7 @@ TEST_CASE("a hand that is clutched, mute or put down elsewhere does not disturb 
   for (const bool firstIsTroubled : {true, false}) {
     CAPTURE(firstIsTroubled);
     TroubledDevice first(left()), second(right());
-    const std::string calm = csvOf(alone(firstIsTroubled ? second : first).trace);
+    const std::string calm = csvOf(alone(firstIsTroubled ? second : first).trace());
     TroubledDevice& troubled = firstIsTroubled ? first : second;
     SUBCASE("clutched") {
       troubled.clutchedFrom_s = 0.78;
@@ -210,31 +129,31 @@ TEST_CASE("a hand that is clutched, mute or put down elsewhere does not disturb 
       troubled.mutedTo_s = 0.85;
     }
     SUBCASE("put down") { troubled.putDownAt_s = 0.8; }
-    const std::string own = csvOf(alone(troubled).trace);
-    const ServoResult both = together(first, second);
-    CHECK(csvOf(firstIsTroubled ? both.second->trace : both.trace) == calm);
-    CHECK(csvOf(firstIsTroubled ? both.trace : both.second->trace) == own);
-    CHECK(mostOf(both.trace) > 0.1);
-    CHECK(mostOf(both.second->trace) > 0.05);
+    const std::string own = csvOf(alone(troubled).trace());
+    const ServoResult both = together({&first, &second});
+    CHECK(csvOf(firstIsTroubled ? both.hands[1].trace : both.trace()) == calm);
+    CHECK(csvOf(firstIsTroubled ? both.trace() : both.hands[1].trace) == own);
+    CHECK(mostOf(both.trace()) > 0.1);
+    CHECK(mostOf(both.hands[1].trace) > 0.05);
   }
 }
 
 TEST_CASE("the query hears which hand was put down") {
   TroubledDevice first(left()), second(right());
   second.putDownAt_s = 0.8;
-  SharedSphere sphere;
-  ServoLoop(first, sphere, ForceLaw({}, {}), kSession, secondOf(second)).run();
-  CHECK(sphere.firstPutDown == 0);
-  CHECK(sphere.secondPutDown == 1);
+  SharedSphere sphere(2);
+  ServoLoop(sphere, {handOf(first), handOf(second)}, kSession).run();
+  CHECK(sphere.putDown == std::vector<int>{0, 1});
 }
 
-TEST_CASE("who can answer one hand alone gives the other no force") {
+TEST_CASE("a session has as many hands as are answered, and one at least") {
   PathDevice first(left()), second(right());
-  SphereContact sphere(kRadius);
-  const ServoResult result = ServoLoop(first, sphere, ForceLaw({}, {}), kSession, secondOf(second)).run();
-  CHECK(mostOf(result.trace) > 0.5);
-  CHECK(mostOf(result.second->trace) == 0);
-  CHECK(summarize(result.second->trace).faultTicks == result.trace.rows.size());
+  SphereContact one(kRadius);
+  SharedSphere two(2);
+  CHECK_THROWS_WITH_AS(ServoLoop(one, {handOf(first), handOf(second)}, kSession),
+                       doctest::Contains("a session of 2 hands, and what answers them knows 1"), UsageError);
+  CHECK_THROWS_AS(ServoLoop(two, {handOf(first)}, kSession), UsageError);
+  CHECK_THROWS_AS(ServoLoop(one, {}, kSession), UsageError);
 }
 
 TEST_CASE("forces are switched off for both hands") {
@@ -242,23 +161,23 @@ TEST_CASE("forces are switched off for both hands") {
   const std::atomic<bool> off = false;
   ServoOptions options = kSession;
   options.forcesOn = &off;
-  const ServoResult result = together(first, second, options);
+  const ServoResult result = together({&first, &second}, options);
   CHECK(first.most_N == 0);
   CHECK(second.most_N == 0);
-  CHECK(summarize(result.second->trace).contactTicks > 100);
+  CHECK(summarize(result.hands[1].trace).contactTicks > 100);
 }
 
 TEST_CASE("a second device may not pace the ticks, nor be braked where it yields to nothing") {
   TroubledDevice first(left()), second(right());
-  SharedSphere sphere;
+  SharedSphere sphere(2);
   second.pacesItself = true;
   ServoOptions options = kSession;
-  const auto made = [&](const SecondHand& hand) { ServoLoop(first, sphere, ForceLaw({}, {}), options, hand); };
-  CHECK_NOTHROW(made(secondOf(second)));  // in virtual time nobody paces
+  const auto made = [&](const SessionHand& hand) { ServoLoop(sphere, {handOf(first), hand}, options); };
+  CHECK_NOTHROW(made(handOf(second)));  // in virtual time nobody paces
   options.realtime = true;
-  CHECK_THROWS_WITH_AS(made(secondOf(second)), doctest::Contains("only the first one may"), UsageError);
+  CHECK_THROWS_WITH_AS(made(handOf(second)), doctest::Contains("only the first one may"), UsageError);
   PathDevice script(right());
-  const SecondHand braked{.device = script, .law = ForceLaw({}, {}), .options = {.passivity = PassivityMode::on}};
+  const SessionHand braked{.device = script, .law = ForceLaw({}, {}), .options = {.passivity = PassivityMode::on}};
   CHECK_THROWS_AS(made(braked), UsageError);
 }
 
@@ -285,11 +204,11 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both are
     OpenHapticsDevice second({.deviceName = "Right Device", .scheduler = Scheduler::own});
     CHECK(first.facts().serial == "FAKE-0001");
     CHECK(second.facts().serial == "FAKE-0002");
-    SharedSphere sphere(20);
+    SharedSphere sphere(2, 20);
     SteppedClock clock;
-    ServoLoop loop(first, sphere, ForceLaw({.stiffness_N_per_mm = 0.4}, {}),
-                   {.duration_s = 0.6, .realtime = true, .clock = &clock},
-                   SecondHand{.device = second, .law = ForceLaw({.stiffness_N_per_mm = 0.4}, {}), .options = {}});
+    const ForceLaw law({.stiffness_N_per_mm = 0.4}, {});
+    ServoLoop loop(sphere, {{.device = first, .law = law}, {.device = second, .law = law}},
+                   {.duration_s = 0.6, .realtime = true, .clock = &clock});
     result = loop.run();
   }
   CHECK(result.deviceFailed == !fault.empty());
@@ -305,9 +224,9 @@ TEST_CASE("two styluses of one driver feel the same sphere at once, and both are
     CHECK(note.mostForce_N > 0.1);
     CHECK(stylus->lastForce_N() == DVec3(0));
   }
-  REQUIRE(result.trace.rows.size() > 300);
-  const TraceRow &first = result.trace.rows[result.trace.rows.size() - 2],
-                 &second = result.second->trace.rows[result.trace.rows.size() - 2];
+  REQUIRE(result.trace().rows.size() > 300);
+  const TraceRow &first = result.trace().rows[result.trace().rows.size() - 2],
+                 &second = result.hands[1].trace.rows[result.trace().rows.size() - 2];
   REQUIRE(first.contact);
   REQUIRE(second.contact);
   CHECK(first.force_N.y > 0.1);  // each is pushed out on its own side

@@ -20,31 +20,41 @@ using Arrows = std::map<std::string, std::set<std::string>>;
 // Who may include whom, besides itself. A single file may stand for the room it is in.
 const Arrows& allowedArrows() {
   static const Arrows arrows{
-      {"engine/core", {}},
+      {"engine/core", {"shaders/shared/frame.h"}},
       {"engine/cloud", {"engine/core"}},
+      {"engine/io", {"engine/cloud", "engine/core"}},
       {"engine/gpu", {"engine/core"}},
       {"engine/spatial", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/contact", {"engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/edit", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+      {"engine/motion", {"engine/cloud", "engine/core"}},
       {"engine/touch",
-       {"engine/edit", "engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
-      {"engine/mesh", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
+       {"engine/motion", "engine/edit", "engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core",
+        "shaders"}},
+      {"engine/mesh",
+       {"engine/contact", "engine/spatial", "engine/gpu", "engine/io", "engine/cloud", "engine/core", "shaders"}},
       {"engine/cuda", {"engine/cloud", "engine/core", "shaders"}},
       {"engine/render",
        {"engine/edit/edit_log.hpp", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"haptics", {"engine/core", "engine/cloud"}},
+      {"haptics/session",
+       {"haptics", "engine/core", "engine/cloud", "engine/io", "engine/contact", "engine/edit", "engine/motion",
+        "engine/touch", "engine/render", "engine/cuda", "engine/gpu/device.hpp", "engine/spatial/hash_grid.hpp",
+        "shaders"}},
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
-       {"engine/core", "engine/cloud", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit", "engine/touch",
-        "engine/mesh", "engine/render", "engine/cuda", "haptics", "shaders"}},
+       {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",
+        "engine/motion", "engine/touch/memory.hpp", "engine/mesh", "engine/render", "engine/cuda/cuda_measure.hpp",
+        "haptics", "haptics/session", "shaders"}},
   };
   return arrows;
 }
 
 std::optional<std::string> roomOf(const std::string& path) {
+  std::optional<std::string> innermost;  // a room may stand in another one
   for (const auto& [room, unused] : allowedArrows())
-    if (path.starts_with(room + "/")) return room;
-  return std::nullopt;
+    if (path.starts_with(room + "/") && (!innermost || room.size() > innermost->size())) innermost = room;
+  return innermost;
 }
 
 // What is wrong with `file` (relative to the top) including `included`; nothing when it may.
@@ -108,7 +118,7 @@ TEST_CASE("the arrows make no circle") {
     if (way.contains(room) || done.contains(room)) return;
     way.insert(room);
     for (const std::string& next : allowedArrows().at(room)) {
-      if (next.ends_with(".hpp")) continue;  // one header is not a room
+      if (!allowedArrows().contains(next)) continue;  // one header is not a room
       self(self, next, way);
     }
     done.insert(room);
@@ -119,10 +129,12 @@ TEST_CASE("the arrows make no circle") {
 TEST_CASE("an include against the arrows is found out") {
   CHECK(complaint("haptics/servo_loop.cpp", "engine/gpu/device.hpp"));
   CHECK(complaint("engine/core/log.cpp", "engine/cloud/point_cloud.hpp"));
+  CHECK(complaint("engine/cloud/point_cloud.hpp", "engine/io/ply_header.hpp"));
   CHECK(complaint("engine/render/frame.cpp", "engine/edit/edit_pass.hpp"));
   CHECK(complaint("engine/gpu/device.cpp", "device.hpp"));
   CHECK_FALSE(complaint("engine/render/frame.cpp", "engine/edit/edit_log.hpp"));
-  CHECK_FALSE(complaint("apps/touch.cpp", "engine/touch/touch_side.hpp"));
+  CHECK(complaint("apps/cli/touch.cpp", "engine/touch/touch_side.hpp"));
+  CHECK_FALSE(complaint("haptics/session/vulkan_backend.cpp", "engine/touch/touch_side.hpp"));
 }
 
 }  // namespace palpate

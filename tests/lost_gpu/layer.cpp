@@ -3,7 +3,8 @@
 // call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
 // "count" takes nothing away and says at the end how many there were. "display" takes nothing away either: the driver
 // is one that calls itself NVIDIA's and does not survive a question about a surface, as that one on an X server without
-// its extension.
+// its extension. "limits:256,16384" makes the GPU a small one: it says that workgroups have so many invocations and share
+// so many bytes at most.
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -22,6 +23,7 @@ constexpr long kNever = std::numeric_limits<long>::max();
 
 // One instance and one device at a time, which is what the program makes.
 PFN_vkGetPhysicalDeviceProperties2 nextProperties = nullptr;
+PFN_vkGetPhysicalDeviceProperties nextFirstProperties = nullptr;
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
 PFN_vkQueueSubmit2 nextSubmit = nullptr;
@@ -80,6 +82,36 @@ bool diesAtSurfaces() {
   return text && std::strcmp(text, "display") == 0;
 }
 
+bool isSmall() {
+  const char* text = std::getenv("PALPATE_LOST_GPU");
+  return text && std::strncmp(text, "limits:", 7) == 0;
+}
+
+void makeSmall(VkPhysicalDeviceLimits& limits) {
+  unsigned invocations = 0, bytes = 0;
+  if (std::sscanf(std::getenv("PALPATE_LOST_GPU"), "limits:%u,%u", &invocations, &bytes) != 2) std::abort();
+  limits.maxComputeWorkGroupInvocations = invocations;
+  for (std::uint32_t& size : limits.maxComputeWorkGroupSize)
+    if (size > invocations) size = invocations;
+  limits.maxComputeSharedMemorySize = bytes;
+}
+
+VKAPI_ATTR void VKAPI_CALL firstSmallProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* told) {
+  nextFirstProperties(gpu, told);
+  makeSmall(told->limits);
+}
+
+VKAPI_ATTR void VKAPI_CALL smallProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
+  nextProperties(gpu, told);
+  makeSmall(told->properties.limits);
+}
+
+PFN_vkVoidFunction smallCommand(std::string_view wanted) {
+  if (wanted == "vkGetPhysicalDeviceProperties") return reinterpret_cast<PFN_vkVoidFunction>(firstSmallProperties);
+  if (wanted.starts_with("vkGetPhysicalDeviceProperties2")) return reinterpret_cast<PFN_vkVoidFunction>(smallProperties);
+  return nullptr;
+}
+
 VKAPI_ATTR void VKAPI_CALL properties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
   nextProperties(gpu, told);
   for (auto* each = static_cast<VkBaseOutStructure*>(told->pNext); each; each = each->pNext)
@@ -116,9 +148,11 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, instance);
   // Asked for now: later the loader's answer begins with the first layer again.
-  if (result == VK_SUCCESS)
-    nextProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
-        nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties2"));
+  if (result != VK_SUCCESS) return result;
+  nextProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
+      nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties2"));
+  nextFirstProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(
+      nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties"));
   return result;
 }
 
@@ -163,6 +197,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const
   if (wanted == "vkCreateInstance") return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
   if (wanted == "vkCreateDevice") return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
   if (const auto own = deviceCommand(name)) return own;
+  if (const auto own = isSmall() ? smallCommand(wanted) : nullptr) return own;
   if (const auto own = diesAtSurfaces() ? surfaceCommand(wanted) : nullptr) return own;
   return nextInstanceProc ? nextInstanceProc(instance, name) : nullptr;
 }

@@ -7,7 +7,10 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
+
+#include "tests/asked_validation.hpp"
 
 namespace palpate {
 
@@ -16,18 +19,25 @@ namespace palpate {
 class LostGpuLayer {
  public:
   /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program that ends
-  /// says how many it made; "display": never, but a question about a surface ends the program; empty: when takeGpu() is called.
+  /// says how many it made; "display": never, but a question about a surface ends the program; "limits:INVOCATIONS,BYTES": never, but workgroups have
+  /// no more invocations and share no more than that; empty: when takeGpu() is called.
   explicit LostGpuLayer(const std::string& when = {}) {
     for (const char* file : {kLibrary, "layer.json"})
       REQUIRE_MESSAGE(std::filesystem::exists(folder() / file),
                       "no " << (folder() / file).string()
                             << "; build palpate_lost_gpu, or let PALPATE_LOST_GPU_FOLDER say where it is");
-    ::setenv("VK_LAYER_PATH", folder().c_str(), 1);
-    ::setenv("VK_INSTANCE_LAYERS", "VK_LAYER_PALPATE_lost_gpu", 1);
+    const char* others = std::getenv("VK_LAYER_PATH");
+    if (others) layersBefore_ = others;
+    // Validation stands above this layer, where it is asked for, and sees what this one makes of the driver: layers are
+    // stacked in the order in which the loader finds them.
+    ::setenv("VK_LAYER_PATH", (layersBefore_.value_or(kDebianLayers) + ":" + folder().string()).c_str(), 1);
+    const bool seen = when.starts_with("limits:") && askedValidation() != Validation::off;
+    ::setenv("VK_INSTANCE_LAYERS", seen ? "VK_LAYER_KHRONOS_validation:VK_LAYER_PALPATE_lost_gpu" : "VK_LAYER_PALPATE_lost_gpu", 1);
     if (!when.empty()) ::setenv("PALPATE_LOST_GPU", when.c_str(), 1);
   }
   ~LostGpuLayer() {
     for (const char* name : {"VK_LAYER_PATH", "VK_INSTANCE_LAYERS", "PALPATE_LOST_GPU"}) ::unsetenv(name);
+    if (layersBefore_) ::setenv("VK_LAYER_PATH", layersBefore_->c_str(), 1);
   }
   LostGpuLayer(const LostGpuLayer&) = delete;
   LostGpuLayer& operator=(const LostGpuLayer&) = delete;
@@ -46,11 +56,14 @@ class LostGpuLayer {
   }
 
  private:
+  static constexpr const char* kDebianLayers = "/usr/share/vulkan/explicit_layer.d";
   static constexpr const char* kLibrary = "libpalpate_lost_gpu.so";
   static std::filesystem::path folder() {
     if (const char* elsewhere = std::getenv("PALPATE_LOST_GPU_FOLDER")) return elsewhere;
     return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "lost_gpu";
   }
+
+  std::optional<std::string> layersBefore_;
 };
 
 }  // namespace palpate

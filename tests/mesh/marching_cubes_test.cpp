@@ -43,7 +43,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the mesh is that of double precision: the same tr
     for (const char* shape : {"torus", "cube"}) {
       CAPTURE(name);
       CAPTURE(shape);
-      // Three looks at the points are many rounds for a shader that is watched: less support makes fewer.
+      // Three passes over the points are many rounds for a shader that is watched: less support makes fewer.
       const bool sharp = surface == MeshSurface::sharp;
       const MeshScene scene =
           meshScene(shape, 3000, {.lattice = sharp ? 32u : 21u, .surface = surface, .radius = sharp ? 8.0 : 0.0});

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/mesh/marching_cubes.hpp"
-#include "engine/mesh/mesh_reference.hpp"
 #include "tests/gpu_fixture.hpp"
+#include "tests/mesh/mesh_reference.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "engine/cloud/ply_reader.hpp"
+#include "engine/io/ply_reader.hpp"
 #include "tests/scratch_folder.hpp"
 
 namespace palpate {

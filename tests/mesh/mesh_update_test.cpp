@@ -92,7 +92,7 @@ TEST_CASE_FIXTURE(GpuFixture, "of two edits of one point the later counts, and n
   CHECK(sameBits(cubes.download(), before));
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a cloud that a coarse lattice looks at in part is followed all the same") {
+TEST_CASE_FIXTURE(GpuFixture, "a cloud that a coarse lattice uses in part is followed all the same") {
   MeshScene scene = meshScene("sphere", 12'000, {.lattice = 16});
   REQUIRE(scene.plan.share < 0.8);
   const Mesh followed = [&] {  // one at a time, since a shader that is watched has few rounds

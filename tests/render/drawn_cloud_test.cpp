@@ -93,11 +93,11 @@ class DrawnCloudFixture : public GpuFixture {
   }
   /// An empty submission; its ticket tells how many there were before.
   Queue::Ticket ticketOfTouch() {
-    CommandList nothing(device, device.touch(), "nothing");
+    CommandList nothing(device, device.latencyQueue(), "nothing");
     nothing.begin();
     nothing.end();
-    const Queue::Ticket ticket = device.touch().submit(nothing);
-    device.touch().wait(ticket);
+    const Queue::Ticket ticket = device.latencyQueue().submit(nothing);
+    device.latencyQueue().wait(ticket);
     return ticket;
   }
   bool same(const DrawnCloud& drawn, const PointCloud& cloud) {
@@ -229,11 +229,11 @@ TEST_CASE_FIXTURE(DrawnCloudFixture,
   CHECK(drawn.catchUp(states.take(100)) == 100);
   drawn.closeSurface();
   Frame frame(device, 16, 16, 1);
-  CommandList list(device, device.sight(), "test frame");
+  CommandList list(device, device.throughputQueue(), "test frame");
   list.begin();
   frame.record(list, drawn, Camera::fitting(cloud, 1), {});
   list.end();
-  device.sight().run(list);
+  device.throughputQueue().run(list);
   CHECK(frame.readDiscs() > 0);
   CHECK(ticketOfTouch() == before + 1);
 }
@@ -262,6 +262,34 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "points go, come back, come new, and are pa
   CHECK(Vec3(positions[302]) == place);
   CHECK(colors[302] == 0xff00ff00);
   CHECK(colors[0] == shared::kUnpainted);
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "where all points move the drawn cloud takes over a live cloud, in any order, or a frame") {
+  for (const std::size_t count : {1, 255, 256, 257, 3000}) {
+    CAPTURE(count);
+    const PointCloud cloud = strewnCloud(count);
+    PointCloud moved = cloud;
+    for (Vec3& position : moved.positions) position = Vec3(position.y + 0.25f, -position.x, position.z);
+    for (Vec3& normal : moved.normals) normal = Vec3(normal.y, -normal.x, normal.z);
+    LiveCloud live(device, moved);
+    SpatialHash(device, makeHashGrid(Vec3(-1), 0.1, count), live.slots()).build(live);
+    const DrawnOptions options{.spacing = 0.1, .edited = true};
+    std::vector<PointState> states;
+    for (std::uint32_t k = 0; k < count; ++k)
+      states.push_back({.position = moved.positions[k], .id = k, .normal = moved.normals[k], .parent = k});
+    DrawnCloud fromGpu(device, cloud, options), fromHost(device, cloud, options), byEdits(device, cloud, options);
+    fromGpu.place(live.front(), live.slots());
+    fromHost.place(CloudFrame{.positions = moved.positions, .normals = moved.normals});
+    byEdits.catchUp(states);
+    for (DrawnCloud* drawn : {&fromGpu, &fromHost, &byEdits}) drawn->closeSurface();
+    const auto positions = download<Vec4>(device, fromGpu.positions(), count);
+    std::size_t misplaced = 0;
+    for (std::uint32_t k = 0; k < count; ++k)
+      misplaced += positions[k] != Vec4(moved.positions[k], std::bit_cast<float>(k));
+    CHECK(misplaced == 0);
+    CHECK(bits(fromGpu) == bits(byEdits));
+    CHECK(bits(fromHost) == bits(byEdits));
+  }
 }
 
 }  // namespace palpate

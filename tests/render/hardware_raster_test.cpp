@@ -223,14 +223,14 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its reco
   const PointCloud cloud = shapeCloud("sphere", 1000);
   const DrawnCloud drawn(device, cloud);
   Frame& frame = frameOf(kWidth, kHeight, 2);
-  CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
+  CommandList list(device, device.throughputQueue(), "frame", CommandList::Timing::passes);
   list.begin();
   frame.record(list, drawn, Camera::fitting(cloud, double{kWidth} / kHeight),
                {.splatRadius = 0.05, .raster = Raster::hardware});
   list.end();
-  device.sight().run(list);
+  device.throughputQueue().run(list);
   const auto first = frame.readColor().rgba;
-  for (int i = 0; i < 3; ++i) device.sight().run(list);
+  for (int i = 0; i < 3; ++i) device.throughputQueue().run(list);
   CHECK(frame.readColor().rgba == first);
   std::vector<std::string> names;
   for (const PassRecord& pass : list.passes()) names.push_back(pass.section + ": " + pass.name);
@@ -243,7 +243,7 @@ TEST_CASE_FIXTURE(HardwareRasterFixture, "a frame names its passes, and its reco
 TEST_CASE_FIXTURE(HardwareRasterFixture, "a picture larger than the GPU's images is refused with what to do instead") {
   if (!drawsHere()) return;
   const std::uint32_t side = device.properties().limits.maxImageDimension2D + 1;
-  CHECK_THROWS_WITH_AS(HardwareRaster(device, {side, 1}), doctest::Contains("--raster compute"), UsageError);
+  CHECK_THROWS_WITH_AS(HardwareRaster(device, {side, 1}), doctest::Contains("raster compute"), UsageError);
   CHECK_THROWS_WITH_AS(rasterNamed("paint"), doctest::Contains("compute, hardware"), UsageError);
   CHECK(rasterNamed("hardware") == Raster::hardware);
 }

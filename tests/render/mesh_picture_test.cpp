@@ -47,7 +47,7 @@ class MeshPictureFixture : public PictureFixture {
     upload(device, vertices, mesh.vertices);
     upload(device, triangles, mesh.triangles);
     Frame& frame = frameOf(200, 200, 2);
-    CommandList list(device, device.sight(), "test mesh");
+    CommandList list(device, device.throughputQueue(), "test mesh");
     list.begin();
     frame.record(list,
                  DrawnMesh{.vertices = vertices.address(),
@@ -58,7 +58,7 @@ class MeshPictureFixture : public PictureFixture {
                            .cell = cell},
                  camera, options);
     list.end();
-    device.sight().run(list);
+    device.throughputQueue().run(list);
     return {frame.readColor(), frame.readDepth()};
   }
   const Camera camera_ = Camera::fitting({DVec3(-1), DVec3(1)}, 1);

@@ -89,11 +89,11 @@ std::vector<std::uint32_t> drawn(Device& device, PanelPass& pass, const Scene& s
   upload(device, from, picture);
   const std::uint64_t count = std::uint64_t{size_px.x} * size_px.y;
   const Buffer shown = Buffer::of<std::uint32_t>(device, count, Memory::device, "shown");
-  CommandList list(device, device.sight(), "panels");
+  CommandList list(device, device.throughputQueue(), "panels");
   list.begin();
   pass.record(list, picture.empty() ? nullptr : &from, shrink, scene.shapes(), size_px, shown, background, blueFirst);
   list.end();
-  device.sight().run(list);
+  device.throughputQueue().run(list);
   if (layerThreads) {
     *layerThreads = 0;
     for (const PassRecord& each : list.passes())

@@ -13,15 +13,15 @@ namespace palpate {
 class PictureFixture : public GpuFixture {
  protected:
   Frame& frameOf(std::uint32_t width, std::uint32_t height, std::uint32_t supersample) {
-    static std::map<std::array<std::uint32_t, 3>, Frame> frames;
+    static auto& frames = makeUntilEnd<std::map<std::array<std::uint32_t, 3>, Frame>>();
     return frames.try_emplace({width, height, supersample}, device, width, height, supersample).first->second;
   }
   void draw(Frame& frame, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
-    CommandList list(device, device.sight(), "test frame");
+    CommandList list(device, device.throughputQueue(), "test frame");
     list.begin();
     frame.record(list, cloud, camera, options);
     list.end();
-    device.sight().run(list);
+    device.throughputQueue().run(list);
   }
   Image picture(const PointCloud& cloud, const Camera& camera, const FrameOptions& options, std::uint32_t width,
                 std::uint32_t height, std::uint32_t supersample = 2) {

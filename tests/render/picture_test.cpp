@@ -296,12 +296,12 @@ TEST_CASE_FIXTURE(PictureFixture,
     return colorAt(picture(cloud, camera, options, kWidth, kHeight), camera, at);
   };
   const auto yellow = [](const DVec3& color) { return std::min(color.r, color.g) - color.b; };
-  const Overlays tool{.tool = Overlays::Ball{{0, 0, 1.2}, 0.6}};
-  const Overlays behind{.tool = Overlays::Ball{{0, 0, -0.5}, 0.6}};
+  const Overlays brush{.brush = Overlays::Ball{{0, 0, 1.2}, 0.6}};
+  const Overlays behind{.brush = Overlays::Ball{{0, 0, -0.5}, 0.6}};
   const DVec3 rim(0.585, 0, 1.2), hiddenRim(0, 0.585, -0.5), middle(0.3, 0, 1.2);
-  CHECK(yellow(shown(tool, rim)) > yellow(shown({}, rim)) + 0.15);
-  CHECK(glm::distance(shown(tool, middle), shown({}, middle)) < 0.01);
-  const double full = yellow(shown(tool, rim)) - yellow(shown({}, rim));
+  CHECK(yellow(shown(brush, rim)) > yellow(shown({}, rim)) + 0.15);
+  CHECK(glm::distance(shown(brush, middle), shown({}, middle)) < 0.01);
+  const double full = yellow(shown(brush, rim)) - yellow(shown({}, rim));
   const double through = yellow(shown(behind, hiddenRim)) - yellow(shown({}, hiddenRim));
   CHECK(through > 0.02);
   CHECK(through < full);
@@ -344,9 +344,9 @@ TEST_CASE_FIXTURE(PictureFixture, "a picture is the same bytes when it gives way
       FrameOptions options;
       options.splatRadius = count == 1 ? 0.5 : 1.95 * meanSpacing(cloud);
       const Image alone = picture(cloud, camera, options, kWidth, kHeight);
-      device.noteTouch(1);
+      device.noteUrgentWork(1);
       const Image touched = picture(cloud, camera, options, kWidth, kHeight);
-      device.noteTouch(-1);
+      device.noteUrgentWork(-1);
       CHECK(alone.rgba == touched.rgba);
     }
   }
@@ -356,11 +356,11 @@ TEST_CASE_FIXTURE(PictureFixture, "a frame names its passes") {
   const PointCloud cloud = sphereCloud(100);
   Frame& frame = frameOf(kWidth, kHeight, 2);
   const DrawnCloud drawn(device, cloud);
-  CommandList list(device, device.sight(), "frame", CommandList::Timing::passes);
+  CommandList list(device, device.throughputQueue(), "frame", CommandList::Timing::passes);
   list.begin();
   frame.record(list, drawn, Camera::fitting(cloud, double{kWidth} / kHeight), optionsFor(cloud));
   list.end();
-  device.sight().run(list);
+  device.throughputQueue().run(list);
   std::vector<std::string> names;
   for (const PassRecord& pass : list.passes()) names.push_back(pass.section + ": " + pass.name);
   const std::string attributes = device.hasWideAtomics() ? "render_splat_attributes_wide" : "render_splat_attributes";

@@ -11,8 +11,8 @@
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/thinning.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/render/splat_radius_reference.hpp"
 #include "tests/render/picture_fixture.hpp"
+#include "tests/render/splat_radius_reference.hpp"
 
 namespace palpate {
 
@@ -209,27 +209,27 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a clou
     drawn.closeSurface();
 
     const auto radii = radiiOf(drawn);
-    SplatRadii afresh(device, drawn.bounds(), drawn.count(), spacing);
-    LiveCloud::Side side{Buffer::of<Vec4>(device, drawn.count(), Memory::device, "positions"),
+    SplatRadii fresh(device, drawn.bounds(), drawn.count(), spacing);
+    LiveCloud::Half side{Buffer::of<Vec4>(device, drawn.count(), Memory::device, "positions"),
                          Buffer::of<Vec4>(device, drawn.count(), Memory::device, "normals"), 1};
     auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
     for (Vec4& normal : normals) normal.w = 0;
     upload(device, side.positions, download<Vec4>(device, drawn.positions(), drawn.count()));
     upload(device, side.normals, normals);
     const Buffer clips = Buffer::of<std::uint32_t>(device, drawn.count(), Memory::device, "clips");
-    afresh.measure(side, clips);
-    const auto clipsAfresh = download<std::uint32_t>(device, clips, drawn.count());
+    fresh.measure(side, clips);
+    const auto freshClips = download<std::uint32_t>(device, clips, drawn.count());
     const auto clipsDrawn = download<std::uint32_t>(device, drawn.clips(), drawn.count());
     normals = download<Vec4>(device, side.normals, drawn.count());
     std::size_t different = 0, present = 0;
     for (std::size_t id = 0; id < radii.size(); ++id) {
       if (!there[id]) continue;
       ++present;
-      different += radii[id] != normals[id].w || clipsDrawn[id] != clipsAfresh[id];
+      different += radii[id] != normals[id].w || clipsDrawn[id] != freshClips[id];
     }
     CHECK(present > 2000);
     CHECK(different == 0);
-    CHECK(drawn.largestRadius() >= afresh.largest());
+    CHECK(drawn.largestRadius() >= fresh.largest());
   }
 }
 

@@ -20,11 +20,11 @@ TEST_CASE_FIXTURE(GpuFixture, "the exclusive prefix sum of any count equals the 
     const Buffer data = Buffer::of<std::uint32_t>(device, count, Memory::device, "values");
     const Buffer scratch(device, PrefixScan::scratchBytes(count), Memory::device, "scratch");
     upload(device, data, values);
-    CommandList list(device, device.touch(), "scan");
+    CommandList list(device, device.latencyQueue(), "scan");
     list.begin();
     scan.record(list, {data.address(), scratch.address()}, count);
     list.end();
-    device.touch().run(list);
+    device.latencyQueue().run(list);
     CHECK(download<std::uint32_t>(device, data, count) == expected);
   }
 }
@@ -48,11 +48,11 @@ TEST_CASE_FIXTURE(GpuFixture, "several arrays are summed side by side, each for 
       std::exclusive_scan(values.begin(), values.end(), values.begin(), 0u);
       expected.push_back(std::move(values));
     }
-    CommandList list(device, device.touch(), "scan");
+    CommandList list(device, device.latencyQueue(), "scan");
     list.begin();
     scan.record(list, arrays, count);
     list.end();
-    device.touch().run(list);
+    device.latencyQueue().run(list);
     for (std::size_t k = 0; k < 3; ++k) CHECK(download<std::uint32_t>(device, data[k], count) == expected[k]);
   }
 }

@@ -45,11 +45,11 @@ class RadixSortFixture : public GpuFixture {
     const Buffer scratch(device, sort.scratchBytes(count), Memory::device, "scratch");
     upload(device, k, keys);
     upload(device, v, values);
-    CommandList list(device, device.touch(), "sort");
+    CommandList list(device, device.latencyQueue(), "sort");
     list.begin();
     const auto sorted = sort.record(list, {k.address(), v.address(), ka.address(), va.address(), scratch}, count);
     list.end();
-    device.touch().run(list);
+    device.latencyQueue().run(list);
     return {download<std::uint32_t>(device, sorted.keys == k.address() ? k : ka, count),
             download<std::uint32_t>(device, sorted.values == v.address() ? v : va, count)};
   }

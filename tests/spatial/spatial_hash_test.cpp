@@ -5,6 +5,7 @@
 
 #include "engine/gpu/transfer.hpp"
 #include "engine/spatial/cpu_hash.hpp"
+#include "engine/spatial/look_back_sort.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/scenes.hpp"
 
@@ -49,17 +50,17 @@ class SpatialHashFixture : public GpuFixture {
         SpatialHash hash(device, grid, live.count(), sort);
         for (int turn = 0; turn < 2; ++turn) {  // from bucket order to bucket order nothing may change
           hash.build(live);
-          checkSide(live, hash, reference, cloud, order);
+          checkHalf(live, hash, reference, cloud, order);
         }
       }
     }
   }
 
  private:
-  void checkSide(const LiveCloud& live, const SpatialHash& hash, const CpuHash& reference, const PointCloud& cloud,
+  void checkHalf(const LiveCloud& live, const SpatialHash& hash, const CpuHash& reference, const PointCloud& cloud,
                  const std::vector<std::uint32_t>& order) {
-    const auto positions = download<Vec4>(device, live.side().positions, live.count());
-    const auto normals = download<Vec4>(device, live.side().normals, live.count());
+    const auto positions = download<Vec4>(device, live.front().positions, live.count());
+    const auto normals = download<Vec4>(device, live.front().normals, live.count());
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const std::uint32_t id = order[i];
@@ -67,7 +68,7 @@ class SpatialHashFixture : public GpuFixture {
                Vec3(normals[i]) != cloud.normals[id];
     }
     CHECK(wrong == 0);
-    const auto ranges = download<UVec2>(device, hash.ranges(live.side()), std::size_t{hash.grid().bucketMask} + 1);
+    const auto ranges = download<UVec2>(device, hash.ranges(live.front()), std::size_t{hash.grid().bucketMask} + 1);
     std::size_t wrongRanges = 0;
     for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
       const UVec2 expected = reference.range(bucket);
@@ -135,8 +136,8 @@ TEST_CASE_FIXTURE(SpatialHashFixture, "in the order of arrival every bucket hold
   SpatialHash hash(device, grid, live.count(), SortMethod::counting, BucketOrder::arrival);
   for (int turn = 0; turn < 2; ++turn) {
     hash.build(live);
-    const auto positions = download<Vec4>(device, live.side().positions, live.count());
-    const auto ranges = download<UVec2>(device, hash.ranges(live.side()), std::size_t{grid.bucketMask} + 1);
+    const auto positions = download<Vec4>(device, live.front().positions, live.count());
+    const auto ranges = download<UVec2>(device, hash.ranges(live.front()), std::size_t{grid.bucketMask} + 1);
     std::size_t wrong = 0;
     for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket) {
       const UVec2 expected = reference.range(bucket);

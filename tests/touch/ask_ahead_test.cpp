@@ -32,12 +32,12 @@ void checkEqual(const Contact& a, const Contact& b) {
 
 TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is what is sculpted") {
   // Without validation: that makes a submission wait until its work is done.
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
   for (const bool sculpts : {false, true}) {
     CAPTURE(sculpts);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
-    if (sculpts) plain.brush = ahead.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8};
+    if (sculpts) plain.brush = ahead.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
     TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
     CHECK_FALSE(a.asksAhead());
     CHECK(b.asksAhead());
@@ -62,32 +62,31 @@ TEST_CASE("answers to questions asked ahead are the same, bit by bit, and so is 
 }
 
 TEST_CASE("the questions of a tool's points and of two hands are asked ahead together, and answered all or none") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 10'000);
   for (const std::size_t points : {0u, 8u, 64u}) {
     CAPTURE(points);
     TouchOptions plain = optionsFor(scene, false), ahead = optionsFor(scene, true);
     plain.friction = ahead.friction = 0.3;
-    plain.secondHand = ahead.secondHand = true;
-    if (points > 0) plain.tool = ahead.tool = makeTool(ToolKind::pad, points, 6);
+    plain.tools = ahead.tools = {points > 0 ? makeTool(ToolKind::pad, points, 6) : ToolShape(), ToolShape()};
     TouchSide a(device, scene.cloud, plain), b(device, scene.cloud, ahead);
     REQUIRE(b.asksAhead());
     int touching = 0;
     for (int tick = 0; tick < kTicks; ++tick) {
       CAPTURE(tick);
-      Pose pose = poseAt(tick);
-      pose.secondHip = -poseAt(kTicks - tick).hip;
-      if (tick == 120) a.secondBeginsAnew();
-      const Contact expected = a.query(pose, 0);
+      const std::array poses{poseAt(tick), Pose{.time_s = poseAt(tick).time_s, .hip = -poseAt(kTicks - tick).hip}};
+      if (tick == 120) a.resetHand(1);
+      const auto expected = a.ask(poses, 0);
       if (tick % 50 != 49) b.prepare();
       if (tick % 30 == 29) std::this_thread::sleep_for(std::chrono::milliseconds(device.isCpu() ? 60 : 0));
       if (tick % 40 == 39) b.finish();  // which withdraws them
-      if (tick == 120) b.secondBeginsAnew();
-      checkEqual(b.query(pose, 0), expected);
-      checkEqual(b.second(), a.second());
-      REQUIRE(a.points().size() == b.points().size());
-      for (std::size_t i = 0; i < a.points().size(); ++i) checkEqual(b.points()[i].contact, a.points()[i].contact);
-      touching += expected.touching && a.second().touching;
+      if (tick == 120) b.resetHand(1);
+      const auto answers = b.ask(poses, 0);
+      checkEqual(answers[0], expected[0]);
+      checkEqual(answers[1], expected[1]);
+      REQUIRE(a.points(0).size() == b.points(0).size());
+      for (std::size_t i = 0; i < a.points(0).size(); ++i) checkEqual(b.points(0)[i].contact, a.points(0)[i].contact);
+      touching += expected[0].touching && expected[1].touching;
     }
     CHECK(touching > kTicks / 10);
     CHECK(b.answeredAhead() > (device.isCpu() ? 0 : kTicks / 2));
@@ -95,7 +94,7 @@ TEST_CASE("the questions of a tool's points and of two hands are asked ahead tog
 }
 
 TEST_CASE("a question that waited in vain is asked again") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   for (int tick = 58; tick < 70; ++tick) {
@@ -107,7 +106,7 @@ TEST_CASE("a question that waited in vain is asked again") {
 }
 
 TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwards") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 5'000);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false)), ahead(device, scene.cloud, optionsFor(scene, true));
   int touching = 0;
@@ -124,7 +123,7 @@ TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwar
 TEST_CASE_FIXTURE(GpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
-  options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8};
+  options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
   TouchSide touch(device, scene.cloud, options);
   TouchSide plain(device, scene.cloud, optionsFor(scene, false));
   touch.prepare();

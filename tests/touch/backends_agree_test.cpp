@@ -12,7 +12,7 @@ namespace {
 
 class BackendsFixture : public GpuFixture {
  protected:
-  struct Story {
+  struct Outcome {
     std::size_t touched = 0, disagreed = 0;
     double worstProxy = 0;  // distance of the proxies, support radii
     double worstNormal_deg = 0;
@@ -21,30 +21,30 @@ class BackendsFixture : public GpuFixture {
   };
 
   // Points come and go by decisions that rounding may turn: here they stay.
-  Story play(const Scene& scene, const std::vector<DVec3>& path, std::optional<BrushOptions> push = {}) {
+  Outcome play(const Scene& scene, const std::vector<DVec3>& path, std::optional<BrushOptions> push = {}) {
     if (push) push->keepsDensity = false;
     TouchSide gpu(device, scene.cloud, {.radius = scene.radius, .brush = push});
     CpuTouch cpu(scene.cloud, {.radius = scene.radius, .brush = push});
-    Story story{.onGpu = scene.cloud, .onCpu = scene.cloud};
+    Outcome outcome{.onGpu = scene.cloud, .onCpu = scene.cloud};
     double time_s = 0;
     for (const DVec3& hip : path) {
       const Pose pose{.time_s = time_s += 1e-3, .hip = hip};
       const Contact a = gpu.query(pose, 0), b = cpu.query(pose, 0);
       CHECK(a.valid);
       CHECK(b.valid);
-      story.touched += b.touching;
-      story.disagreed += a.touching != b.touching;
-      story.worstProxy = std::max(story.worstProxy, glm::distance(a.proxy, b.proxy) / scene.radius);
+      outcome.touched += b.touching;
+      outcome.disagreed += a.touching != b.touching;
+      outcome.worstProxy = std::max(outcome.worstProxy, glm::distance(a.proxy, b.proxy) / scene.radius);
       if (a.touching && b.touching)
-        story.worstNormal_deg = std::max(story.worstNormal_deg, angleBetween_deg(a.normal, b.normal));
+        outcome.worstNormal_deg = std::max(outcome.worstNormal_deg, angleBetween_deg(a.normal, b.normal));
     }
     gpu.finish();
     cpu.finish();
     CHECK(gpu.firstEditTime_s() == cpu.firstEditTime_s());
     CHECK(gpu.editTimes_us().size() == cpu.editTimes_us().size());
-    story.movedOnGpu = gpu.readBack(story.onGpu);
-    story.movedOnCpu = cpu.readBack(story.onCpu);
-    return story;
+    outcome.movedOnGpu = gpu.readBack(outcome.onGpu);
+    outcome.movedOnCpu = cpu.readBack(outcome.onCpu);
+    return outcome;
   }
 };
 
@@ -67,40 +67,40 @@ TEST_CASE_FIXTURE(BackendsFixture, "CPU and GPU feel the same on a static cloud 
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 10'000);
-    const Story story = play(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 2));
-    CHECK(story.touched > 20);
-    CHECK(story.disagreed == 0);
-    CHECK(story.worstProxy < 1e-4);
-    CHECK(story.worstNormal_deg < 0.1);
-    CHECK(story.movedOnGpu + story.movedOnCpu == 0);
+    const Outcome outcome = play(scene, wanderingPath(scene, 150, 0.5 * scene.radius, 2));
+    CHECK(outcome.touched > 20);
+    CHECK(outcome.disagreed == 0);
+    CHECK(outcome.worstProxy < 1e-4);
+    CHECK(outcome.worstNormal_deg < 0.1);
+    CHECK(outcome.movedOnGpu + outcome.movedOnCpu == 0);
   }
 }
 
 TEST_CASE_FIXTURE(BackendsFixture, "one edit moves the same points to the same places, within rounding") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
-  const Story story =
-      play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.tau = 0.3, .beta = 0.5, .toolRadius = 8});
-  CHECK(story.movedOnCpu > 50);
+  const Outcome outcome =
+      play(scene, {51.0 * outward, 47.0 * outward}, BrushOptions{.tau = 0.3, .beta = 0.5, .radius = 8});
+  CHECK(outcome.movedOnCpu > 50);
   // A point within rounding of the tool's border may go either way; by less than that.
-  CHECK(std::abs(static_cast<double>(story.movedOnCpu) - static_cast<double>(story.movedOnGpu)) <= 2);
-  CHECK(worstDistance(story.onGpu, story.onCpu) < 1e-4 * scene.radius);
+  CHECK(std::abs(static_cast<double>(outcome.movedOnCpu) - static_cast<double>(outcome.movedOnGpu)) <= 2);
+  CHECK(worstDistance(outcome.onGpu, outcome.onCpu) < 1e-4 * scene.radius);
   double worst_deg = 0;
-  for (std::size_t i = 0; i < story.onCpu.size(); ++i)
-    worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(story.onGpu.normals[i]), DVec3(story.onCpu.normals[i])));
+  for (std::size_t i = 0; i < outcome.onCpu.size(); ++i)
+    worst_deg = std::max(worst_deg, angleBetween_deg(DVec3(outcome.onGpu.normals[i]), DVec3(outcome.onCpu.normals[i])));
   CHECK(worst_deg < 0.1);
 }
 
 TEST_CASE_FIXTURE(BackendsFixture, "a press that sculpts feels the same on both, tick by tick") {
   const Scene scene = makeScene("sphere", 20'000);
-  const Story story =
-      play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8});
-  CHECK(story.touched > 50);
-  CHECK(story.disagreed == 0);
-  CHECK(story.worstProxy < 1e-4);
-  CHECK(story.worstNormal_deg < 0.1);
-  CHECK(story.movedOnCpu > 50);
-  CHECK(worstDistance(story.onGpu, story.onCpu) < 1e-3 * scene.radius);
+  const Outcome outcome =
+      play(scene, press(DVec3(0, 0, 1), 3, 100), BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8});
+  CHECK(outcome.touched > 50);
+  CHECK(outcome.disagreed == 0);
+  CHECK(outcome.worstProxy < 1e-4);
+  CHECK(outcome.worstNormal_deg < 0.1);
+  CHECK(outcome.movedOnCpu > 50);
+  CHECK(worstDistance(outcome.onGpu, outcome.onCpu) < 1e-3 * scene.radius);
 }
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ constexpr std::uint32_t kLittleSpare = 1'800, kLeastSpare = 500;
 
 TouchOptions optionsFor(const Scene& scene, std::uint32_t spare) {
   return {.radius = scene.radius,
-          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .toolRadius = 7, .keepsDensity = false},
+          .brush = BrushOptions{.tau = 0.2, .beta = 0.3, .radius = 7, .keepsDensity = false},
           .spareSlots = spare,
           .compaction = {.bucketsPerSlice = 512},
           .wait = Wait::block};
@@ -41,9 +41,9 @@ Pose strokeAt(int tick) {
 
 // Points that are not in their bucket, or there twice, or missing.
 std::size_t faults(Device& device, const TouchSide& touch) {
-  const auto positions = download<Vec4>(device, touch.live().side().positions, touch.live().slots());
+  const auto positions = download<Vec4>(device, touch.live().front().positions, touch.live().slots());
   const HashGrid& grid = touch.hash().grid();
-  const auto ranges = download<UVec2>(device, touch.hash().ranges(touch.live().side()), grid.bucketMask + 1);
+  const auto ranges = download<UVec2>(device, touch.hash().ranges(touch.live().front()), grid.bucketMask + 1);
   std::size_t faults = 0;
   std::set<std::uint32_t> seen;
   for (std::uint32_t bucket = 0; bucket < ranges.size(); ++bucket)
@@ -72,16 +72,17 @@ Stroke sculpt(Device& device, const Scene& scene, std::uint32_t spare, double bu
   }
   touch.finish();
   CHECK(device.allocatedBytes() == bytes);
-  CHECK(touch.shortfalls().editsBuiltAnew == 0);
+  CHECK(touch.shortfalls().editsRebuilt == 0);
   CHECK(touch.shortfalls().editsTooSlow == 0);
   CHECK(touch.editTimes_us().size() > static_cast<std::size_t>(ticks) / 3);
   CHECK(faults(device, touch) == 0);
   touch.readBack(stroke.cloud);
   stroke.compactions = touch.compactions();
   stroke.editsHeldUp = touch.shortfalls().editsHeldUp;
-  CHECK((touch.longestCompactionEnd_us() > 0) == (stroke.compactions > 0));
+  CHECK((touch.editCosts().longestCompactionEnd_us > 0) == (stroke.compactions > 0));
   if (stroke.compactions > 0)
-    MESSAGE(stroke.compactions << " compactions, the longest end " << touch.longestCompactionEnd_us() << " us");
+    MESSAGE(stroke.compactions << " compactions, the longest end " << touch.editCosts().longestCompactionEnd_us
+                               << " us");
   return stroke;
 }
 
@@ -107,7 +108,7 @@ TEST_CASE_FIXTURE(GpuFixture, "in virtual time a stroke with compactions gives w
 }
 
 TEST_CASE("in real time compactions in the background change nothing that is felt, and no edit needs a build") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
   const Stroke without = sculpt(device, scene, 1 << 17, kVirtual, 1'000);
   const Stroke with = sculpt(device, scene, kLittleSpare, kRealtime_us, 1'000);
@@ -117,7 +118,7 @@ TEST_CASE("in real time compactions in the background change nothing that is fel
 }
 
 TEST_CASE("in real time edits that find no slots wait for the compaction that brings them, not for a build") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   const Scene scene = makeScene("sphere", 20'000);
   const Stroke stroke = sculpt(device, scene, kLeastSpare, kRealtime_us, 1'000);
   CHECK(stroke.compactions >= 3);
@@ -177,7 +178,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what builds the index anew takes a compaction's p
   CHECK(faults(device, touch) == 0);
 }
 
-TEST_CASE("it is foretold that a live cloud whose index follows edits takes less than two thirds as much again") {
+TEST_CASE("it is predicted that a live cloud whose index follows edits takes less than two thirds as much again") {
   for (const std::uint64_t points : {1'000'000ull, 10'000'000ull, 100'000'000ull}) {
     CAPTURE(points);
     const GpuMemory memory = predictGpuMemory(points, false);

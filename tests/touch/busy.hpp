@@ -7,15 +7,15 @@
 
 namespace palpate {
 
-// Keeps the touch queue busy for some time, so that whatever is asked next comes late.
+// Keeps the latency queue busy for some time, so that whatever is asked next comes late.
 class Busy {
  public:
   Busy(Device& device, int fills)
-      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.touch(), "busy") {
+      : buffer_(device, 64 << 20, Memory::device, "busy"), list_(device, device.latencyQueue(), "busy") {
     list_.begin();
     for (int i = 0; i < fills; ++i) list_.fill(buffer_, 1, buffer_.bytes());
     list_.end();
-    device.touch().submit(list_);
+    device.latencyQueue().submit(list_);
   }
 
  private:

@@ -12,8 +12,8 @@ namespace palpate {
 
 namespace {
 
-BrushOptions brush(BrushKind kind, double toolRadius = 8) {
-  return {.kind = kind, .tau = 0.3, .beta = 0.2, .toolRadius = toolRadius, .strength = 0.5};
+BrushOptions brush(BrushKind kind, double radius = 8) {
+  return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = radius, .strength = 0.5};
 }
 
 // Both back ends, with a brush that pushes at first and colours for one that paints later.
@@ -28,7 +28,7 @@ std::unique_ptr<TouchBackend> backend(Device& device, const Scene& scene, bool g
 // Puts the stylus down above the sphere's surface in some direction, presses `depth` deep, and goes out again.
 Contact press(TouchBackend& touch, const DVec3& direction, double depth, int ticks = 60) {
   Contact deepest;
-  touch.beginAnew();
+  touch.resetHand(0);
   for (int i = 0; i <= 2 * ticks; ++i) {
     const double share = 1 - std::abs(i - ticks) / double(ticks);
     const Contact contact = touch.query({.hip = (52 - (2 + depth) * share) * direction}, 0);
@@ -130,18 +130,18 @@ TEST_CASE_FIXTURE(GpuFixture, "surface, friction and method change, and the answ
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
   const Contact average = press(touch, {0, 0, 1}, 2);
   CHECK(average.proxy.z < 49.98);  // it sinks into curvature
-  touch.setContact(SurfaceKind::sphere, 0, QueryMethod::fused);
+  touch.setContact(SurfaceKind::sphere, 0, "fused");
   const Contact sphere = press(touch, {0, 0, 1}, 2);
   CHECK(std::abs(sphere.proxy.z - 50) < 0.01);
   for (const auto& [name, method] : kQueryMethods) {
     CAPTURE(name);
-    touch.setContact(SurfaceKind::sphere, 0, method);
+    touch.setContact(SurfaceKind::sphere, 0, name);
     CHECK(glm::distance(press(touch, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-4);
   }
-  touch.setContact(SurfaceKind::average, 0, QueryMethod::fused);
+  touch.setContact(SurfaceKind::average, 0, "fused");
   CHECK(press(touch, {0, 0, 1}, 2).proxy == average.proxy);
   CpuTouch cpu(scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
-  cpu.setContact(SurfaceKind::sphere, 0);
+  cpu.setContact(SurfaceKind::sphere, 0, "direct");
   CHECK(glm::distance(press(cpu, {0, 0, 1}, 2).proxy, sphere.proxy) < 1e-3);
 }
 
@@ -153,9 +153,9 @@ TEST_CASE_FIXTURE(GpuFixture, "a stylus that is put down behind a surface has no
     CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
     const Contact through = touch->query({.hip = {0, 0, 40}}, 0);
     CHECK(through.touching);  // with a motion it has
-    touch->beginAnew();
+    touch->resetHand(0);
     CHECK(!touch->query({.hip = {0, 0, 53}}, 0).touching);
-    touch->beginAnew();
+    touch->resetHand(0);
     const Contact inside = touch->query({.hip = {0, 0, 40}}, 0);
     CHECK(!inside.touching);
     CHECK(glm::distance(inside.proxy, DVec3(0, 0, 40)) < 1e-5);
@@ -168,7 +168,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a late answer from before the stylus was lifted s
   for (int i = 0; i < 30; ++i) touch.query({.time_s = i * 1e-3, .hip = {0, 0, 53 - 0.2 * i}}, 0);  // touches
   // Asked, and not waited for.
   touch.query({.time_s = 0.03, .hip = {0, 0, 47}}, 1e-3);
-  touch.beginAnew();
+  touch.resetHand(0);
   const Contact far = touch.query({.time_s = 0.031, .hip = {0, 80, 0}}, 0);
   CHECK(!far.touching);
   CHECK(glm::distance(far.proxy, DVec3(0, 80, 0)) < 1e-5);

@@ -14,7 +14,7 @@ namespace palpate {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
 
 // The HIP goes straight down on the top of a sphere of radius 50, to `depth` below it, and stays.
 std::vector<Pose> pressPath(double depth, int ticks) {
@@ -129,9 +129,9 @@ TEST_CASE("a surface that yields on the CPU follows the HIP until it stands tau 
   CHECK(surface.neighbours == last.neighbours);
 }
 
-TEST_CASE("one edited tick moves each point where the tool says, and no further than a quarter of a support radius") {
+TEST_CASE("one edited tick moves each point where the brush says, and no further than a quarter of a support radius") {
   const Scene scene = makeScene("sphere", 20'000);
-  const BrushOptions options{.tau = 0.2, .beta = 1, .toolRadius = 9, .keepsDensity = false};
+  const BrushOptions options{.tau = 0.2, .beta = 1, .radius = 9, .keepsDensity = false};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = options});
   touch.query({.hip = {0, 0, 51}}, 0);
   const DVec3 hip(0.3, -0.2, 47);
@@ -140,12 +140,12 @@ TEST_CASE("one edited tick moves each point where the tool says, and no further 
   PointCloud after = scene.cloud;
   CHECK(touch.readBack(after) > 50);
   const double longestMove = static_cast<double>(shared::kLongestMove) * scene.radius;
-  const BrushTool tool(options, scene.radius, hip, hip, contact.proxy - hip);
+  const PlacedBrush brush(options, scene.radius, hip, hip, contact.proxy - hip);
   std::size_t wrong = 0;
   double furthest = 0;
   for (std::size_t i = 0; i < after.size(); ++i) {
     const DVec3 before(scene.cloud.positions[i]);
-    wrong += after.positions[i] != Vec3(tool.brushed(before, {}).position);
+    wrong += after.positions[i] != Vec3(brush.brushed(before, {}).position);
     furthest = std::max(furthest, glm::distance(DVec3(after.positions[i]), before));
   }
   CHECK(wrong == 0);
@@ -173,8 +173,8 @@ TEST_CASE("the same presses give the same contacts and the same cloud with any n
 
 TEST_CASE("in real time an edit that outlasts the budget is bridged by the last answer, and an edit too slow rests") {
   const Scene scene = makeScene("sphere", 100'000);
-  // A tool as wide as the model: an edit moves half of the points.
-  const BrushOptions wide{.tau = 0.1, .beta = 1e-6, .toolRadius = 60};
+  // A brush as wide as the model: an edit moves half of the points.
+  const BrushOptions wide{.tau = 0.1, .beta = 1e-6, .radius = 60};
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = wide, .threads = 1});
   constexpr double kNoTime_us = 1;
   touch.query({.time_s = 0, .hip = {0, 0, 51}}, kNoTime_us);

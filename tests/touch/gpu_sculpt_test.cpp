@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTick_s = 1e-3;
 
-BrushOptions brush(BrushKind kind) { return {.kind = kind, .tau = 0.3, .beta = 0.2, .toolRadius = 8, .strength = 0.6}; }
+BrushOptions brush(BrushKind kind) { return {.kind = kind, .tau = 0.3, .beta = 0.2, .radius = 8, .strength = 0.6}; }
 
 // Onto the top of a sphere of radius 50, down and a little along, and a rest.
 std::vector<Pose> press(double depth) {
@@ -94,7 +94,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a brush larger than the model, and a stroke that 
   const Scene scene = makeScene("sphere", 3'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     BrushOptions large = brush(BrushKind::carve);
-    large.toolRadius = 400;
+    large.radius = 400;
     large.strength = 1;
     TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = large, .index = index});
     std::vector<Pose> through;

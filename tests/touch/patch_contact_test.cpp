@@ -6,8 +6,8 @@
 #include <bit>
 
 #include <doctest/doctest.h>
+#include "engine/contact/carried_patch.hpp"
 #include "engine/contact/contact_reference.hpp"
-#include "engine/contact/patch_fetch.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/statistics.hpp"
 
@@ -42,7 +42,7 @@ struct PressedSphere {
     patch.goOnFrom(pressed, pose,
                    {.started = true,
                     .touching = true,
-                    .side = shared::kSideOutside,
+                    .face = shared::kFaceOutside,
                     .facing = pressed.normal,
                     .lastHip = pose.hip,
                     .proxy = pressed.proxy});
@@ -61,7 +61,7 @@ double spring(const Contact& contact, const Pose& pose) { return glm::distance(c
 }  // namespace
 
 TEST_CASE_FIXTURE(PressedSphere,
-                  "within the border the patch tells the story of the whole cloud, press, slide and release") {
+                  "within the border the patch tells the state of the whole cloud, press, slide and release") {
   std::size_t touched = 0;
   std::vector<double> times_us;
   for (int i = 0; i < 200; ++i) {

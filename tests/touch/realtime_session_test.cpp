@@ -12,19 +12,19 @@ namespace palpate {
 
 TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, at 1 and at 10 kHz") {
   const Scene scene = makeScene("sphere", 20'000);
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   for (const double rate_Hz : {1000.0, 10'000.0}) {
     CAPTURE(rate_Hz);
     TouchSide touch(device, scene.cloud, {.radius = scene.radius});
     PathDevice hand(Path({{0, {0, 0, 52}}, {0.2, {0, 0, 52}}, {0.3, {0, 0, 49}}, {0.5, {4, 0, 49}}}));
     ServoLoop loop(hand, touch, ForceLaw({}, {}), {.rate_Hz = rate_Hz, .duration_s = 0.5, .realtime = true});
     const ServoResult result = loop.run();
-    const auto& rows = result.trace.rows;
+    const auto& rows = result.trace().rows;
     const auto fresh = static_cast<std::size_t>(std::ranges::count_if(rows, &TraceRow::fresh));
     CHECK(std::ranges::all_of(rows, &TraceRow::valid));
     CHECK(touch.bridgeTimes_us().size() == rows.size() - fresh);
-    CHECK(summarize(result.trace).freshFraction == doctest::Approx(static_cast<double>(fresh) / rows.size()));
-    CHECK(rows.size() + result.trace.missedTicks == loop.plannedTicks());
+    CHECK(summarize(result.trace()).freshFraction == doctest::Approx(static_cast<double>(fresh) / rows.size()));
+    CHECK(rows.size() + result.trace().missedTicks == loop.plannedTicks());
     touch.finish();
   }
 }
@@ -32,7 +32,7 @@ TEST_CASE("every tick in real time has a valid answer, and is fresh or bridged, 
 // Measured in every case; held against the clock where the machine would have let an idle loop keep to it.
 TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that shares our cores") {
   const Scene scene = makeScene("sphere", 100'000);
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius});
   Path way({{0, {0, 0, 52}}, {0.3, {0, 0, 49}}, {1.5, {30, 0, 38.7}}, {2.8, {0, 0, 49}}, {3, {0, 0, 49}}});
   PathDevice hand(std::move(way));
@@ -41,24 +41,24 @@ TEST_CASE("at 1 kHz over 100,000 points ticks are in time, even on a GPU that sh
   const ServoResult result = loop.run();
   const PaceCheck after = checkPace(1000, 0.5);
   touch.finish();
-  const TraceSummary summary = summarize(result.trace);
+  const TraceSummary summary = summarize(result.trace());
   CHECK(summary.faultTicks == 0);
   CHECK(summary.contactTicks > 0);
-  MESSAGE(result.trace.missedTicks << " of 3000 ticks missed; half of the steps took "
+  MESSAGE(result.trace().missedTicks << " of 3000 ticks missed; half of the steps took "
                                    << result.step_us.quantile_us(0.5) << " us or less, 95 of 100 "
                                    << result.step_us.quantile_us(0.95));
   constexpr double kShort_us = 30'000;  // of 3 s, that the servo thread had no core
   const std::uint64_t missedIdly = before.missed + after.missed;
-  if (!result.realtimePriority || missedIdly > 10 || result.toll.waited_us > kShort_us) {
+  if (!result.realtimePriority || missedIdly > 10 || result.scheduling.waited_us > kShort_us) {
     MESSAGE("this machine is too busy to tell whether ticks are in time: an idle loop missed "
-            << missedIdly << " of 1000, and the servo thread had no core for " << result.toll.waited_us << " us"
+            << missedIdly << " of 1000, and the servo thread had no core for " << result.scheduling.waited_us << " us"
             << (result.realtimePriority ? "" : "; it has no real-time priority"));
     return;
   }
   CHECK(summary.contactTicks > 500);
-  CHECK(result.withheld.stale == 0);
+  CHECK(result.counts().withheld.stale == 0);
   // Loose, since others may want these cores too; a servo thread that waited for the driver would miss most of them.
-  CHECK(result.trace.missedTicks < 300);
+  CHECK(result.trace().missedTicks < 300);
   CHECK(result.step_us.quantile_us(0.5) < 900);
   CHECK(result.step_us.quantile_us(0.95) < 1500);
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kTick_s = 1e-3, kToolRadius = 6, kTau = 0.5;
 
 BrushOptions brush(BrushKind kind, double strength = 0.5) {
-  return {.kind = kind, .tau = kTau, .beta = 0.1, .toolRadius = kToolRadius, .strength = strength};
+  return {.kind = kind, .tau = kTau, .beta = 0.1, .radius = kToolRadius, .strength = strength};
 }
 
 // Straight lines from place to place at a speed (model units per second), then a rest.
@@ -224,14 +224,14 @@ TEST_CASE("a brush larger than the model, and a stroke that takes every point, e
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
     BrushOptions options = brush(kind, 1);
-    options.toolRadius = 1000;
+    options.radius = 1000;
     const Played played = sculpt(scene, options, along({{0, 0, 50.5}, {0, 0, 40}}, 200, 20));
     CHECK(played.touched > 0);
     for (const Vec3& position : played.cloud.positions) CHECK(isFinite(position));
   }
   // The ball swallows the whole model in one tick: its tip stands far below.
   BrushOptions all = brush(BrushKind::carve, 1);
-  all.toolRadius = 300;
+  all.radius = 300;
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = all});
   const Played gone = play(touch, scene.cloud,
                            {{.hip = {0, 0, 51}}, {.hip = {0, 0, 48}}, {.hip = {0, 0, -250}}, {.hip = {0, 0, -250}}});

@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
 
 // `strokes` presses on the sphere's top, each a little further along, with the hand lifted in between.
 std::vector<Contact> press(TouchBackend& touch, int strokes, Journal* journal = nullptr) {
@@ -99,17 +99,18 @@ TEST_CASE_FIXTURE(GpuFixture, "a journal that follows the GPU knows the cloud bi
 
 TEST_CASE_FIXTURE(GpuFixture, "points that a brush takes away are told of, with either way of the index") {
   const Scene scene = makeScene("sphere", 20'000);
-  // The larger tool's box has more cells than there are buckets: it looks through all slots, in several lists of moves.
-  for (const double toolRadius : {8.0, 400.0})
+  // The larger brush's box has more cells than there are buckets: it looks through all slots, in several lists of
+  // moves.
+  for (const double brushRadius : {8.0, 400.0})
     for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
-      CAPTURE(toolRadius);
+      CAPTURE(brushRadius);
       CAPTURE(index == IndexFollow::rebuild);
-      const BrushOptions carve{.kind = BrushKind::carve, .tau = 0.3, .toolRadius = toolRadius, .strength = 1};
+      const BrushOptions carve{.kind = BrushKind::carve, .tau = 0.3, .radius = brushRadius, .strength = 1};
       TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = carve, .index = index});
       touch.keepEdits();
       Journal journal(scene.cloud, 1 << 26);
-      // Steps so long that points come to lie deep in the tool.
-      const int ticks = toolRadius > 100 ? 40 : 6;
+      // Steps so long that points come to lie deep in the brush.
+      const int ticks = brushRadius > 100 ? 40 : 6;
       for (int i = 0; i < ticks; ++i) touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 53 - 3.0 * i}}, 0);
       touch.finish();
       EditBatch batch;

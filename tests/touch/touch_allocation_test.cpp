@@ -1,9 +1,8 @@
 #include <doctest/doctest.h>
 
-#include "engine/contact/patch_fetch.hpp"
+#include "engine/contact/carried_patch.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/patch_contact.hpp"
-#include "engine/touch/touch_side.hpp"
 #include "tests/allocation_count.hpp"
 #include "tests/scenes.hpp"
 
@@ -13,21 +12,26 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
   const Scene scene = makeScene("sphere", 30'000);
   CpuTouchOptions options{.radius = scene.radius, .threads = 3};
   SUBCASE("static") {}
-  SUBCASE("edited") { options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
-  SUBCASE("with a tool of many points") { options.tool = makeTool(ToolKind::pad, 64, 8); }
+  SUBCASE("edited") { options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8}; }
+  SUBCASE("with a tool of many points") { options.tools = {makeTool(ToolKind::pad, 64, 8)}; }
   SUBCASE("with such a tool, edited") {
-    options.tool = makeTool(ToolKind::pad, 16, 8);
-    options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 8};
+    options.tools = {makeTool(ToolKind::pad, 16, 8)};
+    options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};
   }
-  std::optional<DVec3> second;
-  SUBCASE("with a second hand") { second = DVec3(49, 0, 0); }
+  SUBCASE("with four hands") { options.tools.resize(4); }
   CpuTouch touch(scene.cloud, options);
-  touch.query({.hip = {0, 0, 51}, .secondHip = second}, 0);
+  const std::array further{DVec3(49, 0, 0), DVec3(0, 49, 0), DVec3(0, -49, 0)};
+  std::vector<Pose> poses(options.tools.size());
+  const auto ask = [&](double time_s, double z, double budget_us) {
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      poses[i] = {.time_s = time_s, .hip = i == 0 ? DVec3(0, 0, z) : further[i - 1]};
+    touch.ask(poses, budget_us);
+  };
+  ask(0, 51, 0);
   countedThread = std::this_thread::get_id();  // an edit has a thread of its own, whose lists grow with the stroke
   allocations = 0;
   counting = true;
-  for (int i = 0; i < 60; ++i)
-    touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 50.5 - 0.05 * i}, .secondHip = second}, i % 2 ? 0 : 500);
+  for (int i = 0; i < 60; ++i) ask(1e-3 * i, 50.5 - 0.05 * i, i % 2 ? 0 : 500);
   counting = false;
   CHECK(allocations == 0);
   touch.finish();
@@ -39,31 +43,6 @@ TEST_CASE("no tick on the CPU allocates memory on the thread that asks, whether 
   counting = false;
   CHECK(allocations == 1);  // the counter counts
   countedThread = std::thread::id();
-}
-
-TEST_CASE("no tick of a tool and a second hand on the GPU allocates memory on the thread that asks, answered or held") {
-  const Scene scene = makeScene("sphere", 30'000);
-  Device device({.gpu = "", .validate = false});  // which allocates as it likes
-  TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .tool = makeTool(ToolKind::pad, 64, 8), .secondHand = true});
-  std::size_t touched = 0;
-  const auto query = [&](int i) {
-    const double budget_us = i % 3 == 0 ? 1 : 0;  // at once, and so late; or as long as it takes
-    const Pose pose{.time_s = 1e-3 * i, .hip = {0, 0, 50.5 - 0.05 * i}, .secondHip = DVec3(51 - 0.05 * i, 0, 0)};
-    touched += touch.query(pose, budget_us).touching && touch.second().valid;
-    touch.prepare();
-  };
-  touch.query({.hip = {0, 0, 52}}, 0);  // a software driver compiles now
-  query(0);
-  countedThread = std::this_thread::get_id();
-  allocations = 0;
-  counting = true;
-  for (int i = 1; i < 60; ++i) query(i);
-  counting = false;
-  countedThread = std::thread::id();
-  CHECK(allocations == 0);
-  CHECK(touched > 20);
-  touch.finish();
 }
 
 TEST_CASE("no answer from a patch allocates memory, nor does taking one") {

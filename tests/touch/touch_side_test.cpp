@@ -13,7 +13,7 @@ namespace palpate {
 
 namespace {
 
-BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .toolRadius = 8}; }
+BrushOptions softPush() { return {.tau = 0.3, .beta = 0.2, .radius = 8}; }
 
 // Presses straight down on the sphere's top, to `depth` below it.
 std::vector<Contact> press(TouchSide& touch, double depth, int ticks, EditLog::Reader* drained = nullptr) {
@@ -92,9 +92,9 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
 TEST_CASE_FIXTURE(GpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
   const Scene scene = makeScene("sphere", 60'000);
-  TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius,
-                   .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .toolRadius = 200, .keepsDensity = false}});
+  TouchSide touch(
+      device, scene.cloud,
+      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .radius = 200, .keepsDensity = false}});
   const EditLog::Reader reader(touch.editLog());
   press(touch, 20, 80);
   touch.finish();
@@ -125,7 +125,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a static cloud never moves, and its tick is one p
 TEST_CASE("late answers are bridged by the patch, which follows the hand over the surface as the GPU would") {
   const Scene scene = makeScene("sphere", 20'000);
   Device device(
-      {.gpu = "", .validate = false});  // GPU-assisted validation waits at every submission: nothing is ever late
+      {.gpu = "", .validation = Validation::off});  // GPU-assisted validation waits at every submission: nothing is ever late
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .wait = Wait::block});
   ContactReference reference(scene.cloud, scene.radius);
   constexpr double kTime_us = 1e7, kNoTime_us = 1;
@@ -174,7 +174,7 @@ TEST_CASE("late answers are bridged by the patch, which follows the hand over th
 
 TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it could not know by itself") {
   const Scene scene = makeScene("sphere", 20'000);
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .friction = 1, .wait = Wait::block});
   double time_s = 0;
   for (const double r : {50.9, 50.8, 50.7, 50.6}) touch.query({.time_s = time_s += 1e-3, .hip = {1, 0, r}}, 1e7);
@@ -200,10 +200,10 @@ TEST_CASE("what the CPU has gone through is where the GPU goes on, even what it 
 
 TEST_CASE("the patch follows the edits") {
   const Scene scene = makeScene("sphere", 20'000);
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   TouchSide touch(
       device, scene.cloud,
-      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 1, .toolRadius = 8}, .wait = Wait::block});
+      {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 1, .radius = 8}, .wait = Wait::block});
   Contact felt;
   Pose pose;
   for (int i = 0; i < 80; ++i) {  // slowly, so that no edit is left out, until the surface yields no more
@@ -238,19 +238,19 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is
   CHECK(usual.shortfalls().truncatedTicks == 0);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the memory that is foretold is the memory that is taken, within a twentieth") {
+TEST_CASE_FIXTURE(GpuFixture, "the memory that is predicted is the memory that is taken, within a twentieth") {
   for (const std::size_t points : {20'000u, 500'003u}) {
     CAPTURE(points);
     const Scene scene = makeScene("sphere", points);
-    const GpuMemory foretold = predictGpuMemory(points, false);
+    const GpuMemory predicted = predictGpuMemory(points, false);
     const std::uint64_t before = device.allocatedBytes();
     const TouchSide touch(device, scene.cloud, {.radius = scene.radius, .brush = softPush()});
     const std::uint64_t taken = device.allocatedBytes() - before;
     CHECK(static_cast<double>(taken) ==
-          doctest::Approx(static_cast<double>(foretold.total() - foretold.drawnCloud)).scale(0).epsilon(0.05));
+          doctest::Approx(static_cast<double>(predicted.total() - predicted.drawnCloud)).scale(0).epsilon(0.05));
     const DrawnCloud drawn(device, scene.cloud);
     CHECK(static_cast<double>(device.allocatedBytes() - before) ==
-          doctest::Approx(static_cast<double>(foretold.total())).scale(0).epsilon(0.05));
+          doctest::Approx(static_cast<double>(predicted.total())).scale(0).epsilon(0.05));
   }
 }
 

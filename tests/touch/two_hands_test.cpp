@@ -1,4 +1,6 @@
 // Two hands on one cloud: each is answered as if it were alone, both from the same points.
+#include <array>
+
 #include "engine/core/error.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "engine/touch/touch_side.hpp"
@@ -11,39 +13,36 @@ namespace palpate {
 namespace {
 
 constexpr double kTick_s = 1e-3, kFriction = 0.3;
-const BrushOptions kPush{.tau = 0.3, .beta = 0.5, .toolRadius = 8};
+const BrushOptions kPush{.tau = 0.3, .beta = 0.5, .radius = 8};
 
 struct Wanted {
-  bool second = true;
-  ToolShape tool = {};
+  std::vector<ToolShape> tools = std::vector<ToolShape>(2);
   std::optional<BrushOptions> brush = {};
 };
+const Wanted kAlone{.tools = std::vector<ToolShape>(1)};
+
+/// One tick of two hands.
+std::span<const Contact> ask(TouchBackend& touch, double time_s, const DVec3& first, const DVec3& second,
+                             double budget_us = 0) {
+  return touch.ask(std::array{Pose{.time_s = time_s, .hip = first}, Pose{.time_s = time_s, .hip = second}}, budget_us);
+}
 
 std::unique_ptr<TouchBackend> gpuTouch(Device& device, const Scene& scene, const Wanted& wanted) {
-  return std::make_unique<TouchSide>(device, scene.cloud,
-                                     TouchOptions{.radius = scene.radius,
-                                                  .friction = kFriction,
-                                                  .tool = wanted.tool,
-                                                  .secondHand = wanted.second,
-                                                  .brush = wanted.brush});
+  return std::make_unique<TouchSide>(
+      device, scene.cloud,
+      TouchOptions{.radius = scene.radius, .friction = kFriction, .tools = wanted.tools, .brush = wanted.brush});
 }
 
 /// Shared by the tests, and without validation, but for those of what the shader does to memory.
 class HandsFixture {
  protected:
-  Device& device = shared();
+  Device& device = plainDevice();
   std::unique_ptr<TouchBackend> make(bool onGpu, const Scene& scene, const Wanted& wanted = {}) {
     if (onGpu) return gpuTouch(device, scene, wanted);
     return std::make_unique<CpuTouch>(
         scene.cloud,
         CpuTouchOptions{
-            .radius = scene.radius, .friction = kFriction, .tool = wanted.tool, .brush = wanted.brush, .threads = 2});
-  }
-
- private:
-  static Device& shared() {
-    static Device device({.gpu = "", .validate = false});
-    return device;
+            .radius = scene.radius, .friction = kFriction, .tools = wanted.tools, .brush = wanted.brush, .threads = 2});
   }
 };
 
@@ -53,24 +52,25 @@ bool equal(const Contact& a, const Contact& b) {
 }
 
 /// Both wander, each on a way of its own; how often they touched and were told something else than alone.
-struct Story {
+struct Wandering {
   std::size_t firstTouched = 0, secondTouched = 0, different = 0;
 };
-Story wander(TouchBackend& together, TouchBackend& first, TouchBackend& second, const Scene& scene, std::size_t ticks) {
+Wandering wander(TouchBackend& together, TouchBackend& first, TouchBackend& second, const Scene& scene,
+                 std::size_t ticks) {
   const auto ways = std::array{wanderingPath(scene, ticks, 0.5 * scene.radius, 2),
                                wanderingPath(scene, ticks, 0.5 * scene.radius, 9)};
-  Story story;
+  Wandering wander;
   for (std::size_t i = 0; i < ticks; ++i) {
     const double time_s = kTick_s * static_cast<double>(i);
-    const Contact told = together.query({.time_s = time_s, .hip = ways[0][i], .secondHip = ways[1][i]}, 0);
+    const auto answers = ask(together, time_s, ways[0][i], ways[1][i]);
     const Contact a = first.query({.time_s = time_s, .hip = ways[0][i]}, 0);
     const Contact b = second.query({.time_s = time_s, .hip = ways[1][i]}, 0);
-    story.firstTouched += a.touching;
-    story.secondTouched += b.touching;
-    story.different += !equal(told, a) + !equal(together.second(), b);
+    wander.firstTouched += a.touching;
+    wander.secondTouched += b.touching;
+    wander.different += !equal(answers[0], a) + !equal(answers[1], b);
     together.prepare();
   }
-  return story;
+  return wander;
 }
 
 }  // namespace
@@ -81,31 +81,32 @@ TEST_CASE_FIXTURE(HandsFixture, "each of two hands is told what it is told alone
       CAPTURE(onGpu);
       CAPTURE(name);
       const Scene scene = makeScene(name, 10'000);
-      const auto together = make(onGpu, scene), first = make(onGpu, scene, {.second = false}),
-                 second = make(onGpu, scene, {.second = false});
-      const Story story = wander(*together, *first, *second, scene, 150);
-      CHECK(story.firstTouched > 30);
-      CHECK(story.secondTouched > 30);
-      CHECK(story.different == 0);
-      CHECK_FALSE(second->second().valid);  // nobody asked
+      const auto together = make(onGpu, scene), first = make(onGpu, scene, kAlone), second = make(onGpu, scene, kAlone);
+      const Wandering both = wander(*together, *first, *second, scene, 150);
+      CHECK(both.firstTouched > 30);
+      CHECK(both.secondTouched > 30);
+      CHECK(both.different == 0);
     }
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "two hands are felt for under validation, edits and a new beginning included") {
   const Scene scene = makeScene("sphere", 10'000);
   const auto touch = gpuTouch(device, scene, {.brush = kPush});
+  std::span<const Contact> answers;
   for (int i = 0; i < 30; ++i) {
     const double r = 53 - 0.2 * i;
-    REQUIRE(touch->query({.time_s = kTick_s * i, .hip = {0, 0, r}, .secondHip = DVec3(r, 0, 0)}, 0).valid);
-    REQUIRE(touch->second().valid);
+    answers = ask(*touch, kTick_s * i, {0, 0, r}, {r, 0, 0});
+    REQUIRE(answers[0].valid);
+    REQUIRE(answers[1].valid);
     touch->prepare();
   }
-  CHECK(touch->second().touching);
-  CHECK(touch->second().proxy.x == doctest::Approx(50).scale(0).epsilon(3e-3));
+  CHECK(answers[1].touching);
+  CHECK(answers[1].proxy.x == doctest::Approx(50).scale(0).epsilon(3e-3));
   CHECK(touch->firstEditTime_s());
-  touch->secondBeginsAnew();
-  CHECK(touch->query({.time_s = 1, .hip = {0, 0, 47}, .secondHip = DVec3(47, 0, 0)}, 0).touching);
-  CHECK_FALSE(touch->second().touching);
+  touch->resetHand(1);
+  answers = ask(*touch, 1, {0, 0, 47}, {47, 0, 0});
+  CHECK(answers[0].touching);
+  CHECK_FALSE(answers[1].touching);
   touch->finish();
 }
 
@@ -114,12 +115,13 @@ TEST_CASE_FIXTURE(HandsFixture, "a tool of many points is the first hand's, and 
   const ToolShape pad = makeTool(ToolKind::pad, 6, 8);
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);
-    const auto together = make(onGpu, scene, {.tool = pad}), first = make(onGpu, scene, {.second = false, .tool = pad}),
-               second = make(onGpu, scene, {.second = false});
-    const Story story = wander(*together, *first, *second, scene, 80);
-    CHECK(together->points().size() == 6);
-    CHECK(story.secondTouched > 10);
-    CHECK(story.different == 0);
+    const auto together = make(onGpu, scene, {.tools = {pad, ToolShape()}}),
+               first = make(onGpu, scene, {.tools = {pad}}), second = make(onGpu, scene, kAlone);
+    const Wandering both = wander(*together, *first, *second, scene, 80);
+    CHECK(together->points(0).size() == 6);
+    CHECK(together->points(1).empty());
+    CHECK(both.secondTouched > 10);
+    CHECK(both.different == 0);
   }
 }
 
@@ -128,7 +130,7 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
   for (const bool onGpu : {false, true}) {
     CAPTURE(onGpu);
     const auto touch = make(onGpu, scene, {.brush = kPush}),
-               alone = make(onGpu, scene, {.second = false, .brush = kPush});
+               alone = make(onGpu, scene, {.tools = kAlone.tools, .brush = kPush});
     // The second one rests 6 deep at the pole; the first one comes down close beside it.
     const auto restingAt = [](int i) { return DVec3(0.6, 0, std::max(44.0, 52 - 0.5 * i)); };
     double atRest = 0, afterEdit = 0, last = 0;
@@ -136,11 +138,11 @@ TEST_CASE_FIXTURE(HandsFixture, "the second hand feels what the first one edits,
     for (int i = 0; i < 120; ++i) {
       const double time_s = kTick_s * i;
       const DVec3 hip(0, 0, 52 - 4.5 * std::clamp((i - 40) / 50.0, 0.0, 1.0));
-      const Contact told = touch->query({.time_s = time_s, .hip = hip, .secondHip = restingAt(i)}, 0);
-      same = same && equal(told, alone->query({.time_s = time_s, .hip = hip}, 0));
-      REQUIRE(touch->second().valid);
-      REQUIRE(touch->second().touching == (i > 4));
-      last = touch->second().proxy.z;
+      const auto answers = ask(*touch, time_s, hip, restingAt(i));
+      same = same && equal(answers[0], alone->query({.time_s = time_s, .hip = hip}, 0));
+      REQUIRE(answers[1].valid);
+      REQUIRE(answers[1].touching == (i > 4));
+      last = answers[1].proxy.z;
       const auto edited_s = touch->firstEditTime_s();
       if (i >= 35 && (!edited_s || *edited_s == time_s)) atRest = last;
       if (edited_s && std::abs(time_s - *edited_s - kTick_s) < 1e-9) afterEdit = last;
@@ -166,22 +168,20 @@ TEST_CASE_FIXTURE(HandsFixture, "one hand is put down elsewhere, and the other g
       CAPTURE(onGpu);
       CAPTURE(secondGoes);
       const auto touch = make(onGpu, scene);
-      const auto ask = [&](double z, double secondZ) {
-        return touch->query({.hip = {3, 0.2, z}, .secondHip = DVec3(-3, 0.3, secondZ)}, 0);
-      };
-      Contact told;
-      for (double z = 4; z > -2; z -= 0.25) told = ask(z, z);
-      CHECK(told.touching);
-      CHECK(touch->second().touching);
-      secondGoes ? touch->secondBeginsAnew() : touch->beginAnew();
-      told = ask(-2, -2);
+      const auto bothAt = [&](double z) { return ask(*touch, 0, {3, 0.2, z}, {-3, 0.3, z}); };
+      std::span<const Contact> answers;
+      for (double z = 4; z > -2; z -= 0.25) answers = bothAt(z);
+      CHECK(answers[0].touching);
+      CHECK(answers[1].touching);
+      touch->resetHand(secondGoes ? 1 : 0);
+      answers = bothAt(-2);
       // Put down inside, it is not caught until it has been outside.
-      CHECK(told.touching == secondGoes);
-      CHECK(touch->second().touching == !secondGoes);
-      ask(4, 4);
-      told = ask(-1, -1);
-      CHECK(told.touching);
-      CHECK(touch->second().touching);
+      CHECK(answers[0].touching == secondGoes);
+      CHECK(answers[1].touching == !secondGoes);
+      bothAt(4);
+      answers = bothAt(-1);
+      CHECK(answers[0].touching);
+      CHECK(answers[1].touching);
     }
 }
 
@@ -191,31 +191,34 @@ TEST_CASE_FIXTURE(HandsFixture, "a place of the second hand past all numbers is 
     CAPTURE(onGpu);
     const auto touch = make(onGpu, scene);
     for (const double bad : {std::nan(""), 1e300}) {
-      const Contact told = touch->query({.hip = {0, 0, 3}, .secondHip = DVec3(0, bad, 0)}, 0);
-      CHECK_FALSE(told.lost);
-      CHECK_FALSE(touch->second().valid);
+      const auto answers = ask(*touch, 0, {0, 0, 3}, {0, bad, 0});
+      CHECK_FALSE(answers[0].lost);
+      CHECK_FALSE(answers[1].valid);
     }
-    for (double z = 3; z > -1; z -= 0.25) touch->query({.hip = {3, 0, z}, .secondHip = DVec3(-3, 0, z)}, 0);
-    CHECK(touch->second().touching);
-    CHECK(touch->second().normal.z == doctest::Approx(1));
+    std::span<const Contact> answers;
+    for (double z = 3; z > -1; z -= 0.25) answers = ask(*touch, 0, {3, 0, z}, {-3, 0, z});
+    CHECK(answers[1].touching);
+    CHECK(answers[1].normal.z == doctest::Approx(1));
   }
 }
 
 TEST_CASE_FIXTURE(HandsFixture,
                   "when the answer is late the second hand keeps the plane that it felt, ever more softly") {
   const Scene scene = makeScene("plane", 20'000);
-  TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .friction = kFriction, .secondHand = true, .wait = Wait::block});
+  TouchSide touch(
+      device, scene.cloud,
+      {.radius = scene.radius, .friction = kFriction, .tools = std::vector<ToolShape>(2), .wait = Wait::block});
   double time_s = 0;
-  for (double z = 2; z > -1; z -= 0.25)
-    REQUIRE(touch.query({.time_s = time_s += kTick_s, .hip = {3, 0.2, z}, .secondHip = DVec3(-3, 0.3, z)}, 1e7).fresh);
-  REQUIRE(touch.second().fresh);
-  REQUIRE(touch.second().touching);
+  std::span<const Contact> answers;
+  for (double z = 2; z > -1; z -= 0.25) answers = ask(touch, time_s += kTick_s, {3, 0.2, z}, {-3, 0.3, z}, 1e7);
+  REQUIRE(answers[0].fresh);
+  REQUIRE(answers[1].fresh);
+  REQUIRE(answers[1].touching);
   const Busy busy(device, 200);
-  const auto late = [&](double age_s, double z) {
-    touch.query({.time_s = time_s + age_s, .hip = {3, 0.2, -1}, .secondHip = DVec3(-3, 0.3, z)}, 1);
-    return touch.second();
+  const auto secondAt = [&](double age_s, double z, double budget_us) {
+    return ask(touch, time_s + age_s, {3, 0.2, -1}, {-3, 0.3, z}, budget_us)[1];
   };
+  const auto late = [&](double age_s, double z) { return secondAt(age_s, z, 1); };
   Contact held = late(0.002, -1.5);
   CHECK_FALSE(held.fresh);
   CHECK(held.valid);
@@ -228,20 +231,16 @@ TEST_CASE_FIXTURE(HandsFixture,
   CHECK_FALSE(held.touching);
   CHECK(held.valid);
 
-  const auto ask = [&](double age_s, double budget_us) {
-    touch.query({.time_s = time_s + age_s, .hip = {3, 0.2, -1}, .secondHip = DVec3(-3, 0.3, -1.5)}, budget_us);
-    return touch.second();
-  };
-  CHECK(ask(0.022, 0).touching);
+  CHECK(secondAt(0.022, -1.5, 0).touching);
   // Put down elsewhere while a question is out, it is held by no answer to where it was.
   const Busy busyAgain(device, 100);
-  CHECK(ask(0.023, 1).touching);
-  touch.secondBeginsAnew();
+  CHECK(late(0.023, -1.5).touching);
+  touch.resetHand(1);
   const Busy stillBusy(device, 100);
-  held = ask(0.024, 1);
+  held = late(0.024, -1.5);
   CHECK_FALSE(held.fresh);
   CHECK_FALSE(held.touching);
-  held = ask(0.025, 0);
+  held = secondAt(0.025, -1.5, 0);
   CHECK(held.fresh);
   CHECK_FALSE(held.touching);
   touch.finish();
@@ -251,19 +250,21 @@ TEST_CASE_FIXTURE(HandsFixture,
                   "two hands are asked by the fused method alone, ahead like one, and go on after a change") {
   const Scene scene = makeScene("sphere", 5'000);
   for (const QueryMethod method : {QueryMethod::brute, QueryMethod::indirect, QueryMethod::naive, QueryMethod::twoStep})
-    CHECK_THROWS_WITH_AS(TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .secondHand = true}),
-                         doctest::Contains("two hands"), UsageError);
+    CHECK_THROWS_WITH_AS(
+        TouchSide(device, scene.cloud, {.radius = scene.radius, .method = method, .tools = std::vector<ToolShape>(2)}),
+        doctest::Contains("several hands"), UsageError);
   TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .friction = kFriction, .secondHand = true, .ahead = true});
+                  {.radius = scene.radius, .friction = kFriction, .tools = std::vector<ToolShape>(2), .ahead = true});
   CHECK(touch.asksAhead());
   CHECK(touch.passes().size() == 1);  // one dispatch for both
   const auto press = [&] {
-    for (double r = 53; r > 48; r -= 0.2) touch.query({.hip = {0, 0, r}, .secondHip = DVec3(r, 0, 0)}, 0);
-    return touch.second();
+    Contact second;
+    for (double r = 53; r > 48; r -= 0.2) second = ask(touch, 0, {0, 0, r}, {r, 0, 0})[1];
+    return second;
   };
   CHECK(press().touching);
-  CHECK_THROWS_AS(touch.setContact(SurfaceKind::sphere, 0, QueryMethod::indirect), UsageError);
-  touch.setContact(SurfaceKind::sphere, kFriction, QueryMethod::fused);
+  CHECK_THROWS_AS(touch.setContact(SurfaceKind::sphere, 0, "indirect"), UsageError);
+  touch.setContact(SurfaceKind::sphere, kFriction, "fused");
   const Contact contact = press();
   CHECK(contact.touching);
   CHECK(contact.proxy.x == doctest::Approx(50).scale(0).epsilon(1e-3));

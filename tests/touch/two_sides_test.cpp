@@ -14,7 +14,7 @@ TEST_CASE_FIXTURE(GpuFixture,
                   "while one thread sculpts, another follows the log, and in the end both clouds are the same") {
   const Scene scene = makeScene("sphere", 20'000);
   TouchSide touch(device, scene.cloud,
-                  {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .toolRadius = 10}});
+                  {.radius = scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 10}});
   DrawnCloud drawn(device, scene.cloud, {.spare = touch.live().slots() - touch.live().count()});
   EditLog::Reader reader(touch.editLog());
 
@@ -53,7 +53,7 @@ TEST_CASE_FIXTURE(GpuFixture,
 }
 
 TEST_CASE("a log is written by one thread and read by another without losing a move") {
-  Device device({.gpu = "", .validate = false});
+  Device device({.gpu = "", .validation = Validation::off});
   EditLog log(device, 1000);
   EditLog::Reader reader(log);
   constexpr std::uint64_t kMoves = 5'000'000;

@@ -1,0 +1,181 @@
+#include "apps/bench/bench.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/io/cloud_formats.hpp"
+
+namespace palpate {
+
+namespace {
+
+Subject loadSubject(Context& context, const std::string& file, EstimateOn where) {
+  Subject subject{std::filesystem::path(file).stem().string(), loadModel(context, {.file = file}, where)};
+  subject.model.wideSpacing = subject.model.spacing;  // every back end gets the same radius
+  subject.model.noise = 0;
+  return subject;
+}
+
+Subject makeSubject(Context& context, std::size_t count) {
+  const auto shape = makeShape("sculpture");
+  Subject subject{.name = "sculpture"};
+  subject.model.cloud = sampleShape(*shape, {.count = count, .threads = context.threads()});
+  subject.model.scale = {1};
+  subject.model.spacing = meanSpacing(subject.model.cloud, context.threads());
+  return subject;
+}
+
+}  // namespace
+
+bool BenchOptions::wants(std::string_view name) const { return std::ranges::find(backends, name) != backends.end(); }
+
+void addSubjectOptions(Options& bench, BenchOptions& options) {
+  bench.add("--models,--model", options.models, cloudFormats().namesRead() + " files").typeName("FILE...");
+  bench.add("--sizes", options.sizes, "numbers of points; a sculpture is made for each")
+      .check(wholeBetween(1, 2e9))
+      .typeName("N...");
+}
+
+Option addBackendsOption(Options& bench, BenchOptions& options, std::vector<std::string> choices) {
+  return bench.add("--backend", options.backends, "what answers; several are measured one after another")
+      .check(oneOf(std::move(choices)))
+      .separatedBy(',')
+      .showDefault();
+}
+
+void addMethodsOption(Options& bench, BenchOptions& options, const std::string& what) {
+  bench.add("--method", options.methods, what).separatedBy(',');
+}
+
+void addRepeatOptions(Options& bench, BenchOptions& options) {
+  bench.add("--repeat", options.repeat, "repetitions of each measurement")
+      .check(wholeBetween(1, bounds::kMostCount))
+      .showDefault();
+  bench.add("--limit", options.limit_s, "s that one measurement may take, 5 repetitions at least; 0: no limit")
+      .check(between(0, bounds::kLongest_s))
+      .showDefault();
+}
+
+void addRateOption(Options& bench, BenchOptions& options) {
+  bench.add("--rate", options.rate_Hz, "ticks per second at most").check(between(1e-3, 1e9)).showDefault();
+}
+
+void addFrictionOption(Options& bench, BenchOptions& options) {
+  bench.add("--friction", options.backend.friction, "coefficient of a proxy that slides")
+      .check(between(0, bounds::kMostFriction))
+      .showDefault();
+}
+
+void addPlotOption(Options& bench, BenchOptions& options, const std::string& what) {
+  bench.add("--plot", options.plotFile, what + " (needs matplotlib)").typeName("IMG.png");
+}
+
+Option addListOption(Options& bench, const std::string& name, std::vector<std::string>& values,
+                     const std::string& what) {
+  return bench.add(name, values, what).check(oneOf(values)).separatedBy(',').showDefault();
+}
+
+double realtimeRate_Hz(const BenchOptions& options) {
+  constexpr double kUsual_Hz = 1000, kHighest_Hz = 1e5;
+  return options.rate_Hz > kHighest_Hz ? kUsual_Hz : options.rate_Hz;
+}
+
+std::vector<SubjectMaker> subjectsOf(const BenchOptions& options) {
+  std::vector<SubjectMaker> subjects;
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
+  for (const std::string& file : options.models)
+    subjects.emplace_back([file, where](Context& context) { return loadSubject(context, file, where); });
+  std::vector<std::int64_t> sizes = options.sizes;
+  if (subjects.empty() && sizes.empty()) sizes.push_back(1'000'000);
+  for (const std::int64_t size : sizes)
+    subjects.emplace_back([size](Context& context) { return makeSubject(context, static_cast<std::size_t>(size)); });
+  return subjects;
+}
+
+SessionConfig sessionConfig(const BackendOptions& options, const std::optional<BrushConfig>& brush) {
+  SessionConfig config{.brush = brush};
+  setBackend(config, options);
+  return config;
+}
+
+Session startSession(Context& context, const Model& model, const SessionConfig& config, bool journal) {
+  const std::shared_ptr<const Model> shared(std::shared_ptr<void>(), &model);
+  return Session(
+      config, shared,
+      {.backend = context.backends().named(config.backend.name), .threads = context.threads(), .journal = journal});
+}
+
+std::vector<std::string> methodChoices(const Context& context, const std::string& backend) {
+  const auto& best = context.backends().named(backend).methods();
+  return {best.rbegin(), best.rend()};
+}
+
+void checkMethods(const Context& context, const BenchOptions& options) {
+  for (const std::string& method : options.methods) {
+    std::vector<std::string> all;
+    for (const std::string& backend : options.backends)
+      std::ranges::copy(methodChoices(context, backend), std::back_inserter(all));
+    if (std::ranges::find(all, method) == all.end())
+      throw UsageError("--method: {} is none of {}", method, fmt::join(all, ", "));
+  }
+}
+
+Json summaryOf(const Summary& s) {
+  if (s.count == 0) return nullptr;
+  return {{"n", s.count}, {"min", s.min}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+}
+
+Json sayMachines(Context& context, const BenchOptions& options) {
+  Json machines = Json::object();
+  for (const std::string& backend : options.backends) {
+    const std::string machine = context.backends().named(backend).machine(context.threads());
+    fmt::print(context.tables(), "{}: {}\n", backend, machine);
+    machines[backend] = machine;
+  }
+  return machines;
+}
+
+Json measureAlone(Context& context, const BenchOptions& options, const std::string& name,
+                  const std::function<Json()>& measure, PlotScript script) {
+  checkMethods(context, options);
+  Context::checkWritable(options.plotFile);
+  Json result{{"machines", sayMachines(context, options)}};
+  result[name] = measure();
+  context.writeJson(result);
+  if (!options.plotFile.empty()) plot(script, result, options.plotFile);
+  return result[name];
+}
+
+void addBench(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("bench", "measure on this machine; each bench has options of its own");
+  sub.requireSubcommands(1, 0);
+  addTimeBenches(sub, context, command);
+  std::vector<const Options*> together;
+  for (const auto& bench : sub.subcommands()) {
+    bench->under("Times; ask for several at once to have them in one plot");
+    together.push_back(bench.get());
+  }
+  addTouchBench(sub, context, command);
+  addEditBench(sub, context, command);
+  addMeshBench(sub, context, command);
+  addSplatBench(sub, context, command);
+  addCoexistBench(sub, context, command);
+  addLocalityBench(sub, context, command);
+  for (const auto& bench : sub.subcommands())
+    if (!std::ranges::count(together, bench.get())) bench->under("Alone, with tables of their own");
+  sub.footer("palpate bench NAME --help shows the options of that bench.\n");
+  sub.whenNamed([&command, &sub, together] {
+    command = [named = sub.named(), together, run = command] {
+      for (const Options* bench : named)
+        if (named.size() > 1 && !std::ranges::count(together, bench))
+          throw UsageError("bench {}: ask for it alone; its tables and its plot are its own", bench->name());
+      run();
+    };
+  });
+}
+
+}  // namespace palpate

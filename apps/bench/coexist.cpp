@@ -1,0 +1,318 @@
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <thread>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/coexistence.hpp"
+#include "apps/bench/sculpting_hand.hpp"
+#include "apps/cli/look.hpp"
+#include "apps/cli/parse_list.hpp"
+#include "apps/cli/picture.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/edit/edit_log.hpp"
+#include "engine/render/frame.hpp"
+#include "engine/spatial/hash_update.hpp"
+#include "haptics/tick_pacer.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kUsualDuration_s = 10;
+
+struct CoexistBenchOptions : BenchOptions {
+  std::vector<std::string> queues, situations;
+  std::string sightGpu;         // draws; empty: the one that touches
+  std::int64_t touched = 1000;  // points that an edit is to touch
+  double duration_s = kUsualDuration_s;
+  std::string size = "1920x1080";
+  std::uint32_t samples = 1;
+};
+
+struct Situation {
+  std::string_view name;
+  bool sculpts, draws;
+};
+constexpr std::array<Situation, 4> kSituations{{{"alone", false, false},
+                                                {"alone-sculpting", true, false},
+                                                {"drawn", false, true},
+                                                {"drawn-sculpting", true, true}}};
+
+constexpr std::chrono::milliseconds kWarmUp{500};  // of drawing before the first tick: an idle GPU has a low clock
+
+// Hands the answer to the hand; on the servo thread.
+class FeelingHand final : public OneHandQuery {
+ public:
+  FeelingHand(TouchBackend& backend, SculptingHand& hand) : backend_(backend), hand_(hand) {}
+
+  Contact answerTo(const Pose& pose, double budget_us) noexcept override {
+    const Contact contact = backend_.query(pose, budget_us);
+    hand_.felt(contact);
+    return contact;
+  }
+  void prepare() noexcept override { backend_.prepare(); }
+
+ private:
+  TouchBackend& backend_;
+  SculptingHand& hand_;
+};
+
+struct PictureSize {
+  std::uint32_t width = 0, height = 0, supersample = 1;
+};
+
+// Draws the cloud as fast as it goes, on a thread of its own, and follows the edits through the log, or over the host's
+// memory where another machine touches.
+class Sight {
+ public:
+  Sight(Device& device, const Model& model, TouchBackend& backend, const PictureSize& size, bool sculpts)
+      : device_(device),
+        backend_(backend),
+        sculpts_(sculpts),
+        drawn_(device, model.cloud,
+               {.spare = spareFor(backend.editScope(), model), .spacing = model.spacing, .edited = sculpts}),
+        frame_(device, size.width, size.height, size.supersample),
+        camera_(Camera::fitting(model.cloud, static_cast<double>(size.width) / size.height, 45,
+                                framingOf(model, model.upright.up))),
+        list_(device, device.throughputQueue(), "frame") {
+    EditLog* const log = backend.editLogOn(device);
+    if (sculpts && log)
+      reader_.emplace(*log);
+    else if (sculpts)
+      backend.keepEdits();
+    draw();  // pipelines are made ready at their first use
+    first_ = frame_.readColor();
+  }
+
+  // Returns once the GPU is warm; what is drawn from then on counts.
+  void begin() {
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      try {
+        Stopwatch session;
+        while (!stop.stop_requested()) {
+          if (!counts_) session = Stopwatch();
+          const Stopwatch watch;
+          follow();
+          const double follow_us = watch.elapsed_us();
+          draw();
+          if (!counts_) continue;
+          follow_ms_.push_back(1e-3 * follow_us);
+          picture_ms_.push_back(1e-3 * watch.elapsed_us());
+        }
+        duration_s_ = session.elapsed_s();
+      } catch (...) {
+        failure_ = std::current_exception();
+      }
+    });
+    std::this_thread::sleep_for(kWarmUp);
+    counts_ = true;
+  }
+  // Throws what went wrong on the thread.
+  void end() {
+    thread_ = {};
+    if (failure_) std::rethrow_exception(failure_);
+  }
+  // What it came to, once the last edit is out and reported.
+  SightPace pace() {
+    follow();
+    draw();
+    const Image last = frame_.readColor();
+    SightPace pace{.gpu = device_.name(),
+                   .pictures = picture_ms_.size(),
+                   .perSecond = static_cast<double>(picture_ms_.size()) / duration_s_,
+                   .picture_ms = summarize(std::move(picture_ms_)),
+                   .follow_ms = summarize(std::move(follow_ms_)),
+                   .statesSeen = statesSeen_};
+    for (std::size_t i = 0; i < last.rgba.size(); ++i) pace.changedPixels += last.rgba[i] != first_.rgba[i];
+    return pace;
+  }
+
+ private:
+  static std::uint32_t spareFor(const EditScope& scope, const Model& model) {
+    return scope.newPoints ? *scope.newPoints : HashUpdate::spareSlots(model.cloud.size());
+  }
+  void follow() {
+    if (!sculpts_) return;
+    if (reader_) {
+      statesSeen_ += drawn_.catchUp(*reader_);
+    } else {
+      batch_.clear();
+      backend_.takeEdits(batch_);
+      statesSeen_ += drawn_.catchUp(batch_.points);
+    }
+    drawn_.closeSurface();
+  }
+  void draw() {
+    list_.begin();
+    frame_.record(list_, drawn_, camera_, {});
+    list_.end();
+    device_.throughputQueue().run(list_);
+  }
+
+  Device& device_;
+  TouchBackend& backend_;
+  bool sculpts_;
+  DrawnCloud drawn_;
+  Frame frame_;
+  Camera camera_;
+  CommandList list_;
+  std::optional<EditLog::Reader> reader_;
+  EditBatch batch_;
+  Image first_;
+  std::vector<double> picture_ms_, follow_ms_;
+  double duration_s_ = 0;
+  std::uint64_t statesSeen_ = 0;
+  std::atomic<bool> counts_ = false;
+  std::exception_ptr failure_;
+  std::jthread thread_;
+};
+
+// What all strokes on one model share.
+struct Scene {
+  Context& context;
+  const Subject& subject;
+  const CoexistBenchOptions& options;
+  std::vector<SurfaceSpot> places;
+  Stroke stroke;
+};
+
+Coexistence touchIn(const Scene& scene, const Situation& situation, const std::string& queues) {
+  const CoexistBenchOptions& options = scene.options;
+  const Model& model = scene.subject.model;
+  BackendOptions way = options.backend;
+  way.backend = options.backends.front();
+  way.realtime = true;
+  if (!options.methods.empty()) way.method = options.methods.front();
+  SessionConfig config = sessionConfig(way, situation.sculpts ? std::optional(scene.stroke.brush) : std::nullopt);
+  config.rate_Hz = realtimeRate_Hz(options);
+  Session session = startSession(scene.context, model, config);
+  TouchBackend& backend = session.backend();
+  std::optional<Sight> sight;
+  if (situation.draws) {
+    const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+    const std::string& gpu = options.sightGpu;
+    sight.emplace(gpu.empty() ? scene.context.device() : scene.context.sightDevice(gpu), model, backend,
+                  PictureSize{width, height, options.samples > 1 ? 2u : 1u}, situation.sculpts);
+  }
+  SculptingHand hand(model, scene.places, scene.stroke, session.surface().radius);
+  FeelingHand feeling(backend, hand);
+  Coexistence found{.subject = scene.subject.name,
+                    .backend = way.backend,
+                    .queues = queues,
+                    .situation = std::string(situation.name),
+                    .points = model.cloud.size(),
+                    .rate_Hz = config.rate_Hz,
+                    .duration_s = options.duration_s};
+  const OpenHand open = hand.hand(plannedTicks(found.rate_Hz, found.duration_s), found.rate_Hz);
+  if (sight) sight->begin();
+  const ServoResult result = session.run({&open, 1}, {.query = &feeling});
+  if (sight) sight->end();
+  session.finish();
+
+  const TraceSummary trace = summarize(result.trace());
+  found.ticks = trace.ticks;
+  found.contactTicks = trace.contactTicks;
+  found.missedTicks = trace.missedTicks;
+  found.freshShare = trace.freshFraction;
+  found.step_us = trace.step_us;
+  found.realtimePriority = result.realtimePriority;
+  found.lateP999_us = result.late_us.quantile_us(0.999);
+  found.lateMost_us = result.late_us.max_us();
+  found.edits = backend.editTimes_us().size();
+  const TouchShortfalls& shortfalls = backend.shortfalls();
+  found.leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
+  found.statesMade = backend.editCosts().states;
+  if (situation.sculpts) found.brushRadius_mm = scene.stroke.brush.radius_mm;
+  if (sight) found.sight = sight->pace();
+  return found;
+}
+
+std::vector<Situation> situationsOf(const CoexistBenchOptions& options) {
+  std::vector<Situation> situations;
+  for (const Situation& situation : kSituations)
+    if (std::ranges::find(options.situations, situation.name) != options.situations.end())
+      situations.push_back(situation);
+  return situations;
+}
+
+Json benchCoexist(Context& context, const CoexistBenchOptions& options) {
+  if (options.backends.size() != 1) throw UsageError("bench coexist: one --backend, vulkan or cpu");
+  const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  Frame::checkSize(width, height);
+  // The CPU has no queues to share.
+  const std::size_t arrangements = options.wants("cpu") ? 1 : options.queues.size();
+  std::vector<Coexistence> all;
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
+    const Subject subject = makeOne(context);
+    const std::vector<SurfaceSpot> places = sculptingPlaces(subject.model);
+    const auto touched = static_cast<std::size_t>(options.touched);
+    const Scene scene{
+        context, subject, options, places,
+        strokeThatReaches(touched, BrushKind::push, subject.model, places.front(), realtimeRate_Hz(options))};
+    for (const std::string& queues : std::span(options.queues).first(arrangements)) {
+      context.arrange(*valueNamed(kQueueArrangements, queues));
+      for (const Situation& situation : situationsOf(options)) {
+        context.log().say("coexist: {}, {} points, {} queues, {}", subject.name, subject.model.cloud.size(), queues,
+                          situation.name);
+        all.push_back(touchIn(scene, situation, queues));
+      }
+    }
+  }
+  fmt::print(context.tables(),
+             "\ncoexist, {} x {}, samples of a pixel: {}; {:g} ticks per second, us from pose to force\n", width,
+             height, options.samples, realtimeRate_Hz(options));
+  printCoexistences(context.tables(), all);
+  Json result{{"size", {width, height}}, {"samples", options.samples}, {"rows", Json::array()}};
+  for (const Coexistence& found : all) result["rows"].push_back(toJson(found));
+  return result;
+}
+
+void addOptions(Options& bench, CoexistBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  for (const Situation& situation : kSituations) options.situations.emplace_back(situation.name);
+  options.queues = namesOf(kQueueArrangements);
+  addListOption(
+      bench, "--queues", options.queues,
+      "how touch and sight share a GPU: separate queues, touch first; the same without priorities; or one and "
+      "the same queue; several are compared");
+  addListOption(bench, "--situations", options.situations,
+                "touch alone or beside a cloud that is drawn, and with or without sculpting");
+  bench.add("--touched", options.touched, "points that an edit is to touch; the brush is as large as that takes")
+      .check(wholeBetween(1, 1e8))
+      .showDefault();
+  bench.add("--duration", options.duration_s, "of each stroke, s")
+      .check(between(bounds::kShortest_s, bounds::kLongest_s))
+      .showDefault();
+  addRateOption(bench, options);
+  bench.add("--size", options.size, "of the pictures, width x height, pixels").showDefault();
+  addSamplesOption(bench, options.samples);
+  bench.add("--sight-gpu", options.sightGpu,
+            "draw on this GPU, by number or part of its name; edits get there through the host");
+  addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits
+  addMethodsOption(bench, options, "how neighbours are found (default: fused)");
+  addRadiusOption(bench, options.backend);
+  addIndexOptions(bench, options.backend);
+}
+
+}  // namespace
+
+void addCoexistBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("coexist", "touch beside pictures that are drawn as fast as they go");
+  const auto options = std::make_shared<CoexistBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(sub, *options);
+  sub.footer(
+      "A brush slides over the surface in real time (at 1000 ticks per second unless --rate says otherwise), alone and "
+      "beside a thread that draws one picture after another, and sculpts or not; on 1, 5 and 20 million points unless "
+      "--sizes or --models say otherwise. Tables of us from pose to force, missed ticks, pictures per second and ms "
+      "that a picture takes.\n");
+  sub.whenNamed([&, options] {
+    if (options->sizes.empty() && options->models.empty()) options->sizes = {1'000'000, 5'000'000, 20'000'000};
+    command = [&context, options] {
+      measureAlone(context, *options, "coexist", [&] { return benchCoexist(context, *options); });
+    };
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,221 @@
+#include "apps/bench/edit_cost.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "apps/bench/bench.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string times(const Summary& s) {
+  if (s.count == 0) return "–";
+  const int decimals = s.p999 < 1e4 ? 1 : 0;
+  return fmt::format("{:.{}f} / {:.{}f}", s.p50, decimals, s.p999, decimals);
+}
+
+struct Column {
+  const char* title;
+  int width;
+  std::function<std::string(const EditCost&)> text;
+};
+
+void print(std::FILE* out, const std::string& title, const std::vector<Column>& columns,
+           const std::vector<EditCost>& costs) {
+  fmt::print(out, "\n{}\n", title);
+  for (const Column& column : columns) fmt::print(out, "{:>{}}", column.title, column.width);
+  fmt::print(out, "\n");
+  for (const EditCost& cost : costs) {
+    for (const Column& column : columns) fmt::print(out, "{:>{}}", column.text(cost), column.width);
+    fmt::print(out, "\n");
+  }
+}
+
+std::vector<Column> commonColumns() {
+  return {{"model", 18, [](const EditCost& c) { return c.subject; }},
+          {"points", 11, [](const EditCost& c) { return fmt::format("{}", c.points); }},
+          {"asked", 8, [](const EditCost& c) { return fmt::format("{}", c.asked); }},
+          {"touched", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.touched.p50); }},
+          {"index", 13, [](const EditCost& c) { return c.index; }}};
+}
+
+std::vector<Column> with(std::vector<Column> columns, std::initializer_list<Column> more) {
+  columns.insert(columns.end(), more);
+  return columns;
+}
+
+// What was measured in virtual time, or in real time.
+std::vector<EditCost> only(const std::vector<EditCost>& costs, bool realtime) {
+  std::vector<EditCost> chosen;
+  std::ranges::copy_if(costs, std::back_inserter(chosen),
+                       [&](const EditCost& cost) { return cost.stroke.has_value() == realtime; });
+  return chosen;
+}
+
+// One of so many updates may have needed a build: their median is still that of updates.
+constexpr std::uint64_t kUpdatesPerBuild = 10;
+
+// Share of the points touched, time with an update, time with a build.
+struct Duel {
+  double share, update_us, build_us;
+  double logRatio() const { return std::log(update_us / build_us); }
+};
+
+std::vector<Duel> duels(const std::vector<EditCost>& costs, const std::string& subject, std::size_t points) {
+  std::vector<Duel> all;
+  for (const EditCost& update : costs)
+    for (const EditCost& build : costs)
+      if (update.subject == subject && update.points == points && build.subject == subject && build.points == points &&
+          update.asked == build.asked && update.index == "incremental" && build.index == "rebuild" &&
+          kUpdatesPerBuild * update.builds <= update.edits && update.edit_us.count > 0 && build.edit_us.count > 0)
+        all.push_back({update.touched.p50 / static_cast<double>(points), update.edit_us.p50, build.edit_us.p50});
+  std::ranges::sort(all, {}, &Duel::share);
+  return all;
+}
+
+}  // namespace
+
+std::vector<EditCrossover> crossovers(const std::vector<EditCost>& costs) {
+  std::map<std::pair<std::size_t, std::string>, EditCrossover> byModel;
+  for (const EditCost& cost : costs) {
+    const std::vector<Duel> all = duels(costs, cost.subject, cost.points);
+    if (all.empty()) continue;
+    EditCrossover& result = byModel[{cost.points, cost.subject}];
+    result = {.subject = cost.subject, .points = cost.points, .share = all.back().share};
+    for (std::size_t i = 0; i < all.size() && !result.found; ++i) {
+      if (all[i].logRatio() < 0) continue;
+      result.found = true;
+      result.share = all[i].share;
+      if (i == 0) continue;  // dearer from the smallest edit on
+      // Both times are near to powers of the share between two measurements.
+      const double before = all[i - 1].logRatio(), at = before / (before - all[i].logRatio());
+      result.share = all[i - 1].share * std::pow(all[i].share / all[i - 1].share, at);
+    }
+  }
+  std::vector<EditCrossover> results;
+  for (const auto& [model, crossover] : byModel) results.push_back(crossover);
+  return results;
+}
+
+std::vector<EditGrowth> growths(const std::vector<EditCost>& costs) {
+  std::map<std::pair<std::size_t, std::string>, std::pair<const EditCost*, const EditCost*>> ends;
+  for (const EditCost& cost : costs) {
+    auto& [least, most] = ends[{cost.asked, cost.index}];
+    if (!least || cost.points < least->points) least = &cost;
+    if (!most || cost.points > most->points) most = &cost;
+  }
+  std::vector<EditGrowth> results;
+  for (const auto& [key, end] : ends)
+    if (end.first->points < end.second->points && end.first->step_us.p50 > 0)
+      results.push_back({.index = key.second,
+                         .asked = key.first,
+                         .from = end.first->points,
+                         .to = end.second->points,
+                         .factor = end.second->step_us.p50 / end.first->step_us.p50});
+  return results;
+}
+
+void printEditTables(std::FILE* out, const std::vector<EditCost>& costs) {
+  const auto paced = only(costs, false), realtime = only(costs, true);
+  if (!paced.empty()) {
+    print(out, fmt::format("edited step, {}; us, median / p99.9", paced.front().brush),
+          with(commonColumns(),
+               {{"query, GPU", 19, [](const EditCost& c) { return times(c.query_us); }},
+                {"edit, GPU", 19, [](const EditCost& c) { return times(c.edit_us); }},
+                {"both", 19, [](const EditCost& c) { return times(c.indexed_us); }},
+                {"then requests, GPU", 19, [](const EditCost& c) { return times(c.requests_us); }},
+                {"step, in all", 19, [](const EditCost& c) { return times(c.step_us); }},
+                {"edits", 7, [](const EditCost& c) { return fmt::format("{}", c.edits); }},
+                {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
+                {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
+                {"step that compacts", 21, [](const EditCost& c) { return times(c.compactingStep_us); }},
+                {"index MiB", 11,
+                 [](const EditCost& c) {
+                   return fmt::format("{:.1f}", static_cast<double>(c.memory.ofIndex()) / (1 << 20));
+                 }},
+                {"/ plain", 9, [](const EditCost& c) { return fmt::format("{:.2f}", c.memory.overPlain()); }}}),
+          paced);
+    for (const EditGrowth& growth : growths(paced))
+      fmt::print(out, "{}, {} asked: a step on {} points takes {:.2f} times one on {}\n", growth.index, growth.asked,
+                 growth.to, growth.factor, growth.from);
+    for (const EditCrossover& crossover : crossovers(paced))
+      fmt::print(out, "{}, {} points: a full build is cheaper from {}{:.2g} of the points on\n", crossover.subject,
+                 crossover.points, crossover.found ? "" : "more than ", crossover.share);
+  }
+  if (realtime.empty()) return;
+  const EditStroke& stroke = *realtime.front().stroke;
+  print(out,
+        fmt::format("pose to force while sculpting, {}; {:g} s at {:g} Hz; us, median / p99.9", realtime.front().brush,
+                    stroke.duration_s, stroke.rate_Hz),
+        with(commonColumns(),
+             {{"step", 19, [](const EditCost& c) { return times(c.step_us); }},
+              {"p99", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.step_us.p99); }},
+              {"edit", 19, [](const EditCost& c) { return times(c.edit_us); }},
+              {"then requests", 19, [](const EditCost& c) { return times(c.requests_us); }},
+              {"edits/s", 9, [](const EditCost& c) { return fmt::format("{:.0f}", c.stroke->editsPerSecond); }},
+              {"fresh", 8, [](const EditCost& c) { return fmt::format("{:.1f} %", 100 * c.stroke->freshShare); }},
+              {"left out", 10, [](const EditCost& c) { return fmt::format("{}", c.stroke->leftOut); }},
+              {"held up", 9, [](const EditCost& c) { return fmt::format("{}", c.stroke->heldUp); }},
+              {"missed", 8, [](const EditCost& c) { return fmt::format("{}", c.stroke->missedTicks); }},
+              {"builds", 8, [](const EditCost& c) { return fmt::format("{}", c.builds); }},
+              {"compactions", 13, [](const EditCost& c) { return fmt::format("{}", c.compactions); }},
+              {"step meanwhile", 19, [](const EditCost& c) { return times(c.compactingStep_us); }},
+              {"longest end", 13,
+               [](const EditCost& c) {
+                 return c.compactions ? fmt::format("{:.1f}", c.longestCompactionEnd_us) : std::string("–");
+               }}}),
+        realtime);
+}
+
+Json toJson(const EditCost& cost) {
+  Json json{{"subject", cost.subject},
+            {"points", cost.points},
+            {"brush", cost.brush},
+            {"index", cost.index},
+            {"asked", cost.asked},
+            {"tool_radius_mm", cost.brushRadius_mm},
+            {"spacing_mm", cost.spacing_mm},
+            {"touched", summaryOf(cost.touched)},
+            {"query_us", summaryOf(cost.query_us)},
+            {"edit_us", summaryOf(cost.edit_us)},
+            {"query_and_edit_us", summaryOf(cost.indexed_us)},
+            {"requests_us", summaryOf(cost.requests_us)},
+            {"step_us", summaryOf(cost.step_us)},
+            {"edits", cost.edits},
+            {"builds", cost.builds},
+            {"compactions", cost.compactions},
+            {"compacting_step_us", summaryOf(cost.compactingStep_us)},
+            {"longest_compaction_end_us", cost.longestCompactionEnd_us},
+            {"landings", cost.landings},
+            {"memory",
+             {{"points_bytes", cost.memory.edited.points},
+              {"index_bytes", cost.memory.edited.index},
+              {"lists_bytes", cost.memory.edited.lists},
+              {"plain_bytes", cost.memory.plain},
+              {"over_plain", cost.memory.overPlain()}}}};
+  if (const auto& stroke = cost.stroke)
+    json["stroke"] = {{"rate_Hz", stroke->rate_Hz},          {"duration_s", stroke->duration_s},
+                      {"fresh_share", stroke->freshShare},   {"edits_per_s", stroke->editsPerSecond},
+                      {"missed_ticks", stroke->missedTicks}, {"left_out_edits", stroke->leftOut},
+                      {"held_up_edits", stroke->heldUp}};
+  return json;
+}
+
+Json toJson(const EditCrossover& crossover) {
+  return {{"subject", crossover.subject},
+          {"points", crossover.points},
+          {"share", crossover.share},
+          {"found", crossover.found}};
+}
+
+Json toJson(const EditGrowth& growth) {
+  return {{"index", growth.index},
+          {"asked", growth.asked},
+          {"from_points", growth.from},
+          {"to_points", growth.to},
+          {"factor", growth.factor}};
+}
+
+}  // namespace palpate

@@ -1,0 +1,37 @@
+// What `bench locality` finds: one record for each stroke, a table of them, and which promises of an edit they break.
+#pragma once
+
+#include "apps/cli/context.hpp"
+#include "engine/cloud/edit_judge.hpp"
+
+namespace palpate {
+
+/// A brush without effect pressed into the surface: nothing may come of it.
+struct IdleRecord {
+  std::size_t ticks = 0;  ///< in which the brush acted
+  std::size_t moved = 0, inserted = 0, removed = 0;
+
+  bool changed() const { return moved + inserted + removed > 0; }
+};
+
+struct StrokeRecord {
+  std::string subject, backend, brush, gesture;
+  std::size_t points = 0;
+  double spacing_mm = 0, radius_mm = 0, brushRadius_mm = 0;  ///< radius_mm: support radius of the edits
+  std::size_t ticks = 0, acting = 0;                         ///< of the stroke; of these, in which the brush acted
+  std::size_t settling = 0;                                 ///< ticks in the air until the last change
+  bool settled = true;                                      ///< false: it still changed when we stopped looking
+  bool carves = false;
+  IdleRecord before, after;  ///< presses on the unmoved cloud, and at the settled one
+  EditVerdict verdict;
+
+  /// In words, those of EditVerdict among them; empty when nothing is.
+  std::vector<std::string_view> broken() const;
+};
+Json toJson(const StrokeRecord& record);
+
+/// A table, row by row: a stroke may take minutes.
+void printStrokeHeading(std::FILE* out);
+void printStroke(std::FILE* out, const StrokeRecord& record);
+
+}  // namespace palpate

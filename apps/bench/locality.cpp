@@ -1,0 +1,335 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/edit_locality.hpp"
+#include "apps/bench/sculpting_hand.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/uneven_clouds.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "haptics/surface_walk.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRate_Hz = 1000;
+constexpr double kAbove_mm = 3, kDown_mm_per_s = 25, kAlong_mm_per_s = 50;
+constexpr double kSlide_mm = 20, kStep_mm = 0.5;
+constexpr int kDirections = 8;
+constexpr double kTau_mm = 0.5, kBeta = 0.1, kStrength = 0.5;  // as in touch
+constexpr std::size_t kIdleTicks = 100;
+constexpr double kIdleDeeper_mm = 1;  // than the stroke, so that the brush acts in what that has left
+constexpr std::size_t kMostSettling = 400, kQuiet = 24, kDrain = 8;  // ticks
+constexpr std::int64_t kUsualPoints = 15'000;
+
+struct LocalityBenchOptions : BenchOptions {
+  std::vector<std::string> clouds, brushes, gestures{"press", "slide"};
+  double hold_s = 2, brushRadius_mm = 3, depth_mm = 3;
+};
+
+struct LocalitySubject {
+  std::string name;
+  Model model;
+  std::vector<SurfaceSpot> way;  // of a slide, from the place of the press on; relative to the cloud's origin
+};
+
+std::vector<SurfaceSpot> wayFrom(const ThinnedCloud& surface, const SurfaceSpot& start, const DVec3& towards,
+                                 const ModelScale& scale) {
+  std::vector<SurfaceSpot> way{start};
+  const auto spots =
+      walk(surface, start, towards, scale.toUnits(kStep_mm), static_cast<std::size_t>(kSlide_mm / kStep_mm));
+  way.insert(way.end(), spots.begin(), spots.end());
+  return way;
+}
+
+// Of a few directions the one along which the surface goes on and turns least.
+std::vector<SurfaceSpot> wayOn(const Model& model) {
+  const WalkedSurface surface(model.cloud);
+  const SurfaceSpot& start = surface.best;
+  const Frame3 frame = frameAround(start.normal);
+  std::vector<SurfaceSpot> best;
+  double most = -1e9;
+  for (int k = 0; k < kDirections; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kDirections;
+    auto way = wayFrom(surface.points, start, std::cos(angle) * frame.u + std::sin(angle) * frame.v, model.scale);
+    double score = 0;
+    for (const SurfaceSpot& spot : way) score += spot.supported ? glm::dot(spot.normal, start.normal) : -4;
+    if (score <= most) continue;
+    most = score;
+    best = std::move(way);
+  }
+  return best;
+}
+
+LocalitySubject fileSubject(Context& context, const std::string& file, EstimateOn where) {
+  LocalitySubject subject{.name = std::filesystem::path(file).stem().string(),
+                          .model = loadModel(context, {.file = file}, where),
+                          .way = {}};
+  subject.way = wayOn(subject.model);
+  return subject;
+}
+
+LocalitySubject unevenSubject(Context& context, const std::string& name, std::size_t count) {
+  UnevenCloud uneven = makeUnevenCloud(name, count);
+  LocalitySubject subject{.name = name, .model = {.cloud = std::move(uneven.cloud), .scale = {1}}, .way = {}};
+  const SpacingRange spacing = spacingRange(subject.model.cloud, context.threads());
+  subject.model.spacing = spacing.mean;
+  subject.model.wideSpacing = spacing.wide;
+  subject.model.noise = spacing.noise;
+  subject.way = wayFrom(ThinnedCloud(subject.model.cloud, kWalkedPoints),
+                        {.position = uneven.place, .normal = uneven.normal}, uneven.towards, subject.model.scale);
+  return subject;
+}
+
+// Where the HIP is in each tick; relative to the cloud's origin.
+class HipWay {
+ public:
+  explicit HipWay(const DVec3& start) : hips_{start} {}
+
+  void moveTo(const DVec3& end, double speed) {  // units per second
+    const DVec3 start = hips_.back();
+    const auto ticks = static_cast<int>(std::ceil(glm::distance(start, end) / speed * kRate_Hz));
+    for (int k = 1; k <= ticks; ++k) hips_.push_back(start + (static_cast<double>(k) / ticks) * (end - start));
+  }
+  void rest(std::size_t ticks) { hips_.insert(hips_.end(), ticks, hips_.back()); }
+  const std::vector<DVec3>& hips() const { return hips_; }
+
+ private:
+  std::vector<DVec3> hips_;
+};
+
+std::vector<DVec3> pressHips(const LocalitySubject& subject, double depth_mm, std::size_t restTicks) {
+  const ModelScale& scale = subject.model.scale;
+  const SurfaceSpot& spot = subject.way.front();
+  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
+  way.moveTo(spot.position - scale.toUnits(depth_mm) * spot.normal, scale.toUnits(kDown_mm_per_s));
+  way.rest(restTicks);
+  return way.hips();
+}
+
+std::vector<DVec3> slideHips(const LocalitySubject& subject, double depth_mm) {
+  const ModelScale& scale = subject.model.scale;
+  const SurfaceSpot& spot = subject.way.front();
+  HipWay way(spot.position + scale.toUnits(kAbove_mm) * spot.normal);
+  for (const SurfaceSpot& next : subject.way)
+    way.moveTo(next.position - scale.toUnits(depth_mm) * next.normal,
+               scale.toUnits(&next == &subject.way.front() ? kDown_mm_per_s : kAlong_mm_per_s));
+  return way.hips();
+}
+
+// The brush of a stroke, or, `idle`, the same without any effect.
+BrushConfig brushFor(BrushKind kind, const LocalityBenchOptions& options, bool idle) {
+  return {.kind = kind,
+          .tau_mm = kTau_mm,
+          .beta = idle ? 0 : kBeta,
+          .radius_mm = options.brushRadius_mm,
+          .strength = idle ? 0 : kStrength};
+}
+
+// Moves the brush of a session that keeps a journal, in virtual time, and follows what becomes of the points.
+class Play {
+ public:
+  explicit Play(Session& session) : session_(session), origin_(session.model().cloud.origin) {}
+
+  std::span<const PointState> points() { return session_.journal()->points(); }
+  /// Of the brush's ball, tick by tick, since the last call of begin().
+  const std::vector<DVec3>& centers() const { return centers_; }
+
+  void begin(const BrushConfig& brush) {
+    session_.setBrush(brush);
+    brush_ = brushOptions(brush, session_.model().scale);
+    centers_.clear();
+  }
+  void follow(const std::vector<DVec3>& hips) {
+    for (const DVec3& hip : hips) tick(hip);
+    finish();
+  }
+  /// Lifts the hand to `hip` and waits until nothing changes any more: how many ticks that took, and whether it came.
+  std::pair<std::size_t, bool> settle(const DVec3& hip) {
+    std::size_t last = 0;
+    for (std::size_t ticks = 0; ticks < kMostSettling; ticks += kDrain) {
+      if (ticks - last >= kQuiet) return {last, true};
+      std::size_t states = 0;
+      for (std::size_t k = 0; k < kDrain; ++k) states += tick(hip);
+      states += finish();
+      if (states > 0) last = ticks + kDrain;
+    }
+    return {last, false};
+  }
+
+ private:
+  std::size_t tick(const DVec3& hip) {
+    TouchBackend& backend = session_.backend();
+    const Contact contact =
+        backend.query({.time_s = static_cast<double>(ticks_++) / kRate_Hz, .hip = origin_ + hip}, 0);
+    if (!contact.valid) backend.finish();  // throws what was wrong
+    backend.prepare();
+    const DVec3 spring = contact.proxy - origin_ - hip;
+    const double depth = glm::length(spring);
+    // As engine/core/brush.hpp has it: a ball whose tip stands tau before the HIP, or one about the proxy.
+    const bool tip = brush_.kind == BrushKind::push || brush_.kind == BrushKind::carve;
+    if (contact.touching && depth > brush_.tau)
+      centers_.push_back(hip + (tip ? (brush_.tau + brush_.radius) / depth * spring : spring));
+    return ticks_ % kDrain == 0 ? drain() : 0;
+  }
+  std::size_t finish() {
+    session_.finish();
+    return session_.relay().batch().points.size();
+  }
+  std::size_t drain() {
+    session_.relay().catchUp();
+    return session_.relay().batch().points.size();
+  }
+
+  Session& session_;
+  DVec3 origin_;
+  BrushOptions brush_;
+  std::vector<DVec3> centers_;
+  std::uint64_t ticks_ = 0;
+};
+
+IdleRecord pressIdly(Play& play, const LocalitySubject& subject, const BrushConfig& idle, double depth_mm) {
+  const std::vector<PointState> before(play.points().begin(), play.points().end());
+  play.begin(idle);
+  play.follow(pressHips(subject, depth_mm, kIdleTicks));
+  play.settle(subject.way.front().position + subject.model.scale.toUnits(2 * kAbove_mm) * subject.way.front().normal);
+  const auto after = play.points();
+  IdleRecord record{.ticks = play.centers().size()};
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const bool wasThere = i < before.size() && !before[i].gone();
+    record.inserted += !wasThere && !after[i].gone();
+    record.removed += wasThere && after[i].gone();
+    record.moved += wasThere && !after[i].gone() && after[i].position != before[i].position;
+  }
+  return record;
+}
+
+StrokeRecord playStroke(Context& context, const LocalitySubject& subject, EditJudge& judge, const StrokeRecord& what,
+                        const LocalityBenchOptions& options) {
+  const Model& model = subject.model;
+  const BrushKind kind = *valueNamed(kBrushKinds, what.brush);
+  const BrushConfig brush = brushFor(kind, options, false), idle = brushFor(kind, options, true);
+  BackendOptions way = options.backend;
+  way.backend = what.backend;
+  Session session = startSession(context, model, sessionConfig(way, brush), true);
+  const double support = session.surface().radius / session.surface().widening;  // edits are narrow
+
+  StrokeRecord record = what;
+  record.points = model.cloud.size();
+  record.spacing_mm = model.scale.toMm(model.spacing);
+  record.radius_mm = model.scale.toMm(support);
+  record.brushRadius_mm = options.brushRadius_mm;
+  record.carves = kind == BrushKind::carve;
+  Play play(session);
+  record.before = pressIdly(play, subject, idle, options.depth_mm);
+
+  const auto hips = what.gesture == "press"
+                        ? pressHips(subject, options.depth_mm, static_cast<std::size_t>(options.hold_s * kRate_Hz))
+                        : slideHips(subject, options.depth_mm);
+  play.begin(brush);
+  play.follow(hips);
+  record.ticks = hips.size();
+  const std::vector<DVec3> centers = play.centers();
+  record.acting = centers.size();
+  const SurfaceSpot& end = what.gesture == "press" ? subject.way.front() : subject.way.back();
+  play.begin(idle);  // the lifted hand may stand in another part of the model
+  std::tie(record.settling, record.settled) =
+      play.settle(end.position + model.scale.toUnits(2 * kAbove_mm) * end.normal);
+  record.verdict = judge.judge(play.points(), {.centers = centers,
+                                               .radius = model.scale.toUnits(brush.radius_mm),
+                                               .support = support,
+                                               .carves = record.carves,
+                                               .pushes = kind == BrushKind::push});
+  record.after = pressIdly(play, subject, idle, options.depth_mm + kIdleDeeper_mm);
+  return record;
+}
+
+Json benchLocality(Context& context, const LocalityBenchOptions& options) {
+  const EstimateOn where = options.wants("vulkan") ? EstimateOn::gpu : EstimateOn::cpu;
+  std::vector<std::function<LocalitySubject()>> subjects;
+  for (const std::string& file : options.models)
+    subjects.emplace_back([&context, file, where] { return fileSubject(context, file, where); });
+  const std::vector<std::int64_t> sizes = options.sizes.empty() ? std::vector{kUsualPoints} : options.sizes;
+  for (const std::int64_t size : sizes)
+    for (const std::string& cloud : options.clouds)
+      if (cloud != "none")
+        subjects.emplace_back(
+            [&context, cloud, size] { return unevenSubject(context, cloud, static_cast<std::size_t>(size)); });
+  if (subjects.empty()) throw UsageError("bench locality: --clouds none and no --models leave nothing to edit");
+  std::size_t broken = 0;
+  Json strokes = Json::array();
+  printStrokeHeading(context.tables());
+  for (const auto& makeOne : subjects) {
+    const LocalitySubject subject = makeOne();
+    EditJudge judge(subject.model.cloud);
+    for (const std::string& backend : options.backends)
+      for (const std::string& brush : options.brushes)
+        for (const std::string& gesture : options.gestures) {
+          context.log().say("locality: {}, {} points, {}, {}, {}", subject.name, subject.model.cloud.size(), backend,
+                            brush, gesture);
+          const StrokeRecord record =
+              playStroke(context, subject, judge,
+                         {.subject = subject.name, .backend = backend, .brush = brush, .gesture = gesture}, options);
+          broken += !record.broken().empty();
+          strokes.push_back(toJson(record));
+          printStroke(context.tables(), record);
+        }
+  }
+  return {{"strokes", std::move(strokes)}, {"broken", broken}};
+}
+
+void addOptions(Options& bench, LocalityBenchOptions& options) {
+  bench.add("--models,--model", options.models, cloudFormats().namesRead() + " files").typeName("FILE...");
+  bench.add("--sizes", options.sizes, "points of the built-in clouds (default: 15000)")
+      .check(wholeBetween(1, 2e9))
+      .typeName("N...");
+  for (const std::string_view name : unevenCloudNames()) options.clouds.emplace_back(name);
+  std::vector<std::string> clouds = options.clouds;
+  clouds.emplace_back("none");
+  bench.add("--clouds", options.clouds, "built-in uneven clouds of --sizes points, or none of them but --models")
+      .check(oneOf(std::move(clouds)))
+      .separatedBy(',')
+      .showDefault();
+  options.brushes = namesOf(kBrushKinds);
+  addListOption(bench, "--brushes", options.brushes, "which are tried");
+  addListOption(bench, "--gestures", options.gestures, "a press that is held, a slide of 20 mm");
+  bench.add("--hold", options.hold_s, "s that a press is held").check(between(0, 60)).showDefault();
+  bench.add("--tool-radius", options.brushRadius_mm, "of the brush, mm")
+      .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
+      .showDefault();
+  bench.add("--depth", options.depth_mm, "of the HIP below the unmoved surface, mm")
+      .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
+      .showDefault();
+  addFrictionOption(bench, options);
+  options.backends = {"vulkan", "cpu"};
+  addBackendsOption(bench, options, {"vulkan", "cpu"});  // cuda does not report its edits
+  addRadiusOption(bench, options.backend);
+  addIndexOptions(bench, options.backend);
+}
+
+}  // namespace
+
+void addLocalityBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("locality", "judges what an edit changes that it may not");
+  const auto options = std::make_shared<LocalityBenchOptions>();
+  options->backend.surface = "average";
+  addOptions(sub, *options);
+  sub.footer(
+      "Each brush, a press that is held and a slide; then the hand is lifted until nothing changes. Points that moved "
+      "or went beyond the brush's radius from its way, new ones beyond that and a support radius, or nearer than 0.4 "
+      "spacings of their place to another, or, carving, outside the old surface; normals that face the other way; "
+      "changes by a brush without effect, before and after. Exit code 1 when an edit changed what it may not.\n");
+  sub.whenNamed([&, options] {
+    command = [&context, options] {
+      const Json found = measureAlone(context, *options, "locality", [&] { return benchLocality(context, *options); });
+      if (found["broken"].get<std::uint64_t>() > 0)
+        throw Error("bench locality: {} of {} strokes changed what an edit may not; the table says what",
+                    found["broken"].get<std::uint64_t>(), found["strokes"].size());
+    };
+  });
+}
+
+}  // namespace palpate

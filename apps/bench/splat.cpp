@@ -1,0 +1,391 @@
+#include <algorithm>
+#include <map>
+
+#include "apps/bench/bench.hpp"
+#include "apps/bench/picture_judge.hpp"
+#include "apps/bench/picture_way.hpp"
+#include "apps/cli/look.hpp"
+#include "apps/cli/parse_list.hpp"
+#include "apps/cli/picture.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/thinning.hpp"
+#include "engine/gpu/workgroup_watch.hpp"
+#include "engine/io/triangle_mesh_file.hpp"
+#include "shaders/watched.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct SplatBenchOptions : WayOptions {
+  std::string size = "1280x720";             // of the pictures
+  std::uint32_t samples = 4;                 // of a pixel
+  std::vector<std::uint32_t> smooths_px{0};  // FrameOptions::smooth_px
+  std::vector<std::string> shapes, conditions;
+  std::string truthFile;  // the mesh that the model is a scan of
+  bool quick = false;
+};
+
+// Of a frame, ms: on the GPU, by pass and in all, and from its submission until the picture is there.
+struct FrameTimes {
+  std::vector<std::pair<std::string, Summary>> passes;
+  Summary gpu_ms, wall_ms;
+};
+
+struct SplatCost {
+  std::string subject, raster;
+  std::size_t points = 0;
+  FrameTimes times;
+  Summary made_ms;                          ///< on the GPU, of a mesh
+  std::uint64_t bytes = 0;                  ///< of what is drawn and the frame's images
+  std::vector<WorkgroupWatch::Life> lives;  ///< of its workgroups, by pass; none where the GPU has no clock
+
+  double fps() const { return times.wall_ms.p50 > 0 ? 1000 / times.wall_ms.p50 : 0; }
+  /// Where the points move, a mesh comes anew with each picture.
+  double fpsRemeshed() const { return fps() > 0 ? 1000 / (times.wall_ms.p50 + made_ms.p50) : 0; }
+};
+
+struct SplatQuality {
+  std::string shape, condition, raster;
+  std::uint32_t smooth_px = 0;
+  std::size_t points = 0;
+  double spacing = 0;
+  PictureJudgement picture;
+  std::optional<SplatCost> cost;  ///< of the same picture, shaded; where meshes are compared
+};
+
+struct Condition {
+  std::string_view name;
+  double thinning;  ///< density at one end over that at the other
+};
+constexpr std::array<Condition, 2> kConditions{{{"clean", 1}, {"uneven", 10}}};
+constexpr std::array<std::string_view, 4> kShapes{"sphere", "torus", "bumpy-sphere", "cube"};
+
+FrameTimes measureFrames(Device& device, Frame& frame, const PictureWay& way, const Camera& camera,
+                         const SplatBenchOptions& options) {
+  FrameTimes times;
+  CommandList list(device, device.throughputQueue(), "frame", CommandList::Timing::passes);
+  list.begin();
+  way.record(frame, list, camera, {});
+  list.end();
+  device.throughputQueue().run(list);  // pipelines are made ready at their first use
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> passes;
+  std::vector<double> gpu, wall;
+  repeatMeasurement(options, [&](std::int64_t) {
+    const Stopwatch watch;
+    device.throughputQueue().run(list);
+    wall.push_back(1e-3 * watch.elapsed_us());
+    double sum = 0;
+    std::map<std::string, double> each;  // small and large splats are walked by one name
+    for (const PassRecord& pass : list.passes()) {
+      if (std::ranges::find(names, pass.name) == names.end()) names.push_back(pass.name);
+      each[pass.name] += 1e-3 * pass.gpu_us;
+      sum += 1e-3 * pass.gpu_us;
+    }
+    for (const auto& [name, ms] : each) passes[name].push_back(ms);
+    gpu.push_back(sum);
+  });
+  for (const std::string& name : names) times.passes.emplace_back(name, summarize(passes[name]));
+  times.gpu_ms = summarize(gpu);
+  times.wall_ms = summarize(wall);
+  return times;
+}
+
+// How long the workgroups of a picture live: what touch may have to wait for.
+std::vector<WorkgroupWatch::Life> livesOf(Device& device, const DrawnCloud& drawn, const Camera& camera,
+                                          const UVec2& size, std::uint32_t supersample) {
+  if (!WorkgroupWatch::isPossible(device)) return {};
+  constexpr int kPictures = 20;
+  const WorkgroupWatch watch(device, shader_code::watched);
+  Frame frame(device, size.x, size.y, supersample);
+  CommandList list(device, device.throughputQueue(), "watched frame");
+  list.begin();
+  frame.record(list, drawn, camera, {});
+  list.end();
+  for (int picture = 0; picture < kPictures; ++picture) device.throughputQueue().run(list);
+  return watch.longest();
+}
+
+SplatCost costOf(Context& context, const std::string& subject, const Model& model, const PictureWay& way,
+                 const Camera& camera, const UVec2& size, const SplatBenchOptions& options) {
+  Device& device = context.device();
+  const std::uint64_t before = device.allocatedBytes();
+  const std::uint32_t supersample = options.samples > 1 ? 2 : 1;
+  Frame frame(device, size.x, size.y, supersample);
+  SplatCost cost{.subject = subject, .raster = way.name, .points = model.cloud.size(), .made_ms = way.made_ms};
+  cost.times = measureFrames(device, frame, way, camera, options);
+  cost.bytes = way.bytes + device.allocatedBytes() - before;
+  if (way.name == "compute") cost.lives = livesOf(device, *way.discs, camera, size, supersample);
+  return cost;
+}
+
+PictureJudgement judge(Device& device, const PictureTruth& truth, const PictureWay& way, double spacing,
+                       std::uint32_t smooth_px) {
+  Frame frame(device, truth.width, truth.height, 1);
+  CommandList list(device, device.throughputQueue(), "judged frame");
+  list.begin();
+  way.record(frame, list, truth.camera, {.pass = ImagePass::normal, .smooth_px = smooth_px});
+  list.end();
+  device.throughputQueue().run(list);
+  return judgePicture(truth, frame.readDepth(), frame.readColor(), spacing);
+}
+
+// One cloud, drawn in each way and held against the truth. Where discs and meshes are compared, times of the same
+// pictures stand beside that.
+void judgeWays(Context& context, const std::string& shape, const std::string& condition, const Model& model,
+               const PictureTruth& truth, const SplatBenchOptions& options, std::vector<SplatQuality>& results) {
+  forEachWay(context, model, options, [&](const PictureWay& way) {
+    std::optional<SplatCost> cost;
+    if (!options.meshes.empty())
+      cost = costOf(context, shape, model, way, truth.camera, {truth.width, truth.height}, options);
+    for (const std::uint32_t smooth_px : options.smooths_px)
+      results.push_back({.shape = shape,
+                         .condition = condition,
+                         .raster = way.name,
+                         .smooth_px = smooth_px,
+                         .points = model.cloud.size(),
+                         .spacing = model.spacing,
+                         .picture = judge(context.device(), truth, way, model.spacing, smooth_px),
+                         .cost = cost});
+  });
+}
+
+void judgeShapes(Context& context, const UVec2& size, const SplatBenchOptions& options,
+                 std::vector<SplatQuality>& results) {
+  const auto points = static_cast<std::size_t>(options.sizes.empty() ? 200'000 : options.sizes.front());
+  for (const std::string_view name : kShapes) {
+    if (std::ranges::find(options.shapes, name) == options.shapes.end()) continue;
+    const auto shape = makeShape(name);
+    std::optional<PictureTruth> truth;
+    for (const Condition& condition : kConditions) {
+      if (std::ranges::find(options.conditions, condition.name) == options.conditions.end()) continue;
+      context.log().say("splat: {}, {}, {} points, against truth", name, condition.name, points);
+      const auto drawn = static_cast<double>(points) / shareThatStays(condition.thinning);
+      PointCloud cloud =
+          sampleShape(*shape, {.count = static_cast<std::size_t>(std::round(drawn)), .threads = context.threads()});
+      if (condition.thinning > 1) cloud = thinnedAlong(cloud, condition.thinning);
+      // Without a closed formula a ray takes a hundred times as long.
+      const std::uint32_t stride = name == "bumpy-sphere" ? 4 : 1;
+      if (!truth) truth = pictureTruth(traced(*shape), cloud, size.x, size.y, stride, context.threads());
+      Model model{.cloud = std::move(cloud), .scale = {1}};
+      model.spacing = meanSpacing(model.cloud, context.threads());
+      judgeWays(context, std::string(name), std::string(condition.name), model, *truth, options, results);
+    }
+  }
+}
+
+// A scan against the mesh that it was taken from.
+void judgeScan(Context& context, const Subject& subject, const UVec2& size, const SplatBenchOptions& options,
+               std::vector<SplatQuality>& results) {
+  context.log().say("splat: {} against {}", subject.name, options.truthFile);
+  constexpr std::uint32_t kStride = 3;  // closest points of a mesh take a while
+  const TriangleMesh mesh = readTriangleMesh(options.truthFile);
+  const PointCloud& cloud = subject.model.cloud;
+  Bounds bounds = boundsOf(cloud);
+  bounds.min += cloud.origin;
+  bounds.max += cloud.origin;
+  const PictureTruth truth = pictureTruth(traced(mesh, bounds), cloud, size.x, size.y, kStride, context.threads());
+  judgeWays(context, subject.name, "scan", subject.model, truth, options, results);
+}
+
+std::string shortName(std::string name) {
+  for (const std::string_view prefix : {"render_", "fill frame "})
+    if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  return name;
+}
+
+std::string cell(const Summary& s) { return fmt::format("{:.3f} / {:.3f}", s.p50, s.p999); }
+
+// Models down, as in the thesis's Table 3.2, and passes across.
+void printPassCosts(std::FILE* out, const std::vector<SplatCost>& costs, const std::string& raster, const UVec2& size,
+                    std::uint32_t samples) {
+  const auto first = std::ranges::find(costs, raster, &SplatCost::raster);
+  fmt::print(out, "\nsplat, {}, {} x {}, samples of a pixel: {}, ms on the GPU by pass, median / p99.9\n{:<20}{:>11}",
+             raster, size.x, size.y, samples, "model", "points");
+  for (const auto& [name, unused] : first->times.passes) fmt::print(out, "{:>22}", shortName(name));
+  fmt::print(out, "\n");
+  for (const SplatCost& cost : costs) {
+    if (cost.raster != raster) continue;
+    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
+    for (const auto& [name, time] : cost.times.passes) fmt::print(out, "{:>22}", cell(time));
+    fmt::print(out, "\n");
+  }
+}
+
+void printCosts(std::FILE* out, const std::vector<SplatCost>& costs) {
+  fmt::print(out, "\n{:<20}{:<16}{:>11}{:>22}{:>22}{:>10}{:>10}\n", "model", "raster", "points", "all passes, ms",
+             "picture, ms", "fps", "MiB");
+  for (const SplatCost& cost : costs)
+    fmt::print(out, "{:<20}{:<16}{:>11}{:>22}{:>22}{:>10.0f}{:>10.0f}\n", cost.subject, cost.raster, cost.points,
+               cell(cost.times.gpu_ms), cell(cost.times.wall_ms), cost.fps(),
+               static_cast<double>(cost.bytes) / (1 << 20));
+}
+
+// As in the thesis's Tables 3.1 and 3.2: discs beside meshes, what they cost and what they are worth.
+void printWays(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size, std::uint32_t samples) {
+  fmt::print(out, "\nsplat and mesh, {} x {}, samples of a pixel: {}; against truth with one\n", size.x, size.y,
+             samples);
+  fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8}{:>16}{:>8}{:>8}{:>12}{:>22}{:>22}\n", "shape",
+             "cloud", "way", "smooth", "points", "mesh made, ms", "picture, ms", "fps", "fps, made anew", "MiB",
+             "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  for (const SplatQuality& q : qualities)
+    fmt::print(out, "{:<14}{:<10}{:<12}{:>8}{:>10}{:>20}{:>20}{:>8.0f}{:>16.0f}{:>8.0f}{:>8}{:>12.2f}{:>22.3f}{:>22}\n",
+               q.shape, q.condition, q.raster, q.smooth_px, q.points,
+               q.cost->made_ms.count > 0 ? cell(q.cost->made_ms) : "", cell(q.cost->times.gpu_ms), q.cost->fps(),
+               q.cost->fpsRemeshed(), static_cast<double>(q.cost->bytes) / (1 << 20), q.picture.holes,
+               q.picture.overlap, q.picture.depthRms,
+               fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
+}
+
+void printQualities(std::FILE* out, const std::vector<SplatQuality>& qualities, const UVec2& size) {
+  if (qualities.empty()) return;
+  fmt::print(out, "\nsplat, {} x {}, against truth, one sample a pixel\n", size.x, size.y);
+  fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12}{:>22}{:>22}\n", "shape", "cloud", "raster", "smooth",
+             "points", "pixels", "holes", "overlap, %", "depth RMS, spacings", "normal mean/p95, deg");
+  for (const SplatQuality& q : qualities)
+    fmt::print(out, "{:<14}{:<10}{:<16}{:>10}{:>10}{:>10}{:>8}{:>12.2f}{:>22.3f}{:>22}\n", q.shape, q.condition,
+               q.raster, q.smooth_px, q.points, q.picture.pixels, q.picture.holes, q.picture.overlap,
+               q.picture.depthRms, fmt::format("{:.2f} / {:.2f}", q.picture.normalMean_deg, q.picture.normalP95_deg));
+}
+
+void printLives(std::FILE* out, const std::vector<SplatCost>& costs) {
+  const auto compute = std::ranges::find(costs, "compute", &SplatCost::raster);
+  if (compute == costs.end()) return;
+  if (compute->lives.empty()) {
+    fmt::print(out, "\nsplat, the longest life of a workgroup: not known, this GPU's shaders share no clock\n");
+    return;
+  }
+  fmt::print(out, "\nsplat, compute, the longest life of a workgroup in twenty pictures, us\n{:<20}{:>11}", "model",
+             "points");
+  for (const auto& life : compute->lives) fmt::print(out, "{:>24}", shortName(life.pass));
+  fmt::print(out, "\n");
+  for (const SplatCost& cost : costs) {
+    if (cost.raster != compute->raster) continue;
+    fmt::print(out, "{:<20}{:>11}", cost.subject, cost.points);
+    for (const auto& life : cost.lives) fmt::print(out, "{:>24.1f}", life.longest_us);
+    fmt::print(out, "\n");
+  }
+}
+
+Json toJson(const Summary& s) { return {{"n", s.count}, {"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}}; }
+
+Json toJson(const SplatCost& cost) {
+  Json passes = Json::object(), lives = Json::object();
+  for (const auto& [name, time] : cost.times.passes) passes[name] = toJson(time);
+  for (const auto& life : cost.lives) lives[life.pass] = life.longest_us;
+  return {{"subject", cost.subject},
+          {"raster", cost.raster},
+          {"points", cost.points},
+          {"passes_ms", passes},
+          {"gpu_ms", toJson(cost.times.gpu_ms)},
+          {"picture_ms", toJson(cost.times.wall_ms)},
+          {"fps", cost.fps()},
+          {"made_ms", toJson(cost.made_ms)},
+          {"fps_made_anew", cost.fpsRemeshed()},
+          {"longest_workgroup_us", lives},
+          {"bytes", cost.bytes}};
+}
+
+Json toJson(const SplatQuality& q) {
+  Json quality{{"shape", q.shape},
+               {"condition", q.condition},
+               {"raster", q.raster},
+               {"smooth_px", q.smooth_px},
+               {"points", q.points},
+               {"spacing", q.spacing},
+               {"pixels", q.picture.pixels},
+               {"hole_pixels", q.picture.holes},
+               {"overlap_percent", q.picture.overlap},
+               {"depth_rms_spacings", q.picture.depthRms},
+               {"normal_deg", {{"mean", q.picture.normalMean_deg}, {"p95", q.picture.normalP95_deg}}}};
+  if (q.cost) quality["cost"] = toJson(*q.cost);
+  return quality;
+}
+
+Json benchSplat(Context& context, const SplatBenchOptions& options) {
+  const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  Frame::checkSize(width, height);
+  for (const std::string& raster : options.rasters) rasterNamed(raster);
+  const UVec2 size(width, height);
+  const bool scan = !options.truthFile.empty();
+  if (scan && options.models.size() != 1)
+    throw UsageError("bench splat: --truth is the mesh of one model; --models has {}", options.models.size());
+  std::vector<SplatCost> costs;
+  std::vector<SplatQuality> qualities;
+  for (const SubjectMaker& makeOne : subjectsOf(options)) {
+    const Subject subject = makeOne(context);
+    context.log().say("splat: {}, {} points", subject.name, subject.model.cloud.size());
+    const Camera camera = Camera::fitting(subject.model.cloud, static_cast<double>(size.x) / size.y, 45,
+                                          framingOf(subject.model, subject.model.upright.up));
+    forEachWay(context, subject.model, options, [&](const PictureWay& way) {
+      costs.push_back(costOf(context, subject.name, subject.model, way, camera, size, options));
+    });
+    if (scan) judgeScan(context, subject, size, options, qualities);
+  }
+  std::ranges::stable_sort(costs, {}, &SplatCost::points);
+  if (!options.quick && !scan) judgeShapes(context, size, options, qualities);
+  std::vector<std::string> ways;
+  for (const SplatCost& cost : costs)
+    if (std::ranges::find(ways, cost.raster) == ways.end()) ways.push_back(cost.raster);
+  for (const std::string& way : ways) printPassCosts(context.tables(), costs, way, size, options.samples);
+  printCosts(context.tables(), costs);
+  printLives(context.tables(), costs);
+  if (options.meshes.empty())
+    printQualities(context.tables(), qualities, size);
+  else if (!qualities.empty())
+    printWays(context.tables(), qualities, size, options.samples);
+  Json result{
+      {"size", {width, height}}, {"samples", options.samples}, {"costs", Json::array()}, {"qualities", Json::array()}};
+  for (const SplatCost& cost : costs) result["costs"].push_back(toJson(cost));
+  for (const SplatQuality& quality : qualities) result["qualities"].push_back(toJson(quality));
+  return result;
+}
+
+void addOptions(Options& bench, SplatBenchOptions& options) {
+  addSubjectOptions(bench, options);
+  bench.add("--size", options.size, "of the pictures, width x height, pixels").showDefault();
+  addSamplesOption(bench, options.samples);
+  bench.add("--raster", options.rasters, "who draws the discs, as in render; several are compared")
+      .separatedBy(',')
+      .showDefault();
+  bench
+      .add("--mesh", options.meshes,
+           "draws marching cubes, too, with so many cells along the longest side, from the same clouds and "
+           "cameras; one table of all ways")
+      .check(wholeBetween(1, kFinestLattice))
+      .separatedBy(',')
+      .typeName("N,...");
+  bench.add("--smooth", options.smooths_px, "pixels to each side over which depth is smoothed; several are judged")
+      .check(inRange(0u, shared::kMostSmooth_px / 2))
+      .separatedBy(',')
+      .showDefault();
+  for (const std::string_view shape : kShapes) options.shapes.emplace_back(shape);
+  for (const Condition& condition : kConditions) options.conditions.emplace_back(condition.name);
+  addListOption(bench, "--shapes", options.shapes, "that are seen");
+  addListOption(bench, "--conditions", options.conditions, "clouds that are exact, or ten times sparser at one end");
+  bench.add("--truth", options.truthFile, "the mesh that --models is a scan of, in the same coordinates")
+      .typeName("MESH.ply");
+  bench.addFlag("--quick", options.quick, "times alone");
+  addRepeatOptions(bench, options);
+  addBackendsOption(bench, options, {"vulkan"});
+}
+
+}  // namespace
+
+void addSplatBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("splat", "a picture, and how true it is");
+  const auto options = std::make_shared<SplatBenchOptions>();
+  addOptions(sub, *options);
+  sub.footer(
+      "ms of each pass, of a whole picture and pictures per second; then pictures of --shapes under --conditions "
+      "against rays cast in double precision: pixels without surface, overlap of the silhouettes, error of depth and "
+      "of normals. --quick leaves that out.\n");
+  sub.whenNamed([&, options] {
+    command = [&context, options] {
+      measureAlone(context, *options, "splat", [&] { return benchSplat(context, *options); });
+    };
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,98 @@
+// Touch on a surface that is known, judged by M1 to M12: what `palpate bench touch` measures.
+#pragma once
+
+#include "apps/cli/backend.hpp"
+#include "haptics/touch_metrics.hpp"
+#include "haptics/truth_path.hpp"
+
+namespace palpate {
+
+/// A cloud, the surface that it stands for, and where to touch it.
+struct JudgeSubject {
+  struct Start {
+    SurfacePoint place;
+    DVec3 towards;  ///< where a slide goes from there
+  };
+  std::string name, condition;
+  Model model;
+  std::shared_ptr<const void> owner;  ///< of what the truth looks at
+  TouchTruth truth;
+  double noise = 0;  ///< deviation of the positions, model units
+  std::vector<Start> starts;
+};
+
+struct JudgeOptions {
+  std::vector<double> speeds_mm_per_s{5, 50, 200};
+  double mainSpeed_mm_per_s = 50;  ///< one of them; its slides are drawn and repeated
+  double depth_mm = 1;
+  double stiffness_N_per_mm = 0.4;
+};
+
+/// All slides of one speed together.
+struct SlideJudgement {
+  double speed_mm_per_s = 0;
+  double heldShare = 0;
+  AngleError angle;            // M1
+  HeightError height;          // M2
+  double forceError = 0;       // M3
+  Continuity continuity;       // M4: largest of all, mean of p99, share in the power of all
+  double roughOffEdges = 0;    // M4: the same share, where no edge is in reach of the widest support radius
+  Lag lag;                     // M6: means; largest of all
+  double tangentialShare = 0;  // M10
+};
+
+struct EditJudgement {
+  std::optional<std::size_t> ticksUntilEqual;
+  double largestStep_N = 0;
+  std::size_t edits = 0;
+};
+
+struct Judgement {
+  std::string backend, surface, subject, condition;
+  std::size_t points = 0;
+  double spacing_mm = 0, radius_mm = 0;  ///< the largest radius
+  double noise_spacings = 0;             ///< of the positions, as it was measured
+  double friction = 0;                   ///< coefficient that was asked for
+  std::vector<SlideJudgement> slides;    ///< by speed
+  Summary step_us;                       // M7
+  double lateShare = 0;                  // M7: of ticks beyond their millisecond
+  std::optional<double> free_N;          // M8
+  double drift_mm = 0;                   // M10
+  std::optional<EditJudgement> edit;     // M11
+  bool identical = false;                // M12
+  std::optional<double> fromCpu_N;       // M12: nothing for the CPU itself
+  std::vector<DVec2> force_N;            ///< along the first slide at the main speed: felt and true size, tick by tick
+};
+
+/// A path over a subject, with what a god-object feels on it.
+struct JudgePath {
+  TruthPath path;
+  std::vector<IdealTick> ideal;
+};
+/// The same for every surface and back end, so that this, which takes most of the time, is done once.
+struct JudgePlan {
+  static constexpr std::size_t kTaps = 0, kPress = 1, kSlides = 2;  ///< where in `ways` they stand or begin
+  double freeMargin = 0;        ///< above the true surface, model units, from where on nothing may be felt
+  std::vector<JudgePath> ways;  ///< the slides from every start, speed by speed
+};
+/// `widestRadius`: the largest support radius of the surfaces that are judged, model units.
+JudgePlan planFor(Context& context, const JudgeSubject& subject, double widestRadius, const JudgeOptions& options);
+
+/// M1 to M4, M6 to M8, M10 and M12. Each path begins on a back end of its own.
+Judgement judgeTouch(Context& context, const JudgeSubject& subject, const JudgePlan& plan,
+                     const BackendOptions& backend, const JudgeOptions& options);
+
+/// M11: pushes the surface at the first start, and sets it beside a surface built from where the points then lie.
+EditJudgement judgeEdit(Context& context, const JudgeSubject& subject, const BackendOptions& backend,
+                        const JudgeOptions& options);
+
+/// M5: pushes through plates of two sides, from all sides a little aslant, until the HIP stands 2 mm beyond.
+struct PlateJudgement {
+  std::string backend, surface;
+  double thicknessOverRadius = 0, speed_mm_per_s = 0;
+  std::size_t pushes = 0;
+  double throughShare = 0;
+};
+std::vector<PlateJudgement> judgePlates(Context& context, std::size_t points, const BackendOptions& backend);
+
+}  // namespace palpate

@@ -1,0 +1,7 @@
+#include "apps/cli/command_line.hpp"
+
+namespace palpate {
+
+std::vector<std::string> commandLine(int argc, char** argv) { return {argv, argv + argc}; }
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+#include "apps/cli/context.hpp"
+
+#include "haptics/session/cuda_backend.hpp"
+#include "haptics/session/vulkan_backend.hpp"
+
+#include <charconv>
+
+#include "engine/core/atomic_file.hpp"
+#include "engine/gpu/device_lookup.hpp"
+
+namespace palpate {
+
+Context::Context() {
+  std::vector<std::unique_ptr<BackendKind>> kinds;
+  kinds.push_back(vulkanBackend([this]() -> Device& { return device(); }));
+  kinds.push_back(cudaBackend());
+  kinds.push_back(cpuBackend());
+  backends_ = std::make_unique<Backends>(std::move(kinds));
+}
+
+Context::~Context() = default;
+
+void Context::addOptions(Options& app) {
+  app.add("--gpu", gpu_, "GPU by number or part of its name (else PALPATE_GPU, else the best there is)");
+  app.addFlag(
+      "--validate", validate_,
+      "watch every GPU call (core, synchronisation and GPU-assisted validation); any message ends in exit code 1");
+  app.add("--json", json_, "write a machine-readable result to this file, or to stdout with -")
+      .typeName("FILE|-")
+      .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});
+  app.add("--threads", threads_, "CPU threads for loading and making clouds, and for --backend cpu (0: one per core)")
+      .check(wholeBetween(0, bounds::kMostThreads));
+  app.addFlag("--quiet", quiet_, "no remarks and no progress; results are still printed");
+}
+
+Log& Context::log() {
+  if (!log_) log_ = std::make_unique<Log>(quiet_);
+  return *log_;
+}
+
+Device& Context::device() {
+  if (!device_)
+    device_ = std::make_unique<Device>(DeviceOptions{
+        .gpu = gpu_, .validation = validation(), .queues = queues_, .shows = shows_, .windowExtensions = windowExtensions_});
+  return *device_;
+}
+
+bool Context::hasRealGpu() const {
+  if (device_) return !device_->isCpu();
+  try {
+    return gpuFor({.gpu = gpu_}).type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+  } catch (const GpuError&) {
+    if (!gpu_.empty()) throw;
+    return false;
+  }
+}
+
+Device& Context::sightDevice(const std::string& gpu) {
+  if (!sightDevice_)
+    sightDevice_ = std::make_unique<Device>(
+        DeviceOptions{.gpu = gpu, .validation = validation(), .shows = shows_, .windowExtensions = windowExtensions_});
+  return *sightDevice_;
+}
+
+void Context::arrange(QueueArrangement queues) {
+  if (queues != queues_) close(device_);
+  queues_ = queues;
+}
+
+void Context::writeJson(const Json& result) const {
+  if (json_.empty()) return;
+  const std::string text = result.dump(2) + "\n";
+  if (json_ == "-") {
+    std::fwrite(text.data(), 1, text.size(), stdout);
+    return;
+  }
+  AtomicFile file(json_);
+  file.write(text);
+  file.commit();
+}
+
+void Context::checkWritable(const std::string& file) {
+  if (!file.empty()) AtomicFile probe(file);
+}
+
+void Context::close(std::unique_ptr<Device>& device) {
+  if (!device) return;
+  device->waitIdle();
+  messages_ += device->instance().messages().count();
+  device.reset();
+}
+
+std::size_t Context::closeDevices() {
+  close(sightDevice_);
+  close(device_);
+  return messages_;
+}
+
+void checkStdout() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout)) throw Error("stdout: what was printed could not be written");
+}
+
+DVec3 parseVec3(const std::string& text, const std::string& option) {
+  DVec3 value(0);
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int k = 0; k < 3; ++k) {
+    const auto [next, error] = std::from_chars(at, end, value[k]);
+    const bool separated = k == 2 ? next == end : next != end && *next == ',';
+    if (error != std::errc() || !separated || !std::isfinite(value[k]))
+      throw UsageError("{}: '{}' is not three numbers x,y,z", option, text);
+    at = next + 1;
+  }
+  return value;
+}
+
+}  // namespace palpate

@@ -1,0 +1,91 @@
+#include <fmt/ranges.h>
+
+#include "apps/cli/context.hpp"
+#include "engine/cloud/normals.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/saving.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct ConvertOptions {
+  std::string input, output, normals = "keep";
+  bool ascii = false, force = false;
+};
+
+bool ontoItself(const ConvertOptions& options) {
+  std::error_code ignored;
+  return std::filesystem::equivalent(options.input, options.output, ignored);
+}
+
+// What exists is not destroyed unasked; a device or a pipe can be written to.
+void checkTarget(const ConvertOptions& options) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(options.output, ignored) || options.force) return;
+  throw Error("{}: {}; name another file, or add --force to replace it", options.output,
+              ontoItself(options) ? "is the file that is read" : "exists");
+}
+
+// Attributes by the names that they have in the file.
+std::vector<std::string> attributesOf(const StoredCloud& stored) {
+  const PointCloud& cloud = stored.cloud;
+  std::vector<std::string> names{"positions"};
+  if (cloud.hasNormals()) names.emplace_back("normals");
+  if (cloud.hasColors()) names.emplace_back("colours");
+  for (const Attribute& attribute : cloud.extra) names.push_back(attribute.name);
+  if (!stored.triangles.empty()) names.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  return names;
+}
+
+void convert(Context& context, const ConvertOptions& options) {
+  const CloudFormat &from = cloudFormats().toRead(options.input), &to = cloudFormats().toWrite(options.output);
+  checkTarget(options);
+  context.checkWritable(options.output);
+  StoredCloud stored = from.read(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"});
+  if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
+  std::vector<std::string> lost = stored.lost;
+  for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  const std::vector<std::string> kept = attributesOf(stored);
+  // Before it is gone.
+  if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
+  markAsOurs(stored.cloud);
+  std::filesystem::path keptAs;
+  to.write(options.output, stored.cloud,
+           {.ascii = options.ascii,
+            .triangles = stored.triangles.empty() ? nullptr : &stored.triangles,
+            .keptAs = ontoItself(options) ? &keptAs : nullptr});
+  if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
+  context.log().say("{}: {} points with {}", options.output, stored.cloud.size(), fmt::join(kept, ", "));
+  context.writeJson({{"input", options.input},
+                     {"output", options.output},
+                     {"from", from.name},
+                     {"to", to.name},
+                     {"points", stored.cloud.size()},
+                     {"triangles", stored.triangles.size()},
+                     {"kept", kept},
+                     {"lost", lost}});
+}
+
+}  // namespace
+
+void addConvert(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
+  auto options = std::make_shared<ConvertOptions>();
+  sub.add("input", options->input, "file to read: " + cloudFormats().endingsRead()).required().typeName("IN");
+  sub.add("output", options->output, "file to write: " + cloudFormats().endingsWritten())
+      .required()
+      .typeName("OUT");
+  sub.add("--normals", options->normals,
+          "keep: the file's, or none where it has none; estimate: from the points; face: from the faces")
+      .check(oneOf({"keep", "estimate", "face"}))
+      .showDefault();
+  sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
+  sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
+  sub.footer(
+      "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
+      "carried through. Faces are written as triangles. What OUT cannot hold is named before it is written.\n");
+  sub.whenNamed([&, options] { command = [&context, options] { convert(context, *options); }; });
+}
+
+}  // namespace palpate

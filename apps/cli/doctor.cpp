@@ -1,0 +1,261 @@
+#include <algorithm>
+
+#include "apps/cli/context.hpp"
+#include "apps/cli/tick_times.hpp"
+#include "apps/view/copied_presentation.hpp"
+#include "apps/view/presentation.hpp"
+#include "haptics/devices/driver_survey.hpp"
+#include "haptics/devices/hid_choice.hpp"
+#include "haptics/pace_check.hpp"
+#include "haptics/realtime_priority.hpp"
+#include "haptics/tick_pacer.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::string_view typeName(VkPhysicalDeviceType type) {
+  switch (type) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return "discrete";
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return "integrated";
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return "virtual";
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return "CPU";
+    default:
+      return "other";
+  }
+}
+
+std::string flagNames(VkQueueFlags flags) {
+  std::string names;
+  const auto add = [&](VkQueueFlags bit, const char* name) {
+    if (flags & bit) names += (names.empty() ? "" : "+") + std::string(name);
+  };
+  add(VK_QUEUE_GRAPHICS_BIT, "graphics");
+  add(VK_QUEUE_COMPUTE_BIT, "compute");
+  add(VK_QUEUE_TRANSFER_BIT, "transfer");
+  return names;
+}
+
+Json describe(std::FILE* out, std::size_t number, VkPhysicalDevice device) {
+  VkPhysicalDeviceDriverProperties driver{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceProperties2 properties{.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &driver};
+  vkGetPhysicalDeviceProperties2(device, &properties);
+  VkPhysicalDeviceMemoryProperties memory;
+  vkGetPhysicalDeviceMemoryProperties(device, &memory);
+  std::uint64_t local = 0;
+  for (std::uint32_t i = 0; i < memory.memoryHeapCount; ++i)
+    if (memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) local += memory.memoryHeaps[i].size;
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+
+  const auto& p = properties.properties;
+  fmt::print(out, "GPU {}: {} ({})\n", number, p.deviceName, typeName(p.deviceType));
+  fmt::print(out, "  driver: {} {}, Vulkan {}.{}.{}, {} MiB of its own memory\n", driver.driverName, driver.driverInfo,
+             VK_API_VERSION_MAJOR(p.apiVersion), VK_API_VERSION_MINOR(p.apiVersion), VK_API_VERSION_PATCH(p.apiVersion),
+             local >> 20);
+  Json queues = Json::array(), features = Json::object();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    fmt::print(out, "  queue family {}: {} x {}\n", i, families[i].queueCount, flagNames(families[i].queueFlags));
+    queues.push_back({{"count", families[i].queueCount}, {"flags", flagNames(families[i].queueFlags)}});
+  }
+  const auto roles = chooseQueues(families);
+  if (roles)
+    fmt::print(out, "  touch: family {} queue {}   sight: family {} queue {}   background: family {} queue {}{}\n",
+               roles->latency.family, roles->latency.index, roles->throughput.family, roles->throughput.index,
+               roles->background.family, roles->background.index,
+               roles->shared()             ? "   (one queue, shared behind a lock)"
+               : roles->backgroundShares() ? "   (sight and background share one behind a lock)"
+                                           : "");
+  bool usable = roles.has_value();
+  for (const FeatureState& feature : requiredFeatures(device)) {
+    fmt::print(out, "  {} {}\n", feature.present ? "has  " : "LACKS", feature.name);
+    features[feature.name] = feature.present;
+    usable = usable && feature.present;
+  }
+  fmt::print(out, "  {}\n", usable ? "palpate runs on it" : "palpate cannot run on it");
+  return {{"name", p.deviceName}, {"type", typeName(p.deviceType)}, {"queues", queues},
+          {"features", features}, {"memory_bytes", local},          {"usable", usable}};
+}
+
+Json toJson(const DVec3& v) { return {v.x, v.y, v.z}; }
+
+Json describe(std::FILE* out, const DriverFinding& driver) {
+  fmt::print(out, "--device {}: {}\n", driver.option, driver.product);
+  Json attempts = Json::array();
+  for (const VendorLibrary::Attempt& attempt : driver.attempts) {
+    // The loader begins with the name where it has nothing better to say.
+    fmt::print(out, "  {}\n",
+               attempt.error.starts_with(attempt.name) ? attempt.error : attempt.name + ": " + attempt.error);
+    attempts.push_back({{"name", attempt.name}, {"error", attempt.error}});
+  }
+  if (!driver.file.empty()) fmt::print(out, "  loaded {}\n", driver.file);
+  Json json{{"option", driver.option},
+            {"library", driver.file},
+            {"attempts", attempts},
+            {"missing", driver.missing},
+            {"usable", driver.device.has_value()},
+            {"problem", driver.problem},
+            {"device", nullptr}};
+  if (driver.device) {
+    const HapticDeviceFacts& facts = *driver.device;
+    const DVec3 size_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
+    fmt::print(out, "  {}, serial number {}, driver {}\n", facts.model,
+               facts.serial.empty() ? "not told" : facts.serial, facts.driver.empty() ? "not told" : facts.driver);
+    fmt::print(out, "  workspace {:.0f} x {:.0f} x {:.0f} mm, peak force {:.3g} N, {:.3g} N for long, ready\n",
+               size_mm.x, size_mm.y, size_mm.z, driver.limits.peakForce_N, driver.limits.continuousForce_N);
+    json["device"] = {{"model", facts.model},
+                      {"serial", facts.serial},
+                      {"driver", facts.driver},
+                      {"workspace_min_mm", toJson(facts.workspaceMin_mm)},
+                      {"workspace_max_mm", toJson(facts.workspaceMax_mm)},
+                      {"peak_force_N", driver.limits.peakForce_N},
+                      {"continuous_force_N", driver.limits.continuousForce_N}};
+  } else {
+    fmt::print(out, "  not usable: {}\n", driver.problem);
+  }
+  return json;
+}
+
+/// A command for each permission that is missing, once.
+class Mending {
+ public:
+  void add(const std::string& command) {
+    if (!command.empty() && std::ranges::find(commands_, command) == commands_.end()) commands_.push_back(command);
+  }
+  Json print(std::FILE* out) const {
+    if (!commands_.empty()) fmt::print(out, "To mend what is missing:\n");
+    for (const std::string& command : commands_) fmt::print(out, "  {}\n", command);
+    return commands_;
+  }
+
+ private:
+  std::vector<std::string> commands_;
+};
+
+Json hapticDevices(std::FILE* out) {
+  Mending mending;
+  Json json{{"drivers", Json::array()}, {"nodes", Json::array()}};
+  for (const DriverFinding& driver : {surveyOpenHaptics(), surveyForceDimension()})
+    json["drivers"].push_back(describe(out, driver));
+  const std::vector<NodeFinding> nodes = surveySerialPorts();
+  for (const NodeFinding& node : nodes) {
+    fmt::print(out, "{}: {}, {}\n", node.path, node.what, node.usable ? "usable" : "not for this user");
+    json["nodes"].push_back({{"path", node.path}, {"what", node.what}, {"usable", node.usable}, {"mend", node.mend}});
+    mending.add(node.mend);
+  }
+  const auto transport = hidapiTransport();
+  const auto candidates = hidCandidates(*transport);
+  if (candidates.empty()) fmt::print(out, "--device hid: no 3D mouse and no DualSense is plugged in\n");
+  json["hid"] = Json::array();
+  for (const HidCandidate& hid : candidates) {
+    fmt::print(out, "--device hid: {} at {}, {}\n", hid.name, hid.info.path, hid.usable ? "ready" : hid.whyNot);
+    json["hid"].push_back({{"name", hid.name},
+                           {"path", hid.info.path},
+                           {"vendor", hid.info.vendorId},
+                           {"product", hid.info.productId},
+                           {"usable", hid.usable},
+                           {"why_not", hid.whyNot},
+                           {"mend", hid.mend}});
+    mending.add(hid.mend);
+  }
+  json["troubles"] = surveySurroundings();
+  for (const auto& trouble : json["troubles"]) fmt::print(out, "{}\n", trouble.get<std::string>());
+  const bool priority = RealtimePriority().granted();
+  fmt::print(out, "Real-time priority for the servo loop: {}\n",
+             priority ? "granted" : "not for this user; ticks come as the scheduler likes");
+  json["realtime_priority"] = priority;
+  if (!priority)
+    mending.add("echo \"$USER - rtprio 60\" | sudo tee /etc/security/limits.d/90-palpate.conf   # then log in again");
+  json["mend"] = mending.print(out);
+  return json;
+}
+
+struct DoctorOptions {
+  double servo_s = 0, rate_Hz = 1000;
+};
+
+Json servoPace(std::FILE* out, const DoctorOptions& options) {
+  const PaceCheck check = checkPace(options.rate_Hz, options.servo_s);
+  fmt::print(out, "Servo loop with nothing to do, {:g} s at {:g} Hz: {} of {} ticks missed{}\n", options.servo_s,
+             options.rate_Hz, check.missed, check.ticks + check.missed,
+             check.realtimePriority ? "" : " (no real-time priority was granted)");
+  fmt::print(out, "  woken late by     {}\n  core taken away   {}\n", inWords(check.late_us),
+             inWords(check.scheduling));
+  return {{"rate_Hz", options.rate_Hz},
+          {"ticks", check.ticks},
+          {"missed_ticks", check.missed},
+          {"realtime_priority", check.realtimePriority},
+          {"late_histogram_us", toJson(check.late_us)},
+          {"servo_thread", toJson(check.scheduling)}};
+}
+
+// How each GPU serves the display, if there is one.
+Json display(std::FILE* out) {
+  try {
+    const Window window({64, 64}, "palpate", false);
+    const Instance instance(Validation::off, window.extensions());
+    Json json = Json::array();
+    for (const VkPhysicalDevice gpu : instance.physicalDevices()) {
+      const PresentationFound found = findPresentation(window, instance, gpu);
+      VkPhysicalDeviceProperties properties;
+      vkGetPhysicalDeviceProperties(gpu, &properties);
+      const bool copies = found.presentation == Presentation::copy;
+      const std::string why = !copies ? "" : takesCopies(window) ? found.why : found.why + ", and this is no X display";
+      fmt::print(out, "Display: {} {}\n", properties.deviceName,
+                 !copies               ? "presents its pictures there (--present swapchain)"
+                 : takesCopies(window) ? "has its pictures copied there (--present copy): " + why
+                                       : "shows nothing there: " + why);
+      json.push_back({{"gpu", properties.deviceName},
+                      {"present", !copies               ? Json("swapchain")
+                                  : takesCopies(window) ? Json("copy")
+                                                        : Json(nullptr)},
+                      {"why", why}});
+    }
+    return json;
+  } catch (const Error& error) {
+    fmt::print(out, "Display: none. {}\n", error.what());
+    return nullptr;
+  }
+}
+
+void doctor(Context& context, const DoctorOptions& options) {
+  const Instance instance(Validation::off);
+  const auto devices = instance.physicalDevices();
+  Json gpus = Json::array();
+  for (std::size_t i = 0; i < devices.size(); ++i) gpus.push_back(describe(context.tables(), i, devices[i]));
+  const Json haptics = hapticDevices(context.tables());
+  const Json shown = display(context.tables());
+  Device& device = context.device();  // says what is wrong when none will do
+  fmt::print(context.tables(), "GPU in use: {}. palpate can run here.\n", device.name());
+  Json result{{"gpus", gpus}, {"in_use", device.name()}, {"display", shown}, {"haptics", haptics}};
+  if (options.servo_s > 0) result["servo"] = servoPace(context.tables(), options);
+  context.writeJson(result);
+}
+
+}  // namespace
+
+void addDoctor(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand(
+      "doctor",
+      "the GPUs of this machine and which of their queues serve touch, sight and background; the haptic libraries and "
+      "devices that were found, and what is missing; how pictures come to the display");
+  auto options = std::make_shared<DoctorOptions>();
+  Option servo =
+      sub.add("--servo", options->servo_s,
+              "run the servo loop for so many seconds with nothing to do, and say how many ticks this machine "
+              "misses by itself")
+          .check(between(bounds::kShortest_s, bounds::kLongest_s));
+  sub.add("--rate", options->rate_Hz, "ticks per second of --servo")
+      .check(between(1, 100'000))
+      .needs(servo)
+      .showDefault();
+  sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,80 @@
+#include "apps/cli/hand_options.hpp"
+
+#include "engine/core/error.hpp"
+#include "haptics/session/devices.hpp"
+#include "haptics/session/hand_source.hpp"
+
+namespace palpate {
+
+HandConfig HandChoices::config(const std::string& path, double penetration_mm) const {
+  HandConfig hand{.device = device,
+                  .path = path,
+                  .penetration_mm = penetration_mm,
+                  .fit = map == "identity" ? WorkspaceFit::identity : WorkspaceFit::fit,
+                  .stiffness_N_per_mm = handStiffness_N_per_mm,
+                  .damping_N_s_per_mm = handDamping_N_s_per_mm,
+                  .ownScheduler = scheduler == "own",
+                  .rumbles = rumble};
+  for (const auto& [name, mode] : kPassivityModes)
+    if (passivity == name) hand.passivity = mode;
+  return hand;
+}
+
+Check deviceValidator() { return {deviceComplaint, "DEVICE"}; }
+
+void addHandOptions(Options& sub, HandChoices& options) {
+  sub.add("--device", options.device,
+          "what moves the HIP: path, a script that nothing holds up; sim, a simulated Geomagic Touch in a hand "
+          "that follows the path and yields to the force (it waits half a second while forces ramp up); "
+          "replay:FILE, a session log, a trace or a trajectory; or a device in a hand, with --realtime and "
+          "--duration: " +
+              heldDevicesHelp() + ". Button 1 of a stylus sculpts, button 2 is a clutch")
+      .check(deviceValidator())
+      .showDefault();
+  sub.add("--scheduler", options.scheduler,
+          "who calls the ticks of an OpenHaptics device: device, its driver; or own, palpate")
+      .check(oneOf({"device", "own"}))
+      .showDefault();
+  sub.add("--map", options.map,
+          "how the device's millimetres meet the model's: fit, the path (or the model, for a device in a hand) in the "
+          "middle of the workspace and shrunk if it is too large; or identity, with the origins together")
+      .check(oneOf({"fit", "identity"}))
+      .showDefault();
+  sub.add("--hand-stiffness", options.handStiffness_N_per_mm, "of the simulated hand, N/mm (default 0.4)")
+      .check(between(bounds::kLeastStiffness_N_per_mm, bounds::kMostStiffness_N_per_mm));
+  sub.add("--hand-damping", options.handDamping_N_s_per_mm, "of the simulated hand, N s/mm (default 0.002)")
+      .check(between(1e-9, bounds::kMostDamping_N_s_per_mm));
+  sub.add("--passivity", options.passivity,
+          "what to do when the surface gives more energy than it took: on, brake; observe, count only; off "
+          "(default: on where a hand yields to the force, off for a script, which cannot be braked)")
+      .check(oneOf({"on", "off", "observe"}));
+  sub.addFlag("--rumble", options.rumble, "a DualSense on a cable rumbles at each contact, whatever the device");
+}
+
+void checkHandOptions(const HandChoices& options, bool realtime) {
+  const bool held = isHeldDevice(options.device);
+  if (options.rumble && !realtime) throw UsageError("--rumble: a gamepad rumbles in real time; add --realtime");
+  if (options.device != "sim" && (options.handStiffness_N_per_mm > 0 || options.handDamping_N_s_per_mm > 0))
+    throw UsageError("--hand-stiffness and --hand-damping: only --device sim has a hand that is simulated");
+  if (options.map != "fit" && options.device != "sim" && !held)
+    throw UsageError("--map: a path is in the model's own units, and a recording knows its map; it needs a device");
+  if (!held) return;
+  if (!realtime) throw UsageError("{} {}: a person lives in real time; add --realtime", options.option, options.device);
+  if (!(options.duration_s > 0))
+    throw UsageError("{} {}: has no path that ends; say how long with --duration", options.option, options.device);
+}
+
+HandChoices secondHand(HandChoices options, const std::string& device) {
+  options.option = "--second-device";
+  options.device = device;
+  options.rumble = false;
+  options.scheduler = "own";  // the ticks are the first one's
+  if (device == "sim") return options;
+  options.handStiffness_N_per_mm = options.handDamping_N_s_per_mm = 0;
+  if (isHeldDevice(device)) return options;
+  options.map = "fit";
+  if (options.passivity == "on") options.passivity.clear();  // a script cannot be braked
+  return options;
+}
+
+}  // namespace palpate

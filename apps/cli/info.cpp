@@ -1,0 +1,91 @@
+#include "apps/cli/look.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/units.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/touch/memory.hpp"
+
+namespace palpate {
+
+namespace {
+
+double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
+void info(Context& context, const std::string& file, const LookOptions& look) {
+  const FileContents contents = contentsOf(file);
+  Model model{.cloud = readCloud(file, nullptr, {.pointsOnly = true}).cloud};
+  const PointCloud& cloud = model.cloud;
+  model.upright = findUp(cloud);
+  model.shown = coreBoundsOf(cloud);
+  const Upright upright = uprightOf(model, look);
+  const HeightRange heights = heightsOf(model, upright.up);
+  const LengthUnit unit = unitOf(cloud, look);
+  const Bounds bounds = boundsOf(cloud);
+  const SpacingRange spacings = spacingRange(cloud, context.threads());
+  const double spacing = spacings.mean;
+  const ModelScale scale = ModelScale::fitting(bounds.longestSide());
+  const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
+  const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
+
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: {} points\n", file, cloud.size());
+  Json elements = Json::object();
+  for (const FileElement& element : contents.elements) {
+    elements[element.name] = element.count;
+    fmt::print(out, "  element {}: {}", element.name, element.count);
+    for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
+    fmt::print(out, "\n");
+  }
+  fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
+             cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
+  fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
+  const DVec3 size = bounds.max - bounds.min;
+  fmt::print(out, "  size: {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, nameOf(unit));
+  fmt::print(out, "  up: {} ({}); heights from {:.6g} to {:.6g} {}\n", nameOf(upright.up), upright.why, heights.low,
+             heights.high, nameOf(unit));
+  fmt::print(out, "  mean spacing: {:.6g} {}, {:.4g} mm where the longest side is {:g} mm\n", spacing, nameOf(unit),
+             scale.toMm(spacing), kDefaultLongestSide_mm);
+  fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
+  fmt::print(
+      out,
+      "  GPU memory: {:.1f} MiB = live cloud {:.1f} + index {:.1f} + contact {:.1f} + drawn cloud {:.1f} + editing "
+      "{:.1f} + edit log {:.1f}\n",
+      mib(memory.total()), mib(memory.liveCloud), mib(memory.index), mib(memory.contact), mib(memory.drawnCloud),
+      mib(memory.editing), mib(memory.editLog));
+  Json attributes = Json::array();
+  for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
+  context.writeJson({{"points", cloud.size()},
+                     {"elements", elements},
+                     {"normals", cloud.hasNormals()},
+                     {"colors", cloud.hasColors()},
+                     {"attributes", attributes},
+                     {"bounds", {{"min", {min.x, min.y, min.z}}, {"max", {max.x, max.y, max.z}}}},
+                     {"unit", unit == LengthUnit::unknown ? Json(nullptr) : Json(nameOf(unit))},
+                     {"up", nameOf(upright.up)},
+                     {"up_why", upright.why},
+                     {"heights", {heights.low, heights.high}},
+                     {"mean_spacing", spacing},
+                     {"noise_spacings", spacings.noise},
+                     {"mm_per_unit", scale.mm_per_unit},
+                     {"gpu_bytes",
+                      {{"live_cloud", memory.liveCloud},
+                       {"index", memory.index},
+                       {"contact", memory.contact},
+                       {"drawn_cloud", memory.drawnCloud},
+                       {"editing", memory.editing},
+                       {"edit_log", memory.editLog},
+                       {"total", memory.total()}}}});
+}
+
+}  // namespace
+
+void addInfo(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
+  auto file = std::make_shared<std::string>();
+  sub.add("model", *file, cloudFormats().namesRead() + " file").required().typeName("MODEL");
+  auto look = std::make_shared<LookOptions>();
+  addLookOptions(sub, *look);
+  sub.whenNamed([&, file, look] { command = [&context, file, look] { info(context, *file, *look); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,95 @@
+// A value of JSON, whose members keep their order. The library behind it reads and writes text in json.cpp alone,
+// because each file that includes it takes seconds longer.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace palpate {
+
+class Json {
+ public:
+  using Member = std::pair<std::string, Json>;
+
+  Json();  ///< null
+  Json(std::nullptr_t);
+  Json(bool value);
+  Json(int value);
+  Json(unsigned value);
+  Json(long value);
+  Json(unsigned long value);
+  Json(long long value);
+  Json(unsigned long long value);
+  Json(double value);
+  Json(const char* text);
+  Json(std::string text);
+  Json(std::string_view text);
+  Json(const std::vector<std::string>& values);
+  Json(const std::vector<std::string_view>& values);
+  /// An object, where each value is an array of two that begins with a string; else an array.
+  Json(std::initializer_list<Json> values);
+  Json(const Json&);
+  Json(Json&&) noexcept;
+  Json& operator=(const Json&);
+  Json& operator=(Json&&) noexcept;
+  ~Json();
+
+  static Json array();
+  static Json object();
+  /// Throws std::exception that says what is no JSON, and where.
+  static Json parse(const std::string& text);
+  /// Over several lines where `indent` is not negative.
+  std::string dump(int indent = -1) const;
+
+  /// The member of an object; a new one, null, where there is none. A value that is null becomes an object.
+  Json& operator[](std::string_view name);
+  /// The same of one that is there. Throws std::exception that names it where it is not.
+  const Json& operator[](std::string_view name) const { return at(name); }
+  const Json& at(std::string_view name) const;
+  const Json& at(std::size_t index) const;
+  /// The member of that name, or `otherwise`.
+  Json value(std::string_view name, Json otherwise) const;
+  void push_back(Json value);
+
+  const std::vector<Member>& items() const;  ///< of an object
+  // Of an array.
+  std::size_t size() const { return elements().size(); }
+  const Json* begin() const { return elements().data(); }
+  const Json* end() const { return elements().data() + size(); }
+
+  bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
+  /// Throws std::exception where it is of another kind. Of std::string, bool, int, std::int64_t, std::uint64_t and
+  /// double.
+  template <typename T>
+  T get() const;
+
+  friend bool operator==(const Json& json, std::string_view text);
+
+ private:
+  struct Library;  // to the library's kind of value, and back
+  const std::vector<Json>& elements() const;
+
+  std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, std::vector<Json>,
+               std::vector<Member>>
+      value_;
+};
+
+template <>
+std::string Json::get() const;
+template <>
+bool Json::get() const;
+template <>
+int Json::get() const;
+template <>
+std::int64_t Json::get() const;
+template <>
+std::uint64_t Json::get() const;
+template <>
+double Json::get() const;
+
+}  // namespace palpate

@@ -1,0 +1,136 @@
+#include "apps/cli/legend.hpp"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/font.hpp"
+#include "shaders/shared/ramp.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kLetter = 0.024;  // height of letters, of the picture's, and
+constexpr double kSmallest_px = 9;
+constexpr std::size_t kFewestTicks = 3;  // of a legend with an extent
+
+double letterHeight_px(const Image& image) {
+  return std::round(std::max(kSmallest_px, kLetter * static_cast<double>(image.height)));
+}
+
+/// Lays a colour over a pixel; nothing outside of the picture.
+void blend(Image& image, int x, int y, const DVec3& color, double alpha) {
+  if (x < 0 || y < 0 || x >= static_cast<int>(image.width) || y >= static_cast<int>(image.height)) return;
+  auto& pixel = image.rgba[static_cast<std::size_t>(y) * image.width + static_cast<std::size_t>(x)];
+  for (int k = 0; k < 3; ++k) {
+    auto& channel = pixel[static_cast<std::size_t>(k)];
+    channel = static_cast<std::uint8_t>(std::lround(glm::mix(static_cast<double>(channel), color[k], alpha)));
+  }
+}
+
+/// White on what is dark, and black on what is light.
+DVec3 inkOn(const Image& image, int x, int y, int width, int height) {
+  double sum = 0, count = 0;
+  for (int v = std::max(0, y); v < std::min(y + height, static_cast<int>(image.height)); ++v)
+    for (int u = std::max(0, x); u < std::min(x + width, static_cast<int>(image.width)); ++u) {
+      const auto& p = image.at(static_cast<std::uint32_t>(u), static_cast<std::uint32_t>(v));
+      sum += 0.3 * p[0] + 0.59 * p[1] + 0.11 * p[2];
+      ++count;
+    }
+  constexpr double kLight = 130;
+  return DVec3(count > 0 && sum / count > kLight ? 20 : 240);
+}
+
+/// Letters of one height.
+class Letters {
+ public:
+  explicit Letters(double height_px) {
+    addFont(atlas_, static_cast<float>(height_px), Texels::pixels);
+    atlas_.GetTexDataAsAlpha8(&texels_, &width_, &height_);
+    font_ = atlas_.Fonts[0];
+  }
+
+  double widthOf(const std::string& text) const {
+    double width = 0;
+    for (const char c : text) width += double{glyph(c).AdvanceX};
+    return width;
+  }
+
+  /// `x`, `y`: the upper left corner of the line, pixels.
+  void draw(Image& image, int x, int y, const std::string& text) const {
+    const DVec3 ink = inkOn(image, x, y, static_cast<int>(widthOf(text)), static_cast<int>(font_->FontSize));
+    double at = x;
+    for (const char c : text) {
+      const ImFontGlyph& g = glyph(c);
+      const int left = static_cast<int>(std::lround(at + double{g.X0})), top = y + static_cast<int>(g.Y0);
+      const int u0 = texel(g.U0, width_), u1 = texel(g.U1, width_), v0 = texel(g.V0, height_),
+                v1 = texel(g.V1, height_);
+      for (int v = v0; v < v1; ++v)
+        for (int u = u0; u < u1; ++u) blend(image, left + u - u0, top + v - v0, ink, texels_[v * width_ + u] / 255.0);
+      at += double{g.AdvanceX};
+    }
+  }
+
+ private:
+  const ImFontGlyph& glyph(char c) const { return *font_->FindGlyph(static_cast<ImWchar>(c)); }
+  static int texel(float along, int size) { return static_cast<int>(std::lround(along * static_cast<float>(size))); }
+
+  ImFontAtlas atlas_;
+  ImFont* font_ = nullptr;
+  unsigned char* texels_ = nullptr;
+  int width_ = 0, height_ = 0;
+};
+
+}  // namespace
+
+std::vector<Tick> ticksOf(const HeightRange& heights) {
+  const double extent = heights.high - heights.low;
+  const double step = roundLength(extent / static_cast<double>(kFewestTicks));
+  if (!(step > 0)) return {{heights.low, fmt::format("{:.6g}", heights.low)}};
+  std::vector<Tick> ticks;
+  const int decimals = std::max(0, static_cast<int>(-std::floor(std::log10(step) + 1e-9)));
+  constexpr int kMostDecimals = 9;
+  for (double n = std::ceil(heights.low / step - 1e-9); n * step <= heights.high + 1e-9 * extent; ++n) {
+    const double height = n * step + 0.0;  // no negative zero
+    ticks.push_back(
+        {height, decimals > kMostDecimals ? fmt::format("{:.6g}", height) : fmt::format("{:.{}f}", height, decimals)});
+  }
+  return ticks;
+}
+
+void drawLegend(Image& image, const HeightRange& heights, LengthUnit unit) {
+  const Letters letters(letterHeight_px(image));
+  const double letter = letterHeight_px(image), height = static_cast<double>(image.height);
+  const int top = static_cast<int>(0.28 * height), bottom = static_cast<int>(0.72 * height);
+  const int right = static_cast<int>(image.width - letter), left = right - static_cast<int>(letter);
+  for (int y = top; y < bottom; ++y) {
+    const float share = (static_cast<float>(bottom - y) - 0.5f) / static_cast<float>(bottom - top);
+    const DVec3 color = 255.0 * DVec3(shared::rampColor(share));
+    for (int x = left; x < right; ++x) blend(image, x, y, color, 1);
+  }
+  const auto write = [&](const std::string& text, double y) {
+    letters.draw(image, static_cast<int>(left - 0.5 * letter - letters.widthOf(text)),
+                 static_cast<int>(std::lround(y - 0.5 * letter)), text);
+  };
+  const double extent = heights.high - heights.low;
+  for (const Tick& tick : ticksOf(heights)) {
+    const double y = extent > 0 ? bottom - (tick.height - heights.low) / extent * (bottom - top) : 0.5 * (top + bottom);
+    const int row = std::clamp(static_cast<int>(std::lround(y)), top, bottom - 1);
+    const DVec3 ink = inkOn(image, left, row, right - left, 1);
+    for (int x = left; x < left + static_cast<int>(0.4 * letter); ++x) blend(image, x, row, ink, 0.9);
+    write(tick.text, y);
+  }
+  const std::string heading = fmt::format("height, {}", nameOf(unit));
+  letters.draw(image, static_cast<int>(right - letters.widthOf(heading)), static_cast<int>(top - 1.8 * letter),
+               heading);
+}
+
+void drawText(Image& image, const DVec2& at_px, const std::string& text) {
+  const double letter = letterHeight_px(image);
+  Letters(letter).draw(image, static_cast<int>(at_px.x), static_cast<int>(at_px.y - letter), text);
+}
+
+}  // namespace palpate

@@ -1,0 +1,71 @@
+#include "apps/cli/context.hpp"
+#include "apps/cli/progress.hpp"
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/saving.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::int64_t kDefaultPoints = 500'000;
+constexpr double kMostPoints = 2'000'000'000;
+constexpr double kSmallestSize = 1e-12, kLargestSize = 1e15;  // model units
+constexpr double kFarthest = 1e28;                            // from the origin, model units
+
+struct MakeOptions {
+  std::string shape, output, center = "0,0,0";
+  std::int64_t count = kDefaultPoints;
+  std::int64_t seed = 1;
+  double noise = 0, size = 100;
+  bool ascii = false;
+};
+
+void make(Context& context, const MakeOptions& options) {
+  const Stopwatch watch;
+  const DVec3 center = parseVec3(options.center, "--center");
+  if (!(glm::length(center) <= kFarthest))
+    throw UsageError("--center: {} lies farther from the origin than {} units", options.center, kFarthest);
+  context.checkWritable(options.output);
+  const auto shape = makeShape(options.shape, options.size, center);
+  Progress progress(context.log(), options.output);
+  constexpr double kSampling = 0.6;  // of the time, about
+  PointCloud cloud = sampleShape(*shape, {.count = static_cast<std::size_t>(options.count),
+                                          .seed = static_cast<std::uint64_t>(options.seed),
+                                          .noise = options.noise,
+                                          .threads = context.threads(),
+                                          .progress = [&](double share) { progress.set(kSampling * share); }});
+  markAsOurs(cloud);
+  writeCloud(options.output, cloud, {.ascii = options.ascii, .progress = [&](double share) {
+                                       progress.set(kSampling + (1 - kSampling) * share);
+                                     }});
+  context.log().say("{}: {} points of {} in {:.2f} s", options.output, cloud.size(), options.shape, watch.elapsed_s());
+  context.writeJson({{"file", options.output}, {"shape", options.shape}, {"points", cloud.size()}});
+}
+
+}  // namespace
+
+void addMake(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("make", "an analytic cloud with exact normals, evenly sampled");
+  auto options = std::make_shared<MakeOptions>();
+  std::string names;
+  for (const std::string_view name : shapeNames()) names += (names.empty() ? "" : ", ") + std::string(name);
+  sub.add("shape", options->shape, "one of " + names).required().typeName("SHAPE");
+  sub.add("-n,--points", options->count, "number of points").check(wholeBetween(0, kMostPoints)).showDefault();
+  sub.add("-o,--output", options->output, "file to write: " + cloudFormats().endingsWritten()).required().typeName("FILE");
+  sub.add("--seed", options->seed, "turns the sampling and picks the noise; same seed, same bytes")
+      .check(wholeBetween(0, bounds::kMostSeed))
+      .showDefault();
+  sub.add("--noise", options->noise, "deviation of the positions from the surface along each axis, model units")
+      .check(between(0, kLargestSize))
+      .showDefault();
+  sub.add("--center", options->center, "x,y,z of the middle, model units").showDefault();
+  sub.add("--size", options->size, "longest side, model units")
+      .check(between(kSmallestSize, kLargestSize))
+      .showDefault();
+  sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
+  sub.whenNamed([&, options] { command = [&context, options] { make(context, *options); }; });
+}
+
+}  // namespace palpate

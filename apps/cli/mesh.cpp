@@ -1,0 +1,97 @@
+#include "apps/cli/mesh_options.hpp"
+#include "apps/cli/progress.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/mesh/mesh_memory.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct MeshCommandOptions {
+  ModelOptions model;
+  MeshChoices choices;
+  std::string output;
+  bool ascii = false;
+};
+
+Json toJson(const MeshTimes& times) {
+  return {{"index", times.index},         {"list", times.list},    {"field", times.field},
+          {"classify", times.classify},   {"scan", times.scan},    {"vertices", times.vertices},
+          {"triangles", times.triangles}, {"total", times.total()}};
+}
+
+std::string inWords(const MeshReport& report) {
+  if (report.closed()) return fmt::format("closed, Euler number {}", report.euler());
+  return fmt::format("open, {} border edges", report.borderEdges);
+}
+
+void mesh(Context& context, const MeshCommandOptions& options) {
+  context.checkWritable(options.output);
+  const Model model = loadModel(context, options.model, EstimateOn::gpu);
+  if (model.cloud.empty()) throw FileError(options.model.file, "has no points; there is nothing to mesh");
+  Progress progress(context.log(), options.output);
+  const MeshPlan plan = planFor(model, options.choices);
+  const MeshMemory predicted = predictMeshMemory(model.cloud, plan);
+  MarchingCubes cubes = makeCubes(context, model, plan);
+  progress.set(0.2);
+  const Stopwatch watch;
+  const MeshStep step = cubes.build();
+  const double wall_us = watch.elapsed_us();
+  progress.set(0.7);
+  const Mesh result = cubes.download();
+  progress.set(0.8);
+  if (result.triangles.empty())
+    throw Error("{}: {} points show no surface within {:.3g} mm of one another; try a larger --radius",
+                options.model.file, model.cloud.size(), model.scale.toMm(static_cast<double>(plan.lattice.radius)));
+  const double cell = static_cast<double>(plan.lattice.cell);
+  writeMesh(options.output, result, cell, options.ascii);
+  const MeshReport report = examine(result);
+  context.log().say("{}: {} vertices, {} triangles in {} part{}, {}; {} blocks, {:.1f} MiB, {:.1f} ms", options.output,
+                    report.vertices, report.triangles, report.parts, report.parts == 1 ? "" : "s", inWords(report),
+                    step.blocks, static_cast<double>(cubes.bytes()) / (1 << 20), wall_us * 1e-3);
+  const double mm = model.scale.mm_per_unit;
+  context.writeJson({{"file", options.output},
+                     {"points", model.cloud.size()},
+                     {"gpu", context.device().name()},
+                     {"lattice", options.choices.lattice},
+                     {"surface", options.choices.surface},
+                     {"cell_mm", model.scale.toMm(cell)},
+                     {"radius_mm", model.scale.toMm(static_cast<double>(plan.lattice.radius))},
+                     {"vertices", report.vertices},
+                     {"triangles", report.triangles},
+                     {"edges", report.edges},
+                     {"border_edges", report.borderEdges},
+                     {"crowded_edges", report.crowdedEdges},
+                     {"flat_triangles", report.flat},
+                     {"parts", report.parts},
+                     {"closed", report.closed()},
+                     {"euler", report.euler()},
+                     {"area_mm2", report.area * mm * mm},
+                     {"volume_mm3", report.volume * mm * mm * mm},
+                     {"blocks", step.blocks},
+                     {"gpu_bytes", cubes.bytes()},
+                     {"gpu_bytes_predicted", predicted.total()},
+                     {"gpu_us", toJson(step.gpu_us)},
+                     {"wall_us", wall_us}});
+}
+
+}  // namespace
+
+void addMesh(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("mesh", "a triangle mesh of a model, by marching cubes on the GPU");
+  auto options = std::make_shared<MeshCommandOptions>();
+  addModelOptions(sub, options->model);
+  sub.add("-o,--output", options->output, fmt::format("file to write, vertices with normals and triangles: {}", cloudFormats().endingsWritten()))
+      .required()
+      .typeName("MESH.ply");
+  addMeshOptions(sub, options->choices);
+  sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
+  sub.footer(
+      "The mesh is closed where the points leave no gap as wide as the support radius, and has a border elsewhere: the "
+      "report says how many edges lie on it. It says the Euler number, too: vertices - edges + triangles, 2 for each "
+      "closed part less 2 for each handle.\n");
+  sub.whenNamed([&, options] { command = [&context, options] { mesh(context, *options); }; });
+}
+
+}  // namespace palpate

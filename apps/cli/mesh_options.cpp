@@ -1,0 +1,43 @@
+#include "apps/cli/mesh_options.hpp"
+
+#include <algorithm>
+
+#include "engine/core/named_values.hpp"
+#include "engine/mesh/mesh_memory.hpp"
+
+namespace palpate {
+
+void addMeshOptions(Options& command, MeshChoices& choices) {
+  command.add("--lattice", choices.lattice, "cells along the longest side of the model")
+      .check(wholeBetween(1, kFinestLattice))
+      .showDefault();
+  command
+      .add("--surface", choices.surface,
+           "what is meshed: sphere, average, sharp: as touch feels them; density: a skin where the density of the "
+           "points falls to half")
+      .check(oneOf(namesOf(kMeshSurfaces)))
+      .showDefault();
+  command.add("--radius", choices.radius, "support radius, mm, or auto: four spacings; at least 2.5 cells in any case")
+      .check(lengthOrAuto())
+      .showDefault();
+}
+
+MeshSurface meshSurfaceNamed(const std::string& name) {
+  const auto found = valueNamed(kMeshSurfaces, name);
+  PALPATE_CHECK(found.has_value());
+  return *found;
+}
+
+MeshPlan planFor(const Model& model, const MeshChoices& choices) {
+  return planMesh(boundsOf(model.cloud), model.spacing,
+                  {.lattice = static_cast<std::uint32_t>(choices.lattice),
+                   .surface = meshSurfaceNamed(choices.surface),
+                   .radius = choices.radius == "auto" ? 0 : supportRadius(choices.radius, model)});
+}
+
+MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan) {
+  requireMeshMemory(context.device(), predictMeshMemory(model.cloud, plan));
+  return {context.device(), model.cloud, plan};
+}
+
+}  // namespace palpate

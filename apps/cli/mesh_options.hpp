@@ -1,0 +1,23 @@
+// What `mesh`, `render --mode mesh` and `bench mesh` share.
+#pragma once
+
+#include "apps/cli/model.hpp"
+#include "engine/mesh/marching_cubes.hpp"
+
+namespace palpate {
+
+struct MeshChoices {
+  std::int64_t lattice = 128;
+  std::string surface = "sphere", radius = "auto";
+};
+void addMeshOptions(Options& command, MeshChoices& choices);
+
+/// The implicit surface of that name.
+MeshSurface meshSurfaceNamed(const std::string& name);
+/// Throws UsageError, or Error for a lattice that is too fine for the model.
+MeshPlan planFor(const Model& model, const MeshChoices& choices);
+/// The cloud on the GPU, ready to be meshed. What it will need is predicted, and refused before anything is uploaded.
+/// Throws OutOfGpuMemory.
+MarchingCubes makeCubes(Context& context, const Model& model, const MeshPlan& plan);
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// The model that a subcommand is about, as the command line names it.
+#pragma once
+
+#include "apps/cli/context.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+struct ModelOptions {
+  std::string file;
+  double mm_per_unit = 0;  ///< 0: the longest side becomes 100 mm
+  std::string normals = "keep";
+
+  ModelConfig config() const;
+};
+void addModelOptions(Options& command, ModelOptions& options);
+
+/// What --radius says: a length in mm, or nothing for auto. Throws UsageError.
+std::optional<double> radius_mm(const std::string& text);
+/// The same as a support radius in model units; for auto the usual one.
+double supportRadius(const std::string& text, const Model& model);
+
+/// Where normals are estimated: on the GPU where one is going to be opened anyway.
+enum class EstimateOn { cpu, gpu };
+/// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where);
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "apps/cli/motion_options.hpp"
+
+#include "apps/cli/parse_list.hpp"
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+void addMotionOptions(Options& command, MotionOptions& options) {
+  std::vector<std::string> kinds{"none"};
+  for (const auto& [name, kind] : kMotionKinds) kinds.emplace_back(name);
+  command
+      .add("--motion", options.kind,
+           "none; oscillate, to and fro along --motion-axis; drift, along it at a constant speed; turn, about it "
+           "through the middle. What moves is not sculpted, and has no friction (vulkan and cpu)")
+      .check(oneOf(std::move(kinds)))
+      .showDefault();
+  command.add("--motion-axis", options.axis, "X,Y,Z in the model's axes, of any length").showDefault();
+  command.add("--motion-amplitude", options.amplitude_mm, "oscillate: half the way from one end to the other, mm")
+      .check(between(0, bounds::kLongest_mm))
+      .showDefault();
+  command
+      .add("--motion-frequency", options.frequency_Hz, "oscillate, turn: times to and fro, or about, in a second, Hz")
+      .check(between(0, bounds::kMostRate_Hz))
+      .showDefault();
+  command.add("--motion-speed", options.speed_mm_per_s, "drift, mm/s")
+      .check(between(0, bounds::kLongest_mm))
+      .showDefault();
+}
+
+std::optional<MotionConfig> motionConfig(const MotionOptions& options) {
+  for (const auto& [name, kind] : kMotionKinds) {
+    if (options.kind != name) continue;
+    const auto [x, y, z] = parseList<double, 3>(options.axis, ',', "--motion-axis", "X,Y,Z");
+    const DVec3 axis(x, y, z);
+    if (!isFinite(axis) || !(glm::length(axis) > 0))
+      throw UsageError("--motion-axis: {} is no direction", options.axis);
+    return MotionConfig{.kind = kind,
+                        .axis = axis,
+                        .amplitude_mm = options.amplitude_mm,
+                        .frequency_Hz = options.frequency_Hz,
+                        .speed_mm_per_s = options.speed_mm_per_s};
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,164 @@
+#include "apps/cli/options.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+namespace {
+
+// The number that all of the text is; nothing where it is none, or none that can be counted with.
+std::optional<double> finiteNumber(const std::string& text) {
+  double value = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc() || last != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+bool isBetween(const std::string& text, double least, double most) {
+  const auto value = finiteNumber(text);
+  return value && *value >= least && *value <= most;
+}
+
+Check wanted(std::string what, std::function<bool(const std::string&)> fits) {
+  return {[what = std::move(what), fits = std::move(fits)](const std::string& text) {
+    return fits(text) ? std::string() : fmt::format("{} is not {}", text, what);
+  }};
+}
+
+// CLI11's validators may change the text; those that are made here only look at it.
+Check checkOf(const CLI::Validator& validator) {
+  return {[validator](std::string text) { return validator(text); }, validator.get_description()};
+}
+
+}  // namespace
+
+Check oneOf(std::vector<std::string> words) { return checkOf(CLI::IsMember(std::move(words))); }
+
+Check oneOf(std::initializer_list<std::uint32_t> numbers) { return checkOf(CLI::IsMember(numbers)); }
+
+Check inRange(std::uint32_t least, std::uint32_t most) {
+  return checkOf(CLI::Range(least, most, fmt::format("{} to {}", least, most)));
+}
+
+Check between(double least, double most) {
+  return wanted(fmt::format("a number from {} to {}", least, most),
+                [least, most](const std::string& text) { return isBetween(text, least, most); });
+}
+
+Check wholeBetween(double least, double most) {
+  return wanted(fmt::format("a whole number from {:.0f} to {:.0f}", least, most),
+                [least, most](const std::string& text) {
+                  return isBetween(text, least, most) && text.find_first_not_of("+-0123456789") == text.npos;
+                });
+}
+
+Check lengthOrAuto() {
+  return wanted(fmt::format("auto or a length from {} to {} mm", bounds::kShortest_mm, bounds::kLongest_mm),
+                [](const std::string& text) {
+                  return text == "auto" || isBetween(text, bounds::kShortest_mm, bounds::kLongest_mm);
+                });
+}
+
+Option Option::required() { return Option(option_->required()); }
+Option Option::check(const Check& check) { return Option(option_->check(check.complaint, check.description)); }
+Option Option::typeName(const std::string& name) { return Option(option_->type_name(name)); }
+Option Option::describe(const std::string& what) { return Option(option_->description(what)); }
+Option Option::separatedBy(char separator) { return Option(option_->delimiter(separator)); }
+Option Option::showDefault() { return Option(option_->capture_default_str()); }
+Option Option::needs(Option other) { return Option(option_->needs(other.option_)); }
+Option Option::excludes(Option other) { return Option(option_->excludes(other.option_)); }
+Option Option::under(const std::string& heading) { return Option(option_->group(heading)); }
+
+void Option::set(const std::string& text) {
+  option_->clear();
+  option_->add_result(text);
+}
+
+std::string Option::name() const { return option_->get_name(); }
+std::string Option::longName() const { return "--" + option_->get_lnames().front(); }
+bool Option::given() const { return option_->count() > 0; }
+bool Option::takesValue() const { return option_->get_expected_min() > 0; }
+std::string Option::text() const { return option_->results().front(); }
+std::string Option::defaultText() const { return option_->get_default_str(); }
+
+Options::Options() : Options(std::string()) {}
+Options::Options(const std::string& description) : own_(std::make_unique<CLI::App>(description)), app_(own_.get()) {}
+Options::Options(CLI::App& subcommand) : app_(&subcommand) {}
+Options::~Options() = default;
+
+Option Options::add(const std::string& names, std::string& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, double& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, std::int64_t& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, std::uint32_t& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, std::uint64_t& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, std::optional<std::uint32_t>& value, const std::string& what) {
+  return Option(app_->add_option(names, value, what));
+}
+Option Options::add(const std::string& names, std::vector<std::string>& values, const std::string& what) {
+  return Option(app_->add_option(names, values, what));
+}
+Option Options::add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what) {
+  return Option(app_->add_option(names, values, what));
+}
+Option Options::add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what) {
+  return Option(app_->add_option(names, values, what));
+}
+Option Options::addFlag(const std::string& names, bool& value, const std::string& what) {
+  return Option(app_->add_flag(names, value, what));
+}
+
+void Options::heading(const std::string& text) { app_->option_defaults()->group(text); }
+
+Options& Options::addSubcommand(const std::string& name, const std::string& what) {
+  subcommands_.emplace_back(new Options(*app_->add_subcommand(name, what)));
+  return *subcommands_.back();
+}
+
+void Options::under(const std::string& heading) { app_->group(heading); }
+void Options::requireSubcommands(std::size_t least, std::size_t most) { app_->require_subcommand(least, most); }
+void Options::footer(const std::string& text) { app_->footer(text); }
+void Options::whenNamed(std::function<void()> callback) { app_->callback(std::move(callback)); }
+
+std::string Options::name() const { return app_->get_name(); }
+
+std::vector<Option> Options::all() const {
+  std::vector<Option> options;
+  for (CLI::Option* option : app_->get_options({})) options.emplace_back(option);
+  return options;
+}
+
+Option Options::find(const std::string& name) const { return Option(app_->get_option(name)); }
+
+std::vector<const Options*> Options::named() const {
+  std::vector<const Options*> named;
+  for (const CLI::App* app : app_->get_subcommands())
+    for (const auto& subcommand : subcommands_)
+      if (subcommand->app_ == app) named.push_back(subcommand.get());
+  return named;
+}
+
+void Options::parse(std::vector<std::string> arguments) {
+  std::ranges::reverse(arguments);  // as CLI11 wants them
+  app_->parse(std::move(arguments));
+}
+
+}  // namespace palpate

@@ -1,0 +1,186 @@
+#include "apps/cli/picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/legend.hpp"
+#include "apps/cli/parse_list.hpp"
+
+namespace palpate {
+
+namespace {
+
+PictureSize parseSize(const std::string& text) {
+  const auto [width, height] = parseList<std::uint32_t, 2>(text, 'x', "--size", "WIDTHxHEIGHT in pixels");
+  return {width, height};
+}
+
+FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
+  FrameOptions frame;
+  frame.up = directionOf(uprightOf(model, options.look).up);
+  frame.shown = model.shown;
+  frame.splatRadius = loneDiscRadius(model);
+  frame.pass = imagePassNamed(options.pass);
+  frame.color = colorByNamed(options.color);
+  frame.everyPoint = options.everyPoint;
+  frame.raster = rasterNamed(options.raster);
+  constexpr std::uint32_t kUsualSmooth_px = 3;  // where the smoothed depth alone is asked for
+  frame.smooth_px = options.smooth_px > 0 || frame.pass != ImagePass::smoothDepth ? options.smooth_px : kUsualSmooth_px;
+  if (!options.background.empty())
+    frame.background = parseList<std::uint8_t, 3>(options.background, ',', "--background", "R,G,B from 0 to 255");
+  // A disc wider than this hides the model, and costs a GPU more than a picture is worth.
+  constexpr double kWidest = 0.1;  // of the longest side
+  const double widest = kWidest * model.shownBounds().longestSide();
+  if (options.splatRadius != "auto") {
+    const double radius_mm =
+        parseList<double, 1>(options.splatRadius, ',', "--splat-radius", "a length in mm or 'auto'")[0];
+    if (!(radius_mm > 0) || !std::isfinite(radius_mm))
+      throw UsageError("--splat-radius: '{}' is not a positive length in mm", options.splatRadius);
+    frame.splatRadius = model.scale.toUnits(radius_mm);
+    if (widest > 0 && frame.splatRadius > widest)
+      throw UsageError("--splat-radius: {} mm is more than a tenth of the model, which is {:.4g} mm long", radius_mm,
+                       model.scale.toMm(widest / kWidest));
+  }
+  if (options.points) {
+    constexpr double kBare = 1e-7;  // of the longest side: far below a sample
+    frame.splatRadius = kBare * std::max(model.shownBounds().longestSide(), 1e-30);
+    frame.everyPoint = true;
+    frame.closeHoles = false;
+  }
+  return frame;
+}
+
+DVec2 scaleBarCorner(const PictureSize& size) { return {0.04 * size.width, 0.94 * size.height}; }
+
+}  // namespace
+
+double scaleBarLength(const Camera& camera, const PictureSize& size) {
+  const double depth = glm::distance(camera.eye, camera.target);
+  return roundLength(0.2 * size.width * depth / camera.focal_px(size.height));
+}
+
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size) {
+  const double depth = glm::distance(camera.eye, camera.target);
+  return {.from = camera.unproject(scaleBarCorner(size), depth, {size.width, size.height}),
+          .along = scaleBarLength(camera, size) * camera.axes().right,
+          .radius = 0.003 * size.height * depth / camera.focal_px(size.height)};
+}
+
+void addPictureOptions(Options& command, PictureOptions& options) {
+  addLookOptions(command, options.look);
+  command.add("--size", options.size, "width x height, pixels").showDefault();
+  command.add("--camera", options.camera,
+              "\"eye=x,y,z target=x,y,z up=x,y,z fov=45\", any of them: model units, degrees (default: the model "
+              "from the front, a little above, as --up has it)");
+  command
+      .add("--splat-radius", options.splatRadius,
+           "of every point's disc, mm; auto: each as wide as closes the "
+           "surface around it")
+      .showDefault();
+  command
+      .add("--color", options.color,
+           "rgb (the file's, or one material), normal, depth, height (along up, with a legend)")
+      .showDefault();
+  command.add("--pass", options.pass, "final, depth, smooth-depth, normal, color, position").showDefault();
+  command
+      .add("--smooth", options.smooth_px,
+           "smooth depth within the surface, pixels to each side, and take normals from it; 0: blend those of "
+           "the points")
+      .check(inRange(0u, shared::kMostSmooth_px / 2))
+      .showDefault();
+  addSamplesOption(command, options.samples);
+  command.addFlag("--every-point", options.everyPoint,
+                  "draw all points, also where they are finer than samples and a share of them would do");
+  command
+      .add("--raster", options.raster,
+           "who draws the discs: compute shaders, or the GPU's own rasteriser (hardware); the same picture")
+      .showDefault();
+  command.add("--background", options.background, "R,G,B, 0 to 255 (default: a quiet gradient)");
+  command.add("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM").typeName("FILE.pfm");
+  command.addFlag("--scale-bar", options.scaleBar,
+                  "draw a bar of a round length, in the file's unit, at the depth of the camera's target");
+  command.addFlag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
+}
+
+void addSamplesOption(Options& command, std::uint32_t& samples) {
+  command.add("--samples", samples, "of a pixel: 4 for smooth outlines, or 1 for speed")
+      .check(oneOf({1u, 4u}))
+      .showDefault();
+}
+
+void checkPictureOptions(const PictureOptions& options) {
+  const PictureSize size = parseSize(options.size);
+  Frame::checkSize(size.width, size.height);
+  frameOptions(options, Model{});
+  Camera::parse(options.camera, PointCloud{}, 1);
+  Context::checkWritable(options.depthFile);
+}
+
+bool showsPaint(const PictureOptions& options) {
+  const ImagePass pass = imagePassNamed(options.pass);
+  return colorByNamed(options.color) == ColorBy::rgb && (pass == ImagePass::final || pass == ImagePass::color);
+}
+
+void printPasses(std::FILE* out, const std::vector<PassRecord>& passes) {
+  fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>6} {:>10}\n", "section", "pass", "threads", "bytes", "waits",
+             "GPU us");
+  for (const PassRecord& pass : passes)
+    fmt::print(out, "{:<24} {:<32} {:>12} {:>12} {:>6} {:>10.1f}\n", pass.section, pass.name, pass.threads, pass.bytes,
+               pass.waits ? "yes" : "no", pass.gpu_us);
+}
+
+namespace {
+
+template <class Drawn>
+void draw(Context& context, const Model& model, const Drawn& drawn, const PictureOptions& options,
+          const Overlays& overlays, const std::string& file) {
+  Device& device = context.device();
+  const PictureSize size = parseSize(options.size);
+  const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
+  FrameOptions frameOf = frameOptions(options, model);
+  frameOf.overlays = overlays;
+  Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
+  const Upright upright = uprightOf(model, options.look);
+  const LengthUnit unit = unitOf(model.cloud, options.look);
+  if (model.cloud.empty())
+    context.log().say("{}: the model has no points, and the picture is empty", file);
+  else if (!upNamed(options.look.up))
+    context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
+  const Camera camera = Camera::parse(options.camera, model.cloud, aspect, framingOf(model, upright.up));
+  const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
+  if (options.scaleBar) {
+    frameOf.overlays.scale = scaleBar(camera, size);
+    context.log().say("{}: the scale bar is {:g} {} long, {:.4g} mm in the hand", file, bar, nameOf(unit),
+                      model.scale.toMm(bar));
+  }
+  CommandList list(device, device.throughputQueue(), "frame",
+                   options.printFrame ? CommandList::Timing::passes : CommandList::Timing::none);
+  list.begin();
+  frame.record(list, drawn, camera, frameOf);
+  list.end();
+  device.throughputQueue().run(list);
+  Image image = frame.readColor();
+  if (options.scaleBar)
+    drawText(image, scaleBarCorner(size) - DVec2(0, 0.015 * size.height), fmt::format("{:g} {}", bar, nameOf(unit)));
+  const bool showsHeights = frameOf.pass == ImagePass::final || frameOf.pass == ImagePass::color;
+  if (showsHeights && frameOf.color == ColorBy::height && !model.cloud.empty())
+    drawLegend(image, heightsOf(model, upright.up), unit);
+  writeImage(file, image);
+  if (!options.depthFile.empty()) writePfm(options.depthFile, frame.readDepth());
+  if (options.printFrame) printPasses(context.tables(), list.passes());
+}
+
+}  // namespace
+
+void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file) {
+  drawn.closeSurface();
+  draw(context, model, drawn, options, overlays, file);
+}
+
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file) {
+  draw(context, model, drawn, options, overlays, file);
+}
+
+}  // namespace palpate

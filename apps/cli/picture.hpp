@@ -1,0 +1,48 @@
+// Pictures as `render` and `touch --picture` take them.
+#pragma once
+
+#include "apps/cli/look.hpp"
+#include "engine/render/frame.hpp"
+
+namespace palpate {
+
+struct PictureOptions {
+  LookOptions look;
+  std::string size = "1280x720", camera, splatRadius = "auto", color = "rgb", pass = "final", background, depthFile,
+              raster = "compute";
+  std::uint32_t smooth_px = 0, samples = 4;
+  bool printFrame = false, scaleBar = false, everyPoint = false;
+  bool points = false;  ///< bare ones instead of discs
+};
+void addPictureOptions(Options& command, PictureOptions& options);
+
+struct PictureSize {
+  std::uint32_t width, height;
+};
+/// The longest of 1, 2, 5, 10, … units that is at most a fifth of the picture wide at the depth of the target.
+double scaleBarLength(const Camera& camera, const PictureSize& size);
+/// A bar of that length at the lower left.
+Overlays::Bar scaleBar(const Camera& camera, const PictureSize& size);
+
+/// --samples: 1 or 4.
+void addSamplesOption(Options& command, std::uint32_t& samples);
+
+/// Whether a picture shows the points' own colours.
+bool showsPaint(const PictureOptions& options);
+
+/// Checks what can be checked before anything is loaded. Throws UsageError.
+void checkPictureOptions(const PictureOptions& options);
+
+/// Draws `drawn` (the GPU's copy of the model's cloud, made with its spacing) into `file`. Says the passes when asked
+/// to.
+void takePicture(Context& context, const Model& model, DrawnCloud& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file);
+
+/// The same for a mesh of it.
+void takePicture(Context& context, const Model& model, const DrawnMesh& drawn, const PictureOptions& options,
+                 const Overlays& overlays, const std::string& file);
+
+/// The passes of a recording with their threads, bytes and last GPU times.
+void printPasses(std::FILE* out, const std::vector<PassRecord>& passes);
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#include "apps/bench/picture_way.hpp"
+#include "apps/cli/mesh_options.hpp"
+#include "apps/cli/picture.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct RenderOptions {
+  ModelOptions model;
+  PictureOptions picture;
+  MeshChoices mesh;
+  std::string output, mode = "splat";
+};
+
+void drawMesh(Context& context, const Model& model, const RenderOptions& options) {
+  MarchingCubes cubes = makeCubes(context, model, planFor(model, options.mesh));
+  cubes.build();
+  takePicture(context, model, drawnMesh(cubes, model), options.picture, {}, options.output);
+}
+
+void render(Context& context, const RenderOptions& options) {
+  checkPictureOptions(options.picture);
+  imageFormatOf(options.output);
+  context.checkWritable(options.output);
+  const Model model = loadModel(context, options.model, EstimateOn::gpu);
+  if (options.mode == "mesh") {
+    drawMesh(context, model, options);
+  } else {
+    DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
+    PictureOptions picture = options.picture;
+    picture.points = options.mode == "points";
+    takePicture(context, model, drawn, picture, {}, options.output);
+  }
+  context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);
+  context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
+}
+
+}  // namespace
+
+void addRender(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("render", "a picture of a model, headless");
+  auto options = std::make_shared<RenderOptions>();
+  addModelOptions(sub, options->model);
+  sub.add("-o,--output", options->output, "picture to write: .png or .jpg").required().typeName("IMG.png");
+  sub.add("--mode", options->mode,
+          "splat: every point a disc; points: each a sample and no more; mesh: the "
+          "triangles of `palpate mesh`")
+      .check(oneOf({"splat", "points", "mesh"}))
+      .showDefault();
+  addPictureOptions(sub, options->picture);
+  addMeshOptions(sub, options->mesh);
+  sub.whenNamed([&, options] { command = [&context, options] { render(context, *options); }; });
+}
+
+}  // namespace palpate

@@ -1,0 +1,251 @@
+#include "apps/cli/touch.hpp"
+
+#include "apps/cli/probe_overlays.hpp"
+#include "apps/cli/progress.hpp"
+#include "apps/cli/stop_by_signal.hpp"
+#include "apps/cli/touch_report.hpp"
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/saving.hpp"
+#include "haptics/session/drawn_follower.hpp"
+#include "haptics/session/session.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// What a session leaves, file by file: one that cannot be written is no reason to lose the others.
+class Outputs {
+ public:
+  void write(const std::function<void()>& file) {
+    try {
+      file();
+    } catch (const Error& error) {
+      failed(error.what());
+    }
+  }
+  void failed(const std::string& why) { failures_ += (failures_.empty() ? "" : "\npalpate: ") + why; }
+  /// Throws Error that names them all.
+  void check() const {
+    if (!failures_.empty()) throw Error("{}", failures_);
+  }
+
+ private:
+  std::string failures_;
+};
+
+/// What answers has failed, as `error` says: keeps the points as the journal knows them.
+[[noreturn]] void saveAndThrow(const Error& error, Session& session, const std::string& saveFile) {
+  if (!session.journal() || saveFile.empty()) throw;
+  saveKeeping(saveFile, session.sculpted().cloud);
+  throw Error("{}; {} has the points as they were last told", error.what(), saveFile);
+}
+
+HandSource openHand(Context& context, const Model& model, const SessionConfig& config, const HandConfig& hand) {
+  const StopBySignal stop;  // a person may be asked to calibrate the device
+  return openHand(
+      hand, {.model = model, .rate_Hz = config.rate_Hz, .log = context.log(), .stop = &StopBySignal::requested()});
+}
+
+SecondHandReport secondReport(const std::string& device, const HandResult& result) {
+  return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
+}
+
+/// Counts the ticks for the bar.
+class ShownTicks final : public TickRecorder {
+ public:
+  ShownTicks(Log& log, double duration_s) : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)) {}
+  void ticked(const TraceRow& row, const DeviceState&) noexcept override { progress_.set(row.time_s / duration_s_); }
+
+ private:
+  Progress progress_;
+  double duration_s_;
+};
+
+/// Settles what answers. Whoever names a GPU, or wants its calls watched,
+/// means that one, whatever it is.
+void chooseBackend(const Context& context, BackendOptions& options) {
+  const bool means = options.backend == "auto" && options.method != "direct" && context.asksForGpu();
+  options.backend = means ? "vulkan" : palpate::chooseBackend(context, options);
+}
+
+/// The picture, kept up to date while the session lasts where the GPU that answers draws it, too. `made` is set to it.
+FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, DrawnFollower*& made) {
+  if (options.pictureFile.empty() || options.backend.backend != "vulkan") return {};
+  return [&](const Model& model, TouchBackend& backend) {
+    auto follower = std::make_unique<DrawnFollower>(context.device(), model, backend);
+    made = follower.get();
+    return follower;
+  };
+}
+
+TouchReport reportOf(const Session& session, const ServoResult& result, const SculptedCloud& end) {
+  const Model& model = session.model();
+  const SessionConfig& config = session.config();
+  const TouchBackend& backend = session.backend();
+  const auto bridged = backend.bridgeTimes_us();
+  TouchReport report{.points = model.cloud.size(),
+                     .backend = config.backend.name,
+                     .machine = backend.machine(),
+                     .method = session.method(),
+                     .build_us = backend.buildTime_us(),
+                     .trace = summarize(result.trace()),
+                     .servo = servoReport(result),
+                     .edit_us = summarize(backend.editTimes_us()),
+                     .bridge_us = summarize({bridged.begin(), bridged.end()}),
+                     .shortfalls = backend.shortfalls(),
+                     .compactions = backend.compactions(),
+                     .index = backend.indexWork(),
+                     .movedPoints = end.edited,
+                     .realtimePriority = result.realtimePriority,
+                     .pacedByDevice = result.pacedByDevice,
+                     .realtime = config.realtime,
+                     .interrupted = StopBySignal::requested(),
+                     .edits = config.brush.has_value(),
+                     .radius_mm = model.scale.toMm(session.surface().radius),
+                     .cell_mm = model.scale.toMm(backend.cell()),
+                     .spacing_mm = model.scale.toMm(model.spacing),
+                     .noise_spacings = model.noise,
+                     .mm_per_unit = model.scale.mm_per_unit,
+                     .toolPoints = backend.points(0).size()};
+  // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
+  if (backend.points(0).empty() && !(config.motion && config.realtime))
+    report.error =
+        contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
+  return report;
+}
+
+void drawEnd(Context& context, const TouchCommandOptions& options, const Session& session, DrawnFollower* followed,
+             const PointCloud& cloud, const Trace& trace) {
+  if (options.edit == "paint" && !showsPaint(options.picture))
+    context.log().say("{}: --color {} and --pass {} do not show what was painted; --color rgb does",
+                      options.pictureFile, options.picture.color, options.picture.pass);
+  const Model& model = session.model();
+  std::optional<BrushOptions> brush;
+  if (session.config().brush) brush = brushOptions(*session.config().brush, model.scale);
+  // A back end that is not followed is drawn once, as it ended.
+  std::optional<DrawnCloud> ended;
+  if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacing});
+  takePicture(context, model, followed ? followed->drawn() : *ended, options.picture,
+              trace.rows.empty()
+                  ? Overlays{}
+                  : overlaysOf(trace.rows.back(), model.cloud.origin, boundsOf(model.cloud).longestSide(), brush),
+              options.pictureFile);
+}
+
+/// What the session's parts have to leave behind.
+void checkOutputs(Context& context, const TouchCommandOptions& options) {
+  for (const std::string* file : {&options.traceFile, &options.secondTraceFile, &options.trajectoryFile,
+                                  &options.saveFile, &options.pictureFile, &options.logFile})
+    Context::checkWritable(*file);
+  std::error_code ignored;
+  if (std::filesystem::equivalent(options.model.file, options.logFile, ignored))
+    throw UsageError("--log: {} is the model itself", options.logFile);
+  sayWhatIsLost(options.saveFile, context.log());
+}
+
+void touch(Context& context, const TouchCommandOptions& options) {
+  const SessionConfig config = sessionConfig(options);
+  const BackendKind& kind = context.backends().named(config.backend.name);
+  validate(config);
+  kind.check(config);
+  checkTouchOptions(options, kind.capabilities());
+  checkOutputs(context, options);
+  Model model =
+      loadModel(config.model, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
+  std::vector<HandSource> sources;
+  for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
+  std::vector<OpenHand> hands;
+  for (const HandSource& source : sources) hands.push_back(source.hand());
+  if (config.brush)
+    if (const std::string remark =
+            remarkOnSmallBrush(options.brushRadius_mm, model.scale.toMm(model.spacing), "--tool-radius");
+        !remark.empty())
+      context.log().say("{}: {}", options.model.file, remark);
+  const bool keeps = config.brush && (!options.saveFile.empty() || options.undo > 0);
+  DrawnFollower* sight = nullptr;
+  Session session(config, std::move(model),
+                  {.backend = kind,
+                   .threads = context.threads(),
+                   .journal = keeps || !options.logFile.empty(),
+                   .undo_bytes = undoBytes(config.undo),
+                   .follower = sightFor(context, options, sight)});
+  if (!options.logFile.empty())
+    session.record(options.logFile, hands.front(),
+                   [&context](const std::string& what) { context.log().say("{}", what); });
+  const ServoResult result = [&] {
+    const StopBySignal stop;
+    ShownTicks shown(context.log(), session.durationOf(hands));
+    return session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
+  }();
+  Outputs outputs;
+  outputs.write([&] {
+    if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, result.trace());
+  });
+  outputs.write([&] {
+    if (!options.secondTraceFile.empty()) writeTraceCsv(options.secondTraceFile, result.hands[1].trace);
+  });
+  outputs.write([&] {
+    if (!options.trajectoryFile.empty()) writeTrajectory(options.trajectoryFile, result.trace());
+  });
+  std::optional<UndoneStrokes> undone;
+  try {
+    session.finish();
+    if (options.undo > 0) undone = session.undo(options.undo, options.redo);
+  } catch (const Error& error) {
+    session.relay().stop();
+    saveAndThrow(error, session, options.saveFile);
+  }
+  SessionRecording* const recording = session.recording();
+  outputs.write([&] {
+    if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
+  });
+
+  const bool changes = config.brush || config.motion;
+  const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
+  TouchReport report = reportOf(session, result, end);
+  report.tool = options.backend.tool;
+  report.back = undone;
+  if (hands.size() > 1) report.second = secondReport(options.secondDevice, result.hands[1]);
+  if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
+  if (recording)
+    report.log =
+        LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};
+  outputs.write([&] {
+    if (!options.saveFile.empty()) saveKeeping(options.saveFile, end.cloud);
+  });
+  outputs.write([&] {
+    if (options.pictureFile.empty()) return;
+    session.checkFollower();
+    drawEnd(context, options, session, sight, changes ? end.cloud : session.model().cloud, result.trace());
+  });
+  if (options.backend.timePasses) printPasses(context.tables(), session.backend().passes());
+  printReport(context.tables(), report);
+  outputs.write([&] { context.writeJson(toJson(report)); });
+  if (result.deviceFailed) outputs.failed(result.fault);
+  outputs.check();
+  if (report.interrupted) throw Error("interrupted after {} ticks; what they gave is kept", report.trace.ticks);
+  const std::uint64_t faults = std::max(report.trace.faultTicks, report.second ? report.second->trace.faultTicks : 0);
+  if (faults) throw Error("{} ticks had no valid answer; their force was zero", faults);
+}
+
+}  // namespace
+
+void addTouch(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("touch", "the haptic loop, headless: follow a path, feel, edit, trace");
+  auto options = std::make_shared<TouchCommandOptions>();
+  addTouchOptions(sub, *options);
+  sub.footer(
+      "The trace has the columns t_s (s), hip, proxy, normal (x, y, z; model units), force (N), penetration_mm, "
+      "contact, "
+      "neighbours, fresh (1: this tick's own answer), gpu_us, step_us (0 in virtual time). For a tool of many points, "
+      "proxy - hip is the sum of the ways from the points to their proxies, each times its share of the stiffness; "
+      "normal is their mean by force; and torque (x, y, z; about the HIP, mN m) follows.\n");
+  sub.whenNamed([&, options] {
+    command = [&context, options] {
+      chooseBackend(context, options->backend);
+      touch(context, *options);
+    };
+  });
+}
+
+}  // namespace palpate

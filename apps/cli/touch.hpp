@@ -1,0 +1,43 @@
+// The options of `palpate touch`.
+#pragma once
+
+#include "apps/cli/backend.hpp"
+#include "apps/cli/picture.hpp"
+#include "apps/cli/hand_options.hpp"
+#include "apps/cli/motion_options.hpp"
+#include "haptics/force_law.hpp"
+
+namespace palpate {
+
+struct TouchCommandOptions {
+  ModelOptions model;
+  BackendOptions backend{.backend = "auto"};
+  PictureOptions picture;
+  HandChoices hand;
+  MotionOptions motion;
+  std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
+  std::string path = "builtin:press", edit = "none";
+  std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;
+  double penetration_mm = 2, rate_Hz = 1000;
+  double tau_mm = 0.5, beta = 0.1, brushRadius_mm = 6, strength = 0.5;
+  std::uint32_t falloff = 1;
+  std::string paintColor = "255,0,0";
+  bool keepPoints = false;
+  std::size_t undo = 0, redo = 0;
+  double undoMemory_MiB = 1024;
+  bool realtime = false;
+  ForceOptions force;
+};
+void addTouchOptions(Options& command, TouchCommandOptions& options);
+
+/// What would make a brush edit nothing on a cloud of that spacing, mm, in words; empty where nothing would. `control`
+/// is what sets the radius.
+std::string remarkOnSmallBrush(double radius_mm, double spacing_mm, std::string_view control);
+
+/// Throws UsageError for options that do not go together; before anything is loaded. `can`: the back end.
+void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabilities& can);
+
+/// What the options ask for. Throws UsageError.
+SessionConfig sessionConfig(const TouchCommandOptions& options);
+
+}  // namespace palpate

@@ -1,0 +1,231 @@
+#include "apps/cli/touch_report.hpp"
+
+#include <algorithm>
+
+#include "apps/cli/tick_times.hpp"
+#include "engine/contact/contact_reference.hpp"
+
+namespace palpate {
+
+ContactError contactError(const Trace& trace, const Model& model, const SurfaceOptions& surface,
+                          std::optional<double> firstEditTime_s, const std::optional<RigidMotion>& motion) {
+  constexpr std::size_t kMostTicks = 200;
+  std::vector<const TraceRow*> rows;
+  for (const TraceRow& row : trace.rows)
+    if (row.contact && row.fresh && (!firstEditTime_s || row.time_s <= *firstEditTime_s)) rows.push_back(&row);
+  ContactError error;
+  if (rows.empty()) return error;
+  const ContactReference reference(model.cloud, surface);
+  const std::size_t stride = (rows.size() + kMostTicks - 1) / kMostTicks;
+  for (std::size_t i = 0; i < rows.size(); i += stride) {
+    // Behind a sheet the normal that is felt is not the points'.
+    const RigidPose pose = motion ? motion->poseAt(rows[i]->time_s) : RigidPose{};
+    const DVec3 proxy = pose.movedBack(rows[i]->proxy - model.cloud.origin), normal = pose.turnedBack(rows[i]->normal);
+    const SurfaceSample front = reference.surface(proxy, normal), back = reference.surface(proxy, -normal);
+    const SurfaceSample& felt = back.neighbours > front.neighbours ? back : front;
+    ++error.ticks;
+    if (felt.defined)
+      error.worst_mm = std::max(error.worst_mm, model.scale.toMm(std::abs(felt.distance)));
+    else
+      ++error.undefined;
+  }
+  return error;
+}
+
+ServoReport servoReport(const ServoResult& result) {
+  return {.step_us = result.step_us,
+          .late_us = result.late_us,
+          .scheduling = result.scheduling,
+          .withheld = result.counts().withheld,
+          .leastEnergy_mJ = result.counts().leastEnergy_mJ};
+}
+
+namespace {
+
+// What became of the index after its first build.
+std::string_view nameOf(const IndexWork& index) {
+  if (index.followed == 0) return index.built == 0 ? "static" : "rebuild";
+  return index.built == 0 ? "incremental" : "incremental and rebuild";
+}
+
+Json toJson(const GateCounts& withheld) {
+  return {{"errors", withheld.errors}, {"stale_ticks", withheld.stale}, {"hot_ticks", withheld.hot}};
+}
+
+Json toJson(const SecondHandReport& second) {
+  return {{"device", second.device},
+          {"ticks", second.trace.ticks},
+          {"contact_ticks", second.trace.contactTicks},
+          {"fresh_fraction", second.trace.freshFraction},
+          {"peak_force_N", second.trace.peakForce_N},
+          {"passivity_energy_mJ", second.counts.leastEnergy_mJ ? Json(*second.counts.leastEnergy_mJ) : Json(nullptr)},
+          {"safety", toJson(second.counts.withheld)}};
+}
+
+}  // namespace
+
+void printReport(std::FILE* out, const TouchReport& report) {
+  const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
+  const TraceSummary& trace = report.trace;
+  const auto& shortfalls = report.shortfalls;
+  row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
+                            report.spacing_mm, report.noise_spacings, report.radius_mm));
+  row("machine", fmt::format("{} ({})", report.machine, report.backend));
+  row("index build", fmt::format("{:.1f} us", report.build_us));
+  row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
+  row("step p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (pose to force)", trace.step_us.p50, trace.step_us.p999));
+  if (trace.gpu_us.count)
+    row("GPU time p50 / p99.9", fmt::format("{:.1f} / {:.1f} us", trace.gpu_us.p50, trace.gpu_us.p999));
+  if (report.edits)
+    row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
+                                        report.edit_us.p999, report.edit_us.count, report.movedPoints));
+  if (trace.contactTicks == 0)
+    row("contact",
+        "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
+        "spacings wide?");
+  if (report.error.ticks)
+    row("contact error",
+        fmt::format("{:.2g} mm, largest of {} ticks against double precision{}", report.error.worst_mm,
+                    report.error.ticks,
+                    report.error.undefined ? fmt::format("; no surface there at {} of them", report.error.undefined)
+                                           : std::string()));
+  row("peak force", fmt::format("{:.3f} N", trace.peakForce_N));
+  if (report.toolPoints)
+    row("peak torque", fmt::format("{:.3f} mN m about the HIP, of a {} with {} points", trace.peakTorque_mNm,
+                                   report.tool, report.toolPoints));
+  if (report.second) {
+    const TraceSummary& second = report.second->trace;
+    row("second hand",
+        fmt::format("{}: {} ticks in contact, peak force {:.3f} N{}", report.second->device, second.contactTicks,
+                    second.peakForce_N,
+                    report.realtime ? fmt::format(", {:.1f} % of answers in time", 100 * second.freshFraction) : ""));
+  }
+  if (report.realtime)
+    row("missed ticks", fmt::format("{}, {:.1f} % of answers in time{}", trace.missedTicks, 100 * trace.freshFraction,
+                                    report.pacedByDevice      ? " (at the device's own pace)"
+                                    : report.realtimePriority ? ""
+                                                              : " (no real-time priority was granted)"));
+  if (report.realtime) {
+    row("tick times", inWords(report.servo.step_us));
+    row("woken late by", inWords(report.servo.late_us));
+  }
+  if (report.realtime && !report.pacedByDevice) row("core taken away", inWords(report.servo.scheduling));
+  if (report.servo.leastEnergy_mJ)
+    row("passivity", fmt::format("{:.3g} mJ at the least (below 0: made by the loop)", *report.servo.leastEnergy_mJ));
+  const GateCounts& withheld = report.servo.withheld;
+  if (withheld.errors + withheld.stale + withheld.hot)
+    row("force held back", fmt::format("after {} errors, at {} ticks with old data and {} with hot motors",
+                                       withheld.errors, withheld.stale, withheld.hot));
+  if (report.bridge_us.count)
+    row("late answers bridged",
+        fmt::format("p50 / p99.9 {:.1f} / {:.1f} us on the CPU, from the last patch of points{}", report.bridge_us.p50,
+                    report.bridge_us.p999, shortfalls.thinnedPatches ? "; some were thinned" : ""));
+  if (report.back) {
+    const UndoneStrokes& back = *report.back;
+    row("undo", fmt::format("{} of {} strokes taken back, {} done again", back.undone, back.strokes, back.redone));
+    if (back.dropped)
+      row("strokes forgotten",
+          fmt::format("{}, for --undo-memory{}", back.dropped,
+                      back.tooLarge ? fmt::format("; {} larger than all of it", back.tooLarge) : std::string()));
+  }
+  if (report.recorded)
+    row("recorded forces", fmt::format("differ by {:.3g} N rms, {:.3g} N at worst, over {} ticks",
+                                       report.recorded->rms_N, report.recorded->worst_N, report.recorded->ticks));
+  if (report.log) {
+    const LogReport& log = *report.log;
+    row("session log",
+        fmt::format("{} bytes, {:.1f} a tick", log.bytes,
+                    static_cast<double>(log.bytes) / static_cast<double>(std::max<std::uint64_t>(1, trace.ticks))));
+    if (log.lostTicks + log.mergedEdits)
+      row("log behind", fmt::format("{} ticks are missing in it; {} edits gave way to later ones of the same points",
+                                    log.lostTicks, log.mergedEdits));
+  }
+  if (shortfalls.editsTooSlow)
+    row("edits left out",
+        fmt::format("{}: one takes this machine longer than a force can be held", shortfalls.editsTooSlow));
+  if (shortfalls.editsLogFull)
+    row("edits left out", fmt::format("{}: who follows them had fallen behind", shortfalls.editsLogFull));
+  if (shortfalls.editsHeldUp)
+    row("edits left out", fmt::format("{}: the index was being compacted", shortfalls.editsHeldUp));
+  if (report.edits)
+    row("index", fmt::format("{}: followed {} edits, built anew {} times, {} for edits that it could not follow; "
+                             "compacted {} times in the background",
+                             nameOf(report.index), report.index.followed, report.index.built, shortfalls.editsRebuilt,
+                             report.compactions));
+  if (shortfalls.thinnedTicks)
+    row("thinned ticks", fmt::format("{}: more points near the probe than a tick looks at; every so-manyth was taken",
+                                     shortfalls.thinnedTicks));
+  if (shortfalls.truncatedTicks)
+    row("unfinished ticks",
+        fmt::format("{}: the proxy was still moving when its time was up", shortfalls.truncatedTicks));
+}
+
+Json toJson(const TouchReport& report) {
+  const auto summary = [](const Summary& s) {
+    return Json{{"p50", s.p50}, {"p99", s.p99}, {"p999", s.p999}, {"max", s.max}};
+  };
+  const TraceSummary& trace = report.trace;
+  Json json{
+      {"points", report.points},
+      {"ticks", trace.ticks},
+      {"contact_ticks", trace.contactTicks},
+      {"step_us", summary(trace.step_us)},
+      {"gpu_us", summary(trace.gpu_us)},
+      {"build_us", report.build_us},
+      {"fresh_fraction", trace.freshFraction},
+      {"peak_force_N", trace.peakForce_N},
+      {"moved_points", report.movedPoints},
+      {"backend", report.backend},
+      {"gpu", report.machine},
+      {"method", report.method},
+      {"index", nameOf(report.index)},
+      {"index_followed", report.index.followed},
+      {"index_builds", report.index.built},
+      {"contact_error_mm", report.error.ticks > report.error.undefined ? Json(report.error.worst_mm) : Json(nullptr)},
+      {"contact_error_undefined", report.error.undefined},
+      {"missed_ticks", trace.missedTicks},
+      {"tick_histogram_us", toJson(report.servo.step_us)},
+      {"late_histogram_us", toJson(report.servo.late_us)},
+      {"servo_thread", toJson(report.servo.scheduling)},
+      {"passivity_energy_mJ", report.servo.leastEnergy_mJ ? Json(*report.servo.leastEnergy_mJ) : Json(nullptr)},
+      {"safety", toJson(report.servo.withheld)},
+      {"interrupted", report.interrupted},
+      {"skipped_edits",
+       report.shortfalls.editsLogFull + report.shortfalls.editsTooSlow + report.shortfalls.editsHeldUp},
+      {"compactions", report.compactions},
+      {"edits_built_anew", report.shortfalls.editsRebuilt},
+      {"thinned_ticks", report.shortfalls.thinnedTicks},
+      {"thinned_patches", report.shortfalls.thinnedPatches},
+      {"truncated_ticks", report.shortfalls.truncatedTicks},
+      {"radius_mm", report.radius_mm},
+      {"cell_mm", report.cell_mm},
+      {"spacing_mm", report.spacing_mm},
+      {"noise_spacings", report.noise_spacings},
+      {"mm_per_unit", report.mm_per_unit}};
+  if (report.toolPoints) {
+    json["tool"] = report.tool;
+    json["tool_points"] = report.toolPoints;
+    json["peak_torque_mNm"] = trace.peakTorque_mNm;
+  }
+  if (report.second) json["second_hand"] = toJson(*report.second);
+  if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
+  if (report.back)
+    json["undo"] = {{"strokes", report.back->strokes},
+                    {"undone", report.back->undone},
+                    {"redone", report.back->redone},
+                    {"forgotten", report.back->dropped},
+                    {"too_large", report.back->tooLarge}};
+  if (report.recorded)
+    json["recorded_forces"] = {
+        {"ticks", report.recorded->ticks}, {"rms_N", report.recorded->rms_N}, {"worst_N", report.recorded->worst_N}};
+  if (report.log)
+    json["log"] = {
+        {"bytes", report.log->bytes}, {"lost_ticks", report.log->lostTicks}, {"merged_edits", report.log->mergedEdits}};
+  if (report.edits) {
+    json["edit_us"] = summary(report.edit_us);
+    json["edit_ticks"] = report.edit_us.count;
+  }
+  return json;
+}
+
+}  // namespace palpate

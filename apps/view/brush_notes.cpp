@@ -1,0 +1,28 @@
+#include "apps/view/brush_notes.hpp"
+
+#include <utility>
+
+#include "apps/cli/touch.hpp"
+#include "apps/view/messages.hpp"
+
+namespace palpate {
+
+void BrushNotes::noteSize(const WindowSession& session, std::uint64_t presses, Messages& messages) {
+  const BrushSettings& brush = session.brushSettings();
+  const Model& model = session.model();
+  if (std::exchange(presses_, presses) != presses) tooSmall_.clear();
+  const std::string tooSmall =
+      brush.kind ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])")
+                 : std::string();
+  if (tooSmall != std::exchange(tooSmall_, tooSmall) && !tooSmall.empty()) messages.say(tooSmall);
+}
+
+void BrushNotes::notePaint(const WindowSession& session, ViewSettings& view, Messages& messages) {
+  const bool begins = session.journal().inStroke() && !inStroke_;
+  inStroke_ = session.journal().inStroke();
+  if (!begins || session.brushSettings().kind != BrushKind::paint || view.color == ColorBy::rgb) return;
+  view.color = ColorBy::rgb;
+  messages.say("coloured by the points' own colours, which show what is painted");
+}
+
+}  // namespace palpate

@@ -1,0 +1,162 @@
+#include "apps/view/document.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "apps/view/messages.hpp"
+#include "apps/view/window.hpp"
+#include "engine/core/atomic_file.hpp"
+#include "engine/io/saving.hpp"
+
+namespace palpate {
+
+Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
+    : parts_(parts),
+      options_(std::move(options)),
+      messages_(parts.messages),
+      loader_(parts.context, parts.sight),
+      asks_(asks) {}
+
+void Document::offer(const std::vector<std::string>& files) {
+  for (const std::string& file : files)
+    if (!std::ranges::count(offered_, file)) offered_.push_back(file);
+}
+
+void Document::open(const std::string& file) {
+  leave([this, file] {
+    WindowOptions options = options_;
+    options.config.model.file = file;
+    loader_.open(options, parts_.settings.brush, parts_.settings.feel);
+  });
+}
+
+void Document::leave(std::function<void()> then) {
+  if (!session_ || !session_->isChanged() || !asks_) return then();
+  saveQuestion_.reset();
+  afterQuestion_ = std::move(then);
+  isSavingForIt_ = session_->isSaving();  // what that leaves out is asked about afterwards
+  if (parts_.window.isMinimised()) parts_.window.minimise(false);
+}
+
+bool Document::load(const std::function<void()>& letGo) {
+  if (!loader_.isLoading()) return false;
+  for (const std::string& remark : loader_.takeRemarks()) messages_.add(remark);
+  if (loader_.isRead()) {
+    if (session_) {
+      letGo();
+      install(nullptr);
+    }
+    loader_.build();
+  }
+  auto result = loader_.take();
+  if (!result) return false;
+  if (result->session) {
+    recent_.add(result->session->file());
+    letGo();
+    install(std::move(result->session));
+    return true;
+  }
+  if (!result->failure.empty()) {
+    std::erase(offered_, loader_.file());  // nobody is offered it again
+    messages_.say(result->failure);
+  }
+  return false;
+}
+
+void Document::install(std::unique_ptr<WindowSession> session) {
+  messages_.tryTo([&] {
+    if (session_) session_->endRecording();
+  });
+  session_ = std::move(session);
+  saveQuestion_.reset();
+  if (session_) saveFile_ = session_->file();
+}
+
+void Document::follow() {
+  if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
+  if (const auto saved = session_->takeSaved()) finishSaving(*saved);
+}
+
+void Document::finishSaving(const WindowSession::Saved& saved) {
+  const std::string kept = saved.kept.empty() ? "" : "; what was there before is " + saved.kept;
+  messages_.say(saved.failure.empty() ? saved.file + " is saved" + kept : saved.failure);
+  // Where the points have changed since, or could not be written, nothing is left behind.
+  if (!std::exchange(isSavingForIt_, false) || (saved.failure.empty() && session_->isChanged())) return;
+  const auto then = std::exchange(afterQuestion_, nullptr);
+  if (saved.failure.empty() && then) then();
+}
+
+void Document::saveTo(const std::string& file) {
+  session_->save(file);
+  messages_.say("saving " + file);
+}
+
+void Document::save() {
+  if (session_->isSaving()) return saveTo(saveFile_);  // which says so
+  std::error_code ignored;
+  if (!session_->isChanged() && std::filesystem::exists(saveFile_, ignored))
+    return messages_.say(saveFile_ + " has the points as they are; there is nothing to save");
+  const FileInTheWay inTheWay = fileInTheWay(saveFile_);
+  if (!inTheWay.losesSomething()) return saveTo(saveFile_);
+  saveQuestion_ = SaveQuestion{.loses = inTheWay.sentence(),
+                               .beside = nameBeside(saveFile_).string(),
+                               .kept = AtomicFile::nameToKeep(saveFile_).string()};
+  if (!asks_) return answer({.saveBeside = true});
+  if (parts_.window.isMinimised()) parts_.window.minimise(false);
+}
+
+void Document::answer(const ViewRequests& requests) {
+  if (requests.discard && afterQuestion_) std::exchange(afterQuestion_, nullptr)();
+  if (requests.cancel) {
+    afterQuestion_ = nullptr;
+    saveQuestion_.reset();
+    isSavingForIt_ = false;
+  }
+  if (!(requests.saveBeside || requests.saveOver) || !saveQuestion_ || !session_) return;
+  if (requests.saveBeside) saveFile_ = saveQuestion_->beside;
+  saveQuestion_.reset();
+  messages_.tryTo([&] { saveTo(saveFile_); });
+}
+
+void Document::carryOut(const ViewRequests& requests) {
+  if (requests.saveFirst) {
+    isSavingForIt_ = true;
+    if (!session_->isSaving()) save();
+  }
+  if (requests.undo) session_->undo();
+  if (requests.redo) session_->redo();
+  if (requests.save) save();
+  if (!requests.saveAs.empty()) saveTo(requests.saveAs);
+  if (!requests.record.empty()) {
+    session_->record(requests.record);
+    messages_.say("recording to " + requests.record);
+  }
+  if (requests.endRecording) session_->endRecording();
+  if (!requests.play.empty()) play(requests.play);
+  if (requests.endPlaying) session_->endPlaying();
+  if (requests.exportTicks) writeTicks();
+}
+
+void Document::play(const std::string& log) {
+  for (const std::string& sentence : session_->play(log)) messages_.say(log + ": " + sentence);
+}
+
+std::string Document::freeName(const std::string& what, const std::string& ending) const {
+  const std::string stem = session_ ? std::filesystem::path(session_->file()).stem().string() : std::string("palpate");
+  const std::filesystem::path folder = std::filesystem::current_path();
+  for (int number = 1;; ++number) {
+    const std::filesystem::path file = folder / fmt::format("{}{}-{}.{}", stem, what, number, ending);
+    if (!std::filesystem::exists(file)) return file.string();
+  }
+}
+
+void Document::writeTicks() {
+  const auto& rows = session_->history().rows();
+  const Trace trace{.rows = {rows.begin(), rows.end()}, .virtualTime = false};
+  const std::string file = freeName("-ticks", "csv");
+  writeTraceCsv(file, trace);
+  messages_.say(fmt::format("{} ticks are in {}", rows.size(), file));
+}
+
+}  // namespace palpate

@@ -1,0 +1,93 @@
+// What is open in the window: how another model takes its place, where it is saved, and what a person is asked before
+// something is lost.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/view/loader.hpp"
+#include "apps/view/recent_files.hpp"
+#include "apps/view/requests.hpp"
+#include "apps/view/settings.hpp"
+
+namespace palpate {
+
+class Messages;
+class Window;
+
+/// What a document lives among; all of it outlives it.
+struct DocumentParts {
+  Context& context;
+  Window& window;
+  Device& sight;
+  const WindowSettings& settings;
+  Messages& messages;
+};
+
+class Document {
+ public:
+  /// `asks`: about changes that are not saved, and how to save; a script does neither unless it says so.
+  Document(const DocumentParts& parts, WindowOptions options, bool asks);
+
+  /// Null: no model is open.
+  WindowSession* session() const { return session_.get(); }
+  /// Of models that were opened, and of those that were offered.
+  const std::vector<std::string>& recent() const { return recent_.files(); }
+  const std::vector<std::string>& offered() const { return offered_; }
+  void offer(const std::vector<std::string>& files);
+
+  /// Opens a file, once the person has agreed.
+  void open(const std::string& file);
+  /// Does it now, or after the person was asked about changes.
+  void leave(std::function<void()> then);
+  /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes. Whether
+  /// another model is open since.
+  bool load(const std::function<void()>& letGo);
+  const Loader& loader() const { return loader_; }
+
+  /// Once for each picture: what came of saving and recording.
+  void follow();
+  /// What of it concerns the model and its files. Throws what goes wrong.
+  void carryOut(const ViewRequests& requests);
+  void answer(const ViewRequests& requests);
+  /// Plays the hand of a session log.
+  void play(const std::string& log);
+  /// "MODEL<what>-1.<ending>" in the working folder, or the next number that is not there yet.
+  std::string freeName(const std::string& what, const std::string& ending) const;
+
+  void askFromNowOn() { asks_ = true; }
+  bool asksAboutChanges() const { return afterQuestion_ != nullptr && !isSavingForIt_; }
+  const std::optional<SaveQuestion>& saveQuestion() const { return saveQuestion_; }
+  bool asks() const { return asksAboutChanges() || saveQuestion_; }
+  bool isLeaving() const { return afterQuestion_ != nullptr; }  ///< as soon as that is answered, or saved
+  /// While something goes on that ends without the person.
+  bool isBusy() const { return loader_.isLoading() || (isLeaving() && isSavingForIt_ && !saveQuestion_); }
+  const std::string& saveFile() const { return saveFile_; }
+
+ private:
+  void install(std::unique_ptr<WindowSession> session);
+  // To where Ctrl+S goes; asks first where a file would lose something.
+  void save();
+  void saveTo(const std::string& file);
+  void finishSaving(const WindowSession::Saved& saved);
+  void writeTicks();
+
+  DocumentParts parts_;
+  WindowOptions options_;
+  Messages& messages_;
+  RecentFiles recent_;
+  std::vector<std::string> offered_;
+  Loader loader_;
+  std::unique_ptr<WindowSession> session_;
+  std::string saveFile_;  // the model's own, or the one beside it
+
+  bool asks_;
+  std::function<void()> afterQuestion_;  // waits for the answer about changes
+  bool isSavingForIt_ = false;
+  std::optional<SaveQuestion> saveQuestion_;  // waits for its answer
+};
+
+}  // namespace palpate

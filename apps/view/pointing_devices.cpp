@@ -1,0 +1,157 @@
+#include "apps/view/pointing_devices.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "apps/view/messages.hpp"
+#include "apps/view/window.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kZoomPerNotch = 0.85;  // of the distance that is left
+constexpr double kZoom_per_s = 1.5;     // with the cap of a 3D mouse
+constexpr double kStickDead = 0.15, kStick_px_per_s = 700, kStick_mm_per_s = 20;
+
+}  // namespace
+
+PointingDevices::PointingDevices(Window& window, const LiveOptions& held, bool listens)
+    : window_(window), device_(held.device), deviceName_(held.deviceFacts.model) {
+  if (listens && !device_) spaceMouse_.emplace();
+}
+
+void PointingDevices::moveMouse(const DVec2& place_px, const Pointed& at) {
+  const DVec2 way_px = place_px - std::exchange(cursor_px_, place_px);
+  hand_.giveToPad(false);
+  at.viewpoint.set(drag_.moved(at.viewpoint.camera(), way_px, at.size_px));
+}
+
+std::optional<DVec3> PointingDevices::placeUnderCursor(const Pointed& at) const {
+  return at.viewpoint.placeAt(cursor_px_, at.picked.depth, at.size_px);
+}
+
+void PointingDevices::release(MouseButton button) {
+  drag_.end();
+  if (button == MouseButton::left) hand_.release();
+}
+
+void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
+  const bool left = button == MouseButton::left;
+  if (hand_.isHeld() && left) {
+    hand_.press();
+    ++presses_;
+    drag_.beginOther();
+    return;
+  }
+  const auto place = placeUnderCursor(at);
+  const bool again = left && drag_.isDoubleClick(at.time_s, cursor_px_);
+  drag_.noteClick(at.time_s, cursor_px_);
+  if (again && place) return at.viewpoint.lookAt(*place);
+  const Camera& camera = at.viewpoint.camera();
+  drag_.begin(camera, place.value_or(camera.target), button == MouseButton::middle || (left && shift));
+}
+
+void PointingDevices::turnWheel(const WheelEvent& event, const Pointed& at) {
+  if (hand_.isHeld()) return hand_.turnWheel(event.away);
+  constexpr double kScroll_px = 20;
+  if (event.right != 0) at.viewpoint.move({-kScroll_px * event.right, 0}, at.size_px);
+  at.viewpoint.zoom(placeUnderCursor(at), std::pow(kZoomPerNotch, event.away), at.session->longestSide());
+}
+
+std::optional<PushEvent> PointingDevices::takePush(Messages& messages) {
+  if (!spaceMouse_) return std::nullopt;
+  for (const std::string& remark : spaceMouse_->takeRemarks()) messages.say(remark);
+  return spaceMouse_->changed();
+}
+
+ViewRequests PointingDevices::push(const PushEvent& event, const Pointed& at) {
+  constexpr std::uint32_t kHold = 1, kFit = 2;
+  const std::uint32_t pressed = event.buttons & ~std::exchange(push_, event).buttons;
+  if (!at.session) return {};
+  if (pressed & kHold) {
+    hand_.lock(!hand_.isHeld());
+    hold(hand_.isLocked(), at.session);
+  }
+  return {.resetView = (pressed & kFit) != 0};
+}
+
+void PointingDevices::carryOut(StylusRequest request, const Pointed& at) {
+  if (request == StylusRequest::lockOrUnlock) hand_.lock(!hand_.isLocked());
+  if (request == StylusRequest::putAway) hand_.lock(false);
+  hold(request == StylusRequest::hold || hand_.isLocked(), at.session);
+}
+
+void PointingDevices::letGo(const Pointed& at) {
+  hold(false, at.session);
+  drag_.end();
+}
+
+void PointingDevices::hold(bool on, WindowSession* session) {
+  on = on && session && session->isTouching() && !device_;
+  if (on == hand_.isHeld()) return;
+  hand_.hold(on);
+  drag_.end();
+  if (!on && session) session->lift();
+  window_.showCursor(!on);
+}
+
+void PointingDevices::moveCursor(const DVec2& way_px, const Pointed& at) {
+  hand_.giveToPad(true);
+  cursor_px_ = glm::clamp(cursor_px_ + way_px, DVec2(0), at.size_px - 1.0);
+}
+
+void PointingDevices::moveByPad(double dt_s, const Pointed& at) {
+  const auto pad = window_.gamepad();
+  if (!pad || !at.session) return;
+  const auto beyondDead = [](const DVec2& stick) { return glm::length(stick) > kStickDead ? stick : DVec2(0); };
+  const DVec2 move = beyondDead(pad->left), depth = beyondDead(pad->right);
+  const DVec2 way_px = kStick_px_per_s * dt_s * DVec2(move.x, -move.y);
+  if (pad->a && !hand_.isHeld()) hold(true, at.session);
+  if (pad->b && hand_.isHeld() && hand_.isByPad()) hold(hand_.isLocked(), at.session);
+  if (!hand_.isHeld()) {
+    if (move != DVec2(0)) at.viewpoint.turn(way_px, at.size_px);
+    return;
+  }
+  if (move == DVec2(0) && depth == DVec2(0) && pad->rightTrigger + pad->leftTrigger < kStickDead && !hand_.isByPad())
+    return;
+  moveCursor(way_px, at);
+  hand_.lower(kStick_mm_per_s * dt_s * depth.y);
+  hand_.pressByTrigger(pad->rightTrigger - pad->leftTrigger);
+}
+
+// The cap is the model, or the stylus while that is held.
+void PointingDevices::moveByCap(double dt_s, const Pointed& at) {
+  if (!at.session || (push_.push == DVec3(0) && push_.turn == DVec3(0))) return;
+  const DVec2 way_px = kStick_px_per_s * dt_s * DVec2(push_.push.x, -push_.push.y);
+  if (hand_.isHeld()) {
+    moveCursor(way_px, at);
+    hand_.lift(kStick_mm_per_s * dt_s * push_.push.z);
+    return;
+  }
+  at.viewpoint.move(way_px, at.size_px);
+  at.viewpoint.zoom({}, std::exp(-kZoom_per_s * dt_s * push_.push.z), at.session->longestSide());
+  at.viewpoint.turn(kStick_px_per_s * dt_s * DVec2(push_.turn.y, push_.turn.x), at.size_px);
+}
+
+void PointingDevices::move(double dt_s, const ViewSettings& view, const Pointed& at) {
+  const Camera& camera = at.viewpoint.camera();
+  if (device_) {
+    const auto axes = camera.axes();
+    device_->setAxes({axes.right, axes.up, -axes.forward});
+    return;
+  }
+  moveByPad(dt_s, at);
+  moveByCap(dt_s, at);
+  if (!hand_.isHeld() || !at.session || at.session->isPlaying()) return;
+  const double beside = glm::dot(camera.target - camera.eye, camera.axes().forward);
+  const auto depth = hand_.depthAt(cursor_px_, at.picked, view.followsSurface, beside);
+  if (!depth) return;
+  const Model& model = at.session->model();
+  const double inward = model.scale.toUnits(hand_.takeInward_mm(view.press_mm));
+  const DVec3 place = camera.unproject(cursor_px_, *depth, at.size_px);
+  const DVec3 along = glm::normalize(place - camera.eye);
+  at.session->aim(model.cloud.origin + place + inward * along);
+}
+
+}  // namespace palpate

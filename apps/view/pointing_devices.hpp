@@ -1,0 +1,73 @@
+// Mouse, gamepad and 3D mouse: they move the viewpoint, or the stylus while one of them holds it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "apps/view/camera_drag.hpp"
+#include "apps/view/events.hpp"
+#include "apps/view/requests.hpp"
+#include "apps/view/space_mouse.hpp"
+#include "apps/view/stylus_hand.hpp"
+#include "apps/view/viewpoint.hpp"
+
+namespace palpate {
+
+class Messages;
+class Window;
+
+/// What they point at.
+struct Pointed {
+  WindowSession* session = nullptr;  ///< null: no model is open
+  Viewpoint& viewpoint;
+  Pick picked;
+  DVec2 size_px{0};
+  double time_s = 0;
+};
+
+class PointingDevices {
+ public:
+  /// A device in a person's hand is the stylus. `listens`: to a 3D mouse, if there is one, and nobody holds a device.
+  PointingDevices(Window& window, const LiveOptions& held, bool listens);
+
+  const std::string& deviceName() const { return deviceName_; }  ///< empty: a person holds none
+  const DVec2& cursor_px() const { return cursor_px_; }
+  bool holdsStylus() const { return hand_.isHeld(); }
+  bool isTouching() const { return hand_.isHeld() || device_; }  ///< with the stylus, or a device
+  bool isMoving() const { return hand_.isHeld() || drag_.isUnderWay(); }
+  std::uint64_t presses() const { return presses_; }  ///< of the stylus so far
+
+  void moveMouse(const DVec2& place_px, const Pointed& at);
+  void press(MouseButton button, bool shift, const Pointed& at);
+  void release(MouseButton button);
+  void turnWheel(const WheelEvent& event, const Pointed& at);
+  /// What the cap of a 3D mouse has done since the last call.
+  std::optional<PushEvent> takePush(Messages& messages);
+  /// What its buttons ask for; the cap is heeded by move().
+  ViewRequests push(const PushEvent& event, const Pointed& at);
+
+  void carryOut(StylusRequest request, const Pointed& at);
+  /// Another model comes.
+  void letGo(const Pointed& at);
+  /// Once for each picture, `dt_s` after the last one: what is held moves on, and the stylus goes where it points.
+  void move(double dt_s, const ViewSettings& view, const Pointed& at);
+
+ private:
+  void hold(bool on, WindowSession* session);
+  void moveByPad(double dt_s, const Pointed& at);
+  void moveByCap(double dt_s, const Pointed& at);
+  void moveCursor(const DVec2& way_px, const Pointed& at);
+  std::optional<DVec3> placeUnderCursor(const Pointed& at) const;
+
+  Window& window_;
+  std::shared_ptr<TurnedDevice> device_;
+  std::string deviceName_;
+  DVec2 cursor_px_{0};
+  CameraDrag drag_;
+  StylusHand hand_;
+  PushEvent push_;
+  std::uint64_t presses_ = 0;
+  std::optional<SpaceMouse> spaceMouse_;
+};
+
+}  // namespace palpate

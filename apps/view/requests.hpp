@@ -1,0 +1,32 @@
+// What a person asks of the window, and is asked.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace palpate {
+
+/// Of the mouse, the pad or the cap, which may hold the stylus: to hold it while a key is down, to keep it without one,
+/// or to have done with it.
+enum class StylusRequest { hold, letGo, lockOrUnlock, putAway };
+
+/// What a person asks for.
+struct ViewRequests {
+  bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
+       endRecording = false, endPlaying = false, quit = false;
+  bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
+  bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
+  bool switchForces = false;                                ///< off, or on again
+  std::optional<int> axis;                                  ///< to look along
+  bool fromBehind = false;
+  std::optional<StylusRequest> stylus;
+  std::string open, saveAs, record, play;
+};
+
+/// Whether to save beside a file or over it.
+struct SaveQuestion {
+  std::string loses;         ///< what that file would lose, in words
+  std::string beside, kept;  ///< the name beside it, and the one that it is kept under
+};
+
+}  // namespace palpate

@@ -1,0 +1,39 @@
+#include "apps/view/script_player.hpp"
+
+#include <algorithm>
+
+namespace palpate {
+
+void ScriptPlayer::passPicture(double picture_s) {
+  constexpr double kLongest_s = 0.1;  // slow machines play a script slowly, not coarsely
+  if (!isClicking()) time_s_ += ownClock_ ? kStep_s : std::min(kLongest_s, picture_s);
+}
+
+std::optional<ScriptAction> ScriptPlayer::takeDue() {
+  if (isOver() || actions_[next_].time_s > time_s_) return std::nullopt;
+  return actions_[next_++].action;
+}
+
+bool ScriptPlayer::lookAgain() {
+  constexpr int kLooks = 20;  // in as many pictures: it may be about to come
+  if (++looks_ < kLooks) {
+    --next_;
+    return true;
+  }
+  looks_ = 0;
+  return false;
+}
+
+void ScriptPlayer::pressAndRelease() {
+  looks_ = 0;
+  constexpr std::size_t kPictures = 4;  // one pressed; a panel that opens has its place after two more
+  clickEnd_ = next_ + kPictures;
+  for (std::size_t i = 0; i < kPictures; ++i) {
+    TimedAction button;
+    button.time_s = time_s_;
+    button.action = WindowEvent(ButtonEvent{MouseButton::left, i == 0});
+    actions_.insert(actions_.begin() + static_cast<std::ptrdiff_t>(next_ + i), button);
+  }
+}
+
+}  // namespace palpate

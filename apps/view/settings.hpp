@@ -1,0 +1,37 @@
+// All that a person turns in the window.
+#pragma once
+
+#include <optional>
+
+#include "apps/cli/look.hpp"
+#include "apps/view/session.hpp"
+#include "engine/render/frame_options.hpp"
+
+namespace palpate {
+
+/// How the model is shown, and how the mouse holds the stylus.
+struct ViewSettings {
+  ColorBy color = ColorBy::rgb;
+  std::optional<UpAxis> up;  ///< nothing: by the model's shape
+  std::optional<LengthUnit> unit;
+  double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
+  bool smoothOutlines = false, scaleBar = true, dark = true;
+  bool mesh = false;
+  int lattice = 128;
+  bool followsSurface = true;  ///< the stylus stays at the surface that is seen under the cursor; else in one plane
+  double press_mm = 2.5;       ///< how deep the hand means to go while it presses
+  bool waitsForDisplay = true;
+  bool panels = true, plots = true, help = false;
+
+  UpAxis upOf(const Model& model) const { return up.value_or(model.upright.up); }
+};
+
+/// All that a person turns.
+struct WindowSettings {
+  ViewSettings view;
+  BrushSettings brush;
+  FeelSettings feel;
+  bool forcesOn = true;
+};
+
+}  // namespace palpate

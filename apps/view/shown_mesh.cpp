@@ -1,0 +1,54 @@
+#include "apps/view/shown_mesh.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "apps/cli/mesh_options.hpp"
+#include "apps/view/session.hpp"
+#include "engine/core/clock.hpp"
+
+namespace palpate {
+
+bool ShownMesh::follow(const WindowSession& session, std::uint32_t lattice, std::span<const PointState> edited) {
+  const Stopwatch watch;
+  if (!mesh_ || lattice_ != lattice) {
+    if (sight_.isCpu() && !std::exchange(isAnnounced_, true)) return false;
+    isAnnounced_ = false;
+    make(session, lattice);
+  } else if (!edited.empty()) {
+    mesh_->update(edited);
+  } else {
+    return true;
+  }
+  ++version_;
+  time_ms_ = watch.elapsed_us() * 1e-3;
+  return true;
+}
+
+void ShownMesh::make(const WindowSession& session, std::uint32_t lattice) {
+  mesh_.reset();
+  const Model& model = session.model();
+  const MeshPlan plan = planMesh(session.bounds(), model.spacing, {.lattice = lattice, .room = 0.2});
+  const auto points = session.journal().points();
+  const std::uint64_t spare = std::max<std::uint64_t>(points.size() - model.cloud.size(), model.cloud.size() / 4);
+  mesh_ = std::make_unique<MarchingCubes>(sight_, model.cloud, plan, static_cast<std::uint32_t>(spare), true);
+  lattice_ = lattice;
+  mesh_->build();
+  if (session.edits() > 0) mesh_->update(points);
+}
+
+void ShownMesh::clear() {
+  mesh_.reset();
+  isAnnounced_ = false;
+}
+
+DrawnMesh ShownMesh::drawn(const Bounds& bounds) const {
+  return {.vertices = mesh_->vertices().address(),
+          .triangles = mesh_->triangles().address(),
+          .triangleCount = mesh_->triangleCount(),
+          .hasColors = mesh_->hasColors(),
+          .bounds = bounds,
+          .cell = static_cast<double>(mesh_->plan().lattice.cell)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#include "apps/view/shown_model.hpp"
+
+#include "apps/cli/probe_overlays.hpp"
+#include "apps/view/messages.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kLightBackground{236, 238, 240};
+
+FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view, bool touched) {
+  FrameOptions options;
+  options.color = view.color;
+  if (!view.dark) options.background = kLightBackground;
+  const Model& model = session.model();
+  options.up = directionOf(view.upOf(model));
+  options.shown = model.shown;
+  options.splatRadius = loneDiscRadius(model);
+  if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
+  const TickHistory& history = session.history();
+  if (touched && !history.rows().empty())
+    options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(), session.brush());
+  return options;
+}
+
+}  // namespace
+
+void ShownModel::forget() {
+  mesh_.clear();
+  picture_.forget();
+  edited_ = {};
+}
+
+void ShownModel::follow(WindowSession& session, ViewSettings& view, Messages& messages) {
+  edited_ = session.takeBatch();
+  if (!view.mesh) return mesh_.clear();
+  try {
+    if (session.config().motion) throw Error("a model that moves is not shown as triangles yet");
+    if (!mesh_.follow(session, static_cast<std::uint32_t>(view.lattice), edited_.points))
+      messages.say("making the triangles");
+  } catch (const DeviceLost&) {
+    throw;
+  } catch (const std::exception& error) {
+    view.mesh = false;
+    mesh_.clear();
+    messages.say(error.what());
+  }
+}
+
+void ShownModel::takePick() {
+  if (picture_.exists()) picture_.takePick();
+}
+
+void ShownModel::choosePace(bool moves, double clock_s, bool inFull) {
+  constexpr double kStill_s = 0.4;  // without motion, and it is drawn in full
+  if (moves || !edited_.points.empty()) moved_s_ = clock_s;
+  picture_.choosePace(inFull || clock_s - moved_s_ > kStill_s);
+}
+
+void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
+  picture_.fit(window_px, view.smoothOutlines ? 2 : 1);
+}
+
+void ShownModel::record(CommandList& list, WindowSession& session, const Camera& camera, const ViewSettings& view,
+                        bool touched) {
+  picture_.record(list, session, mesh_, camera, frameOptions(session, view, touched));
+}
+
+}  // namespace palpate

@@ -1,0 +1,128 @@
+// The part of Viewer that tells how things are: to the panels, and to a script.
+#include <algorithm>
+
+#include "apps/cli/picture.hpp"
+#include "apps/view/viewer.hpp"
+#include "engine/core/atomic_file.hpp"
+
+namespace palpate {
+
+namespace {
+
+LengthUnit unitOf(const ViewSettings& view, const WindowSession* session) {
+  if (view.unit || !session) return view.unit.value_or(LengthUnit::unknown);
+  return unitSaidIn(session->model().cloud.storedAs.comments);
+}
+
+std::string_view nameIn(const auto& names, auto value) {
+  for (const auto& [name, each] : names)
+    if (value == each) return name;
+  return {};
+}
+
+Json jsonOf(const DVec3& v) { return {v.x, v.y, v.z}; }
+
+void addModel(Json& state, const Document& document, const ViewSettings& view) {
+  const WindowSession& session = *document.session();
+  const TickHistory& history = session.history();
+  const TraceRow row = history.rows().empty() ? TraceRow{} : history.rows().back();
+  const Journal& journal = session.journal();
+  const BrushSettings& brush = session.brushSettings();
+  state["model"] = session.file();
+  state["points"] = std::ranges::count_if(journal.points(), [](const PointState& point) { return !point.gone(); });
+  state["tool"] = brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel";
+  state["surface"] = nameIn(kSurfaceKinds, session.feel().surface);
+  state["up"] = nameOf(view.upOf(session.model()));
+  state["color"] = nameIn(kColorNames, view.color);
+  state["tool_radius_mm"] = brush.radius_mm;
+  state["strokes"] = journal.strokes();
+  state["undoable"] = journal.undoable();
+  state["edits"] = session.edits();
+  state["changed"] = session.isChanged();
+  state["save_file"] = document.saveFile();
+  state["recording"] = session.isRecording();
+  state["hip"] = jsonOf(row.hip);
+  state["proxy"] = jsonOf(row.proxy);
+  state["contact"] = row.contact;
+  state["penetration_mm"] = row.penetration_mm;
+  state["force_N"] = jsonOf(row.force_N);
+  double peak_N = 0;
+  for (const TraceRow& each : history.rows()) peak_N = std::max(peak_N, glm::length(each.force_N));
+  state["peak_force_N"] = peak_N;
+  state["ticks"] = history.ticks();
+  state["missed_ticks"] = history.missed();
+  state["step_us"] = {{"p50", history.step_us().quantile_us(0.5)}, {"p999", history.step_us().quantile_us(0.999)}};
+  state["forces_on"] = session.forcesOn();
+  state["backend"] = session.backendName();
+}
+
+}  // namespace
+
+// The bar is drawn with the panels: a part of the picture would be as coarse as that is while something moves.
+ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
+  const PictureSize size{screen_.size_px().x, screen_.size_px().y};
+  const double length = scaleBarLength(viewpoint_.camera(), size);
+  const double width_px = length * viewpoint_.camera().focal_px(size.height) / viewpoint_.targetDistance();
+  return {.width_px = width_px, .length = length};
+}
+
+ViewStatus Viewer::status() {
+  const ViewSettings& view = settings_.view;
+  const WindowSession* session = document_.session();
+  const Loader& loader = document_.loader();
+  ViewStatus status;
+  status.session = session;
+  if (loader.isLoading()) {
+    status.loading = loader.progress();
+    status.loadingWhat = loader.stage();
+  }
+  status.messages = messages_.texts();
+  status.models = document_.offered();
+  status.recent = document_.recent();
+  status.unit = unitOf(view, session);
+  if (session) {
+    status.model = session->file();
+    status.upright = session->model().upright;
+    if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
+    if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));
+  }
+  status.asksAboutChanges = document_.asksAboutChanges();
+  status.saveQuestion = document_.saveQuestion();
+  status.saveFile = document_.saveFile();
+  status.stylus = pointing_.holdsStylus();
+  status.device = pointing_.deviceName();
+  status.gpu = screen_.sight().name();
+  status.meshTime_ms = shown_.mesh().time_ms();
+  status.meshTriangles = shown_.mesh().triangleCount();
+  status.pictures_ms = &pace_.times_ms();
+  status.fps = pace_.fps();
+  if (pace_.count() > 0 && screen_.size_px().x > 0) {
+    screen_.waitForLast();
+    status.passes = shown_.picture().passes(screen_.list());
+  }
+  return status;
+}
+
+void Viewer::writeState(const std::string& file) {
+  const Camera& camera = viewpoint_.camera();
+  Json state{{"model", nullptr},
+             {"points", 0},
+             {"camera", {{"eye", jsonOf(camera.eye)}, {"target", jsonOf(camera.target)}, {"up", jsonOf(camera.up)}}},
+             {"size", {screen_.size_px().x, screen_.size_px().y}},
+             {"tool", nullptr},
+             {"stylus", pointing_.isTouching()},
+             {"mesh_triangles", shown_.mesh().triangleCount()},
+             {"fps", pace_.fps()},
+             {"pictures", pace_.count()},
+             {"pictures_of_model", shown_.picture().made()},
+             {"picked_depth", shown_.picture().picked().depth},
+             {"asks_about_changes", document_.asksAboutChanges()},
+             {"asks_how_to_save", document_.saveQuestion().has_value()},
+             {"last_message", messages_.last()}};
+  if (document_.session()) addModel(state, document_, settings_.view);
+  AtomicFile out(file);
+  out.write(state.dump(2) + "\n");
+  out.commit();
+}
+
+}  // namespace palpate

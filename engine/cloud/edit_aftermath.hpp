@@ -1,0 +1,74 @@
+// A cloud after an edit, held against how it was: which points are new, who stands near whom, and which way each should
+// face. In double precision, and with nothing of what edits points.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/cloud/edit_judge.hpp"
+
+namespace palpate {
+
+/// Points of a PointTree, the nearest first.
+struct NearestPoints {
+  static constexpr std::size_t kMost = 48;  ///< of which those of one sheet are taken
+  std::array<std::uint32_t, kMost> points;
+  std::array<double, kMost> squared;  ///< distances, model units squared
+  std::size_t count = 0;
+};
+NearestPoints nearestTo(const PointTree& tree, const DVec3& place);
+
+/// So many neighbours make the plane, or the sphere, of a place.
+inline constexpr std::size_t kOfAFit = 16;
+/// In support radii: what is so near to a point is of one sheet with it.
+inline constexpr double kKin = 2;
+
+class EditAftermath {
+ public:
+  /// `tree`: of the points before. `after[i]` has the number i, the points before first. All of them must outlive this.
+  EditAftermath(const PointCloud& before, const PointTree& tree, std::span<const PointState> after,
+                const BrushPath& way);
+
+  /// Numbers of the points that are not gone.
+  std::span<const std::uint32_t> there() const { return there_; }
+  bool isNew(std::uint32_t i) const { return i >= before_.size(); }
+  bool moved(std::uint32_t i) const { return !isNew(i) && after_[i].position != before_.positions[i]; }
+  DVec3 position(std::uint32_t i) const { return DVec3(after_[i].position); }
+  DVec3 normal(std::uint32_t i) const { return DVec3(after_[i].normal); }
+
+  /// Which way its sheet faces, unit: what is known of it without its own normal, and that where nothing is.
+  const DVec3& facing(std::uint32_t i) const { return facings_[i]; }
+  /// The point before the edit that it goes back to.
+  std::uint32_t ancestorOf(std::uint32_t i) const;
+  /// To the nearest other point that faces the same way, `most` at most; model units.
+  double nearestOfSheet(std::uint32_t i, double most) const;
+  /// Normal of the plane through the nearest points of its sheet, unit, of either sign; nothing where they are too few
+  /// for one, or lie on none.
+  std::optional<DVec3> fit(std::uint32_t i) const;
+
+ private:
+  DVec3 facingOf(std::uint32_t i);
+  std::optional<DVec3> wallFacing(std::uint32_t i, std::uint32_t ancestor);
+  bool tellsItsSide(std::uint32_t point);
+  std::optional<DVec3> carriedNormal(std::uint32_t point) const;
+  double sideOf(std::uint32_t point);
+  DVec3 nearestCenter(const DVec3& place) const;
+  DVec3 placeBefore(std::uint32_t point) const { return DVec3(before_.positions[point]); }
+  DVec3 normalBefore(std::uint32_t point) const { return DVec3(before_.normals[point]); }
+
+  const PointCloud& before_;
+  const PointTree& treeBefore_;
+  std::span<const PointState> after_;
+  const BrushPath& way_;
+  // Of the points before, once they were asked for.
+  std::vector<std::optional<double>> sides_;
+  std::vector<std::optional<bool>> tells_;
+  std::vector<DVec3> facings_;  // by number
+  std::vector<std::uint32_t> there_;
+  std::vector<Vec3> positions_;  // of those that are there
+  std::optional<PointTree> tree_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,31 @@
+#include "engine/contact/surface.hpp"
+
+#include <cmath>
+
+namespace palpate {
+
+// The variances are rounded as ever here, which is not quite as surfaceFrom() does by itself.
+SurfaceSample SurfaceSums::sample() const {
+  const double weights = sums_.offsets.w;
+  const DVec3 offsets(sums_.offsets), normals(sums_.normals);
+  const double spread = (sums_.products.x - glm::dot(offsets, offsets) / weights) / weights;
+  const double turn = (sums_.products.y - glm::dot(offsets, normals) / weights) / weights;
+  const auto surface = shared::surfaceFrom(sums_, spread, turn, radius_, static_cast<shared::uint>(kind_));
+  return {.defined = surface.defined,
+          .distance = surface.distance,
+          .normal = surface.normal,
+          .neighbours = surface.neighbours};
+}
+
+// Positions that are off by `noise_spacings` leave a ripple of 1.05 noise / (R / spacing) spacings: the sum of the
+// squared weights is 0.222 (R / spacing)^2 on an even plane, that of the weights pi / 7 of it.
+double wideningFor(double noise_spacings) {
+  constexpr double kRipple = 1.05, kMostRipple_spacings = 0.035, kMost = 2;
+  if (!(noise_spacings > 0)) return 1;
+  const double spacings = kRipple * noise_spacings / kMostRipple_spacings;
+  return std::clamp(spacings / static_cast<double>(shared::kSupportSpacings), 1.0, kMost);
+}
+
+double averageSurfaceBias(double radius, double sphereRadius) { return 0.0694 * radius * radius / sphereRadius; }
+
+}  // namespace palpate

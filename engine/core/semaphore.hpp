@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+namespace palpate {
+
+/// Posted by one thread, taken by another; neither allocates or takes a lock, so that a real-time thread may do both.
+class Semaphore {
+ public:
+  Semaphore();
+  ~Semaphore();
+  Semaphore(const Semaphore&) = delete;
+  Semaphore& operator=(const Semaphore&) = delete;
+
+  void post() noexcept;
+  void take();
+  /// False: nobody has posted it in time.
+  bool takeWithin(double budget_us);
+
+ private:
+  struct System;
+  std::unique_ptr<System> system_;
+};
+
+}  // namespace palpate

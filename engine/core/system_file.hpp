@@ -1,0 +1,50 @@
+// What std::fopen and std::filesystem leave to each system.
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace palpate {
+
+/// As std::fopen, whatever letters the name has.
+std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept;
+
+/// Brings to the disk what was written to it. False: errno says why not.
+bool bringToDisk(std::FILE* file) noexcept;
+
+/// Gives a file another name, in place of one that has it: at any moment there is one of that name.
+std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept;
+
+/// "cannot be written: …", and what to do, for a number of errno.
+std::string whyNotWritten(int error);
+
+/// The number of this process.
+int processNumber() noexcept;
+
+/// A file that is written from its beginning on, without a buffer of our own. Functions that return a number return
+/// that of errno, 0 where all went well.
+class UnbufferedFile {
+ public:
+  UnbufferedFile() = default;
+  ~UnbufferedFile() { close(); }
+  UnbufferedFile(const UnbufferedFile&) = delete;
+  UnbufferedFile& operator=(const UnbufferedFile&) = delete;
+
+  /// Makes it, empty. It is not open yet.
+  int open(const std::filesystem::path& file) noexcept;
+  bool isOpen() const noexcept { return descriptor_ >= 0; }
+  int write(std::span<const std::byte> bytes) noexcept;
+  /// Takes away what stands behind so many bytes; the next ones are written there.
+  int cutTo(std::uint64_t bytes) noexcept;
+  /// Brings what is written to the disk; what is no ordinary file, like a pipe, has nothing to bring there.
+  int sync() noexcept;
+  int close() noexcept;
+
+ private:
+  int descriptor_ = -1;
+};
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+#include <windows.h>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <io.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "engine/core/system_file.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kMostAtOnce = std::size_t{1} << 30;  // what the runtime's int can count
+
+}  // namespace
+
+std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept {
+  wchar_t wide[8]{};
+  std::copy_n(mode, std::min(std::strlen(mode), std::size(wide) - 1), wide);
+  return ::_wfopen(file.c_str(), wide);
+}
+
+bool bringToDisk(std::FILE* file) noexcept { return ::_commit(::_fileno(file)) == 0; }
+
+std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {
+  if (::MoveFileExW(from.c_str(), to.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH)) return {};
+  switch (::GetLastError()) {
+    case ERROR_ACCESS_DENIED:
+    case ERROR_SHARING_VIOLATION:  // another program has it open
+      return std::make_error_code(std::errc::permission_denied);
+    case ERROR_DISK_FULL:
+      return std::make_error_code(std::errc::no_space_on_device);
+    case ERROR_FILE_NOT_FOUND:
+    case ERROR_PATH_NOT_FOUND:
+      return std::make_error_code(std::errc::no_such_file_or_directory);
+    default:
+      return std::make_error_code(std::errc::io_error);
+  }
+}
+
+std::string whyNotWritten(int error) {
+  const bool full = error == ENOSPC || error == EFBIG;
+  return fmt::format("cannot be written: {}{}", std::strerror(error), full ? "; free some space" : "");
+}
+
+int processNumber() noexcept { return static_cast<int>(::GetCurrentProcessId()); }
+
+int UnbufferedFile::open(const std::filesystem::path& file) noexcept {
+  constexpr int kHow = _O_WRONLY | _O_CREAT | _O_TRUNC | _O_BINARY | _O_NOINHERIT;
+  descriptor_ = ::_wopen(file.c_str(), kHow, _S_IREAD | _S_IWRITE);
+  return descriptor_ < 0 ? errno : 0;
+}
+
+int UnbufferedFile::write(std::span<const std::byte> bytes) noexcept {
+  while (!bytes.empty()) {
+    const auto most = static_cast<unsigned>(std::min(bytes.size(), kMostAtOnce));
+    const int count = ::_write(descriptor_, bytes.data(), most);
+    if (count < 0) return errno;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+  }
+  return 0;
+}
+
+int UnbufferedFile::cutTo(std::uint64_t bytes) noexcept {
+  const auto end = static_cast<std::int64_t>(bytes);
+  if (const int error = ::_chsize_s(descriptor_, end); error != 0) return error;
+  return ::_lseeki64(descriptor_, end, SEEK_SET) != end ? errno : 0;
+}
+
+int UnbufferedFile::sync() noexcept {
+  const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(descriptor_));
+  return ::GetFileType(handle) == FILE_TYPE_DISK && ::_commit(descriptor_) != 0 ? errno : 0;
+}
+
+int UnbufferedFile::close() noexcept { return isOpen() && ::_close(std::exchange(descriptor_, -1)) != 0 ? errno : 0; }
+
+}  // namespace palpate

@@ -1,0 +1,168 @@
+#include "engine/cuda/cuda_state.hpp"
+
+#include <algorithm>
+
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/held_contact.hpp"
+#include "engine/cuda/cuda_error.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kEditTimesReserved = 1 << 16;  // a minute at 1 kHz without an allocation on the servo thread
+constexpr double kLongestWait_us = 20e6;             // for any answer; a GPU that takes longer will not give it
+constexpr unsigned kSpinsPerCheck = 256;             // at the word in host memory, for one check of the stream
+
+}  // namespace
+
+CudaTouch::State::State(const PointCloud& cloud, const CudaTouchOptions& options)
+    : machine(cudaDeviceName()),
+      cell(1.0 / static_cast<double>(options.grid.inverseCell)),
+      options_(options),
+      origin_(cloud.origin),
+      live_(cloud, stream_),
+      build_(options.grid, live_.count()),
+      buffers_(stream_, options.radius, options.friction, live_.count()) {
+  PALPATE_CHECK_LT(0.0, options.radius);
+  cu::Event start, end;
+  start.record(stream_);
+  build_.record(stream_, live_.half(0), live_.half(1), live_.count());
+  end.record(stream_);
+  end.synchronize("building the index");
+  buildTime_us = end.since_us(start);
+  live_.flip();
+  if (options.push) {
+    push_.emplace(*options.push, options.radius, static_cast<double>(shared::kLongestMove) * options.radius,
+                  live_.count());
+    editTimes_us.reserve(kEditTimesReserved);
+    for (const unsigned parity : {0u, 1u}) recordEdit(parity);
+  }
+  const shared::CloudView views[2] = {build_.view(live_.half(0), live_.count()),
+                                      build_.view(live_.half(1), live_.count())};
+  method_ = cu::makeQueryMethod(options.method, stream_, buffers_, views);
+  stream_.synchronize("making the touch side ready");
+}
+
+CudaTouch::State::~State() {
+  try {
+    method_->rest();  // before memory is given back, which waits for the whole GPU
+    stream_.synchronize("ending");
+  } catch (const Error&) {  // the GPU has failed: nothing runs on it any more
+  }
+}
+
+void CudaTouch::State::recordEdit(unsigned parity) {
+  edits_[parity] = std::make_unique<cu::Graph>(stream_, [&] {
+    cu::CloudHalf &from = live_.half(parity), &to = live_.half(1 - parity);
+    push_->recordPush(stream_, from, live_.count(), buffers_.state());
+    build_.record(stream_, from, to, live_.count());
+    push_->recordRefit(stream_, build_.view(to, live_.count()));
+  });
+}
+
+Contact CudaTouch::State::query(const Pose& pose, double budget_us) noexcept {
+  Contact invalid{.proxy = pose.hip, .lost = failure_ != nullptr};
+  if (failure_ || !isFinite(Vec3(pose.hip - origin_))) return invalid;
+  try {
+    const Stopwatch watch;
+    const auto left_us = [&] { return budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0; };
+    // An answer that came too late for its own tick is taken in now; nothing new is asked while one is out.
+    if (asked_ && !answerWithin(left_us())) return held(pose);
+    if (!method_->inStreamOrder() && !editDoneWithin(left_us())) return held(pose);
+    ask(pose, options_.timeGpu && budget_us <= 0);
+    if (!answerWithin(left_us())) return held(pose);
+    // Only a fresh answer edits: after an edit the next one waits until the hand has felt the last.
+    if (last_.valid) editIfYielding();
+    return last_;
+  } catch (...) {
+    failure_ = std::current_exception();
+    invalid.lost = true;
+    return invalid;
+  }
+}
+
+void CudaTouch::State::ask(const Pose& pose, bool timed) {
+  asked_ = Asked{pose, timed};
+  method_->ask({.hip = Vec3(pose.hip - origin_), .tick = ++tick_}, live_.parity(), timed);
+}
+
+bool CudaTouch::State::answerWithin(double budget_us) {
+  const auto answered = [&] { return buffers_.sample(tick_).has_value(); };
+  const Stopwatch watch;
+  for (unsigned spins = 1; !answered(); ++spins) {
+    method_->advance();
+    if (budget_us > 0 && watch.elapsed_us() > budget_us) return false;
+    if (spins % kSpinsPerCheck != 0) continue;
+    if (method_->ended() && !answered()) method_->revive();
+    if (watch.elapsed_us() > kLongestWait_us)
+      throw CudaError("CUDA: no answer for {:.0f} s; is another program holding the GPU?", kLongestWait_us * 1e-6);
+  }
+  takeAnswer();
+  return true;
+}
+
+void CudaTouch::State::takeAnswer() {
+  const cu::Answer& answer = buffers_.answer();
+  const shared::ContactSample sample = *buffers_.sample(tick_);
+  if (answer.launchError != 0) cu::checkCuda(static_cast<cudaError_t>(answer.launchError), "launching from the device");
+  const Asked asked = *asked_;
+  asked_.reset();
+  if (editOut_) editDone();
+  shortfalls.truncatedTicks += (sample.flags & shared::kSampleTruncated) != 0;
+  shortfalls.thinnedTicks += (sample.flags & shared::kSampleThinned) != 0;
+  last_ = {.proxy = asked.pose.hip + DVec3(sample.spring),
+           .normal = DVec3(sample.normal),
+           .touching = sample.touching != 0,
+           .fresh = true,
+           .valid = sample.tick == tick_ && isFinite(sample.spring) && isFinite(sample.normal),
+           .neighbours = sample.neighbours,
+           .gpu_us = asked.timed || !method_->inStreamOrder() ? method_->time_us() : 0};
+  lastPose_ = asked.pose;
+}
+
+Contact CudaTouch::State::held(const Pose& pose) const { return heldContact(last_, lastPose_, pose); }
+
+void CudaTouch::State::editIfYielding() {
+  if (!push_ || !last_.touching || !lastPose_.sculpts ||
+      glm::distance(last_.proxy, lastPose_.hip) <= options_.push->tau)
+    return;
+  editStart_.record(stream_);
+  edits_[live_.parity()]->launch(stream_);
+  editEnd_.record(stream_);
+  editOut_ = true;
+  if (!firstEditTime_s) firstEditTime_s = lastPose_.time_s;
+  live_.flip();
+}
+
+bool CudaTouch::State::editDone() {
+  if (!editOut_) return true;
+  if (!editEnd_.reached("editing")) return false;
+  editOut_ = false;
+  if (editTimes_us.size() < editTimes_us.capacity()) editTimes_us.push_back(editEnd_.since_us(editStart_));
+  return true;
+}
+
+bool CudaTouch::State::editDoneWithin(double budget_us) {
+  const Stopwatch watch;
+  while (!editDone())
+    if (budget_us > 0 && watch.elapsed_us() > budget_us) return false;
+  return true;
+}
+
+void CudaTouch::State::finish() {
+  if (failure_) std::rethrow_exception(failure_);
+  if (asked_) answerWithin(0);
+  editDoneWithin(0);
+  method_->rest();
+  stream_.synchronize("finishing");
+}
+
+std::size_t CudaTouch::State::readBack(PointCloud& cloud) {
+  method_->rest();
+  return live_.readBack(cloud, stream_);
+}
+
+}  // namespace palpate

@@ -1,0 +1,90 @@
+#include "engine/edit/brush_moves.hpp"
+
+#include <cmath>
+
+#include "engine/edit/edit_pipelines.hpp"
+#include "engine/edit/placed_brush.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Cells that a ball of `radius` may touch, along one side; 0 where they are more than the buckets.
+std::uint64_t boxCells(const HashGrid& grid, double radius) {
+  const double side = std::floor(2 * radius * static_cast<double>(grid.inverseCell)) + 3;
+  return side * side * side > static_cast<double>(grid.bucketMask) ? 0 : static_cast<std::uint64_t>(side);
+}
+
+}  // namespace
+
+BrushMoves::BrushMoves(Device& device, const HashUpdate& update, const HashGrid& grid, const BrushOptions& brush,
+                       double radius)
+    : device_(device),
+      update_(update),
+      grid_(grid),
+      radius_(radius),
+      options_(brush),
+      boxCells_(boxCells(grid, brush.radius)),
+      collect_(device, shader_code::edit_collect, editPipeline(sizeof(shared::CollectArgs), update)),
+      smooth_(device, shader_code::edit_smooth, editPipeline(sizeof(shared::SmoothArgs), update)),
+      brush_(Buffer::of<shared::Brush>(device, 1, Memory::device, "brush")) {
+  setBrush(brush);
+}
+
+void BrushMoves::setBrush(const BrushOptions& brush) {
+  options_ = brush;
+  boxCells_ = boxCells(grid_, brush.radius);
+  upload(device_, brush_, std::vector{sharedBrush(brush, radius_)});
+}
+
+BrushMoves::Selection BrushMoves::box(std::uint32_t slots) const {
+  return hasBox() ? Selection{.cells = static_cast<std::uint32_t>(boxCells_)} : Selection{.slots = slots};
+}
+
+void BrushMoves::record(CommandList& list, const Io& io, const Selection& selection, std::uint32_t recalls) const {
+  if (options_.kind != BrushKind::smooth) return recordCollect(list, io, selection, recalls);
+  // By the neighbours as they all still stand.
+  recordCollect(list, io, selection, shared::kRecallsNothing);
+  recordSmooth(list, io);
+  if (recalls != shared::kRecallsNothing) recordRecalls(list, io, recalls);
+}
+
+void BrushMoves::recordRecalls(CommandList& list, const Io& io, std::uint32_t recalls) const {
+  recordCollect(list, io, {}, recalls);
+}
+
+void BrushMoves::recordCollect(CommandList& list, const Io& io, const Selection& selection,
+                               std::uint32_t recalls) const {
+  const shared::HashUpdateArgs update = update_.args(io.cloud, io.parity);
+  const std::uint32_t recalling =
+      recalls == shared::kRecallsNothing ? 0 : update_.dispatch().sharedGroups(CountedDispatch::Step::subgroup);
+  const std::uint64_t groups = std::uint64_t{shared::selectGroups(selection.cells, selection.slots)} + recalling;
+  list.dispatch(collect_, groups * shared::kUpdateWorkgroup,
+                shared::CollectArgs{.cloud = io.cloud,
+                                    .update = update.update,
+                                    .capacities = update.capacities,
+                                    .state = io.contactState,
+                                    .brush = brush_.address(),
+                                    .tables = io.tables,
+                                    .recalls = recalls,
+                                    .cells = selection.cells,
+                                    .firstSlot = selection.firstSlot,
+                                    .slots = selection.slots});
+}
+
+void BrushMoves::recordSmooth(CommandList& list, const Io& io) const {
+  const shared::HashUpdateArgs update = update_.args(io.cloud, io.parity);
+  update_.dispatch()(list, smooth_, CountedDispatch::Step::subgroup, update_.counters(),
+                     offsetof(shared::HashUpdate, movedGroups),
+                     shared::SmoothArgs{.cloud = io.cloud,
+                                        .update = update.update,
+                                        .capacities = update.capacities,
+                                        .state = io.contactState,
+                                        .brush = brush_.address(),
+                                        .tables = io.tables});
+}
+
+}  // namespace palpate

@@ -1,0 +1,268 @@
+#include "engine/edit/cpu_sculpture.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/edit/normal_fit.hpp"
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBatch = 64;  // points that a thread takes at a time
+// Neighbours that a point examines before it decides to come or go. More are within its neighbourhood radius only where
+// heaps of points lie in one place: they are merged with the ones that are seen, and no new point is asked for.
+constexpr std::size_t kMostNeighbours = 2048;
+
+// Calls body(i) for every i below `count`, on all threads.
+template <class Body>
+void forEachOf(WorkerTeam& team, std::size_t count, Body&& body) {
+  team.forEach((count + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    const std::size_t end = std::min(count, (batch + 1) * kBatch);
+    for (std::size_t i = batch * kBatch; i < end; ++i) body(i);
+  });
+}
+
+// Insertions that are nearer to one another than this asks for wait for one another.
+double claimSpacing(const SculptOptions& options) {
+  return options.radius / static_cast<double>(shared::kSupportSpacings);
+}
+
+}  // namespace
+
+CpuSculpture::CpuSculpture(const PointCloud& cloud, const HashGrid& grid, const SculptOptions& options)
+    : options_(options), points_(cloud), grid_(grid, options.threads), claims_(claimSpacing(options)) {
+  PALPATE_CHECK_LT(0.0, options.radius);
+  const Stopwatch watch;
+  build();
+  buildTime_us_ = watch.elapsed_us();
+  if (options.keepsDensity) measureSpacings();
+}
+
+double CpuSculpture::spacingAt(std::uint32_t point, std::span<const std::uint8_t> counts) const {
+  const DVec3 place(points_.positions[point]), normal(points_.normals[point]);
+  const Frame3 frame = frameAround(normal);
+  double weights = 0;
+  SectorDistances nearest;
+  nearest.fill(std::numeric_limits<double>::infinity());
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    if (!counts[near.number] || glm::dot(normal, DVec3(points_.normals[near.number])) <= shared::kSameSheet) return;
+    const DVec3 offset = DVec3(near.position) - place;
+    const double distance = glm::length(offset);
+    weights += wendland(distance / options_.radius);
+    if (distance == 0) return;
+    double& inSector = nearest[shared::sectorOf(static_cast<float>(glm::dot(offset, frame.u)),
+                                                static_cast<float>(glm::dot(offset, frame.v)))];
+    inSector = std::min(inSector, distance);
+  });
+  return std::max(shared::spacingFrom(options_.radius, std::max(weights, static_cast<double>(shared::kLeastWeights))),
+                  sectorSpacing(nearest));
+}
+
+void CpuSculpture::measureSpacings() {
+  const double least = static_cast<double>(shared::kLeastSpacing) * options_.radius;
+  const double most = static_cast<double>(shared::kMostSpacing) * options_.radius;
+  std::vector<std::uint8_t> counts(points_.size());  // not 0: the first point of its place
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    counts[i] = 1;
+    grid_.forEachNear(DVec3(points_.positions[i]), least,
+                      [&](const SortedGrid::Placed& near) { counts[i] = counts[i] && near.number >= i; });
+  });
+  points_.spacings.resize(points_.size());
+  forEachOf(grid_.team(), points_.size(), [&](std::size_t i) {
+    points_.spacings[i] = static_cast<float>(std::clamp(spacingAt(static_cast<std::uint32_t>(i), counts), least, most));
+  });
+}
+
+bool CpuSculpture::isAtRest(std::uint32_t point) const {
+  return glm::distance(points_.positions[point], points_.rests[point]) <=
+         shared::kAtRest * static_cast<float>(points_.spacing(point));
+}
+
+float CpuSculpture::mostReach() const { return shared::kReach * static_cast<float>(options_.radius); }
+
+// Who came with less reach than a brush gives stands where it came.
+bool CpuSculpture::isMoved(std::uint32_t point) const {
+  return point < points_.fromFile ? !isAtRest(point) : points_.reaches[point - points_.fromFile] == mostReach();
+}
+
+double CpuSculpture::reachOf(std::uint32_t point) const {
+  if (point >= points_.fromFile) return double{points_.reaches[point - points_.fromFile]};
+  return double{mostReach()};
+}
+
+void CpuSculpture::edit(const PlacedBrush& brush) {
+  for (const std::uint32_t point : changed_) isChanged_[point] = 0;
+  changed_.clear();
+  carves_ = brush.kind() == BrushKind::carve;
+  if (brush.acts()) applyBrush(brush);
+  findUnsettled();
+  refit();
+  if (options_.keepsDensity)
+    resample();
+  else
+    for (const std::uint32_t point : unsettled_) points_.unsettled[point] = 0;
+}
+
+void CpuSculpture::set(std::span<const PointChange> changes) {
+  for (const PointChange& change : changes) points_.set(change.to);
+  std::ranges::fill(points_.unsettled, 0);
+  settled_ = true;
+  build();
+}
+
+void CpuSculpture::tellOf(std::uint32_t point) {
+  isChanged_.resize(points_.size(), 0);
+  if (std::exchange(isChanged_[point], 1) == 0) changed_.push_back(point);
+}
+
+// Every point reads the others where they were before.
+void CpuSculpture::applyBrush(const PlacedBrush& brush) {
+  reached_.clear();
+  grid_.forEachNear(brush.center(), brush.radius(),
+                    [&](const SortedGrid::Placed& point) { reached_.push_back(point.number); });
+  places_.resize(reached_.size());
+  forEachOf(grid_.team(), reached_.size(), [&](std::size_t i) {
+    const std::uint32_t point = reached_[i];
+    if (brush.kind() == BrushKind::smooth)
+      places_[i] = {smoothed(brush, point)};
+    else
+      places_[i] = brush.brushed(DVec3(points_.positions[point]), DVec3(points_.normals[point]));
+  });
+  for (std::size_t i = 0; i < reached_.size(); ++i) {
+    const std::uint32_t point = reached_[i];
+    const Vec3 place(places_[i].position);
+    const std::uint32_t color = brush.painted(DVec3(points_.positions[point]), points_.colors[point]);
+    const bool moved = place != points_.positions[point];
+    if (moved || places_[i].taken || color != points_.colors[point]) tellOf(point);
+    points_.positions[point] = place;
+    points_.colors[point] = color;
+    points_.there[point] = !places_[i].taken;
+    if (!moved) continue;
+    points_.unsettled[point] = 1;
+    if (point >= points_.fromFile) points_.reaches[point - points_.fromFile] = mostReach();
+  }
+  if (!changed_.empty() && brush.kind() != BrushKind::paint) build();
+}
+
+DVec3 CpuSculpture::smoothed(const PlacedBrush& brush, std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  const SurfaceOptions options{.radius = options_.radius, .kind = SurfaceKind::sphere};
+  return brush.smoothed(place, surfaceOf(options, DVec3(points_.normals[point]), [&](double radius, auto&& visit) {
+                          grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+                            visit(DVec3(near.position) - place, points_.normals[near.number]);
+                          });
+                        }));
+}
+
+void CpuSculpture::findUnsettled() {
+  unsettled_.clear();
+  for (std::uint32_t i = 0; i < points_.size(); ++i)
+    if (points_.unsettled[i] && points_.there[i]) unsettled_.push_back(i);
+}
+
+Vec3 CpuSculpture::refitted(std::uint32_t point) const {
+  const DVec3 place(points_.positions[point]);
+  NormalFit fit(options_.radius);
+  DVec3 side(0);
+  const Vec3 old = points_.normals[point];
+  grid_.forEachNear(place, options_.radius, [&](const SortedGrid::Placed& near) {
+    const Vec3 theirs = points_.normals[near.number];
+    const double share = shared::fitShare(glm::dot(theirs, old));
+    if (share <= 0) return;
+    const DVec3 offset = DVec3(near.position) - place;
+    fit.add(offset, share);
+    side += share * wendland(glm::length(offset) / options_.radius) * DVec3(theirs);
+  });
+  const DVec3 normal = fit.normal(DVec3(old)).normal;
+  return Vec3(glm::dot(normal, side) < 0 ? -normal : normal);
+}
+
+// The side of a normal is the one that most normals around it are on: at a fresh edge a normal may turn by a right
+// angle in one tick, and its own old side says nothing then. The far sheet of a plate has no say.
+void CpuSculpture::refit() {
+  normals_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) { normals_[i] = refitted(unsettled_[i]); });
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    Vec3& normal = points_.normals[unsettled_[i]];
+    if (normal != normals_[i]) tellOf(unsettled_[i]);
+    normal = normals_[i];
+  }
+}
+
+ResampleRequest CpuSculpture::requestOf(std::uint32_t point, Neighbours& neighbours) const {
+  const auto seen = [&](std::uint32_t number, const DVec3& offset) {
+    return ResampleNeighbour{.offset = offset,
+                             .normal = DVec3(points_.normals[number]),
+                             .rest = DVec3(points_.rests[number]),
+                             .spacing = points_.spacing(number),
+                             .isNew = number >= points_.fromFile,
+                             .atRest = isAtRest(number),
+                             .number = number,
+                             .unsettled = points_.unsettled[number] != 0};
+  };
+  neighbours.clear();
+  const DVec3 place(points_.positions[point]);
+  const double radius =
+      shared::neighbourhoodRadius(static_cast<float>(points_.spacing(point)), static_cast<float>(options_.radius));
+  bool complete = true;
+  grid_.forEachNear(place, radius, [&](const SortedGrid::Placed& near) {
+    if (near.number == point) return;
+    if (neighbours.size() < kMostNeighbours)
+      neighbours.push_back(seen(near.number, DVec3(near.position) - place));
+    else
+      complete = false;
+  });
+  return resampleRequest(seen(point, DVec3(0)), {.neighbours = neighbours,
+                                                 .reach = reachOf(point),
+                                                 .complete = complete,
+                                                 .carves = carves_,
+                                                 .moved = isMoved(point)});
+}
+
+void CpuSculpture::resample() {
+  requests_.resize(unsettled_.size());
+  forEachOf(grid_.team(), unsettled_.size(), [&](std::size_t i) {
+    thread_local Neighbours neighbours;
+    static_cast<ResampleRequest&>(requests_[i]) = requestOf(unsettled_[i], neighbours);
+    if (!requests_[i].inserts) return;
+    requests_[i].place = Vec3(DVec3(points_.positions[unsettled_[i]]) + requests_[i].offset);
+    requests_[i].reach = static_cast<float>(reachOf(unsettled_[i]) - glm::length(requests_[i].offset));
+  });
+  const std::size_t before = points_.size();
+  bool someGone = false;
+  settled_ = true;
+  for (std::size_t i = 0; i < unsettled_.size(); ++i) {
+    const std::uint32_t point = unsettled_[i];
+    points_.unsettled[point] = requests_[i].unsettled;
+    settled_ = settled_ && !requests_[i].unsettled;
+    if (!requests_[i].goes) continue;
+    points_.there[point] = 0;
+    someGone = true;
+    tellOf(point);
+  }
+  insertClaimed();
+  if (someGone || points_.size() > before) build();
+}
+
+void CpuSculpture::insertClaimed() {
+  claims_.clear();
+  const auto forEachRequest = [&](auto&& visit) {
+    for (std::size_t i = 0; i < unsettled_.size(); ++i)
+      if (requests_[i].inserts) visit(unsettled_[i], requests_[i]);
+  };
+  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.claim(request.place, point); });
+  forEachRequest([&](std::uint32_t point, const Request& request) { claims_.confirm(request.place, point); });
+  forEachRequest([&](std::uint32_t point, const Request& request) {
+    if (!claims_.stands(request.place, point)) return;
+    const std::uint32_t parent = request.takesAfterOther ? request.other : point;
+    const std::uint32_t added = points_.insertBetween(point, request.other, parent, request.place);
+    points_.reaches[added - points_.fromFile] = request.reach;
+    tellOf(added);
+  });
+}
+
+}  // namespace palpate

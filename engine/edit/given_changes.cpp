@@ -1,0 +1,61 @@
+#include "engine/edit/given_changes.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include "engine/core/check.hpp"
+#include "engine/gpu/device.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kMostChanges = 1 << 16;
+
+static_assert(sizeof(shared::EditEntry) == sizeof(PointState));
+static_assert(shared::kPointGone == PointState::kGone);
+
+shared::EditEntry entryOf(const PointState& point) { return std::bit_cast<shared::EditEntry>(point); }
+
+}  // namespace
+
+GivenChanges::GivenChanges(Device& device, const HashUpdate& update)
+    : update_(update),
+      subgroupSize_(device.subgroupSize()),
+      most_(std::min(kMostChanges, update.mostMoves())),
+      restore_(device, shader_code::edit_restore,
+               {.workgroupSize = shared::kUpdateWorkgroup,
+                .pushBytes = sizeof(shared::RestoreArgs),
+                .constants = {update.dispatch().countsGroups()}}),
+      changes_(Buffer::of<shared::GivenChange>(device, most_, Memory::upload, "given changes")) {}
+
+void GivenChanges::give(std::span<const PointChange> changes, std::uint32_t ids) {
+  PALPATE_CHECK_LE(changes.size(), most_);
+  const auto given = changes_.mapped<shared::GivenChange>();
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    PALPATE_CHECK_EQ(changes[i].from.number(), changes[i].to.number());
+    PALPATE_CHECK_LT(changes[i].to.number(), ids);
+    given[i] = {.from = entryOf(changes[i].from), .to = entryOf(changes[i].to)};
+  }
+  count_ = static_cast<std::uint32_t>(changes.size());
+}
+
+void GivenChanges::record(CommandList& list, const Io& io, bool finishes) const {
+  const shared::HashUpdateArgs update = update_.args(io.cloud, io.parity);
+  list.dispatch(restore_, std::uint64_t{count_} * subgroupSize_,
+                shared::RestoreArgs{.cloud = io.cloud,
+                                    .update = update.update,
+                                    .capacities = update.capacities,
+                                    .changes = changes_.address(),
+                                    .tables = io.tables,
+                                    .lists = io.lists,
+                                    .count = count_,
+                                    .finishes = finishes ? 1u : 0u});
+}
+
+std::uint64_t GivenChanges::predictedBytes(std::uint64_t points) {
+  return std::min<std::uint64_t>(kMostChanges, HashUpdate::defaultMoves(points)) * sizeof(shared::GivenChange);
+}
+
+}  // namespace palpate

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "engine/core/point_state.hpp"
+#include "engine/spatial/hash_update.hpp"
+#include "shaders/shared/edit.h"
+
+namespace palpate {
+
+/// Changes of points as the host gives them, and the pass that lists them as moves.
+class GivenChanges {
+ public:
+  /// `update` must outlive it.
+  GivenChanges(Device& device, const HashUpdate& update);
+
+  /// So many at a time.
+  std::uint32_t most() const { return most_; }
+  /// `ids`: that there are.
+  void give(std::span<const PointChange> changes, std::uint32_t ids);
+
+  struct Io {
+    const shared::CloudView& cloud;
+    std::uint32_t parity;
+    DeviceAddress tables, lists;
+  };
+  /// Of what was given last. `finishes`: after the update, what it leaves to do.
+  void record(CommandList& list, const Io& io, bool finishes) const;
+
+  std::uint64_t bytes() const { return changes_.bytes(); }
+  static std::uint64_t predictedBytes(std::uint64_t points);
+
+ private:
+  const HashUpdate& update_;
+  std::uint32_t subgroupSize_, most_;
+  std::uint32_t count_ = 0;
+  ComputePipeline restore_;
+  Buffer changes_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,190 @@
+#include "engine/edit/resampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+bool sameSheet(const DVec3& normal, const DVec3& other) {
+  return glm::dot(normal, other) > static_cast<double>(shared::kSameSheet);
+}
+
+// New points keep the distance of the wider target, points of the file that of the narrower one, and of how they stood.
+bool crowd(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  const bool anyNew = a.isNew || b.isNew;
+  const double least = std::min(a.spacing, b.spacing);
+  const double closest = static_cast<double>(shared::kCrowded) * (anyNew ? std::max(a.spacing, b.spacing) : least);
+  const double distance = glm::distance(a.offset, b.offset);
+  if (distance >= closest || !sameSheet(a.normal, b.normal)) return false;
+  const double before = glm::distance(a.rest, b.rest);
+  return anyNew || distance < static_cast<double>(shared::kComeNearer) * before ||
+         before < static_cast<double>(shared::kSamePlace) * least;
+}
+
+// Whether an edit has moved two points against one another.
+bool torn(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  const DVec3 moved = (b.offset - a.offset) - (b.rest - a.rest);
+  return glm::length(moved) > static_cast<double>(shared::kTorn) * std::max(a.spacing, b.spacing);
+}
+
+// Who stays when two crowd: the smaller one.
+auto rank(const ResampleNeighbour& point) { return std::tuple(point.unsettled, point.number); }
+
+bool hasToYield(const ResampleNeighbour& point, const ResampleNeighbour& other) {
+  return rank(other) < rank(point) && crowd(point, other);
+}
+
+// The nearest neighbour in each sector of the tangent plane, and how far it is.
+struct SectorView {
+  std::array<double, shared::kGapSectors> distance;
+  std::array<std::size_t, shared::kGapSectors> nearest;
+};
+
+SectorView nearestInSectors(const ResampleNeighbour& self, std::span<const ResampleNeighbour> neighbours) {
+  SectorView view{};
+  view.distance.fill(kFar);
+  const Frame3 frame = frameAround(self.normal);
+  for (std::size_t i = 0; i < neighbours.size(); ++i) {
+    const ResampleNeighbour& other = neighbours[i];
+    if (!sameSheet(self.normal, other.normal)) continue;
+    const shared::uint sector = shared::sectorOf(static_cast<float>(glm::dot(other.offset, frame.u)),
+                                                 static_cast<float>(glm::dot(other.offset, frame.v)));
+    const double distance = glm::length(other.offset);
+    if (distance > view.distance[sector]) continue;
+    if (distance == view.distance[sector] && other.number > neighbours[view.nearest[sector]].number) continue;
+    view.distance[sector] = distance;
+    view.nearest[sector] = i;
+  }
+  return view;
+}
+
+bool facesAway(const ResampleNeighbour& a, const ResampleNeighbour& b) {
+  return glm::dot(a.normal, b.normal) <= static_cast<double>(shared::kFarSheet);
+}
+
+// How much makes a point go, and how much already keeps a new one away.
+struct Outside {
+  float margin;
+  double share;
+};
+constexpr Outside kGoes{0, shared::kNearlyAll}, kStaysAway{shared::kBirthMargin, shared::kHalfOfThem};
+
+// Whether a place near `self` has come through the far sheet of a plate.
+bool standsThrough(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+                   float margin) {
+  return std::ranges::any_of(neighbours, [&](const ResampleNeighbour& other) {
+    return facesAway(self, other) &&
+           shared::isThrough(Vec3(place - other.offset), Vec3(other.normal), static_cast<float>(self.spacing), margin);
+  });
+}
+
+// Whether it has risen over what is at rest around it.
+bool hasRisen(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+              const Outside& outside) {
+  double all = 0, above = 0;
+  for (const ResampleNeighbour& other : neighbours) {
+    const DVec3 offset = place - other.offset;
+    const double distance = glm::length(offset);
+    if (!other.atRest || facesAway(self, other) || distance == 0) continue;
+    const double weight = std::pow(self.spacing / distance, 4);
+    all += weight;
+    if (shared::isAbove(Vec3(offset), Vec3(other.normal), static_cast<float>(self.spacing), outside.margin))
+      above += weight;
+  }
+  return above > outside.share * all;
+}
+
+bool standsOutside(const ResampleNeighbour& self, const DVec3& place, std::span<const ResampleNeighbour> neighbours,
+                   const Outside& outside) {
+  return standsThrough(self, place, neighbours, outside.margin) || hasRisen(self, place, neighbours, outside);
+}
+
+}  // namespace
+
+double sectorSpacing(SectorDistances distances) {
+  std::ranges::sort(distances);
+  const auto there = static_cast<std::size_t>(std::ranges::find(distances, kFar) - distances.begin());
+  return there == 0 ? 0 : distances[there / 2] / static_cast<double>(shared::kSectorSpacings);
+}
+
+ResampleRequest resampleRequest(const ResampleNeighbour& self, const ResampleView& view) {
+  const std::span<const ResampleNeighbour> neighbours = view.neighbours;
+  if (view.carves && view.moved && standsOutside(self, DVec3(0), neighbours, kGoes)) return {.goes = true};
+  ResampleRequest request;
+  const ResampleNeighbour* first = nullptr;  // of those that crowd this point
+  for (const ResampleNeighbour& other : neighbours)
+    if (hasToYield(self, other) && (!first || rank(other) < rank(*first))) first = &other;
+  if (first) {
+    const auto firstYieldsTo = [&](const ResampleNeighbour& third) { return hasToYield(*first, third); };
+    // One that is settled stays as it is.
+    if (!first->unsettled || std::ranges::none_of(neighbours, firstYieldsTo)) return {.goes = true};
+    request.unsettled = true;
+  }
+
+  if (!view.complete) return request;
+  const SectorView sectors = nearestInSectors(self, neighbours);
+  double narrowest = kFar;
+  for (std::size_t sector = 0; sector < shared::kGapSectors; ++sector) {
+    const double gap = sectors.distance[sector];
+    if (gap == kFar || gap >= narrowest) continue;
+    const ResampleNeighbour& other = neighbours[sectors.nearest[sector]];
+    const double spacing = std::max(self.spacing, other.spacing);
+    if (gap <= static_cast<double>(shared::kWidestGap) * spacing || !torn(self, other)) continue;
+    const DVec3 place = shared::halfWay(other.offset, self.normal, other.normal);
+    if (glm::length(place) > view.reach) continue;
+    const double clearance = static_cast<double>(shared::kLeastClearance) * spacing;
+    // Nor may the new point crowd one with a wider target, or one of another sheet that may prove to be its own, or it
+    // would go again.
+    const DVec3 facing = self.normal + other.normal;
+    const auto blocks = [&](const ResampleNeighbour& point) {
+      const double distance = glm::distance(point.offset, place);
+      if (distance < clearance && sameSheet(self.normal, point.normal)) return true;
+      return distance < static_cast<double>(shared::kCrowded) * std::max(spacing, point.spacing) &&
+             glm::dot(facing, point.normal) > static_cast<double>(shared::kFarSheet) * glm::length(facing);
+    };
+    if (blocks(self) || std::ranges::any_of(neighbours, blocks)) continue;
+    if (view.carves && standsOutside(self, place, neighbours, kStaysAway)) continue;
+    narrowest = gap;
+    request.inserts = request.unsettled = true;
+    request.offset = place;
+    request.other = other.number;
+    request.takesAfterOther = other.spacing > self.spacing;
+  }
+  return request;
+}
+
+InsertionClaims::InsertionClaims(double spacing)
+    : grid_(shared::claimGrid(static_cast<float>(spacing))),
+      clearance_(shared::kLeastClearance * static_cast<float>(spacing)),
+      slots_(shared::kClaimSlots) {}
+
+void InsertionClaims::clear() { std::ranges::fill(slots_, Slot()); }
+
+void InsertionClaims::claim(const Vec3& place, std::uint32_t number) {
+  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  slot.number = std::min(slot.number, number);
+}
+
+void InsertionClaims::confirm(const Vec3& place, std::uint32_t number) {
+  Slot& slot = slots_[slotOf(cellOf(grid_, place))];
+  if (slot.number == number) slot.place = place;
+}
+
+bool InsertionClaims::stands(const Vec3& place, std::uint32_t number) const {
+  const IVec3 cell = cellOf(grid_, place);
+  if (slots_[slotOf(cell)].number != number) return false;
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const Slot& slot = slots_[slotOf(cell + IVec3(x, y, z))];
+        if (slot.number < number && glm::distance(slot.place, place) < clearance_) return false;
+      }
+  return true;
+}
+
+}  // namespace palpate

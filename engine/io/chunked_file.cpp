@@ -1,0 +1,106 @@
+#include "engine/io/chunked_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+
+#include "engine/core/error.hpp"
+#include "engine/core/system_file.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{1} << 20;
+
+}  // namespace
+
+ChunkedFile::ChunkedFile(std::filesystem::path file) : path_(std::move(file)), buffer_(kChunk) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path_, unknown)) throw FileError(path_, "is a folder; name a file in it");
+  file_ = openFile(path_, "rb");
+  if (!file_) throw FileError(path_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  std::setvbuf(file_, nullptr, _IONBF, 0);  // buffer_ is the buffer
+  if (std::filesystem::is_regular_file(path_, unknown)) {
+    const auto size = std::filesystem::file_size(path_, unknown);
+    if (!unknown) size_ = size;
+  }
+}
+
+ChunkedFile::~ChunkedFile() { std::fclose(file_); }
+
+std::optional<std::uint64_t> ChunkedFile::remaining() const {
+  if (!size_) return std::nullopt;
+  return *size_ > offset_ ? *size_ - offset_ : 0;
+}
+
+void ChunkedFile::fill(std::size_t wanted) {
+  if (begin_ > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
+  end_ -= begin_;
+  begin_ = 0;
+  while (end_ < wanted && !atEnd_) {
+    // Doubling keeps a long line linear; it grows only after the buffer is full of bytes that were really there.
+    if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
+    const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_);
+    if (got == 0) {
+      if (std::ferror(file_))
+        throw FileError::atByte(path_, offset_ + end_, fmt::format("cannot be read: {}", std::strerror(errno)));
+      atEnd_ = true;
+    }
+    end_ += got;
+  }
+  if (onProgress_ && size_ && *size_ > 0)
+    onProgress_(std::min(1.0, static_cast<double>(offset_ + end_) / static_cast<double>(*size_)));
+}
+
+bool ChunkedFile::skip(std::uint64_t bytes) {
+  while (bytes > 0) {
+    const std::size_t step = static_cast<std::size_t>(std::min<std::uint64_t>(peek(1).size(), bytes));
+    if (step == 0) return false;
+    consume(step);
+    bytes -= step;
+  }
+  return true;
+}
+
+char ChunkedFile::lineEndOfFirstLine(std::size_t longest) {
+  for (std::size_t searched = 0;;) {
+    const auto unread = peek(searched + 1);
+    const std::string_view text(reinterpret_cast<const char*>(unread.data()), unread.size());
+    const std::size_t end = text.find_first_of("\r\n", searched);
+    if (end != text.npos) {
+      const auto further = peek(end + 2);
+      return further[end] == std::byte{'\r'} && further.size() > end + 1 && further[end + 1] != std::byte{'\n'} ? '\r'
+                                                                                                                : '\n';
+    }
+    if (text.size() == searched || text.size() > longest) return '\n';
+    searched = text.size();
+  }
+}
+
+std::optional<std::string_view> ChunkedFile::readLine(std::size_t longest) {
+  if (lineEnd_ == 0) lineEnd_ = lineEndOfFirstLine(longest);
+  // A line of such a file that ends with CR LF after all leaves its LF to the next one.
+  if (linesEndWithCr() && !peek(1).empty() && peek(1)[0] == std::byte{'\n'}) consume(1);
+  std::size_t searched = 0;
+  for (;;) {
+    const auto unread = peek(searched + 1);
+    if (unread.empty()) return std::nullopt;
+    const auto* text = reinterpret_cast<const char*>(unread.data());
+    const void* newline = std::memchr(text + searched, lineEnd_, unread.size() - searched);
+    const bool lastLine = !newline && unread.size() == searched;
+    std::size_t length = newline ? static_cast<std::size_t>(static_cast<const char*>(newline) - text) : unread.size();
+    if (length > longest) {
+      throw FileError::atLine(
+          path_, line_ + 1, fmt::format("a line of more than {} bytes; this is not the text it claims to be", longest));
+    }
+    if (newline || lastLine) {
+      ++line_;
+      consume(length + (newline ? 1 : 0));
+      if (length > 0 && text[length - 1] == '\r') --length;
+      return std::string_view(text, length);
+    }
+    searched = unread.size();
+  }
+}
+
+}  // namespace palpate

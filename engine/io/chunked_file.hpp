@@ -1,0 +1,67 @@
+// Reads a file front to back through one buffer, so that memory follows what was read and never what a header claims.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+/// Works on pipes too; only remaining() needs a regular file. Throws FileError where the system fails.
+class ChunkedFile {
+ public:
+  explicit ChunkedFile(std::filesystem::path file);
+  ~ChunkedFile();
+  ChunkedFile(const ChunkedFile&) = delete;
+  ChunkedFile& operator=(const ChunkedFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t offset() const { return offset_; }  ///< of the next unread byte
+  std::uint64_t line() const { return line_; }      ///< 1-based, of the line that readLine() gave last
+  /// Is called with the share that was read, now and then, where the size is known.
+  void onProgress(std::function<void(double share)> progress) { onProgress_ = std::move(progress); }
+  /// Bytes not yet read; nothing where the system does not know.
+  std::optional<std::uint64_t> remaining() const;
+
+  /// Unread bytes in one piece: at least `wanted`, fewer only at the end of the file. Valid until the next call.
+  std::span<const std::byte> peek(std::size_t wanted) {
+    if (end_ - begin_ < wanted) fill(wanted);
+    return {buffer_.data() + begin_, end_ - begin_};
+  }
+  /// Marks bytes that peek() gave as read.
+  void consume(std::size_t bytes) {
+    begin_ += bytes;
+    offset_ += bytes;
+  }
+  /// Passes over `bytes`; false when the file ends before.
+  bool skip(std::uint64_t bytes);
+
+  /// The next line without its end; nothing at the end of the file. Valid until the next call. The first line says how
+  /// all of them end: with LF, CR LF or CR. A line longer than `longest` bytes is an error.
+  std::optional<std::string_view> readLine(std::size_t longest);
+  /// Whether the first line ended with a CR alone.
+  bool linesEndWithCr() const { return lineEnd_ == '\r'; }
+
+ private:
+  void fill(std::size_t wanted);
+  char lineEndOfFirstLine(std::size_t longest);
+
+  std::filesystem::path path_;
+  std::FILE* file_ = nullptr;
+  std::optional<std::uint64_t> size_;
+  std::function<void(double)> onProgress_;
+  std::vector<std::byte> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // unread part of buffer_
+  bool atEnd_ = false;
+  std::uint64_t offset_ = 0;
+  std::uint64_t line_ = 0;
+  char lineEnd_ = 0;  // last byte of a line's end; 0: not known yet
+};
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+// What a format of clouds in files is: its names, and what reads and writes it. A format is a file of its own and a
+// line of the table in cloud_formats.cpp; nothing else needs to know which there are.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/log.hpp"
+
+namespace palpate {
+
+/// Rows of one kind, as a file announces them. Those of the points are called `vertex`, whatever the format.
+struct FileElement {
+  struct Property {
+    std::string name;
+    bool isList = false;  ///< each row has as many of them as it says
+  };
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+};
+
+/// What a file says that it holds.
+struct FileContents {
+  std::vector<FileElement> elements;  ///< in the order of the file
+  std::vector<std::string> comments;  ///< as in StoredAs
+};
+
+/// A cloud as a file holds it, with what came along.
+struct StoredCloud {
+  PointCloud cloud;
+  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of its faces; empty where there are none
+  /// What the file has and this does not, in words: "12 edge", "normals in double precision".
+  std::vector<std::string> lost;
+};
+
+struct CloudReadOptions {
+  bool normalsFromFaces = false;  ///< area-weighted, in place of any that the file gives
+  /// Leaves out the triangles, which need not be right then; what is lost is said through the log, and nowhere else.
+  bool pointsOnly = false;
+};
+struct CloudWriteOptions {
+  bool ascii = false;  ///< shortest decimals that read back as the same number
+  /// Faces, by the numbers of their points; null: none.
+  const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
+  bool doubles = false;  ///< positions in double precision, whatever the cloud was stored as
+  /// An older file of the name is kept, and its new name is put here (AtomicFile::commitAndKeep()); null: it is
+  /// replaced.
+  std::filesystem::path* keptAs = nullptr;
+  std::function<void(double)> progress = {};  ///< is called with the share of the points that is written
+};
+
+/// Functions that a format has not are null: those for reading where it is only written, and the other way round.
+struct CloudFormat {
+  std::string_view name;
+  std::span<const std::string_view> endings;  ///< of file names, lower case, with the dot; the usual one first
+  /// Reads no further than it must. Throws FileError.
+  FileContents (*contents)(const std::filesystem::path& file) = nullptr;
+  /// Throws FileError with the place.
+  StoredCloud (*read)(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) = nullptr;
+  /// The file appears under its name only when it is whole. Throws FileError.
+  void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
+  /// What of a cloud a file of the format cannot hold, in words.
+  std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+};
+
+}  // namespace palpate

@@ -1,0 +1,94 @@
+#include "engine/io/cloud_formats.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/ply_format.hpp"
+#include "engine/io/xyz_format.hpp"
+
+namespace palpate {
+
+namespace {
+
+const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesystem::path& file) {
+  std::string ending = file.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto has = [&](const CloudFormat& format) {
+    return std::ranges::find(format.endings, ending) != format.endings.end();
+  };
+  const auto found = std::ranges::find_if(formats, has);
+  return found == formats.end() ? nullptr : &*found;
+}
+
+std::string endingsOf(std::span<const CloudFormat> formats, auto&& does) {
+  std::vector<std::string_view> endings;
+  for (const CloudFormat& format : formats)
+    if (does(format)) endings.insert(endings.end(), format.endings.begin(), format.endings.end());
+  return fmt::format("{}", fmt::join(endings, ", "));
+}
+
+}  // namespace
+
+CloudFormats::CloudFormats(std::span<const CloudFormat> formats) : formats_(formats) {
+  PALPATE_CHECK(!formats.empty() && formats.front().read && formats.front().write);
+}
+
+const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const {
+  const CloudFormat* format = named(formats_, file);
+  return format && format->read ? *format : formats_.front();
+}
+
+const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) const {
+  const CloudFormat* format = named(formats_, file);
+  if (format && format->write) return *format;
+  throw UsageError("{}: clouds are written as {}; name it so", file.string(), endingsWritten());
+}
+
+const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file) const {
+  const CloudFormat* format = named(formats_, file);
+  return format && format->write ? *format : formats_.front();
+}
+
+std::string CloudFormats::namesRead() const {
+  std::vector<std::string_view> names;
+  for (const CloudFormat& format : formats_)
+    if (format.read) names.push_back(format.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string CloudFormats::endingsRead() const {
+  return endingsOf(formats_, [](const CloudFormat& format) { return format.read != nullptr; });
+}
+
+std::string CloudFormats::endingsWritten() const {
+  return endingsOf(formats_, [](const CloudFormat& format) { return format.write != nullptr; });
+}
+
+const CloudFormats& cloudFormats() {
+  static const std::array formats{
+      plyFormat(),
+      xyzFormat(),
+  };
+  static const CloudFormats table{formats};
+  return table;
+}
+
+FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats) {
+  return formats.toRead(file).contents(file);
+}
+
+StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudReadOptions& options,
+                      const CloudFormats& formats) {
+  return formats.toRead(file).read(file, log, options);
+}
+
+void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options,
+                const CloudFormats& formats) {
+  formats.toSave(file).write(file, cloud, options);
+}
+
+}  // namespace palpate

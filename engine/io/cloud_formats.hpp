@@ -1,0 +1,43 @@
+// The table of formats that clouds are read from and written to, and the ways through it.
+#pragma once
+
+#include "engine/io/cloud_format.hpp"
+
+namespace palpate {
+
+/// A view of a table, which must outlive it.
+class CloudFormats {
+ public:
+  /// The first one is that of files whose ending nobody knows, and both reads and writes.
+  explicit CloudFormats(std::span<const CloudFormat> formats);
+
+  /// By the file's ending, in any case; where nobody knows it the first one, whose reader says what it found.
+  const CloudFormat& toRead(const std::filesystem::path& file) const;
+  /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
+  const CloudFormat& toWrite(const std::filesystem::path& file) const;
+  /// By the file's ending; where nobody knows it the first one, as for reading: what was opened can be saved.
+  const CloudFormat& toSave(const std::filesystem::path& file) const;
+
+  std::string namesRead() const;       ///< "PLY, XYZ"
+  std::string endingsRead() const;     ///< ".ply, .xyz"
+  std::string endingsWritten() const;  ///< as above
+
+ private:
+  std::span<const CloudFormat> formats_;
+};
+
+/// All that there are.
+const CloudFormats& cloudFormats();
+
+/// What the file says that it holds. Throws FileError.
+FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
+
+/// Throws FileError with the place of what is wrong.
+StoredCloud readCloud(const std::filesystem::path& file, Log* log = nullptr, const CloudReadOptions& options = {},
+                      const CloudFormats& formats = cloudFormats());
+
+/// The file appears under its name only when it is whole. Throws FileError.
+void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options = {},
+                const CloudFormats& formats = cloudFormats());
+
+}  // namespace palpate

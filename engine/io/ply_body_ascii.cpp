@@ -1,0 +1,155 @@
+#include "engine/core/error.hpp"
+#include "engine/io/in_quotes.hpp"
+#include "engine/io/ply_body.hpp"
+#include "engine/io/text_number.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::size_t kLongestRow = std::size_t{64} << 20;  // a strip of a whole mesh is one line
+
+/// Walks over the rows of an element, one line each as the format asks; blank lines are passed over.
+class AsciiRows {
+ public:
+  AsciiRows(ChunkedFile& file, const PlyElement& element) : file_(file), element_(element) {}
+
+  [[noreturn]] void fail(std::string_view what) const { throw FileError::atLine(file_.path(), file_.line(), what); }
+
+  void nextRow(std::uint64_t row) {
+    row_ = row;
+    for (;;) {
+      const auto line = file_.readLine(kLongestRow);
+      if (!line)
+        fail(fmt::format("the file ends after {} of {} rows of element '{}'; it is truncated", row, element_.count,
+                         element_.name));
+      rest_ = *line;
+      if (skipBlanks()) return;
+    }
+  }
+
+  /// The next word of the row; fails where there is none.
+  std::string_view word(const PlyProperty& property) {
+    if (!skipBlanks())
+      fail(fmt::format("{} {} ends before '{}'; expected a value for each property", element_.name, row_ + 1,
+                       property.name));
+    std::size_t length = 1;
+    while (length < rest_.size() && !isBlank(rest_[length])) ++length;
+    const std::string_view found = rest_.substr(0, length);
+    rest_.remove_prefix(length);
+    return found;
+  }
+
+  template <class T>
+  T number(const PlyProperty& property) {
+    const std::string_view text = word(property);
+    if (const auto value = textNumber<T>(text)) return *value;
+    fail(fmt::format("found {} for '{}' of {} {}, expected a number of type {}", inQuotes(text), property.name,
+                     element_.name, row_ + 1, plyName(property.type)));
+  }
+
+  std::uint64_t listLength(const PlyProperty& property) {
+    const auto length = number<std::int64_t>(property);
+    // Each item takes at least a blank and a digit of this line.
+    if (length < 0 || static_cast<std::uint64_t>(length) > (rest_.size() + 1) / 2)
+      fail(fmt::format("{} {}: list '{}' claims {} items, the row does not hold them", element_.name, row_ + 1,
+                       property.name, length));
+    return static_cast<std::uint64_t>(length);
+  }
+
+  void skipList(const PlyProperty& property) {
+    for (std::uint64_t left = listLength(property); left > 0; --left) word(property);
+  }
+
+  bool skipBlanks() {
+    std::size_t blanks = 0;
+    while (blanks < rest_.size() && isBlank(rest_[blanks])) ++blanks;
+    rest_.remove_prefix(blanks);
+    return !rest_.empty();
+  }
+
+  std::string_view rest() const { return rest_; }
+
+ private:
+  static bool isBlank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+
+  ChunkedFile& file_;
+  const PlyElement& element_;
+  std::uint64_t row_ = 0;
+  std::string_view rest_;
+};
+
+/// Bytes of the shortest row: a digit and a separator per value. The last line may end without one.
+std::uint64_t leastRowBytes(const PlyElement& element) { return 2 * element.properties.size(); }
+
+std::string brokenAsciiPromise(const ChunkedFile& file, const PlyElement& element) {
+  PlyElement lastLineOpen = element;
+  if (lastLineOpen.count > 0) --lastLineOpen.count;
+  const std::string broken = brokenPromise(file, lastLineOpen, leastRowBytes(element));
+  return broken.empty() ? broken : brokenPromise(file, element, leastRowBytes(element));
+}
+
+}  // namespace
+
+void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyVertices& vertices) {
+  constexpr std::size_t kBatch = 4096;
+  const std::string broken = brokenAsciiPromise(file, element);
+  if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);
+  if (file.remaining()) vertices.reserve(element.count);
+  AsciiRows walk(file, element);
+  std::vector<std::byte> packed;
+  std::vector<std::uint64_t> lines;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    walk.nextRow(row);
+    lines.push_back(file.line());
+    std::size_t at = packed.size();
+    packed.resize(at + vertices.rowBytes());
+    for (const PlyProperty& property : element.properties) {
+      if (property.isList) {
+        walk.skipList(property);
+        continue;
+      }
+      visitScalar(property.type, [&]<class T>(std::type_identity<T>) {
+        const T value = walk.number<T>(property);
+        std::memcpy(packed.data() + at, &value, sizeof(T));
+        at += sizeof(T);
+      });
+    }
+    if (walk.skipBlanks()) {
+      walk.fail(fmt::format("vertex {} has more values than its {} properties; found {}", row + 1,
+                            element.properties.size(), inQuotes(walk.rest())));
+    }
+    if (lines.size() < kBatch && row + 1 < element.count) continue;
+    if (const auto bad = vertices.append(packed.data(), lines.size(), false))
+      throw FileError::atLine(file.path(), lines[bad->row], bad->what);
+    packed.clear();
+    lines.clear();
+  }
+}
+
+/// Only the shape of the rows is checked: there are programs that write other values here than their header says, and
+/// what is not used should not stand in the way.
+void passAsciiElement(ChunkedFile& file, const PlyElement& element, PlyFaces* faces) {
+  const std::string broken = brokenAsciiPromise(file, element);
+  if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);
+  if (element.properties.empty()) return;
+  const PlyProperty* indices = faces ? PlyFaces::indexList(element) : nullptr;
+  AsciiRows walk(file, element);
+  std::vector<std::int64_t> items;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    walk.nextRow(row);
+    for (const PlyProperty& property : element.properties) {
+      if (&property == indices) {
+        items.clear();
+        for (std::uint64_t left = walk.listLength(property); left > 0; --left)
+          items.push_back(walk.number<std::int64_t>(property));
+        if (const auto wrong = faces->add(items, element.name == "tristrips")) walk.fail(*wrong);
+      } else if (property.isList) {
+        walk.skipList(property);
+      } else {
+        walk.word(property);
+      }
+    }
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,172 @@
+#include <algorithm>
+
+#include "engine/core/error.hpp"
+#include "engine/io/ply_body.hpp"
+
+namespace palpate {
+namespace {
+
+/// Walks over rows that contain lists; fails with the byte offset.
+class BinaryRows {
+ public:
+  BinaryRows(ChunkedFile& file, const PlyElement& element, bool swapBytes)
+      : file_(file), element_(element), swapBytes_(swapBytes) {}
+
+  [[noreturn]] void fail(std::uint64_t offset, std::string_view what) const {
+    throw FileError::atByte(file_.path(), offset, what);
+  }
+  [[noreturn]] void failAtEnd(std::uint64_t row) const {
+    fail(file_.offset(),
+         fmt::format("the file ends in {} {} of {}; it is truncated", element_.name, row + 1, element_.count));
+  }
+
+  /// Copies a scalar to `to` where that is not null.
+  void scalar(const PlyProperty& property, std::uint64_t row, std::byte* to) {
+    const std::size_t bytes = sizeOf(property.type);
+    const auto unread = file_.peek(bytes);
+    if (unread.size() < bytes) failAtEnd(row);
+    if (to) std::memcpy(to, unread.data(), bytes);
+    file_.consume(bytes);
+  }
+
+  /// Reads the length of a list and checks it against what is left of the file.
+  std::uint64_t listLength(const PlyProperty& property, std::uint64_t row) {
+    const std::uint64_t offset = file_.offset();
+    std::byte raw[8];
+    scalar({property.name, property.countType, false, property.countType}, row, raw);
+    const std::int64_t length = integer(property.countType, raw);
+    if (length < 0)
+      fail(offset, fmt::format("{} {}: list '{}' has {} items", element_.name, row + 1, property.name, length));
+    const auto left = file_.remaining();
+    if (left && static_cast<std::uint64_t>(length) > *left / sizeOf(property.type)) {
+      fail(offset,
+           fmt::format(
+               "{} {}: list '{}' has {} items of {} bytes, but only {} bytes follow; the file is truncated or damaged",
+               element_.name, row + 1, property.name, length, sizeOf(property.type), *left));
+    }
+    return static_cast<std::uint64_t>(length);
+  }
+
+  void skipList(const PlyProperty& property, std::uint64_t row) {
+    const std::uint64_t length = listLength(property, row);
+    if (!file_.skip(length * sizeOf(property.type))) failAtEnd(row);
+  }
+
+  void readList(const PlyProperty& property, std::uint64_t row, std::vector<std::int64_t>& items) {
+    items.clear();
+    for (std::uint64_t left = listLength(property, row); left > 0; --left) {
+      std::byte raw[8];
+      scalar(property, row, raw);
+      items.push_back(integer(property.type, raw));
+    }
+  }
+
+ private:
+  std::int64_t integer(ScalarType type, const std::byte* raw) const {
+    return visitScalar(type, [&]<class T>(std::type_identity<T>) {
+      return static_cast<std::int64_t>(swapBytes_ ? loadScalar<T, true>(raw) : loadScalar<T>(raw));
+    });
+  }
+
+  ChunkedFile& file_;
+  const PlyElement& element_;
+  bool swapBytes_;
+};
+
+/// Bytes of the shortest row: all lists empty.
+std::uint64_t leastRowBytes(const PlyElement& element) {
+  std::uint64_t bytes = element.scalarBytes();
+  for (const PlyProperty& property : element.properties) bytes += property.isList ? sizeOf(property.countType) : 0;
+  return bytes;
+}
+
+void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+  const std::size_t rowBytes = vertices.rowBytes();
+  for (std::uint64_t done = 0; done < element.count;) {
+    const auto unread = file.peek(rowBytes);
+    const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(unread.size() / rowBytes, element.count - done));
+    if (rows == 0) BinaryRows(file, element, swapBytes).failAtEnd(done);
+    if (const auto bad = vertices.append(unread.data(), rows, swapBytes))
+      throw FileError::atByte(file.path(), file.offset() + bad->row * rowBytes, bad->what);
+    file.consume(rows * rowBytes);
+    done += rows;
+  }
+}
+
+/// Packs the scalars of rows that also have lists, some thousand rows at a time.
+void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+  constexpr std::size_t kBatch = 4096;
+  BinaryRows walk(file, element, swapBytes);
+  std::vector<std::byte> packed;
+  std::vector<std::uint64_t> offsets;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    offsets.push_back(file.offset());
+    std::size_t at = packed.size();
+    packed.resize(at + vertices.rowBytes());
+    for (const PlyProperty& property : element.properties) {
+      if (property.isList) {
+        walk.skipList(property, row);
+      } else {
+        walk.scalar(property, row, packed.data() + at);
+        at += sizeOf(property.type);
+      }
+    }
+    if (offsets.size() < kBatch && row + 1 < element.count) continue;
+    if (const auto bad = vertices.append(packed.data(), offsets.size(), swapBytes))
+      walk.fail(offsets[bad->row], bad->what);
+    packed.clear();
+    offsets.clear();
+  }
+}
+
+}  // namespace
+
+std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, std::uint64_t rowBytes) {
+  const auto left = file.remaining();
+  if (!left || rowBytes == 0 || element.count <= *left / rowBytes) return {};
+  return fmt::format(
+      "the header promises {} {} of at least {} bytes each, but only {} bytes follow; the file is truncated or its "
+      "header lies",
+      element.count, element.name, rowBytes, *left);
+}
+
+void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+  const std::string broken = brokenPromise(file, element, leastRowBytes(element));
+  if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
+  if (file.remaining()) vertices.reserve(element.count);
+  if (element.hasLists())
+    readVerticesWithLists(file, element, swapBytes, vertices);
+  else
+    readPackedVertices(file, element, swapBytes, vertices);
+}
+
+void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces) {
+  const std::string broken = brokenPromise(file, element, leastRowBytes(element));
+  if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
+  BinaryRows walk(file, element, swapBytes);
+  if (element.properties.empty()) return;
+  if (!element.hasLists()) {
+    const std::uint64_t rowBytes = element.scalarBytes();
+    if (element.count > UINT64_MAX / rowBytes || !file.skip(element.count * rowBytes))
+      throw FileError::atByte(file.path(), file.offset(),
+                              fmt::format("the file ends in element '{}'; it is truncated", element.name));
+    return;
+  }
+  const PlyProperty* indices = faces ? PlyFaces::indexList(element) : nullptr;
+  std::vector<std::int64_t> items;
+  for (std::uint64_t row = 0; row < element.count; ++row) {
+    const std::uint64_t offset = file.offset();
+    for (const PlyProperty& property : element.properties) {
+      if (&property == indices) {
+        walk.readList(property, row, items);
+        if (const auto wrong = faces->add(items, element.name == "tristrips")) walk.fail(offset, *wrong);
+      } else if (property.isList) {
+        walk.skipList(property, row);
+      } else {
+        walk.scalar(property, row, nullptr);
+      }
+    }
+  }
+}
+
+}  // namespace palpate

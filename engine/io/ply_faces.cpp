@@ -1,0 +1,60 @@
+#include "engine/io/ply_faces.hpp"
+
+#include "engine/cloud/normals.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+const PlyProperty* PlyFaces::indexList(const PlyElement& element) {
+  if (element.name != "face" && element.name != "tristrips") return nullptr;
+  for (const PlyProperty& property : element.properties) {
+    const bool named = property.name == "vertex_indices" || property.name == "vertex_index";
+    if (named && property.isList && !isFloating(property.type)) return &property;
+  }
+  return nullptr;
+}
+
+std::optional<std::string> PlyFaces::add(std::span<const std::int64_t> indices, bool isStrip) {
+  for (const std::int64_t index : indices) {
+    if (isStrip && index == -1) continue;
+    if (index < 0 || static_cast<std::uint64_t>(index) >= vertexCount_)
+      return fmt::format("a face names vertex {}, but there are only {}", index, vertexCount_);
+  }
+  std::size_t start = 0;  // of the polygon or of the current strip
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    if (isStrip && indices[k] == -1) {
+      start = k + 1;
+    } else if (k >= start + 2) {
+      const bool flipped = isStrip && (k - start) % 2 == 1;  // every second triangle of a strip winds the other way
+      const auto a = static_cast<std::uint64_t>(indices[isStrip ? k - 2 : start]);
+      const auto b = static_cast<std::uint64_t>(indices[k - 1]);
+      const auto c = static_cast<std::uint64_t>(indices[k]);
+      triangles_.push_back(flipped ? std::array{b, a, c} : std::array{a, b, c});
+    }
+  }
+  return std::nullopt;
+}
+
+void PlyFaces::applyTo(PointCloud& cloud, const std::filesystem::path& file, Log* log) const {
+  if (cloud.empty()) return;
+  std::vector<DVec3> sums(cloud.size(), DVec3(0));
+  for (const auto& [a, b, c] : triangles_) {
+    const DVec3 corner(cloud.positions[a]);
+    const DVec3 twiceArea = glm::cross(DVec3(cloud.positions[b]) - corner, DVec3(cloud.positions[c]) - corner);
+    for (const std::uint64_t index : {a, b, c}) sums[index] += twiceArea;
+  }
+  std::vector<std::size_t> missing;
+  cloud.normals.resize(cloud.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const double length = glm::length(sums[i]);
+    if (length > 0 && std::isfinite(length))
+      cloud.normals[i] = Vec3(sums[i] / length);
+    else
+      missing.push_back(i);
+  }
+  if (missing.size() == cloud.size())
+    throw FileError(file, "has no faces with an area to take normals from; estimate them instead");
+  if (!missing.empty()) fillMissingNormals(cloud, missing, file.filename().string(), log, 1.0);
+}
+
+}  // namespace palpate

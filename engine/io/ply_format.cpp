@@ -1,0 +1,80 @@
+#include "engine/io/ply_format.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/io/ply_faces.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "engine/io/ply_writer.hpp"
+
+namespace palpate {
+
+namespace {
+
+// What of an element is not carried: its other properties where its triangles are, all of it elsewhere.
+void nameLostOf(const PlyElement& element, std::vector<std::string>& lost) {
+  if (element.count == 0) return;
+  const bool vertex = element.name == "vertex";
+  const PlyProperty* indices = PlyFaces::indexList(element);
+  if (!vertex && !indices) lost.push_back(fmt::format("{} {}", element.count, element.name));
+  for (const PlyProperty& property : element.properties)
+    if (&property != indices && (vertex ? property.isList : indices != nullptr))
+      lost.push_back(fmt::format("property '{}' of {}", property.name, element.name));
+}
+
+std::vector<std::string> lostByReading(const PlyInfo& info, const StoredCloud& stored) {
+  std::vector<std::string> lost;
+  std::uint64_t faces = 0;
+  for (const PlyElement& element : info.elements) {
+    nameLostOf(element, lost);
+    if (PlyFaces::indexList(element)) faces += element.count;
+  }
+  if (faces != stored.triangles.size())
+    lost.push_back(fmt::format("the outlines of {} faces, which become {} triangles", faces, stored.triangles.size()));
+  const StoredAs& as = stored.cloud.storedAs;
+  if (stored.cloud.hasColors() && as.color != ScalarType::u8) lost.emplace_back("colours finer than 8 bits a channel");
+  if (stored.cloud.hasNormals() && as.normal == ScalarType::f64)
+    lost.emplace_back("normals finer than single precision");
+  return lost;
+}
+
+FileContents contentsOfPly(const std::filesystem::path& file) {
+  PlyInfo info = readPlyInfo(file);
+  FileContents contents{.elements = {}, .comments = std::move(info.comments)};
+  for (PlyElement& element : info.elements) {
+    FileElement& known = contents.elements.emplace_back(FileElement{std::move(element.name), element.count, {}});
+    for (PlyProperty& property : element.properties)
+      known.properties.push_back({std::move(property.name), property.isList});
+  }
+  return contents;
+}
+
+StoredCloud readPlyFile(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
+  if (options.pointsOnly) return {.cloud = readPly(file, log, {.normalsFromFaces = options.normalsFromFaces})};
+  StoredCloud stored;
+  PlyInfo info;
+  stored.cloud =
+      readPly(file, log, {.normalsFromFaces = options.normalsFromFaces, .triangles = &stored.triangles, .info = &info});
+  stored.lost = lostByReading(info, stored);
+  return stored;
+}
+
+std::vector<std::string> lacksOfPly(const StoredCloud& stored) {
+  std::vector<std::string> lost;
+  for (const std::string& name : namesGivingWay(stored.cloud))
+    lost.push_back(fmt::format("property '{}' of vertex, for the one that is written under its name", name));
+  return lost;
+}
+
+}  // namespace
+
+CloudFormat plyFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".ply"};
+  return {.name = "PLY",
+          .endings = kEndings,
+          .contents = contentsOfPly,
+          .read = readPlyFile,
+          .write = writePly,
+          .lacks = lacksOfPly};
+}
+
+}  // namespace palpate

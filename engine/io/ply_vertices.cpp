@@ -1,0 +1,205 @@
+#include "engine/io/ply_vertices.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/common.hpp>
+
+#include "engine/cloud/normals.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+namespace {
+
+static_assert(sizeof(Vec3) == 3 * sizeof(float) && sizeof(DVec3) == 3 * sizeof(double));
+
+/// Single precision holds every value of these types.
+bool fitsFloat(ScalarType type) {
+  return type != ScalarType::f64 && type != ScalarType::i32 && type != ScalarType::u32;
+}
+
+template <class T>
+std::uint8_t toColor(T value) {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return value;
+  double scaled = static_cast<double>(value);
+  if constexpr (std::is_floating_point_v<T>) scaled *= 255.0;
+  if constexpr (std::is_same_v<T, std::uint16_t>) scaled /= 257.0;
+  return scaled > 0 ? static_cast<std::uint8_t>(std::min(scaled, 255.0) + 0.5) : std::uint8_t{0};  // NaN becomes 0
+}
+
+/// Writes one column of `rows` to `to`, `step` values apart.
+template <class T, bool kSwap, class Out, class Convert>
+void scatter(const std::byte* from, std::size_t rowBytes, std::size_t count, Out* to, std::size_t step,
+             Convert&& convert) {
+  for (std::size_t r = 0; r < count; ++r, from += rowBytes, to += step) *to = convert(loadScalar<T, kSwap>(from));
+}
+
+}  // namespace
+
+PlyVertices::PlyVertices(const std::filesystem::path& file, const PlyElement& vertex, Log* log) : file_(file) {
+  for (const PlyProperty& property : vertex.properties) {
+    if (property.isList) {
+      if (log) log->say("{}: the vertex list property '{}' is not kept", file.filename().string(), property.name);
+      continue;
+    }
+    columns_.push_back({rowBytes_, property.type, Role::extra, 0, property.name});
+    rowBytes_ += sizeOf(property.type);
+  }
+  for (const std::string_view name : {"x", "y", "z"}) {
+    if (named(name) == columns_.end()) {
+      throw FileError::atLine(
+          file, vertex.line,
+          fmt::format("the vertex element has no scalar property '{}'; points need x, y and z", name));
+    }
+  }
+  assignGroup(Role::position, {"x", "y", "z"});
+  hasNormals_ = assignGroup(Role::normal, {"nx", "ny", "nz"});
+  hasColors_ = assignGroup(Role::color, {"red", "green", "blue", "alpha"}) ||
+               assignGroup(Role::color, {"diffuse_red", "diffuse_green", "diffuse_blue", "alpha"}) ||
+               assignGroup(Role::color, {"r", "g", "b", "a"});
+  for (Column& column : columns_) {
+    if (column.role != Role::extra) continue;
+    column.index = cloud_.extra.size();
+    cloud_.extra.push_back({column.name, column.type, {}});
+  }
+}
+
+std::vector<PlyVertices::Column>::iterator PlyVertices::named(std::string_view name) {
+  return std::find_if(columns_.begin(), columns_.end(), [&](const Column& c) { return c.name == name; });
+}
+
+/// Gives `role` to the columns of these names if the first three are there; a fourth may be missing.
+bool PlyVertices::assignGroup(Role role, std::initializer_list<std::string_view> names) {
+  for (std::size_t k = 0; k < 3; ++k)
+    if (named(names.begin()[k]) == columns_.end()) return false;
+  StoredAs& stored = cloud_.storedAs;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto column = named(names.begin()[k]);
+    if (column == columns_.end()) continue;
+    column->role = role;
+    column->index = k;
+    const ScalarType type = column->type;
+    if (role == Role::position && !fitsFloat(type)) wide_ = true;
+    if (role == Role::normal && type == ScalarType::f64) stored.normal = type;
+    if (role == Role::color && (isFloating(type) || type == ScalarType::u16)) stored.color = type;
+    if (k == 3) stored.alpha = true;
+  }
+  if (wide_) stored.position = ScalarType::f64;
+  return true;
+}
+
+void PlyVertices::reserve(std::uint64_t promised) {
+  constexpr std::uint64_t kMostRows = std::uint64_t{1} << 27;  // a sparse file is long without holding anything
+  const auto rows = static_cast<std::size_t>(std::min(promised, kMostRows));
+  if (wide_) cloud_.exactPositions.reserve(rows);
+  if (!wide_) cloud_.positions.reserve(rows);
+  if (hasNormals_) cloud_.normals.reserve(rows);
+  if (hasColors_) cloud_.colors.reserve(rows);
+  for (Attribute& attribute : cloud_.extra) attribute.data.reserve(rows * sizeOf(attribute.type));
+}
+
+std::optional<PlyVertices::BadRow> PlyVertices::append(const std::byte* rows, std::size_t count, bool swapBytes) {
+  if (count == 0) return std::nullopt;  // there is no first row to point at
+  const std::size_t base = count_;
+  count_ += count;
+  if (wide_) cloud_.exactPositions.resize(count_);
+  if (!wide_) cloud_.positions.resize(count_);
+  if (hasNormals_) cloud_.normals.resize(count_);
+  if (hasColors_) cloud_.colors.resize(count_, {0, 0, 0, 255});
+  for (Attribute& attribute : cloud_.extra) attribute.data.resize(count_ * sizeOf(attribute.type));
+  for (const Column& column : columns_) {
+    visitScalar(column.type, [&]<class T>(std::type_identity<T>) {
+      if (swapBytes)
+        appendColumn<T, true>(column, rows, base, count);
+      else
+        appendColumn<T, false>(column, rows, base, count);
+    });
+  }
+  if (auto bad = checkPositions(base)) return bad;
+  return normalise(base);
+}
+
+template <class T, bool kSwap>
+void PlyVertices::appendColumn(const Column& column, const std::byte* rows, std::size_t base, std::size_t count) {
+  const std::byte* from = rows + column.offset;
+  const auto toFloat = [](T value) { return static_cast<float>(value); };
+  const auto toDouble = [](T value) { return static_cast<double>(value); };
+  auto* colorBytes = reinterpret_cast<std::uint8_t*>(cloud_.colors.data() + (hasColors_ ? base : 0));
+  switch (column.role) {
+    case Role::position:
+      if (wide_)
+        scatter<T, kSwap>(from, rowBytes_, count, &cloud_.exactPositions[base].x + column.index, 3, toDouble);
+      else
+        scatter<T, kSwap>(from, rowBytes_, count, &cloud_.positions[base].x + column.index, 3, toFloat);
+      break;
+    case Role::normal:
+      scatter<T, kSwap>(from, rowBytes_, count, &cloud_.normals[base].x + column.index, 3, toFloat);
+      break;
+    case Role::color:
+      scatter<T, kSwap>(from, rowBytes_, count, colorBytes + column.index, 4, toColor<T>);
+      break;
+    case Role::extra: {
+      std::byte* to = cloud_.extra[column.index].data.data() + base * sizeof(T);
+      for (std::size_t r = 0; r < count; ++r) {
+        const T value = loadScalar<T, kSwap>(from + r * rowBytes_);
+        std::memcpy(to + r * sizeof(T), &value, sizeof(T));
+      }
+    }
+  }
+}
+
+std::optional<PlyVertices::BadRow> PlyVertices::checkPositions(std::size_t base) const {
+  constexpr double kLargest = 1e30;  // squares of distances must stay finite in double, offsets in float
+  for (std::size_t i = base; i < count_; ++i) {
+    const DVec3 p = wide_ ? cloud_.exactPositions[i] : DVec3(cloud_.positions[i]);
+    const double worst = std::abs(p.x) + std::abs(p.y) + std::abs(p.z);
+    if (worst < kLargest) continue;
+    return BadRow{i - base, fmt::format("vertex {} is at ({}, {}, {}); expected finite numbers below 1e30", i + 1, p.x,
+                                        p.y, p.z)};
+  }
+  return std::nullopt;
+}
+
+std::optional<PlyVertices::BadRow> PlyVertices::normalise(std::size_t base) {
+  constexpr double kUnitTolerance =
+      1e-5;  // nearer to 1 than this a normal is left as it is, so that it is written back unchanged
+  if (!hasNormals_) return std::nullopt;
+  for (std::size_t i = base; i < count_; ++i) {
+    const DVec3 n(cloud_.normals[i]);
+    const double lengthSquared = glm::dot(n, n);
+    if (std::abs(lengthSquared - 1.0) < kUnitTolerance) continue;
+    if (!std::isfinite(lengthSquared)) {
+      return BadRow{i - base, fmt::format("the normal of vertex {} is ({}, {}, {}); expected finite numbers", i + 1,
+                                          n.x, n.y, n.z)};
+    }
+    if (lengthSquared > 0)
+      cloud_.normals[i] = Vec3(n / std::sqrt(lengthSquared));
+    else
+      zeroNormals_.push_back(i);
+  }
+  return std::nullopt;
+}
+
+PointCloud PlyVertices::finish(Log* log) {
+  if (wide_) placeOrigin();
+  if (!zeroNormals_.empty()) fillMissingNormals(cloud_, zeroNormals_, file_.filename().string(), log);
+  return std::move(cloud_);
+}
+
+/// Splits double coordinates into an origin and float32 positions; drops the doubles where that lost nothing.
+void PlyVertices::placeOrigin() {
+  const std::vector<DVec3>& exact = cloud_.exactPositions;
+  if (exact.empty()) return;
+  Bounds box{exact.front(), exact.front()};
+  for (const DVec3& p : exact) box = {glm::min(box.min, p), glm::max(box.max, p)};
+  cloud_.origin = originFor(box);
+  cloud_.positions.resize(exact.size());
+  bool lossless = true;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    cloud_.positions[i] = Vec3(exact[i] - cloud_.origin);
+    lossless = lossless && cloud_.origin + DVec3(cloud_.positions[i]) == exact[i];
+  }
+  if (lossless) cloud_.exactPositions = {};
+}
+
+}  // namespace palpate

@@ -1,0 +1,18 @@
+// Writing PLY files.
+#pragma once
+
+#include <filesystem>
+
+#include "engine/io/cloud_format.hpp"
+
+namespace palpate {
+
+/// Extra attributes that are not written because the cloud's normals or colours are, under their names.
+std::vector<std::string> namesGivingWay(const PointCloud& cloud);
+
+/// Writes x y z [nx ny nz] [red green blue [alpha]] and the extra attributes, in the types that the cloud was stored
+/// as, and an element of faces where there are triangles. Binary little-endian unless ASCII is asked for. The file
+/// appears under its name only when it is whole. Throws FileError.
+void writePly(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options = {});
+
+}  // namespace palpate

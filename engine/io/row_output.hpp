@@ -1,0 +1,73 @@
+// Rows of numbers on their way into a file.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <filesystem>
+#include <iterator>
+#include <string_view>
+
+#include "engine/cloud/scalar_type.hpp"
+#include "engine/core/atomic_file.hpp"
+
+namespace palpate {
+
+/// Collects bytes and hands them to the file in large pieces: numbers in binary, little endian, or as the shortest
+/// decimals that read back as the same, with a blank between them.
+class RowOutput {
+ public:
+  RowOutput(const std::filesystem::path& path, bool ascii) : file_(path), ascii_(ascii) {}
+
+  template <class T>
+  void value(T number) {
+    if (ascii_) {
+      if (!atLineStart_) text_.push_back(' ');
+      atLineStart_ = false;
+      fmt::format_to(std::back_inserter(text_), "{}", number);
+      return;
+    }
+    auto bytes = std::bit_cast<std::array<char, sizeof(T)>>(number);
+    if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
+    text_.append(bytes.data(), bytes.data() + bytes.size());
+  }
+  /// A value given as double, stored as `type`.
+  void real(ScalarType type, double number) {
+    if (type == ScalarType::f64)
+      value(number);
+    else
+      value(static_cast<float>(number));
+  }
+  void endRow() {
+    constexpr std::size_t kPiece = std::size_t{1} << 20;
+    if (ascii_) text_.push_back('\n');
+    atLineStart_ = true;
+    if (text_.size() >= kPiece) flush();
+  }
+  void headerLine(std::string_view line) {
+    text_.append(line);
+    text_.push_back('\n');
+  }
+  void finish(std::filesystem::path* keptAs) {
+    flush();
+    if (keptAs)
+      *keptAs = file_.commitAndKeep();
+    else
+      file_.commit();
+  }
+
+ private:
+  void flush() {
+    file_.write(std::string_view(text_.data(), text_.size()));
+    text_.clear();
+  }
+
+  AtomicFile file_;
+  fmt::memory_buffer text_;
+  bool ascii_;
+  bool atLineStart_ = true;
+};
+
+}  // namespace palpate

@@ -1,0 +1,83 @@
+#include "engine/io/saving.hpp"
+
+#include <algorithm>
+
+#include "engine/core/atomic_file.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/in_quotes.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::string_view kOurs = "comment written by palpate";
+
+// "1 face", "2 faces".
+std::string counted(const FileElement& element) {
+  const bool plural = element.count != 1 && !element.name.ends_with('s');
+  return fmt::format("{} {}{}", element.count, element.name, plural ? "s" : "");
+}
+
+std::string moreOf(const FileContents& contents) {
+  std::string more;
+  const auto add = [&](const std::string& what) { more += (more.empty() ? "" : ", ") + what; };
+  for (const FileElement& element : contents.elements) {
+    if (element.name != "vertex") {
+      if (element.count > 0) add(counted(element));
+      continue;
+    }
+    for (const FileElement::Property& property : element.properties)
+      if (property.isList) add(fmt::format("the list {} of each point", inQuotes(property.name)));
+  }
+  return more;
+}
+
+}  // namespace
+
+std::string FileInTheWay::sentence() const {
+  if (more.empty()) return name + " was not written by palpate";
+  return fmt::format("{} has {}, which a sculpted cloud cannot keep", name, more);
+}
+
+FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats& formats) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return {};
+  FileInTheWay found{.name = file.filename().string()};
+  try {
+    const FileContents contents = contentsOf(file, formats);
+    found.byPalpate = std::ranges::find(contents.comments, kOurs) != contents.comments.end();
+    found.more = moreOf(contents);
+  } catch (const FileError&) {  // it is something else
+  }
+  return found;
+}
+
+void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
+  const FileInTheWay inTheWay = fileInTheWay(file);
+  if (!inTheWay.losesSomething()) return;
+  log.say("{}; the file that is there is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
+}
+
+void markAsOurs(PointCloud& cloud) {
+  auto& comments = cloud.storedAs.comments;
+  if (std::ranges::find(comments, kOurs) == comments.end()) comments.emplace_back(kOurs);
+}
+
+std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {
+  markAsOurs(cloud);
+  std::filesystem::path kept;
+  writeCloud(file, cloud, {.keptAs = fileInTheWay(file, formats).losesSomething() ? &kept : nullptr}, formats);
+  return kept;
+}
+
+std::filesystem::path nameBeside(const std::filesystem::path& file) {
+  for (int number = 1;; ++number) {
+    const std::string ending = number == 1 ? "-sculpted" : fmt::format("-sculpted-{}", number);
+    std::filesystem::path name = file;
+    name.replace_filename(file.stem().string() + ending + file.extension().string());
+    std::error_code ignored;
+    if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+// Numbers as people and programs write them into files of text.
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <type_traits>
+
+namespace palpate {
+
+/// from_chars leaves the value alone when it does not fit: too small is zero, too large infinite.
+template <class T>
+T beyondRange(std::string_view text) {
+  double value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (stop && error == std::errc{}) return static_cast<T>(value);
+  const std::size_t exponent = text.find_first_of("eE");
+  const bool tiny = exponent != text.npos ? text.substr(exponent + 1).starts_with('-') : text.find('.') <= 1;
+  return tiny ? T{0} : std::copysign(std::numeric_limits<T>::infinity(), text[0] == '-' ? T{-1} : T{1});
+}
+
+/// All of `text` as one number; nothing where it is none, or a whole number does not fit. A plus may stand before it.
+template <class T>
+std::optional<T> textNumber(std::string_view text) {
+  if (text.size() > 1 && text[0] == '+') text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  T value{};
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  if (stop == end && !text.empty()) {
+    if (error == std::errc{}) return value;
+    if constexpr (std::is_floating_point_v<T>) return beyondRange<T>(text);
+  } else if constexpr (std::is_integral_v<T>) {
+    // Some programs write whole numbers as 255.0.
+    double real = 0;
+    const auto [realStop, realError] = std::from_chars(text.data(), end, real);
+    constexpr double kLow = std::numeric_limits<T>::min(), kHigh = static_cast<double>(std::numeric_limits<T>::max());
+    if (realStop == end && realError == std::errc{} && real == std::trunc(real) && real >= kLow && real <= kHigh)
+      return static_cast<T>(real);
+  }
+  return std::nullopt;
+}
+
+}  // namespace palpate

@@ -1,0 +1,13 @@
+// Triangle meshes from files, as the truth about a surface.
+#pragma once
+
+#include <filesystem>
+
+#include "engine/cloud/triangle_mesh.hpp"
+
+namespace palpate {
+
+/// Reads vertices and faces. Throws FileError, also for a file without faces that have an area.
+TriangleMesh readTriangleMesh(const std::filesystem::path& file);
+
+}  // namespace palpate

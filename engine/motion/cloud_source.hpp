@@ -1,0 +1,31 @@
+// What moves points: the seam between whoever knows where they are at a time, and touch, which feels them there.
+#pragma once
+
+#include <cstddef>
+
+#include "engine/core/cloud_frame.hpp"
+
+namespace palpate {
+
+struct PointCloud;
+
+/// Points that move, frame by frame, made on the host. For one thread at a time, which need not be the same each time.
+class CloudSource {
+ public:
+  virtual ~CloudSource() = default;
+
+  /// Points of every frame; a point keeps its id, which is its place in the frame. The number is fixed: touch makes its
+  /// memory for so many before the first frame.
+  virtual std::size_t size() const = 0;
+  /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
+  /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
+  virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
+};
+
+/// The door through which frames come in. Throws Error for another number of points, and for what is no number.
+void requireWhole(const CloudFrame& frame, std::size_t points);
+
+/// Puts the points of a cloud where the frame has them; how many have moved.
+std::size_t placeAt(const CloudFrame& frame, PointCloud& cloud);
+
+}  // namespace palpate

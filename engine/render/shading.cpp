@@ -1,0 +1,68 @@
+#include "engine/render/shading.hpp"
+
+#include "engine/gpu/device.hpp"
+#include "shaders/compiled.hpp"
+
+namespace palpate {
+
+namespace {
+
+Buffer words(Device& device, std::uint64_t count, const char* name) {
+  return Buffer::of<std::uint32_t>(device, count, Memory::device, name);
+}
+
+}  // namespace
+
+Shading::Shading(Device& device, const FrameSize& size)
+    : device_(device),
+      size_(size),
+      closeHoles_(device, shader_code::render_close_holes, {.pushBytes = sizeof(shared::CloseHolesArgs)}),
+      smoothDepth_(device, shader_code::render_smooth_depth, {.pushBytes = sizeof(shared::SmoothDepthArgs)}),
+      shade_(device, shader_code::render_shade, {.pushBytes = sizeof(shared::ShadeArgs)}),
+      resolve_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {0}}),
+      overlay_(device, shader_code::render_resolve, {.pushBytes = sizeof(shared::ResolveArgs), .constants = {1}}),
+      smoothed_(words(device, 0, "frame smoothed depth")),
+      source_(words(device, samples(), "frame source")),
+      shaded_(words(device, 2 * samples(), "frame shaded")),
+      image_(words(device, pixels(), "frame image")),
+      depthImage_(words(device, pixels(), "frame depth image")) {}
+
+DeviceAddress Shading::recordSmoothing(CommandList& list, const RasterTarget& target) {
+  if (smoothed_.bytes() == 0) smoothed_ = words(device_, samples(), "frame smoothed depth");
+  const auto section = list.section("smooth");
+  list.dispatch(smoothDepth_, samples(),
+                shared::SmoothDepthArgs{.frame = target.frame, .depth = target.depth, .smoothed = smoothed_.address()});
+  return smoothed_.address();
+}
+
+void Shading::record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options) {
+  {
+    const auto section = list.section("holes");
+    list.dispatch(closeHoles_, samples(),
+                  shared::CloseHolesArgs{.frame = target.frame, .depth = target.depth, .source = source_.address()});
+  }
+  const DeviceAddress depth = options.smooth_px > 0 ? recordSmoothing(list, target) : target.depth;
+  const auto section = list.section("shade");
+  list.dispatch(shade_, samples(),
+                shared::ShadeArgs{.frame = target.frame,
+                                  .source = source_.address(),
+                                  .depth = depth,
+                                  .normalSums = target.normalSums,
+                                  .colorSums = target.colorSums,
+                                  .shaded = shaded_.address()});
+  shared::ResolveArgs resolve{.frame = target.frame,
+                              .source = source_.address(),
+                              .depth = depth,
+                              .shaded = shaded_.address(),
+                              .image = image_.address(),
+                              .depthImage = depthImage_.address(),
+                              .first_px = {0, 0},
+                              .size_px = {size_.width, size_.height}};
+  list.dispatch(resolve_, pixels(), resolve);
+  const PixelRectangle over = overlayRectangle(options.overlays, camera, {size_.width, size_.height});
+  resolve.first_px = over.first_px;
+  resolve.size_px = over.size_px;
+  list.dispatch(overlay_, std::uint64_t{over.size_px.x} * over.size_px.y, resolve);
+}
+
+}  // namespace palpate

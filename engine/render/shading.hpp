@@ -1,0 +1,37 @@
+#pragma once
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/render/camera.hpp"
+#include "engine/render/compute_raster.hpp"
+#include "engine/render/frame_constants.hpp"
+#include "engine/render/frame_options.hpp"
+
+namespace palpate {
+
+/// From what a rasteriser has left to the picture: whose surface each sample shows, the smoothed depth where that is
+/// asked for, light, and the samples of each pixel resolved, with what is laid over them.
+class Shading {
+ public:
+  Shading(Device& device, const FrameSize& size);
+
+  void record(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
+
+  /// A word for each pixel, RGBA8.
+  const Buffer& image() const { return image_; }
+  /// A float for each pixel: the depth of what is seen, model units; 0 where nothing is.
+  const Buffer& depthImage() const { return depthImage_; }
+
+ private:
+  std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
+  std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
+  // Where the depth is that is shaded.
+  DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
+
+  Device& device_;
+  FrameSize size_;
+  ComputePipeline closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
+  Buffer smoothed_;  // made at its first use
+  Buffer source_, shaded_, image_, depthImage_;
+};
+
+}  // namespace palpate

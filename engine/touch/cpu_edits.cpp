@@ -1,0 +1,78 @@
+#include "engine/touch/cpu_edits.hpp"
+
+#include <utility>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/held_contact.hpp"
+#include "engine/core/thread_priority.hpp"
+
+namespace palpate {
+
+CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius,
+                   const DVec3& origin)
+    : sculpture_(sculpture), brush_(brush), radius_(radius), origin_(origin), pace_(kStalest_s) {
+  if (!brush) return;
+  statistics_.editTimes_us.reserve(kEditTimesKept);
+  task_ = std::make_unique<BackgroundTask>([this] {
+    giveWay();  // to the thread that answers
+    edit();
+  });
+}
+
+void CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime) {
+  if (!brush_ || (contact.touching && !pose.sculpts)) return;
+  const DVec3 spring = contact.touching ? contact.proxy - pose.hip : DVec3(0);
+  work_.brush.emplace(*brush_, radius_, pose.hip - origin_, lastHip - origin_, spring);
+  if (!work_.brush->acts() && sculpture_.settled()) return;
+  if (realtime && !pace_.mayEdit(pose.time_s)) {
+    ++statistics_.shortfalls.editsTooSlow;
+    return;
+  }
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
+  time_s_ = pose.time_s;
+  isUnderWay_ = inStroke_ = true;
+  task_->start();
+}
+
+void CpuEdits::edit() {
+  const Stopwatch watch;
+  sculpture_.edit(*work_.brush);
+  const auto changed = sculpture_.changed();
+  queue_.append(changed.size(), [&](std::size_t i) { return sculpture_.points().state(changed[i]); });
+  work_.states += changed.size();
+  work_.time_us = watch.elapsed_us();
+}
+
+bool CpuEdits::finishedWithin(double budget_us) {
+  if (!isUnderWay_) return true;
+  if (!task_->finishedWithin(budget_us)) return false;
+  isUnderWay_ = false;
+  answered_ = work_.states;
+  pace_.took(time_s_, work_.time_us * 1e-6);
+  if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
+    statistics_.editTimes_us.push_back(work_.time_us);
+  return true;
+}
+
+void CpuEdits::wait() const {
+  if (task_) task_->finishedWithin(0);
+}
+
+void CpuEdits::rest() {
+  if (sculpture_.settled()) endStroke();
+}
+
+void CpuEdits::endStroke() {
+  if (std::exchange(inStroke_, false)) queue_.endStroke();
+}
+
+void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
+  if (changes.empty()) return;
+  sculpture_.set(changes);
+  queue_.append(
+      changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
+  answered_ = work_.states += changes.size();
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
+}
+
+}  // namespace palpate

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "engine/core/background_task.hpp"
+#include "engine/core/contact_query.hpp"
+#include "engine/core/edit_queue.hpp"
+#include "engine/edit/cpu_sculpture.hpp"
+#include "engine/touch/edit_pace.hpp"
+#include "engine/touch/touch_statistics.hpp"
+
+namespace palpate {
+
+/// Edits points on a thread of its own, one edit at a time: the brush where an answer says that the surface yields, and
+/// changes as they are given. Nobody waits for it but the next answer. While an edit is under way the sculpture is that
+/// thread's alone.
+class CpuEdits {
+ public:
+  /// Without a brush there is no thread. `radius`: support radius, model units. `origin`: of the cloud, in the poses'
+  /// coordinates. `sculpture` must outlive it.
+  CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius, const DVec3& origin);
+
+  bool hasThread() const { return task_ != nullptr; }
+  /// Another brush from now on, or none, while nothing is under way.
+  void setBrush(const std::optional<BrushOptions>& brush) { brush_ = brush; }
+  /// Starts an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
+  /// do. `lastHip`: where the HIP was in the tick before.
+  void editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime);
+  /// Whether none is under way, within the budget (0: as long as it takes). Takes note of the one that has ended.
+  bool finishedWithin(double budget_us);
+  /// Waits for the one that is under way, and takes no note.
+  void wait() const;
+  /// The stroke is over, unless it goes on by itself.
+  void rest();
+  void endStroke();
+  /// As TouchBackend::change(), at `time_s`, while nothing is under way.
+  void change(std::span<const PointChange> changes, double time_s);
+
+  EditQueue& queue() { return queue_; }
+  /// TouchBackend::editsAnswered.
+  std::uint64_t answered() const { return answered_; }
+  const TouchStatistics& statistics() const { return statistics_; }
+
+ private:
+  // What the thread works with, which is its alone while it does.
+  struct Work {
+    std::optional<PlacedBrush> brush;
+    double time_us = 0;        // of the edit that ran last
+    std::uint64_t states = 0;  // in the queue so far
+  };
+  void edit();
+
+  CpuSculpture& sculpture_;
+  std::optional<BrushOptions> brush_;
+  double radius_;
+  DVec3 origin_;
+  Work work_;
+  bool isUnderWay_ = false, inStroke_ = false;
+  double time_s_ = 0;  // of the pose whose answer led to the last edit
+  std::uint64_t answered_ = 0;
+  EditPace pace_;
+  TouchStatistics statistics_;
+  EditQueue queue_;
+  std::unique_ptr<BackgroundTask> task_;  // goes first
+};
+
+}  // namespace palpate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "engine/core/background_task.hpp"
+#include "engine/motion/cloud_source.hpp"
+#include "engine/motion/frame_exchange.hpp"
+#include "engine/spatial/sorted_grid.hpp"
+
+namespace palpate {
+
+/// The frames of a source with their index, for touch on the CPU: one half is felt while the next frame is made in the
+/// other one.
+class CpuFrames {
+ public:
+  /// Begins with the frame of time 0. `source` must outlive it.
+  CpuFrames(CloudSource& source, const HashGrid& grid, unsigned threads);
+
+  /// Virtual time: the frame of that time is felt from now on.
+  void bring(double time_s);
+  /// Against the clock, between ticks: the frame that is ready is felt from now on, and the next one is begun, for that
+  /// time. Allocates nothing, and throws what the making of a frame has thrown.
+  void goOn(double time_s);
+  /// The frame that is being made is felt from now on.
+  void finish();
+  /// As TouchBackend::takeFrame().
+  bool take(CloudFrame& frame);
+
+  const SortedGrid& grid() const { return halves_[front_].grid; }
+  const CloudFrame& frame() const { return halves_[front_].frame; }
+  /// So many were felt so far.
+  std::uint64_t count() const { return count_; }
+
+ private:
+  struct Half {
+    CloudFrame frame;
+    SortedGrid grid;
+  };
+  std::uint32_t back() const { return 1 - front_; }
+  void make();
+  void flip();
+
+  CloudSource& source_;
+  std::array<Half, 2> halves_;
+  std::uint32_t front_ = 0;
+  FrameExchange exchange_;
+  std::uint64_t count_ = 0;
+  double wanted_s_ = 0;  // the time of the frame that is being made
+  bool isMaking_ = false;
+  BackgroundTask task_;  // goes first
+};
+
+}  // namespace palpate

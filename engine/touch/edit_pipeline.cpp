@@ -1,0 +1,223 @@
+#include "engine/touch/edit_pipeline.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/held_contact.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/transfer.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Of the points: an edit that touches more is followed by a full build, which then takes less time.
+constexpr double kLargeEdit = 1.0 / 16;
+
+}  // namespace
+
+EditPipeline::EditPipeline(Device& device, const EditOptions& options, LiveIndex& index, EditLog& log,
+                           TouchStatistics& statistics, std::span<const std::uint32_t> colors)
+    : device_(device),
+      options_(options),
+      index_(index),
+      log_(log),
+      statistics_(statistics),
+      pass_(device, options.brush, index.hash(), index.cloud(), log, colors, options.radius),
+      pace_(kStalest_s) {
+  statistics_.editTimes_us.reserve(kEditTimesKept);
+  statistics_.requestTimes_us.reserve(kEditTimesKept);
+}
+
+void EditPipeline::record(const Buffer& contactState) {
+  const auto recorded = [&](auto&& record) {
+    auto list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "edit", options_.timing);
+    list->begin();
+    record(*list);
+    list->end();
+    return list;
+  };
+  const LiveCloud& cloud = index_.cloud();
+  Lists& lists = lists_[cloud.parity()];
+  last_.list = nullptr;
+  lists.rebuilds.clear();
+  lists.incremental = recorded([&](CommandList& list) { pass_.recordIncremental(list, cloud.front(), contactState); });
+  for (const SortMethod sort : {index_.hash().sort(), index_.hash().fallback()})
+    for (const EditPass::Reach reach : {EditPass::Reach::box, EditPass::Reach::all})
+      if (!lists.rebuilds.contains({sort, reach}))
+        lists.rebuilds[{sort, reach}] = recorded([&](CommandList& list) {
+          pass_.recordRebuild(list, cloud.front(), cloud.back(), contactState, sort, reach);
+        });
+}
+
+void EditPipeline::followIndex() {
+  if (options_.index == IndexFollow::incremental) index_.follow(pass_.update(), options_.compaction);
+}
+
+void EditPipeline::setBrush(const std::optional<BrushOptions>& brush, const Buffer& contactState) {
+  brushOn_ = brush.has_value();
+  if (!brush) return;
+  pass_.setBrush(*brush);
+  for (int turn = 0; turn < 2; ++turn) {
+    record(contactState);
+    index_.flip();
+  }
+}
+
+const CommandList& EditPipeline::chosen() const {
+  const Lists& lists = lists_[index_.parity()];
+  const bool rebuild = options_.index == IndexFollow::rebuild || next_.large;
+  return rebuild ? *lists.rebuilds.at({index_.hash().sort(), next_.reach}) : *lists.incremental;
+}
+
+bool EditPipeline::updates(const CommandList& list) const {
+  return &list == lists_[0].incremental.get() || &list == lists_[1].incremental.get();
+}
+
+bool EditPipeline::editIfYielding(const Contact& contact, const Pose& pose, bool realtime) {
+  if (!brushOn_ || (contact.touching && !pose.sculpts)) return false;
+  const bool yields = contact.touching && glm::distance(contact.proxy, pose.hip) > pass_.brush().tau;
+  if (!yields && !pass_.unsettled()) return false;
+  if (realtime && !pace_.mayEdit(pose.time_s)) {
+    ++statistics_.shortfalls.editsTooSlow;
+    return false;
+  }
+  const CommandList& list = chosen();
+  // Everything written so far has just been published, so this edit's own points are all that must fit.
+  if (!updates(list) && !index_.mayBuild(realtime)) {
+    ++statistics_.shortfalls.editsHeldUp;
+    return false;
+  }
+  if (log_.room() < (updates(list) ? pass_.mostMoves() : pass_.mostLogged(next_.reach))) {
+    ++statistics_.shortfalls.editsLogFull;
+    return false;
+  }
+  if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
+  submit(list, pose.time_s);
+  // In virtual time an edit that the index could not follow is done again at once, in real time with the next tick.
+  if (!realtime) settle();
+  return true;
+}
+
+void EditPipeline::submit(const CommandList& list, double time_s) {
+  last_.list = &list;
+  last_.ticket = device_.latencyQueue().submit(list);
+  last_.time_s = time_s;
+  last_.isUnderWay = inStroke_ = true;
+  last_.since = Stopwatch();
+  if (!updates(list)) index_.built();
+}
+
+void EditPipeline::settle() {
+  collect(nullptr);
+  while (pass_.report().failed != 0) {
+    compact();  // so that the order of points in a bucket follows from the edits alone
+    submit(chosen(), last_.time_s);
+    collect(nullptr);
+  }
+}
+
+void EditPipeline::collect(const Stopwatch* sinceAsked) {
+  // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
+  if (!last_.isUnderWay) return index_.collectCompaction(sinceAsked);
+  device_.latencyQueue().wait(last_.ticket, Wait::spin);
+  const double time_us = sinceAsked ? last_.since.elapsed_us() : last_.list->sectionTime_us("edit");
+  const double requests_us = sinceAsked ? 0 : last_.list->sectionTime_us("requests");
+  pace_.took(last_.time_s, (time_us + requests_us) * 1e-6);
+  last_.isUnderWay = false;
+  if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity()) {
+    statistics_.editTimes_us.push_back(time_us);
+    statistics_.requestTimes_us.push_back(requests_us);
+  }
+  takeReport();
+  index_.collectCompaction(sinceAsked);
+}
+
+// Takes note of what the last edit came to, for the next one.
+void EditPipeline::takeReport() {
+  const shared::HashUpdate& report = pass_.report();
+  index_.readReport();
+  // For slots that a compaction is about to win back an edit waits: it is tried again, and the next one after it.
+  const bool waits = report.failed == shared::kUpdateNoSlots && index_.isCompacting();
+  statistics_.shortfalls.editsHeldUp += waits;
+  statistics_.shortfalls.editsRebuilt += report.failed != 0 && !waits;
+  if (updates(*last_.list) && report.failed == 0) index_.followed();
+  // An edit as large as the last one goes the same way, unless that is clearly the wrong one.
+  const double share = (report.changed + report.gone) / std::max(1.0, static_cast<double>(index_.cloud().count()));
+  // What fails with a build, too, has found more points than there is room for.
+  if (report.failed & shared::kUpdateTooLarge) next_.reach = EditPass::Reach::all;
+  next_.large = (report.failed != 0 && !waits) || share > (next_.large ? kLargeEdit / 2 : kLargeEdit);
+}
+
+void EditPipeline::rest() {
+  if (!(brushOn_ && pass_.unsettled())) endStroke();
+}
+
+void EditPipeline::endStroke() {
+  if (std::exchange(inStroke_, false)) log_.endStroke();
+}
+
+void EditPipeline::compact() {
+  const LiveCloud& cloud = index_.cloud();
+  index_.buildNow(
+      [&](CommandList& list, SortMethod sort) { pass_.recordCompaction(list, cloud.front(), cloud.back(), sort); });
+}
+
+void EditPipeline::change(std::span<const PointChange> changes) {
+  // A compaction that runs on would miss marks that a change takes off points which it does not change.
+  index_.mayBuild(false);
+  if (log_.room() < changes.size())
+    throw Error("{} changes do not fit beside what the readers of the edit log have not taken yet", changes.size());
+  while (!changes.empty()) {
+    const std::size_t batch = std::min<std::size_t>(changes.size(), pass_.mostChanges());
+    changeBatch(changes.first(batch));
+    changes = changes.subspan(batch);
+  }
+  log_.publishChange(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);
+}
+
+void EditPipeline::changeBatch(std::span<const PointChange> changes) {
+  const LiveCloud& cloud = index_.cloud();
+  pass_.give(changes);
+  if (options_.index == IndexFollow::incremental) {
+    CommandList list(device_, device_.latencyQueue(), "change");
+    list.begin();
+    pass_.recordGivenIncremental(list, cloud.front());
+    list.end();
+    device_.latencyQueue().run(list);
+  }
+  if (options_.index == IndexFollow::rebuild || pass_.report().failed != 0) {
+    compact();  // the order of points in a bucket follows from the edits alone
+    CommandList list(device_, device_.latencyQueue(), "change");
+    list.begin();
+    pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort());
+    list.end();
+    device_.latencyQueue().run(list);
+    index_.built();
+    if (pass_.report().failed == 0) compact();  // a bucket may have been crowded in that build
+  }
+  if (pass_.report().failed & shared::kUpdateUnknown)
+    throw Error("{}: a change names a point that is not where it says; nothing of it is done", device_.name());
+  if (pass_.report().failed & shared::kUpdateNoSlots)
+    throw Error("{}: there is no room for so many new points", device_.name());
+}
+
+std::size_t EditPipeline::readBack(PointCloud& cloud) const {
+  auto present = index_.cloud().points();
+  pass_.complete(present);
+  auto states = statesOf(cloud);
+  for (PointState& state : states) state.id |= PointState::kGone;
+  for (const PointState& point : present) {
+    for (auto id = static_cast<std::uint32_t>(states.size()); id <= point.id; ++id)
+      states.push_back({.id = id | PointState::kGone});
+    states[point.id] = point;
+  }
+  const std::size_t changed = changedPoints(cloud, states);
+  cloud = editedCloud(cloud, states);
+  return changed;
+}
+
+}  // namespace palpate

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include "engine/core/background_task.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/motion/cloud_source.hpp"
+#include "engine/motion/frame_exchange.hpp"
+#include "engine/touch/live_index.hpp"
+
+namespace palpate {
+
+/// Brings the frames of a source into the live cloud: copies the points from the host, builds their index in the back
+/// half, and flips. One frame at a time is under way, and nobody waits for it but the next question, whose queue it
+/// goes through. A source on the GPU would write the incoming points in the place of that copy.
+class FramePipeline {
+ public:
+  /// Begins with the frame of time 0. `source` and `index`, which has as many slots as the source has points, must
+  /// outlive it.
+  FramePipeline(Device& device, CloudSource& source, LiveIndex& index);
+
+  /// Virtual time: the frame of that time is felt from now on. Waits for it.
+  void bring(double time_s);
+  /// Against the clock, between ticks: the frame that is ready goes to the GPU, and is felt by the questions behind it;
+  /// where none is under way the next one is begun, for that time. True where the points will have moved. Throws what
+  /// the making of a frame has thrown.
+  bool goOn(double time_s);
+  /// Waits for the frame that is under way.
+  void finish();
+
+  /// Calls `read` with the newest whole frame in the live cloud, which is not written meanwhile. False where none has
+  /// come since the last time. For one thread, which may be another one.
+  bool read(const std::function<void(const LiveCloud::Half&, double time_s)>& read);
+  /// Of each half.
+  std::uint32_t slots() const { return index_.cloud().slots(); }
+  /// The same on the host. Over the throughput queue.
+  bool take(CloudFrame& frame);
+  /// The points as they are felt now; not while a frame is under way.
+  CloudFrame front() const;
+
+ private:
+  enum class Stage {
+    idle,
+    making,   // on the host, by a thread of its own
+    building  // on the GPU
+  };
+  std::uint32_t back() const { return 1 - index_.parity(); }
+  void record();
+  // Writes the frame of `wanted_s_` to where the GPU copies it from.
+  void make();
+  void startMaking(double time_s);
+  void submit(SortMethod sort);
+  void hasArrived();
+  CloudFrame fetch(Queue& queue, const LiveCloud::Half& half, double time_s) const;
+
+  Device& device_;
+  CloudSource& source_;
+  LiveIndex& index_;
+  Buffer stagedPositions_, stagedNormals_;
+  LiveCloud::Half incoming_;                                                 // in the order of ids
+  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_;  // by the half that is felt before
+  FrameExchange exchange_;
+  Stage stage_ = Stage::idle;
+  double wanted_s_ = 0;
+  CloudFrame frame_;  // the one that was made last
+  Queue::Ticket ticket_ = 0;
+  BackgroundTask task_;  // goes first
+};
+
+}  // namespace palpate

@@ -1,0 +1,204 @@
+#include "engine/touch/question_pipeline.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "engine/gpu/device.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPoll_us = 1;    // a budget that lets no thread sleep
+constexpr double kSleep_us = 40;  // between polls, where spinning would starve the driver
+
+// A question that was submitted ahead ends within so long after it was withdrawn, where the GPU hears the host at all.
+constexpr double kLongestDeafness_us = 5000;
+
+// At about the 520th submission NVIDIA's driver makes room for more, once, and takes 1.8 ms: not in a tick.
+constexpr int kFirstSubmissions = 1100;
+
+// Drivers that are known to bring what the host writes before a shader that is running. Where sight has the same queue,
+// its frames would wait behind a question that waits.
+bool mayHearTheHost(const Device& device) {
+  return device.driverId() == VK_DRIVER_ID_NVIDIA_PROPRIETARY && !device.roles().shared();
+}
+
+}  // namespace
+
+QuestionPipeline::QuestionPipeline(Device& device, const ContactOptions& options, const HashGrid& grid,
+                                   std::uint32_t points, Wait wait, CommandList::Timing timing)
+    : device_(device), wait_(wait), timing_(timing), contact_(device, options, grid, points) {}
+
+void QuestionPipeline::record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead) {
+  lists_[parity].clear();
+  for (std::uint32_t i = 0; i < contact_.lists(); ++i) {
+    auto& list =
+        lists_[parity].emplace_back(std::make_unique<CommandList>(device_, device_.latencyQueue(), "query", timing_));
+    list->begin();
+    contact_.record(*list, i, cloud, logHead);
+    list->end();
+  }
+}
+
+void QuestionPipeline::recordForgetting(std::span<const ProbeRange> hands) {
+  forgets_.clear();
+  for (const ProbeRange& hand : hands) {
+    auto& list = forgets_.emplace_back(std::make_unique<CommandList>(device_, device_.latencyQueue(), "begin anew"));
+    list->begin();
+    list->fill(contact_.state(), 0, std::uint64_t{hand.count} * sizeof(shared::ContactState),
+               std::uint64_t{hand.first} * sizeof(shared::ContactState));
+    list->end();
+  }
+}
+
+void QuestionPipeline::warmUp() {
+  if (wait_ != Wait::spin) return;
+  Queue& queue = device_.latencyQueue();
+  for (int i = 0; i < kFirstSubmissions; ++i) queue.wait(queue.submit(*forgets_.front()), Wait::spin);
+}
+
+void QuestionPipeline::setContact(const ContactOptions& options, const HashGrid& grid, std::uint32_t points) {
+  if (state() == QuestionState::ending) progress_.happened(QuestionEvent::ended);
+  contact_ = ContactStep(device_, options, grid, points);
+  answered_ = {};
+  ahead_ = ahead_ && contact_.canWait();
+}
+
+void QuestionPipeline::allowAhead(std::optional<bool> wanted, std::uint32_t parity) {
+  const bool may = wait_ == Wait::spin && mayHearTheHost(device_);
+  ahead_ = contact_.canWait() && wanted.value_or(may && hearsTheHost(parity));
+}
+
+void QuestionPipeline::askAhead(std::uint32_t parity) {
+  if (!ahead_ || (state() != QuestionState::idle && state() != QuestionState::ending)) return;
+  settle();
+  const std::uint32_t first = contact_.waiting(contact_.firstList());
+  run_ = {.parity = parity, .first = first, .last = first};
+  contact_.awaitAnother();
+  run_.ticket = device_.latencyQueue().submit(lastList(run_));
+  progress_.happened(QuestionEvent::submittedAhead);
+}
+
+void QuestionPipeline::withdraw() {
+  if (state() != QuestionState::waitingForPose) return;
+  contact_.withdraw(++tick_);
+  progress_.happened(QuestionEvent::withdrawn);
+  device_.latencyQueue().wait(run_.ticket);
+}
+
+bool QuestionPipeline::hearsTheHost(std::uint32_t parity) {
+  ahead_ = true;
+  askAhead(parity);
+  const bool waits = !device_.latencyQueue().isDone(run_.ticket);
+  const Stopwatch watch;
+  withdraw();
+  return waits && watch.elapsed_us() < kLongestDeafness_us;
+}
+
+bool QuestionPipeline::mayAskWithin(double budget_us) const {
+  if (wait_ == Wait::spin || state() != QuestionState::ending) return true;  // begin() spins those us
+  const Stopwatch watch;
+  while (!device_.latencyQueue().isDone(run_.ticket)) {
+    if (watch.elapsed_us() + kSleep_us > budget_us) return false;
+    std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(kSleep_us));
+  }
+  return true;
+}
+
+void QuestionPipeline::begin() {
+  settle();
+  ++tick_;
+}
+
+void QuestionPipeline::put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried) {
+  contact_.put({.pose = {.hip = place, .tick = tick_}, .carried = carried}, probe);
+}
+
+void QuestionPipeline::ask(double time_s, bool realtime, bool behindEdit, std::uint32_t parity) {
+  question_ = {
+      .time_s = time_s, .realtime = realtime, .behindEdit = behindEdit, .timed = wait_ == Wait::spin || !realtime};
+  if (state() != QuestionState::waitingForPose) submit(parity);
+  progress_.happened(QuestionEvent::asked);
+}
+
+void QuestionPipeline::submit(std::uint32_t parity) {
+  const std::uint32_t first = contact_.firstList();
+  run_ = {.parity = parity, .first = first, .last = first};
+  run_.ticket = device_.latencyQueue().submit(lastList(run_));
+}
+
+void QuestionPipeline::settle() {
+  // The answer may have been seen some us before the driver lets its list run again.
+  if (state() != QuestionState::ending) return;
+  progress_.happened(QuestionEvent::ended);
+  device_.latencyQueue().wait(run_.ticket, Wait::spin);
+  if (wait_ == Wait::spin) lastTime_us_ += lastList(run_).sectionTime_us("contact");
+}
+
+bool QuestionPipeline::isAnsweredWithin(double budget_us) {
+  const Stopwatch watch;
+  while (true) {
+    const double left_us = budget_us > 0 ? std::max(1.0, budget_us - watch.elapsed_us()) : 0;
+    if (!runEndsWithin(left_us)) return false;
+    const bool ahead = contact_.waits(run_.last);
+    if (ahead && !isWhole()) {  // it had ended before its pose came
+      submit(run_.parity);
+      continue;
+    }
+    answeredAhead_ += ahead;
+    const CommandList& ran = lastList(run_);
+    const auto next = contact_.nextList(run_.last);
+    if (next) {
+      run_.last = *next;
+      run_.ticket = device_.latencyQueue().submit(lastList(run_));
+    }
+    if (question_.timed && (next || wait_ != Wait::spin)) question_.gpu_us += ran.sectionTime_us("contact");
+    if (!next) break;
+  }
+  progress_.happened(QuestionEvent::answered);
+  answered_ = run_;
+  // Seen in memory, an answer comes before its time does: then it tells that of the run before.
+  if (wait_ == Wait::spin) std::swap(question_.gpu_us, lastTime_us_);
+  return true;
+}
+
+bool QuestionPipeline::runEndsWithin(double budget_us) {
+  Queue& queue = device_.latencyQueue();
+  const bool answers = contact_.answers(run_.last);
+  // In real time a thread that may not spin naps: asleep in the driver it would wait for the driver's own threads,
+  // which have no priority over anybody.
+  const bool naps = wait_ != Wait::spin && budget_us > 0;
+  if (!naps && (wait_ != Wait::spin || !answers)) return queue.wait(run_.ticket, wait_, budget_us);
+  // The shader's own words in the host's memory are the fastest sign. Now and then the driver is asked, who knows when
+  // none will come, but may hold us up.
+  constexpr int kPolls = 256;
+  const bool asksDriver = !naps || !answers || budget_us <= kPoll_us;
+  const Stopwatch watch;
+  while (true) {
+    for (int poll = 0; answers && poll < (naps ? 1 : kPolls); ++poll)
+      if (isWhole()) return true;
+    if (asksDriver && queue.isDone(run_.ticket)) return true;
+    const double left_us = budget_us > 0 ? budget_us - watch.elapsed_us() : kSleep_us;
+    if (left_us <= kPoll_us) return false;
+    if (naps) std::this_thread::sleep_for(std::chrono::duration<double, std::micro>(std::min(kSleep_us, left_us)));
+  }
+}
+
+void QuestionPipeline::resetHand(std::size_t hand) {
+  if (isOut()) question_.dropped.set(hand);
+  withdraw();
+  settle();
+  device_.latencyQueue().wait(device_.latencyQueue().submit(*forgets_[hand]), wait_);
+}
+
+std::vector<PassRecord> QuestionPipeline::passes() const {
+  std::vector<PassRecord> all;
+  for (std::uint32_t list = answered_.first; list <= answered_.last; ++list)
+    std::ranges::copy(lists_[answered_.parity][list]->passes(), std::back_inserter(all));
+  return all;
+}
+
+}  // namespace palpate

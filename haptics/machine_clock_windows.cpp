@@ -1,0 +1,64 @@
+#include <windows.h>
+
+#include <cstddef>
+#include <new>
+
+#include "haptics/session_clock.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
+constexpr std::int64_t kTimerUnit_ns = 100;
+constexpr DWORD kHighResolution = 0x2;  // CREATE_WAITABLE_TIMER_HIGH_RESOLUTION, which headers of 2017 have not
+
+/// Of the finest kind that the system has; a thread needs one for itself.
+class Timer {
+ public:
+  Timer() noexcept : handle_(::CreateWaitableTimerExW(nullptr, nullptr, kHighResolution, TIMER_ALL_ACCESS)) {
+    if (!handle_) handle_ = ::CreateWaitableTimerW(nullptr, TRUE, nullptr);  // before Windows 10 of 2018
+  }
+  ~Timer() {
+    if (handle_) ::CloseHandle(handle_);
+  }
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+
+  /// False: it cannot.
+  bool waitFor(std::int64_t time_ns) const noexcept {
+    LARGE_INTEGER due;
+    due.QuadPart = -(time_ns / kTimerUnit_ns);  // negative: from now on
+    return handle_ && ::SetWaitableTimer(handle_, &due, 0, nullptr, nullptr, FALSE) &&
+           ::WaitForSingleObject(handle_, INFINITE) == WAIT_OBJECT_0;
+  }
+
+ private:
+  HANDLE handle_;
+};
+
+class MachineClock final : public SessionClock {
+ public:
+  std::int64_t now_ns() const noexcept override {
+    LARGE_INTEGER count, perSecond;
+    ::QueryPerformanceCounter(&count);
+    ::QueryPerformanceFrequency(&perSecond);
+    const std::int64_t seconds = count.QuadPart / perSecond.QuadPart, rest = count.QuadPart % perSecond.QuadPart;
+    return seconds * kSecond_ns + rest * kSecond_ns / perSecond.QuadPart;
+  }
+  void waitUntil_ns(std::int64_t time_ns) noexcept override {
+    thread_local const Timer timer;
+    for (std::int64_t left_ns = time_ns - now_ns(); left_ns > 0; left_ns = time_ns - now_ns())
+      if (left_ns < kTimerUnit_ns || !timer.waitFor(left_ns)) ::SwitchToThread();
+  }
+};
+
+}  // namespace
+
+SessionClock& machineClock() noexcept {
+  // It is never destroyed: the thread of a driver that nobody stopped still asks it while the process exits.
+  alignas(MachineClock) static std::byte place[sizeof(MachineClock)];
+  static auto& theMachines = *new (place) MachineClock;
+  return theMachines;
+}
+
+}  // namespace palpate

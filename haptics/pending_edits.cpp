@@ -1,0 +1,58 @@
+#include "haptics/pending_edits.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace palpate {
+
+namespace {
+
+// Of each stretch between marks, the last state of each point. Says how many went.
+std::uint64_t mergeEdits(EditBatch& edits) {
+  const std::vector<PointState> all = std::exchange(edits.points, {});
+  std::vector<std::uint32_t> order;
+  const auto keep = [&](std::size_t begin, std::size_t end) {
+    order.resize(end - begin);
+    std::iota(order.begin(), order.end(), static_cast<std::uint32_t>(begin));
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return all[i].number(); });
+    for (std::size_t i = 0; i < order.size(); ++i)
+      if (i + 1 == order.size() || all[order[i]].number() != all[order[i + 1]].number())
+        edits.points.push_back(all[order[i]]);
+  };
+  std::size_t begin = 0;
+  for (EditMark& mark : edits.marks) {
+    keep(begin, mark.at);
+    begin = std::exchange(mark.at, edits.points.size());
+  }
+  keep(begin, all.size());
+  return all.size() - edits.points.size();
+}
+
+}  // namespace
+
+void PendingEdits::add(const EditBatch& edits) {
+  const std::scoped_lock hold(lock_);
+  const std::size_t before = edits_.points.size();
+  edits_.points.insert(edits_.points.end(), edits.points.begin(), edits.points.end());
+  for (const EditMark& mark : edits.marks) edits_.marks.push_back({before + mark.at, mark.kind});
+  // Merged at most once for as many states as there may be, so that it stays cheap where all are of different points.
+  if (edits_.points.size() - least_ < kMostStates) return;
+  merged_ += mergeEdits(edits_);
+  least_ = edits_.points.size();
+}
+
+std::size_t PendingEdits::size() const {
+  const std::scoped_lock hold(lock_);
+  return edits_.points.size();
+}
+
+std::uint64_t PendingEdits::take(EditBatch& edits) {
+  const std::scoped_lock hold(lock_);
+  std::swap(edits_, edits);
+  least_ = 0;
+  return std::exchange(merged_, 0);
+}
+
+}  // namespace palpate

@@ -1,0 +1,73 @@
+#include "haptics/session/backends.hpp"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "engine/core/named_values.hpp"
+
+namespace palpate {
+
+namespace {
+
+void checkTool(const SessionConfig& config, const TouchCapabilities& can, std::string_view backend,
+               std::string_view method) {
+  if (toolShape(config.tool, {}).points.empty()) return;
+  const std::string_view tool = nameOf(kToolKinds, config.tool.kind);
+  if (!can.manyPoints)
+    throw ConfigError("tool.kind", "backend.name {} has only point; take vulkan or cpu for {}", backend, tool);
+  if (!can.methodOfMany.empty() && method != can.methodOfMany)
+    throw ConfigError("tool.kind", "backend.method {} has only point; take {} for {}", method, can.methodOfMany, tool);
+  if (config.backend.ahead == true) throw ConfigError("backend.ahead", "a {} is not asked ahead; leave it out", tool);
+}
+
+void checkSecondHand(const SessionConfig& config, const TouchCapabilities& can, std::string_view backend,
+                     std::string_view method) {
+  if (config.hands.size() < 2) return;
+  if (!can.secondHand) throw ConfigError("hands", "backend.name {} feels with one hand; take vulkan or cpu", backend);
+  if (!can.methodOfMany.empty() && method != can.methodOfMany)
+    throw ConfigError("hands", "backend.method {} feels with one hand; take {}", method, can.methodOfMany);
+  if (config.backend.ahead == true) throw ConfigError("backend.ahead", "two hands are not asked ahead; leave it out");
+}
+
+}  // namespace
+
+void BackendKind::check(const SessionConfig& config) const {
+  const TouchCapabilities can = capabilities();
+  const std::string method = methodOf(config.backend);
+  if (std::ranges::find(methods(), method) == methods().end())
+    throw ConfigError("backend.method", "{} is none of backend.name {}, which has {}", method, name(),
+                      fmt::join(methods(), ", "));
+  if (!can.allSurfaces && config.surface.kind != SurfaceKind::average)
+    throw ConfigError("surface.kind", "backend.name {} has only average; take vulkan or cpu for {}", name(),
+                      nameOf(kSurfaceKinds, config.surface.kind));
+  checkTool(config, can, name(), method);
+  if (!can.asksAhead && config.backend.ahead)
+    throw ConfigError("backend.ahead", "only backend.name vulkan can be asked ahead");
+  if (!can.choosesWait && config.backend.wait)
+    throw ConfigError("backend.wait", "only backend.name vulkan can be told how to wait");
+  if (!can.timesPasses && config.backend.timesPasses)
+    throw ConfigError("backend.times_passes", "only backend.name vulkan knows its passes");
+  checkSecondHand(config, can, name(), method);
+  if (!can.allBrushes && config.brush && config.brush->kind != BrushKind::push)
+    throw ConfigError("brush.kind", "backend.name {} has only push; take vulkan or cpu for {}", name(),
+                      nameOf(kBrushKinds, config.brush->kind));
+  if (!can.followsMotion && config.motion)
+    throw ConfigError("motion.kind", "backend.name {} feels only what stands still; take vulkan or cpu", name());
+  if (!can.keepsEdits && config.undo.undo > 0)
+    throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
+}
+
+const BackendKind& Backends::named(std::string_view name) const {
+  for (const auto& kind : kinds_)
+    if (kind->name() == name) return *kind;
+  throw ConfigError("backend.name", "'{}' is not known here; there is {}", name, fmt::join(names(), ", "));
+}
+
+std::vector<std::string> Backends::names() const {
+  std::vector<std::string> names;
+  for (const auto& kind : kinds_) names.emplace_back(kind->name());
+  return names;
+}
+
+}  // namespace palpate

@@ -1,0 +1,73 @@
+// The back ends that a program has, by name: a session asks for one and knows none of them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/touch_backend.hpp"
+#include "engine/core/touch_capabilities.hpp"
+#include "engine/motion/cloud_source.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+/// What a session needs of a back end.
+struct BackendRequest {
+  const Model& model;
+  const SessionConfig& config;
+  SurfaceOptions surface;              ///< as this back end realises the configuration's (BackendKind::surface())
+  std::optional<BrushOptions> brush;   ///< the first one; model units
+  bool paintable = false;              ///< keeps colours for a brush that comes later
+  std::vector<ToolShape> tools;        ///< one for each hand, model units; without points for a single one
+  unsigned threads = 0;                ///< on the CPU; 0: one per core
+  CloudSource* source = nullptr;       ///< moves the model, and outlives what is made; null: it stands still
+};
+
+/// One way of answering poses.
+class BackendKind {
+ public:
+  virtual ~BackendKind() = default;
+
+  virtual std::string_view name() const = 0;
+  /// How it can find neighbours; the first one unless another is asked for.
+  virtual const std::vector<std::string>& methods() const = 0;
+  virtual TouchCapabilities capabilities() const { return {}; }
+  /// Throws ConfigError for what it cannot do, as its capabilities say.
+  void check(const SessionConfig& config) const;
+  /// The surface that the configuration asks for on this model.
+  SurfaceOptions surface(const Model& model, const SurfaceConfig& config) const {
+    return surfaceOptions(model, config, capabilities().localRadius);
+  }
+  /// The machine that answers, in words.
+  virtual std::string machine(unsigned threads) const = 0;
+  /// How normals are estimated for a session on it: the same for the session and for its replay.
+  virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
+  /// A cloud ready to be touched, which keeps no reference to the request. Throws Error.
+  virtual std::unique_ptr<TouchBackend> make(const BackendRequest& request) const = 0;
+  /// The method that the configuration stands for.
+  std::string methodOf(const BackendConfig& config) const {
+    return config.method.empty() ? methods().front() : config.method;
+  }
+};
+
+/// The CPU, which every program has.
+std::unique_ptr<BackendKind> cpuBackend();
+
+/// All of a program's. One that is not among them is not known.
+class Backends {
+ public:
+  explicit Backends(std::vector<std::unique_ptr<BackendKind>> kinds) : kinds_(std::move(kinds)) {}
+
+  /// Throws ConfigError for a name that none has.
+  const BackendKind& named(std::string_view name) const;
+  std::vector<std::string> names() const;
+
+ private:
+  std::vector<std::unique_ptr<BackendKind>> kinds_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,22 @@
+// The bounds of what can be asked of a session: beyond them a number is a slip of the keyboard, or overflows something
+// behind it. What has bounds of its own has them beside it.
+#pragma once
+
+namespace palpate::bounds {
+
+inline constexpr double kShortest_s = 1e-3, kLongest_s = 1e7;    ///< of what takes time: more than a hundred days
+inline constexpr double kShortest_mm = 1e-6, kLongest_mm = 1e9;  ///< a thousand kilometres: terrain at its own scale
+inline constexpr double kLeastScale = 1e-12, kMostScale = 1e12;  ///< millimetres per model unit
+inline constexpr double kLeastStiffness_N_per_mm = 1e-6;         ///< of a hand
+inline constexpr double kMostStiffness_N_per_mm = 1000;          ///< a hundred times what a device holds steady
+inline constexpr double kLeastDamping_N_s_per_mm = 1e-9, kMostDamping_N_s_per_mm = 10;
+inline constexpr double kMostForce_N = 1000;
+inline constexpr double kMostFriction = 10;
+inline constexpr double kLeastMemory_MiB = 1e-6, kMostMemory_MiB = 1e8;
+inline constexpr double kMostCells = 1e6;    ///< of the index, along the longest side
+inline constexpr double kMostRate_Hz = 1e4;  ///< of a session
+inline constexpr double kMostCount = 1e9;    ///< of what is counted
+inline constexpr double kMostSeed = 9e15;    ///< a double still has every whole number
+inline constexpr double kMostThreads = 1024;
+
+}  // namespace palpate::bounds

@@ -1,0 +1,117 @@
+#include "haptics/session/devices.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+#include "engine/core/error.hpp"
+#include "haptics/devices/force_dimension_device.hpp"
+#include "haptics/devices/hid_choice.hpp"
+#include "haptics/devices/hid_device.hpp"
+#include "haptics/devices/openhaptics_device.hpp"
+#include "haptics/devices/rumbling_device.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr double kUsedShare = 0.9;  // of the workspace: the arms' last millimetres are not pleasant
+constexpr double kFront = 0.48;  // of the workspace's depth, from its middle to where a pushed stylus begins
+
+/// What follows the colon; nothing where `spec` is about another kind of device.
+std::optional<std::string> argumentOf(const std::string& spec, std::string_view kind) {
+  if (spec == kind) return std::string();
+  if (spec.starts_with(kind) && spec[kind.size()] == ':') return spec.substr(kind.size() + 1);
+  return std::nullopt;
+}
+
+int numberOf(const std::string& text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc() || end != text.data() + text.size() || number < 0 || number > 63)
+    throw ConfigError("hands.device", "dhd:{}: the number of a device, from 0 on", text);
+  return number;
+}
+
+HidRemark remarksTo(Log& log) {
+  return [&log](std::string_view sentence) { log.say("{}", sentence); };
+}
+
+OpenedDevice openHid(const std::string& which, const DeviceOpening& opening) {
+  const auto transport = hidapiTransport();
+  const HidInfo info = chooseHidSteering(*transport, which);
+  auto device =
+      std::make_unique<HidDevice>(transport, info, DVec3(0, 0, kFront * kTouchWorkspace_mm.z), remarksTo(opening.log));
+  opening.log.say("the stylus is {} at {}", device->name(), info.path);
+  return {.device = std::move(device),
+          .facts = {.model = nameOf(info),
+                    .serial = info.serial,
+                    .workspaceMin_mm = -0.5 * kTouchWorkspace_mm,
+                    .workspaceMax_mm = 0.5 * kTouchWorkspace_mm}};
+}
+
+OpenedDevice openOpenHaptics(const std::string& name, const DeviceOpening& opening) {
+  auto device = std::make_unique<OpenHapticsDevice>(OpenHapticsOptions{
+      .deviceName = name,
+      .scheduler = opening.ownScheduler ? Scheduler::own : Scheduler::device,
+      .rate_Hz = opening.rate_Hz,
+      .say = [&log = opening.log](const std::string& words) { log.say("{}", words); },
+      .stop = opening.stop});
+  const HapticDeviceFacts facts = device->facts();
+  return {std::move(device), facts};
+}
+
+OpenedDevice openForceDimension(const std::string& number, const DeviceOpening&) {
+  auto device = std::make_unique<ForceDimensionDevice>(number.empty() ? 0 : numberOf(number));
+  const HapticDeviceFacts facts = device->facts();
+  return {std::move(device), facts};
+}
+
+/// A kind of device that a person holds: what it is called, and what opens the one that stands behind the colon.
+struct HeldDevice {
+  std::string_view name, help;
+  OpenedDevice (*open)(const std::string& which, const DeviceOpening& opening);
+};
+constexpr std::array<HeldDevice, 3> kHeldDevices{{
+    {"openhaptics", "[:NAME], a Geomagic Touch or its kin, by the vendor's driver", openOpenHaptics},
+    {"dhd", "[:NUMBER], a Force Dimension", openForceDimension},
+    {"hid", "[:WHICH], a 3D mouse or a DualSense whose push steers a hand (its /dev/hidraw, serial number or VID:PID)",
+     openHid},
+}};
+
+}  // namespace
+
+bool isHeldDevice(const std::string& spec) {
+  return std::ranges::any_of(kHeldDevices, [&](const HeldDevice& kind) { return argumentOf(spec, kind.name).has_value(); });
+}
+
+std::string heldDevicesHelp() {
+  std::string help;
+  for (const HeldDevice& kind : kHeldDevices) help += fmt::format("{}{}{}", help.empty() ? "" : "; ", kind.name, kind.help);
+  return help;
+}
+
+OpenedDevice openDevice(const std::string& spec, const DeviceOpening& opening) {
+  for (const HeldDevice& kind : kHeldDevices)
+    if (const auto which = argumentOf(spec, kind.name)) return kind.open(*which, opening);
+  throw ConfigError("hands.device", "no device in a hand is called {}; there is {}", spec, heldDevicesHelp());
+}
+
+std::unique_ptr<HapticDevice> withRumble(std::unique_ptr<HapticDevice> device, Log& log) {
+  const auto transport = hidapiTransport();
+  const HidInfo pad = chooseDualSense(*transport);
+  auto rumble = std::make_unique<Rumble>(transport, pad, remarksTo(log), device->limits().peakForce_N);
+  log.say("{} rumbles at each contact", nameOf(pad));
+  return std::make_unique<RumblingDevice>(std::move(device), std::move(rumble));
+}
+
+WorkspaceMap mapInto(const HapticDeviceFacts& facts, const Model& model) {
+  const Bounds bounds = boundsOf(model.cloud);
+  const DVec3 room_mm = facts.workspaceMax_mm - facts.workspaceMin_mm;
+  const DVec3 shares = (bounds.max - bounds.min) / (kUsedShare * room_mm);
+  const double scale = std::max({model.scale.toUnits(1), shares.x, shares.y, shares.z});
+  const DVec3 middle_mm = 0.5 * (facts.workspaceMin_mm + facts.workspaceMax_mm);
+  return {.scale = scale, .offset = model.cloud.origin + bounds.center() - scale * middle_mm};
+}
+
+}  // namespace palpate

@@ -1,0 +1,47 @@
+#include "haptics/session/drawn_follower.hpp"
+
+#include <algorithm>
+
+#include "engine/touch/frame_pipeline.hpp"
+
+namespace palpate {
+
+DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& backend)
+    : backend_(backend), sameGpu_(backend.framesOn(sight)) {
+  // Where new points are numbered without end, so many of them are seen.
+  constexpr std::size_t kLeastNew = 1 << 16;
+  const EditScope scope = backend.editScope();
+  const auto most = static_cast<std::uint32_t>(std::max(kLeastNew, model.cloud.size()));
+  drawn_.emplace(sight, model.cloud,
+                 DrawnOptions{.spare = scope.newPoints.value_or(most),
+                              .painted = scope.paints,
+                              .spacing = model.spacing,
+                              .edited = scope.edits});
+  if (EditLog* const log = backend.editLogOn(sight)) reader_.emplace(*log);
+}
+
+void DrawnFollower::followFrames() {
+  if (sameGpu_) {
+    frames_ += sameGpu_->read([&](const LiveCloud::Half& points, double) { drawn_->place(points, sameGpu_->slots()); });
+    return;
+  }
+  CloudFrame frame;
+  if (!backend_.takeFrame(frame)) return;
+  drawn_->place(frame);
+  ++frames_;
+}
+
+void DrawnFollower::catchUp(const EditBatch& batch) {
+  try {
+    followFrames();
+    if (reader_)
+      drawn_->catchUp(*reader_);
+    else if (!batch.empty())
+      drawn_->catchUp(batch.points);
+  } catch (...) {
+    reader_.reset();  // or the back end would wait for what it never takes
+    throw;
+  }
+}
+
+}  // namespace palpate

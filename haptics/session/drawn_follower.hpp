@@ -1,0 +1,37 @@
+// The picture of a session's points: drawn from a copy of them on the GPU that shows it.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/edit/edit_log.hpp"
+#include "engine/render/drawn_cloud.hpp"
+#include "haptics/session/edit_relay.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate {
+
+class FramePipeline;
+
+class DrawnFollower final : public EditFollower {
+ public:
+  /// Follows the edit log of a back end on the same GPU, and what the relay brings otherwise; where a source moves the
+  /// points, its newest whole frame, in the live cloud or through the host. All arguments outlive this.
+  DrawnFollower(Device& sight, const Model& model, TouchBackend& backend);
+
+  void catchUp(const EditBatch& batch) override;
+  DrawnCloud& drawn() { return *drawn_; }
+  /// Whole frames that it has taken over, where a source moves the points.
+  std::uint64_t frames() const { return frames_; }
+
+ private:
+  void followFrames();
+
+  TouchBackend& backend_;
+  FramePipeline* sameGpu_;  // of a back end on the same GPU
+  std::optional<DrawnCloud> drawn_;
+  std::optional<EditLog::Reader> reader_;  // of a back end on the same GPU
+  std::uint64_t frames_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,114 @@
+#include "haptics/session/edit_relay.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kRate_Hz = 30;
+constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
+constexpr std::size_t kMostWaitingEdits = 1 << 18;
+constexpr int kChecksPerTurn = 8;  // whether the back end's log of edits fills up faster than usual
+
+}  // namespace
+
+EditRelay::EditRelay(const PointCloud& cloud, TouchBackend& backend, const RelayOptions& options)
+    : points_(cloud.size()), backend_(backend), options_(options) {
+  if (!options.journal) return;
+  journal_.emplace(cloud, options.undo_bytes);
+  backend.keepEdits();
+}
+
+TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
+  if (!options_.follower && !journal_ && !options_.log) return {};
+  if (!realtime) {
+    period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kRate_Hz));
+    return [this](const TraceRow& row) { observe(row); };
+  }
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    try {
+      while (!stop.stop_requested()) {
+        catchUp();
+        for (int check = 0; check < kChecksPerTurn && !isHalfFull(); ++check)
+          std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz / kChecksPerTurn));
+      }
+    } catch (...) {
+      failure_ = std::current_exception();
+    }
+  });
+  return {};
+}
+
+bool EditRelay::isNearlyFull() const {
+  const auto room = backend_.editRoom();
+  return room && room->free < 2 * std::uint64_t{points_};
+}
+
+bool EditRelay::isHalfFull() const {
+  const auto room = backend_.editRoom();
+  return room && room->free < room->capacity / 2;
+}
+
+void EditRelay::observe(const TraceRow& row) {
+  SessionWriter* const log = options_.log;
+  const bool flushes =
+      log && (row.time_s >= lastFlush_s_ + kBetweenFlushes_s || log->waitingEdits() > kMostWaitingEdits);
+  if (++ticks_ % period_ == 0 || flushes || isNearlyFull()) catchUp();
+  if (!flushes) return;
+  log->flush();
+  lastFlush_s_ = row.time_s;
+}
+
+void EditRelay::catchUp() {
+  batch_.clear();
+  if (journal_) backend_.takeEdits(batch_);
+  if (options_.follower) {
+    try {
+      options_.follower->catchUp(batch_);
+    } catch (...) {
+      options_.follower = nullptr;  // the hand, the journal and the log go on without the picture
+      followerFailure_ = std::current_exception();
+    }
+  }
+  if (batch_.empty()) return;
+  if (options_.log) options_.log->add(batch_);
+  journal_->follow(batch_);
+}
+
+void EditRelay::checkFollower() const {
+  if (followerFailure_) std::rethrow_exception(followerFailure_);
+}
+
+void EditRelay::finish() {
+  stop();
+  catchUp();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
+                          std::size_t undo, std::size_t redo) {
+  UndoneStrokes strokes;
+  using Turn = std::vector<PointChange> (Journal::*)();
+  const auto apply = [&](Turn turn, Turn opposite) {
+    const std::vector<PointChange> changes = (journal.*turn)();
+    if (changes.empty()) return false;
+    try {
+      backend.change(changes);
+      catchUp();
+    } catch (...) {
+      (journal.*opposite)();
+      throw;
+    }
+    return true;
+  };
+  while (strokes.undone < undo && apply(&Journal::undo, &Journal::redo)) ++strokes.undone;
+  while (strokes.redone < redo && apply(&Journal::redo, &Journal::undo)) ++strokes.redone;
+  strokes.strokes = journal.strokes();
+  strokes.dropped = journal.dropped();
+  strokes.tooLarge = journal.tooLarge();
+  return strokes;
+}
+
+}  // namespace palpate

@@ -1,0 +1,244 @@
+#include "haptics/session/live_session.hpp"
+
+#include <algorithm>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/saving.hpp"
+#include "haptics/devices/replay_device.hpp"
+#include "haptics/session/devices.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kParked = 3;  // longest sides from the middle of the model: where a lifted stylus waits
+
+WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
+  return {.scale = model.scale.toUnits(1), .offset = model.cloud.origin + bounds.center()};
+}
+
+DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
+  return model.cloud.origin + bounds.center() + DVec3(0, kParked * std::max(bounds.longestSide(), 1e-3), 0);
+}
+
+// Whichever brush comes first, others may follow; to what moves none does.
+SessionConfig withBrush(SessionConfig config) {
+  config.realtime = true;
+  if (config.motion) return config;
+  BrushConfig brush = config.brush.value_or(BrushConfig{});
+  brush.kind = BrushKind::push;
+  config.brush = brush;
+  return config;
+}
+
+Model withPoints(Model model, const std::string& file) {
+  if (model.cloud.empty()) throw FileError(file, "has no points; there is nothing to touch");
+  return model;
+}
+
+SessionParts withJournal(SessionParts parts) {
+  parts.journal = parts.paintable = true;
+  return parts;
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts parts, const LiveOptions& options)
+    : session_(withBrush(config), withPoints(std::move(model), config.model.file), withJournal(std::move(parts))),
+      options_(options),
+      bounds_(boundsOf(this->model().cloud)),
+      journal_(session_.journal()),
+      stylus_(mapFor(this->model(), bounds_), parkingPlace(this->model(), bounds_)),
+      map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
+      seen_(1 / config.rate_Hz) {
+  if (!config.motion && (!config.brush || config.brush->kind != BrushKind::push)) session_.setBrush(config.brush);
+  start();
+}
+
+LiveSession::~LiveSession() {
+  stop();
+  if (saving_.running.valid()) saving_.running.wait();
+}
+
+OpenHand LiveSession::hand() {
+  if (playing_) return {.device = playing_->device.get(), .map = playing_->map};
+  if (options_.device) return {.device = options_.device.get(), .map = map_};
+  return {.device = &stylus_, .map = map_};
+}
+
+void LiveSession::start() {
+  servo_.stop = false;
+  servo_.ended = false;
+  if (options_.clock) options_.clock->hold();
+  servo_.thread = std::jthread([this] {
+    try {
+      const OpenHand touching = hand();
+      const ServoResult result = session_.run({&touching, 1}, {.begin_s = servo_.next_s,
+                                                               .endless = true,
+                                                               .clock = options_.clock.get(),
+                                                               .stop = &servo_.stop,
+                                                               .forcesOn = &servo_.forcesOn,
+                                                               .recorder = &seen_.feed});
+      if (result.deviceFailed) servo_.fault = result.fault;
+      if (result.queryLost) servo_.fault = machine() + " was lost: what it gave before is kept";
+    } catch (const std::exception& error) {
+      servo_.fault = error.what();
+    }
+    servo_.ended = true;
+    if (options_.clock) options_.clock->leave();
+  });
+}
+
+void LiveSession::stop() {
+  servo_.stop = true;
+  if (options_.clock) options_.clock->letGo();
+  if (servo_.thread.joinable()) servo_.thread.join();
+}
+
+void LiveSession::finishTicks() {
+  takeIn();
+  seen_.history.interrupt();
+  if (!seen_.history.rows().empty()) servo_.next_s = seen_.history.rows().back().time_s + 1 / config().rate_Hz;
+  if (servo_.lost) return;
+  session_.backend().finish();
+  takeIn();
+}
+
+void LiveSession::takeIn() {
+  seen_.rows.clear();
+  seen_.feed.take(seen_.rows);
+  seen_.history.add(seen_.rows);
+  session_.relay().catchUp();
+  const EditBatch& fresh = session_.relay().batch();
+  seen_.batch.points.insert(seen_.batch.points.end(), fresh.points.begin(), fresh.points.end());
+  seen_.edits += fresh.points.size();
+}
+
+std::optional<std::string> LiveSession::follow() {
+  if (servo_.lost) return std::nullopt;
+  std::string failure;
+  try {
+    takeIn();
+    const auto& rows = seen_.history.rows();
+    if (playing_ && !rows.empty() && rows.back().time_s > playing_->end_s) endPlaying();
+    if (servo_.ended && !servo_.stop) failure = servo_.fault.empty() ? "the servo thread has ended" : servo_.fault;
+  } catch (const std::exception& error) {
+    failure = error.what();
+  }
+  if (failure.empty()) return std::nullopt;
+  servo_.lost = true;
+  stop();
+  return failure;
+}
+
+std::optional<std::string> LiveSession::tickUntil(double clock_s) {
+  // The back end keeps the edits of some ticks until they are taken.
+  constexpr double kTaken_s = 0.005;
+  std::optional<std::string> failure;
+  while (!servo_.lost && !failure && servo_.clock_s < clock_s) {
+    servo_.clock_s = std::min(servo_.clock_s + kTaken_s, clock_s);
+    options_.clock->goOnTo(servo_.clock_s);
+    failure = follow();
+  }
+  return failure;
+}
+
+void LiveSession::setBrush(const std::optional<BrushConfig>& brush) {
+  if (brush == config().brush || servo_.lost) return;
+  endRecording();
+  between([&] { session_.setBrush(brush); });
+}
+
+void LiveSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
+  if (servo_.lost) return;
+  if (surface == config().surface && force == config().force && method == config().backend.method) return;
+  endRecording();
+  between([&] { session_.setFeel(surface, force, method); });
+}
+
+bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
+  if (servo_.lost) return false;
+  endRecording();
+  return between([&] {
+    const UndoneStrokes strokes = palpate::undoStrokes(
+        session_.backend(), *journal_, [&] { takeIn(); }, undo, redo);
+    return strokes.undone + strokes.redone > 0;
+  });
+}
+
+bool LiveSession::redo() { return journal_->redoable() > 0 && undoStrokes(0, 1); }
+
+void LiveSession::save(const std::string& file) {
+  if (isSaving()) throw Error("{}: the last save is still being written", file);
+  if (!servo_.lost) between([] {});
+  saving_.version = journal_->version();
+  std::vector<PointState> points(journal_->points().begin(), journal_->points().end());
+  saving_.running = std::async(std::launch::async, [this, file, points = std::move(points)] {
+    try {
+      const std::filesystem::path kept = saveKeeping(file, editedCloud(model().cloud, points));
+      return Saved{file, kept.string(), {}};
+    } catch (const std::exception& error) {
+      return Saved{file, {}, error.what()};
+    }
+  });
+}
+
+std::optional<LiveSession::Saved> LiveSession::takeSaved() {
+  if (!saving_.running.valid() || saving_.running.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+    return std::nullopt;
+  const Saved saved = saving_.running.get();
+  if (saved.failure.empty()) saving_.saved = saving_.version;
+  return saved;
+}
+
+void LiveSession::record(const std::string& log) {
+  if (edits() > 0)
+    throw Error("{}: a recording begins with the model as its file has it; save it and open the saved file first", log);
+  endRecording();
+  between([&] {
+    session_.record(log, hand());
+    // As a replay begins: with a stylus that was put down nowhere yet.
+    session_.backend().resetHand(0);
+    session_.recording()->beginAt(servo_.next_s);
+  });
+}
+
+void LiveSession::endRecording() {
+  if (!isRecording()) return;
+  std::unique_ptr<SessionRecording> recording;
+  between([&] { recording = session_.releaseRecording(); });
+  try {
+    recording->finish(checksumOf(model().cloud.origin, journal_->points()));
+  } catch (const FileError&) {
+    if (recording->takeFault()) throw;
+  }
+}
+
+std::optional<std::string> LiveSession::takeRecordingFault() {
+  return isRecording() ? session_.recording()->takeFault() : std::nullopt;
+}
+
+std::vector<std::string> LiveSession::play(const std::string& log) {
+  SessionRecord record = readSessionLog(log);
+  const RecordedSession recorded = parseHeader(log, record.text);
+  if (record.ticks.empty()) throw FileError(log, "has no whole tick; there is nothing to play");
+  std::vector<std::string> lacks = whatIsMissing(record);
+  endRecording();
+  between([&] {
+    session_.backend().resetHand(0);
+    for (LoggedTick& tick : record.ticks) tick.time_s += servo_.next_s;
+    const double end_s = record.ticks.back().time_s;
+    playing_.emplace(std::make_unique<ReplayDevice>(std::move(record.ticks), recorded.limits), recorded.map, end_s);
+  });
+  return lacks;
+}
+
+void LiveSession::endPlaying() {
+  if (!playing_) return;
+  between([&] {
+    session_.backend().resetHand(0);
+    playing_.reset();
+  });
+}
+
+}  // namespace palpate

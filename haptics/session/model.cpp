@@ -1,0 +1,75 @@
+#include "haptics/session/model.hpp"
+
+#include <algorithm>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/normals.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "shaders/shared/contact.h"
+
+namespace palpate {
+
+std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
+  constexpr std::size_t kNeighbours = 16;
+  const Stopwatch watch;
+  estimateNormals(cloud, kNeighbours, threads);
+  return fmt::format("{:.0f} ms on the CPU", watch.elapsed_us() * 1e-3);
+}
+
+Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
+  Model model;
+  model.cloud =
+      readCloud(config.file, &loading.log,
+                {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true})
+          .cloud;
+  PointCloud& cloud = model.cloud;
+  // Before normals are estimated, so that all who read the file find the same.
+  model.upright = findUp(cloud);
+  model.shown = coreBoundsOf(cloud);
+  if (!cloud.hasNormals() || config.normals == NormalSource::estimate) {
+    const std::string cost = loading.estimate(cloud, loading.threads);
+    if (!cloud.empty()) loading.log.say("{}: normals are estimated from the points: {}", config.file, cost);
+    // One or two points lie in no plane: their discs face whoever looks at them.
+    constexpr std::size_t kNoPlane = 2;
+    if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
+  }
+  model.scale =
+      config.mm_per_unit > 0 ? ModelScale{config.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
+  const SpacingRange spacing = spacingRange(cloud, loading.threads);
+  model.spacing = spacing.mean;
+  model.wideSpacing = spacing.wide;
+  model.noise = spacing.noise;
+  return model;
+}
+
+std::uint64_t checksumOf(const Model& model) { return checksumOf(model.cloud.origin, statesOf(model.cloud)); }
+
+double usualSupportRadius(const Model& model) {
+  if (model.spacing > 0) return static_cast<double>(shared::kSupportSpacings) * model.spacing;
+  return model.scale.toUnits(1.0);  // nothing to measure: any length will do
+}
+
+SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, bool adapts) {
+  // An even cloud needs no look at the local spacing; past four times the mean a patch of the dense places is too
+  // large.
+  constexpr double kUneven = 1.4, kWidest = 4;
+  SurfaceOptions surface{.radius = config.radius_mm ? model.scale.toUnits(*config.radius_mm) : usualSupportRadius(model),
+                         .kind = config.kind};
+  if (config.radius_mm || !adapts) return surface;
+  surface.widening = wideningFor(model.noise);
+  surface.localRadius = model.wideSpacing > kUneven * model.spacing;
+  if (surface.localRadius) surface.radius *= std::min(kWidest / surface.widening, model.wideSpacing / model.spacing);
+  surface.radius *= surface.widening;
+  return surface;
+}
+
+double cellFor(const Model& model, const IndexConfig& config) {
+  if (config.cell_mm > 0) return model.scale.toUnits(config.cell_mm);
+  if (config.cellsAlongSide > 0) return boundsOf(model.cloud).longestSide() / config.cellsAlongSide;
+  return 0;
+}
+
+}  // namespace palpate

@@ -1,0 +1,55 @@
+// A model as a session needs it: a cloud with normals, its scale, its spacing; and what follows from those for touch.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
+#include "engine/contact/surface.hpp"
+#include "engine/core/log.hpp"
+#include "engine/core/units.hpp"
+#include "haptics/session/session_config.hpp"
+
+namespace palpate {
+
+struct Model {
+  PointCloud cloud;
+  ModelScale scale;
+  double spacing = 0;      ///< model units
+  double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
+  double noise = 0;        ///< of the positions, off their surface (SpacingRange), spacings
+  Upright upright;         ///< by the shape
+  /// What a picture shows (coreBoundsOf()); all when not given.
+  std::optional<Bounds> shown;
+  Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
+};
+
+/// Gives a cloud normals that are estimated from its points, and says in words what that took.
+using NormalEstimator = std::function<std::string(PointCloud& cloud, unsigned threads)>;
+/// On the CPU.
+std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
+
+struct ModelLoading {
+  Log& log;
+  unsigned threads = 0;  ///< 0: one per core
+  NormalEstimator estimate = estimateNormalsOnCpu;
+};
+/// Reads the file, and sees to normals as the configuration says. Throws FileError, UsageError.
+Model loadModel(const ModelConfig& config, const ModelLoading& loading);
+
+/// The checksum of a model as it was loaded, normals included.
+std::uint64_t checksumOf(const Model& model);
+
+/// Support radius in model units that the model has when nobody says one: four spacings.
+double usualSupportRadius(const Model& model);
+/// The surface that the configuration asks for on this model. `adapts`: where no radius is given, it may follow the
+/// spacing of a place, and widen where points are noisy.
+SurfaceOptions surfaceOptions(const Model& model, const SurfaceConfig& config, bool adapts);
+
+/// Edge of a hash cell that the configuration asks for, model units; 0: the support radius.
+double cellFor(const Model& model, const IndexConfig& config);
+
+}  // namespace palpate

@@ -1,0 +1,24 @@
+#include "haptics/session/moving_model.hpp"
+
+#include "engine/motion/moving_cloud.hpp"
+
+namespace palpate {
+
+std::optional<RigidMotion> rigidMotion(const SessionConfig& config, const Model& model) {
+  if (!config.motion) return std::nullopt;
+  const MotionConfig& motion = *config.motion;
+  return RigidMotion{.kind = motion.kind,
+                     .axis = glm::normalize(motion.axis),
+                     .centre = boundsOf(model.cloud).center(),
+                     .amplitude = model.scale.toUnits(motion.amplitude_mm),
+                     .frequency_Hz = motion.frequency_Hz,
+                     .speed = model.scale.toUnits(motion.speed_mm_per_s)};
+}
+
+std::unique_ptr<CloudSource> makeSource(const SessionConfig& config, const Model& model) {
+  const std::optional<RigidMotion> motion = rigidMotion(config, model);
+  if (!motion) return nullptr;
+  return std::make_unique<MovingCloud>(model.cloud, *motion);
+}
+
+}  // namespace palpate

@@ -1,0 +1,166 @@
+#include "haptics/session/session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "engine/cloud/edited_cloud.hpp"
+
+namespace palpate {
+
+namespace {
+
+SessionConfig checked(SessionConfig config, const BackendKind& kind) {
+  validate(config);
+  kind.check(config);
+  return config;
+}
+
+std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
+                                          const SessionParts& parts, CloudSource* source) {
+  std::optional<BrushOptions> brush;
+  if (config.brush) brush = brushOptions(*config.brush, model.scale);
+  // The tool is the first hand's.
+  std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
+  tools.resize(std::max<std::size_t>(1, config.hands.size()));
+  return parts.backend.make({.model = model,
+                             .config = config,
+                             .surface = surface,
+                             .brush = brush,
+                             .paintable = parts.paintable,
+                             .tools = std::move(tools),
+                             .threads = parts.threads,
+                             .source = source});
+}
+
+/// Two of them, in this order; either may be null.
+class Recorders final : public TickRecorder {
+ public:
+  Recorders(TickRecorder* first, TickRecorder* second) : all_{first, second} {}
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
+    for (TickRecorder* each : all_)
+      if (each) each->ticked(row, device);
+  }
+
+ private:
+  std::array<TickRecorder*, 2> all_;
+};
+
+}  // namespace
+
+Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts)
+    : kind_(parts.backend),
+      config_(checked(std::move(config), kind_)),
+      model_(std::move(model)),
+      surface_(kind_.surface(*model_, config_.surface)),
+      source_(makeSource(config_, *model_)),
+      backend_(makeBackend(config_, *model_, surface_, parts, source_.get())),
+      follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
+      relay_(model_->cloud, *backend_,
+             {.follower = follower_.get(),
+              .journal = parts.journal && backend_->keepsEdits(),
+              .undo_bytes = parts.undo_bytes}) {}
+
+Session::Session(SessionConfig config, Model model, const SessionParts& parts)
+    : Session(std::move(config), std::make_shared<const Model>(std::move(model)), parts) {}
+
+Session::~Session() { relay_.stop(); }
+
+void Session::setBrush(const std::optional<BrushConfig>& brush) {
+  SessionConfig next = config_;
+  next.brush = brush;
+  config_ = checked(std::move(next), kind_);
+  std::optional<BrushOptions> options;
+  if (brush) options = brushOptions(*brush, model_->scale);
+  backend_->setBrush(options);
+}
+
+void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {
+  SessionConfig next = config_;
+  next.surface = surface;
+  next.force = force;
+  next.backend.method = method;
+  next = checked(std::move(next), kind_);
+  if (next.surface != config_.surface || next.backend != config_.backend)
+    backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
+  config_ = std::move(next);
+}
+
+void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
+  if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
+  recording_ = std::make_unique<SessionRecording>(file,
+                                                  RecordedSession{.config = config_,
+                                                                  .points = model_->cloud.size(),
+                                                                  .checksum = checksumOf(*model_),
+                                                                  .machine = backend_->machine(),
+                                                                  .palpate = PALPATE_VERSION,
+                                                                  .limits = hand.device->limits(),
+                                                                  .map = hand.map,
+                                                                  .passivity = hand.passivity},
+                                                  *backend_, std::move(onFault));
+  relay_.setLog(&recording_->writer());
+}
+
+std::unique_ptr<SessionRecording> Session::releaseRecording() {
+  relay_.setLog(nullptr);
+  return std::exchange(recording_, nullptr);
+}
+
+void Session::endRecording() {
+  const std::unique_ptr<SessionRecording> ended = releaseRecording();
+  if (ended) ended->finish(checksumOf(model_->cloud.origin, journal()->points()));
+}
+
+double Session::durationOf(std::span<const OpenHand> hands) const {
+  if (config_.duration_s > 0) return config_.duration_s;
+  double longest_s = 0;
+  for (const OpenHand& hand : hands) longest_s = std::max(longest_s, hand.duration_s);
+  return longest_s;
+}
+
+ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
+  std::vector<SessionHand> touching;
+  for (const OpenHand& hand : hands)
+    touching.push_back({.device = *hand.device,
+                        .law = ForceLaw(config_.force, model_->scale),
+                        .options = {.map = hand.map, .passivity = hand.passivity}});
+  Recorders recorders(recording_.get(), options.recorder);
+  ServoLoop loop(options.query ? *options.query : *backend_, touching,
+                 {.rate_Hz = config_.rate_Hz,
+                  .duration_s = durationOf(hands) + 1 / config_.rate_Hz,  // the path's end is a tick too
+                  .begin_s = options.begin_s,
+                  .endless = options.endless,
+                  .realtime = config_.realtime,
+                  .clock = options.clock,
+                  .stop = options.stop,
+                  .forcesOn = options.forcesOn,
+                  .recorder = &recorders});
+  if (options.endless) return loop.run();  // whoever shows it takes the edits in
+  const TickObserver relays = relay_.begin(config_.rate_Hz, config_.realtime);
+  if (!options.observer) return loop.run(relays);
+  return loop.run([&](const TraceRow& row) {
+    if (relays) relays(row);
+    options.observer(row);
+  });
+}
+
+void Session::finish() {
+  backend_->finish();
+  relay_.finish();
+}
+
+UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
+  if (!journal()) throw Error("a session without a journal has no strokes to undo");
+  return undoStrokes(
+      *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+}
+
+SculptedCloud Session::sculpted() const {
+  if (const Journal* journal = relay_.journal(); journal && !source_)
+    return {editedCloud(model_->cloud, journal->points()), changedPoints(model_->cloud, journal->points())};
+  SculptedCloud sculpted{.cloud = model_->cloud};
+  sculpted.edited = backend_->readBack(sculpted.cloud);
+  return sculpted;
+}
+
+}  // namespace palpate

@@ -1,0 +1,113 @@
+// A session: a model, what answers, and who follows what is done to it, put together once for every program.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "haptics/servo_loop.hpp"
+#include "haptics/session/backends.hpp"
+#include "haptics/session/edit_relay.hpp"
+#include "haptics/session/hand_source.hpp"
+#include "haptics/session/moving_model.hpp"
+#include "haptics/session/session_recording.hpp"
+
+namespace palpate {
+
+/// Makes who follows the edits of a session, from the back end as it begins.
+using FollowerMaker = std::function<std::unique_ptr<EditFollower>(const Model& model, TouchBackend& backend)>;
+
+/// What a session is given beside its configuration.
+struct SessionParts {
+  const BackendKind& backend;
+  unsigned threads = 0;       ///< on the CPU; 0: one per core
+  bool journal = false;  ///< keeps what is done to the points, for undo, saving and logs, where the back end reports it
+  std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
+  bool paintable = false;     ///< keeps colours for a brush that comes later
+  FollowerMaker follower;     ///< empty: nobody follows but the journal and the log
+};
+
+/// How a run goes beside what the configuration says of it. All that is pointed to outlives it.
+struct RunOptions {
+  double begin_s = 0;                             ///< the time of the first tick
+  bool endless = false;                           ///< against the wall clock until `stop`
+  SteppedClock* clock = nullptr;                  ///< in place of the machine's (ServoOptions::clock)
+  const std::atomic<bool>* stop = nullptr;        ///< ends it when it becomes true
+  const std::atomic<bool>* forcesOn = nullptr;    ///< no force while it is false (ServoOptions::forcesOn)
+  TickRecorder* recorder = nullptr;               ///< notified of each tick
+  TickObserver observer;                          ///< after each tick in virtual time
+  ContactQuery* query = nullptr;                  ///< asked in place of the back end, to which it passes on
+};
+
+/// The points as a session leaves them.
+struct SculptedCloud {
+  PointCloud cloud;
+  std::size_t edited = 0;  ///< stand elsewhere than in the file, have another colour, are gone, or are new
+};
+
+/// One thread uses it at a time; the one that runs it is the servo thread in real time.
+class Session {
+ public:
+  /// Builds the index. `model` has points and normals; sessions may share it. Throws Error, ConfigError.
+  Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts);
+  Session(SessionConfig config, Model model, const SessionParts& parts);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  const SessionConfig& config() const { return config_; }
+  const Model& model() const { return *model_; }
+  /// As it is felt, model units.
+  const SurfaceOptions& surface() const { return surface_; }
+  std::string method() const { return kind_.methodOf(config_.backend); }
+  TouchBackend& backend() { return *backend_; }
+  const TouchBackend& backend() const { return *backend_; }
+  /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
+  void checkFollower() const { relay_.checkFollower(); }
+  /// Nothing where none is kept.
+  Journal* journal() { return relay_.journal(); }
+  EditRelay& relay() { return relay_; }
+
+  /// Another brush, or none, from now on. Between runs.
+  void setBrush(const std::optional<BrushConfig>& brush);
+  /// What is felt, and how neighbours are found, from now on. Between runs.
+  void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
+
+  /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
+  /// run. `onFault` hears at once, on the log's thread, what cannot be written; SessionRecording::takeFault() has it
+  /// otherwise. Throws FileError, and Error where no journal is kept.
+  void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {});
+  SessionRecording* recording() const { return recording_.get(); }
+  /// Ends the log: says how the session ended. Throws FileError where not all could be written.
+  void endRecording();
+  /// The same without an end, as that of a session that was cut off.
+  std::unique_ptr<SessionRecording> releaseRecording();
+
+  /// Plays the hands, the first of which may sculpt. In virtual time all edits are taken as they come; against the clock
+  /// a thread of its own takes them. Throws UsageError for hands that do not go together.
+  ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
+  /// Waits for the last edit, and has everyone take in what was done. Throws what a query could not.
+  void finish();
+  /// After finish(), or between runs. Throws where the back end fails; the journal is as the points are then.
+  UndoneStrokes undo(std::size_t strokes, std::size_t redo);
+  /// The points as they are: as the journal knows them, where there is one and nothing moves.
+  SculptedCloud sculpted() const;
+
+  /// Longest of the hands' paths, unless the configuration says how long, s.
+  double durationOf(std::span<const OpenHand> hands) const;
+
+ private:
+  const BackendKind& kind_;
+  SessionConfig config_;
+  std::shared_ptr<const Model> model_;
+  SurfaceOptions surface_;
+  std::unique_ptr<CloudSource> source_;
+  std::unique_ptr<TouchBackend> backend_;
+  std::unique_ptr<EditFollower> follower_;
+  EditRelay relay_;
+  std::unique_ptr<SessionRecording> recording_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,115 @@
+#include "haptics/session/session_config.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+namespace {
+
+void inBounds(std::string_view field, double value, double least, double most) {
+  if (!(value >= least && value <= most))
+    throw ConfigError(field, "{} is not between {} and {}", value, least, most);
+}
+
+// 0 stands for a choice of the program's own.
+void inBoundsOrZero(std::string_view field, double value, double least, double most) {
+  if (value != 0) inBounds(field, value, least, most);
+}
+
+void validate(const IndexConfig& index) {
+  inBoundsOrZero("index.cell_mm", index.cell_mm, bounds::kShortest_mm, bounds::kLongest_mm);
+  inBoundsOrZero("index.cells_along_side", index.cellsAlongSide, 1, bounds::kMostCells);
+  if (index.cell_mm != 0 && index.cellsAlongSide != 0)
+    throw ConfigError("index.cells_along_side", "says what index.cell_mm says already; leave one of them 0");
+}
+
+void validate(const ToolConfig& tool) {
+  inBounds("tool.points", static_cast<double>(tool.points), 1, static_cast<double>(kMostToolPoints));
+  inBounds("tool.size_mm", tool.size_mm, bounds::kShortest_mm, bounds::kLongest_mm);
+  if (!isFinite(tool.axis) || !(glm::length(tool.axis) > 0))
+    throw ConfigError("tool.axis", "is no direction");
+}
+
+void validate(const BrushConfig& brush) {
+  inBounds("brush.tau_mm", brush.tau_mm, 0, bounds::kLongest_mm);
+  inBounds("brush.beta", brush.beta, 0, 1);
+  inBounds("brush.radius_mm", brush.radius_mm, bounds::kShortest_mm, bounds::kLongest_mm);
+  inBounds("brush.strength", brush.strength, 0, 1);
+  inBounds("brush.falloff", brush.falloff, 0, kMostFalloff);
+}
+
+void validate(const ForceOptions& force) {
+  inBounds("force.stiffness_N_per_mm", force.stiffness_N_per_mm, 0, bounds::kMostStiffness_N_per_mm);
+  inBounds("force.damping_N_s_per_mm", force.damping_N_s_per_mm, 0, bounds::kMostDamping_N_s_per_mm);
+  inBounds("force.max_N", force.maxForce_N, 0, bounds::kMostForce_N);
+  if (!(force.maxRise_N_per_s > 0)) throw ConfigError("force.max_rise_N_per_s", "is not above 0");
+}
+
+void validate(const HandConfig& hand, std::size_t number) {
+  const auto at = [&](std::string_view field) { return fmt::format("hands[{}].{}", number, field); };
+  if (hand.device.empty()) throw ConfigError(at("device"), "is not named");
+  inBounds(at("penetration_mm"), hand.penetration_mm, bounds::kShortest_mm, bounds::kLongest_mm);
+  inBoundsOrZero(at("stiffness_N_per_mm"), hand.stiffness_N_per_mm, bounds::kLeastStiffness_N_per_mm,
+                 bounds::kMostStiffness_N_per_mm);
+  inBoundsOrZero(at("damping_N_s_per_mm"), hand.damping_N_s_per_mm, bounds::kLeastDamping_N_s_per_mm,
+                 bounds::kMostDamping_N_s_per_mm);
+}
+
+void validate(const MotionConfig& motion) {
+  if (!isFinite(motion.axis) || !(glm::length(motion.axis) > 0)) throw ConfigError("motion.axis", "is no direction");
+  inBounds("motion.amplitude_mm", motion.amplitude_mm, 0, bounds::kLongest_mm);
+  inBounds("motion.frequency_Hz", motion.frequency_Hz, 0, bounds::kMostRate_Hz);
+  inBounds("motion.speed_mm_per_s", motion.speed_mm_per_s, 0, bounds::kLongest_mm);
+}
+
+}  // namespace
+
+void validate(const SessionConfig& config) {
+  inBoundsOrZero("model.mm_per_unit", config.model.mm_per_unit, bounds::kLeastScale, bounds::kMostScale);
+  inBounds("surface.friction", config.surface.friction, 0, bounds::kMostFriction);
+  if (config.surface.radius_mm)
+    inBounds("surface.radius_mm", *config.surface.radius_mm, bounds::kShortest_mm, bounds::kLongest_mm);
+  validate(config.index);
+  validate(config.tool);
+  if (config.brush) validate(*config.brush);
+  validate(config.force);
+  inBounds("undo.undo", static_cast<double>(config.undo.undo), 0, bounds::kMostCount);
+  inBounds("undo.redo", static_cast<double>(config.undo.redo), 0, bounds::kMostCount);
+  inBounds("undo.memory_MiB", config.undo.memory_MiB, bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB);
+  if (config.motion) {
+    validate(*config.motion);
+    if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
+    if (config.surface.friction > 0) throw ConfigError("surface.friction", "what moves (motion.kind) has none yet");
+  }
+  for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
+  inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);
+  inBounds("rate_Hz", config.rate_Hz, 1, bounds::kMostRate_Hz);
+}
+
+BrushOptions brushOptions(const BrushConfig& brush, const ModelScale& scale) {
+  return {.kind = brush.kind,
+          .tau = scale.toUnits(brush.tau_mm),
+          .beta = brush.beta,
+          .radius = scale.toUnits(brush.radius_mm),
+          .strength = brush.strength,
+          .falloff = brush.falloff,
+          .color = {brush.color[0], brush.color[1], brush.color[2], 255},
+          .keepsDensity = brush.keepsDensity};
+}
+
+ToolShape toolShape(const ToolConfig& tool, const ModelScale& scale) {
+  if (tool.kind == ToolKind::point) return {};
+  ToolShape shape = makeTool(tool.kind, tool.points, scale.toUnits(tool.size_mm));
+  if (shape.points.size() == 1) return {};
+  return facing(std::move(shape), tool.axis);
+}
+
+std::uint64_t undoBytes(const UndoConfig& undo) {
+  constexpr double kMiB = 1 << 20, kMost = 1e18;
+  return undo.undo > 0 ? static_cast<std::uint64_t>(std::min(kMost, undo.memory_MiB * kMiB)) : 0;
+}
+
+}  // namespace palpate

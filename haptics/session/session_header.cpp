@@ -1,0 +1,119 @@
+#include "haptics/session/session_header.hpp"
+
+#include <charconv>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "engine/core/error.hpp"
+#include "haptics/session/flag_migration.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A number that may be infinite, which JSON cannot say: null.
+Json limit(double value) { return std::isinf(value) ? Json(nullptr) : Json(value); }
+double limit(const Json& json) { return json.is_null() ? std::numeric_limits<double>::infinity() : json.get<double>(); }
+
+std::string hex(std::uint64_t value) { return fmt::format("{:016x}", value); }
+std::uint64_t fromHex(const std::string& text) {
+  std::uint64_t value = 0;
+  const char* end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, value, 16);
+  if (error != std::errc() || last != end) throw std::invalid_argument("'" + text + "' is no checksum");
+  return value;
+}
+
+Json deviceOf(const RecordedSession& session) {
+  Json device{{"peak_force_N", limit(session.limits.peakForce_N)},
+              {"continuous_force_N", limit(session.limits.continuousForce_N)},
+              {"fastest_mm_per_s", limit(session.limits.fastest_mm_per_s)},
+              {"most_damping_N_s_per_mm", limit(session.limits.mostDamping_N_s_per_mm)},
+              {"most_stiffness_N_per_mm", limit(session.limits.mostStiffness_N_per_mm)},
+              {"force_delay_ticks", session.limits.forceDelay_ticks},
+              {"hand_held", session.limits.handHeld},
+              {"buttons", session.limits.buttons},
+              {"map_scale", session.map.scale},
+              {"map_offset", {session.map.offset.x, session.map.offset.y, session.map.offset.z}},
+              {"passivity", nullptr}};
+  for (const auto& [name, mode] : kPassivityModes)
+    if (session.passivity == mode) device["passivity"] = name;
+  return device;
+}
+
+void readDevice(const Json& device, RecordedSession& session) {
+  session.limits = {.peakForce_N = limit(device.at("peak_force_N")),
+                    .continuousForce_N = limit(device.at("continuous_force_N")),
+                    .fastest_mm_per_s = limit(device.at("fastest_mm_per_s")),
+                    .mostDamping_N_s_per_mm = limit(device.at("most_damping_N_s_per_mm")),
+                    .mostStiffness_N_per_mm = limit(device.value("most_stiffness_N_per_mm", Json(nullptr))),
+                    .forceDelay_ticks = device.at("force_delay_ticks").get<int>(),
+                    .handHeld = device.at("hand_held").get<bool>(),
+                    .buttons = device.value("buttons", 0)};
+  const Json& offset = device.at("map_offset");
+  session.map = {.scale = device.at("map_scale").get<double>(),
+                 .offset = {offset.at(0).get<double>(), offset.at(1).get<double>(), offset.at(2).get<double>()}};
+  for (const auto& [name, mode] : kPassivityModes)
+    if (device.at("passivity") == name) session.passivity = mode;
+}
+
+}  // namespace
+
+std::string headerText(const RecordedSession& session) {
+  SessionConfig config = session.config;
+  config.model.file = std::filesystem::absolute(config.model.file).string();
+  return Json{{"palpate", session.palpate},
+              {"machine", session.machine},
+              {"points", session.points},
+              {"checksum", hex(session.checksum)},
+              {"config", Json::parse(configText(config))},
+              {"device", deviceOf(session)}}
+      .dump(1);
+}
+
+RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text) {
+  try {
+    const Json json = Json::parse(text);
+    // Before it carried the configuration, a header had what it says of the model in a part of its own.
+    const bool carriesFlags = json.contains("options");
+    const Json& model = carriesFlags ? json.at("model") : json;
+    RecordedSession session{.points = model.at("points").get<std::uint64_t>(),
+                            .checksum = fromHex(model.at("checksum").get<std::string>()),
+                            .machine = json.at("machine").get<std::string>(),
+                            .palpate = json.at("palpate").get<std::string>()};
+    if (carriesFlags) {
+      session.config = migrateFlags(json.at("options").get<std::map<std::string, std::string>>());
+      session.config.model.file = model.at("file").get<std::string>();
+    } else {
+      session.config = parseConfig(json.at("config").dump());
+    }
+    readDevice(json.at("device"), session);
+    return session;
+  } catch (const std::exception& error) {  // of JSON, of the configuration
+    throw FileError(log, fmt::format("does not say how to run the session again ({}); was it written by another "
+                                     "palpate?",
+                                     error.what()));
+  }
+}
+
+void TickTap::ticked(const TraceRow& row, const DeviceState& device) noexcept {
+  const TouchShortfalls& shortfalls = backend_.shortfalls();
+  const std::uint64_t leftOut = shortfalls.editsLogFull + shortfalls.editsTooSlow + shortfalls.editsHeldUp;
+  const bool leavesOut = std::exchange(leftOut_, leftOut) != leftOut;
+  sink_({.time_s = row.time_s,
+         .device = device.position,
+         .turn = device.turn,
+         .proxy = row.proxy,
+         .force_N = row.force_N,
+         .edits = backend_.editsAnswered(),
+         .neighbours = row.neighbours,
+         .flags = (row.contact ? LoggedTick::kContact : 0u) | (row.fresh ? LoggedTick::kFresh : 0u) |
+                  (row.valid ? LoggedTick::kValid : 0u) | (row.putDown ? LoggedTick::kPutDown : 0u) |
+                  (device.rendersForce ? 0u : LoggedTick::kForceless) | (leavesOut ? LoggedTick::kEditLeftOut : 0u) |
+                  LoggedTick::flagsOf(device.buttons)});
+}
+
+}  // namespace palpate

@@ -1,0 +1,49 @@
+// What the header of a session log says: how to run the session again.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "engine/core/touch_backend.hpp"
+#include "haptics/devices/haptic_device.hpp"
+#include "haptics/passivity.hpp"
+#include "haptics/servo_loop.hpp"
+#include "haptics/session/session_config.hpp"
+#include "haptics/session_log.hpp"
+
+namespace palpate {
+
+/// A session as its log describes it.
+struct RecordedSession {
+  SessionConfig config;        ///< with the model's file as it was then
+  std::uint64_t points = 0;    ///< of the model
+  std::uint64_t checksum = 0;  ///< of the model as it was loaded, normals included
+  std::string machine, palpate;
+  DeviceLimits limits;
+  WorkspaceMap map;
+  std::optional<PassivityMode> passivity;
+};
+
+/// The text of a header.
+std::string headerText(const RecordedSession& session);
+/// Reads it; one that carries options of the command line, as logs did before they carried the configuration, is
+/// migrated. Throws FileError for a text that it does not understand.
+RecordedSession parseHeader(const std::filesystem::path& log, const std::string& text);
+
+/// Passes on each tick as a session log keeps it, with what the back end knows of it.
+class TickTap final : public TickRecorder {
+ public:
+  /// `sink` runs on the servo thread, as part of the tick.
+  TickTap(const TouchBackend& backend, std::function<void(const LoggedTick&)> sink)
+      : backend_(backend), sink_(std::move(sink)) {}
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
+
+ private:
+  const TouchBackend& backend_;
+  std::function<void(const LoggedTick&)> sink_;
+  std::uint64_t leftOut_ = 0;
+};
+
+}  // namespace palpate

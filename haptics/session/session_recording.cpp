@@ -1,0 +1,31 @@
+#include "haptics/session/session_recording.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace palpate {
+
+SessionRecording::SessionRecording(const std::string& file, const RecordedSession& session, const TouchBackend& backend,
+                                   RecordingFault onFault)
+    : rate_Hz_(session.config.rate_Hz),
+      writer_(file, headerText(session),
+              [this, onFault = std::move(onFault)](const std::string& what) {
+                if (onFault) return onFault(what);
+                const std::scoped_lock hold(lock_);
+                fault_ = what;
+              }),
+      tap_(backend, [this](const LoggedTick& tick) { add(tick); }) {}
+
+void SessionRecording::add(const LoggedTick& tick) {
+  if (!begin_s_) return writer_.add(tick);
+  LoggedTick counted = tick;
+  counted.time_s = std::round((tick.time_s - *begin_s_) * rate_Hz_) / rate_Hz_;
+  writer_.add(counted);
+}
+
+std::optional<std::string> SessionRecording::takeFault() {
+  const std::scoped_lock hold(lock_);
+  return std::exchange(fault_, std::nullopt);
+}
+
+}  // namespace palpate

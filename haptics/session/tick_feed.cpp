@@ -1,0 +1,39 @@
+#include "haptics/session/tick_feed.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "engine/core/processor.hpp"
+
+namespace palpate {
+
+void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
+  core_.store(currentCore(), std::memory_order_relaxed);
+  if (listener_) listener_->ticked(row, device);
+  const std::uint64_t added = added_.load(std::memory_order_relaxed);
+  if (added - taken_.load(std::memory_order_acquire) >= kRing) return;
+  ring_[added % kRing] = row;
+  added_.store(added + 1, std::memory_order_release);
+}
+
+void TickFeed::take(std::vector<TraceRow>& rows) {
+  const std::uint64_t added = added_.load(std::memory_order_acquire);
+  std::uint64_t taken = taken_.load(std::memory_order_relaxed);
+  for (; taken < added; ++taken) rows.push_back(ring_[taken % kRing]);
+  taken_.store(taken, std::memory_order_release);
+}
+
+void TickHistory::add(const std::vector<TraceRow>& rows) {
+  for (const TraceRow& row : rows) {
+    if (std::exchange(follows_, true)) {
+      const double periods = (row.time_s - rows_.back().time_s) / period_s_;
+      missed_ += static_cast<std::uint64_t>(std::max(0LL, std::llround(periods) - 1));
+    }
+    ++ticks_;
+    step_us_.add(row.step_us);
+    rows_.push_back(row);
+    if (rows_.size() > kKept) rows_.pop_front();
+  }
+}
+
+}  // namespace palpate

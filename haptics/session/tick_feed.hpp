@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <vector>
+
+#include "haptics/servo_loop.hpp"
+
+namespace palpate {
+
+/// Brings what the servo thread does to the thread that shows it; the former waits for nobody.
+class TickFeed final : public TickRecorder {
+ public:
+  TickFeed() : ring_(kRing) {}
+
+  /// On the servo thread.
+  void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
+  /// Also notified of every tick; set while no servo thread runs.
+  void setListener(TickRecorder* listener) { listener_ = listener; }
+
+  /// Appends the rows since the last call. For one thread.
+  void take(std::vector<TraceRow>& rows);
+  /// On which core the last tick was served; negative before the first.
+  int core() const { return core_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::uint64_t kRing = 1 << 15;  // half a minute at 1 kHz; rows past it are left out
+
+  std::vector<TraceRow> ring_;
+  std::atomic<std::uint64_t> added_ = 0, taken_ = 0;
+  std::atomic<int> core_ = -1;
+  TickRecorder* listener_ = nullptr;
+};
+
+/// What came of the ticks so far: the numbers and the curves that a person looks at.
+class TickHistory {
+ public:
+  /// Rows that are kept for curves and CSV: the last so many.
+  static constexpr std::size_t kKept = 60'000;
+
+  /// `period_s`: between two ticks when none is missed.
+  explicit TickHistory(double period_s) : period_s_(period_s) {}
+
+  void add(const std::vector<TraceRow>& rows);
+  /// The next row does not follow the last one.
+  void interrupt() { follows_ = false; }
+
+  const std::deque<TraceRow>& rows() const { return rows_; }
+  std::uint64_t ticks() const { return ticks_; }
+  std::uint64_t missed() const { return missed_; }
+  const TickHistogram& step_us() const { return step_us_; }
+  /// Whether the last row, if there is one, is of a tick in contact.
+  bool inContact() const { return !rows_.empty() && rows_.back().contact; }
+
+ private:
+  double period_s_;
+  std::deque<TraceRow> rows_;
+  std::uint64_t ticks_ = 0, missed_ = 0;
+  TickHistogram step_us_;
+  bool follows_ = false;
+};
+
+}  // namespace palpate

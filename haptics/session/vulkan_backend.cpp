@@ -1,0 +1,83 @@
+#include "haptics/session/vulkan_backend.hpp"
+
+#include <algorithm>
+
+#include "engine/contact/normal_estimate.hpp"
+#include "engine/contact/query_method.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/touch/touch_side.hpp"
+
+namespace palpate {
+
+namespace {
+
+class VulkanBackend final : public BackendKind {
+ public:
+  explicit VulkanBackend(std::function<Device&()> device) : device_(std::move(device)) {}
+
+  std::string_view name() const override { return "vulkan"; }
+  const std::vector<std::string>& methods() const override {
+    static const std::vector<std::string> methods = namesOf(kQueryMethods);
+    return methods;
+  }
+  TouchCapabilities capabilities() const override {
+    return {.asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
+  }
+  std::string machine(unsigned) const override { return device_().name(); }
+  NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
+  std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
+    return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
+  }
+
+ private:
+  TouchOptions optionsFor(const BackendRequest& request) const {
+    const SessionConfig& config = request.config;
+    TouchOptions touch{.radius = request.surface.radius,
+                       .cell = cellFor(request.model, config.index),
+                       .bucketKey = config.index.bucketKey,
+                       .sort = config.index.sort,
+                       .method = queryMethodNamed(methodOf(config.backend)),
+                       .surface = request.surface.kind,
+                       .localRadius = request.surface.localRadius,
+                       .widening = request.surface.widening,
+                       .friction = config.surface.friction,
+                       .tools = request.tools,
+                       .brush = request.brush,
+                       .source = request.source,
+                       .paintable = request.paintable,
+                       .index = config.index.follow,
+                       .spareSlots = config.index.spareSlots,
+                       .wait = config.backend.wait,
+                       .ahead = config.backend.ahead};
+    if (config.realtime && !config.backend.deterministic) touch.bucketOrder = BucketOrder::arrival;
+    if (config.backend.timesPasses) touch.timing = CommandList::Timing::passes;
+    return touch;
+  }
+
+  std::function<Device&()> device_;
+};
+
+}  // namespace
+
+std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device) {
+  return std::make_unique<VulkanBackend>(std::move(device));
+}
+
+HashGrid gridFor(const Model& model, const IndexConfig& config, double radius) {
+  const double cell = cellFor(model, config);
+  return makeHashGrid(Vec3(boundsOf(model.cloud).min), std::max(cell > 0 ? cell : radius, smallestCell(radius)),
+                      model.cloud.size(), config.bucketKey);
+}
+
+NormalEstimator estimateNormalsOn(std::function<Device&()> device) {
+  return [device = std::move(device)](PointCloud& cloud, unsigned threads) {
+    if (device().isCpu()) return estimateNormalsOnCpu(cloud, threads);
+    const NormalEstimateCost cost = estimateNormals(device(), cloud, threads);
+    return fmt::format("planes {:.0f} ms on {}, signs {:.0f} ms on the CPU", cost.planes_ms, device().name(),
+                       cost.signs_ms);
+  };
+}
+
+}  // namespace palpate

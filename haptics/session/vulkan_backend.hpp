@@ -1,0 +1,23 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "engine/spatial/hash_grid.hpp"
+#include "haptics/session/backends.hpp"
+
+namespace palpate {
+
+class Device;
+
+/// A GPU through Vulkan. `device` opens it, when it is first needed, and may throw; the device outlives all that is made
+/// on it.
+std::unique_ptr<BackendKind> vulkanBackend(std::function<Device&()> device);
+
+/// The grid of the index for a support radius (model units), as the Vulkan back end lays it out.
+HashGrid gridFor(const Model& model, const IndexConfig& config, double radius);
+
+/// Estimates normals on that GPU; on the CPU where it is a software driver, which takes twice as long for the same.
+NormalEstimator estimateNormalsOn(std::function<Device&()> device);
+
+}  // namespace palpate

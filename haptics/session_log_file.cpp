@@ -1,0 +1,100 @@
+#include "haptics/session_log_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <utility>
+
+#include "engine/core/checksum.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+using session_file::Before;
+using session_file::Block;
+using session_file::Header;
+
+}  // namespace
+
+SessionLogFile::SessionLogFile(std::filesystem::path file, std::string text,
+                               std::function<void(const std::string&)> onFailure)
+    : file_(std::move(file)), onFailure_(std::move(onFailure)) {
+  if (file_.empty()) throw Error("a session log has an empty name; give it one");
+  if (const int error = output_.open(file_); error != 0) throw FileError(file_, whyNotWritten(error));
+  text.resize((text.size() + 7) / 8 * 8, ' ');
+  Header header{.textBytes = static_cast<std::uint32_t>(text.size())};
+  Checksum sum;
+  sum.add(std::as_bytes(std::span(&header, 1)));
+  sum.add(std::as_bytes(std::span(text)));
+  header.checksum = sum.value();
+  int error = 0;
+  for (int copy = 0; copy < 2 && error == 0; ++copy) {
+    error = output_.write(std::as_bytes(std::span(&header, 1)));
+    if (error == 0) error = output_.write(std::as_bytes(std::span(text)));
+  }
+  if (error != 0) throw FileError(file_, whyNotWritten(error));
+  bytes_ = 2 * (sizeof header + text.size());
+}
+
+void SessionLogFile::append(const Content& content) {
+  Block block{.number = blocks_++,
+              .ticks = static_cast<std::uint32_t>(content.ticks.size()),
+              .states = static_cast<std::uint32_t>(content.states.size()),
+              .marks = static_cast<std::uint32_t>(content.marks.size()),
+              .last = content.end != nullptr,
+              .merged = content.merged};
+  if (content.end) block.end = *content.end;
+  const Before before = before_;
+  before_ = {before.ticks + block.ticks, before.states + block.states};
+  const std::array body{std::as_bytes(content.ticks), std::as_bytes(content.states), std::as_bytes(content.marks)};
+  Checksum sum;
+  sum.addValue(block);
+  sum.addValue(before);
+  for (const auto bytes : body) sum.add(bytes);
+  block.checksum = sum.value();
+  std::size_t size = sizeof block + sizeof before;
+  int error = isTorn_ ? EIO : output_.write(std::as_bytes(std::span(&block, 1)));
+  if (error == 0) error = output_.write(std::as_bytes(std::span(&before, 1)));
+  for (const auto bytes : body) {
+    if (error == 0) error = output_.write(bytes);
+    size += bytes.size();
+  }
+  if (error == 0) {
+    bytes_ += size;
+    return;
+  }
+  unwrittenTicks_ += block.ticks;
+  unwrittenEdits_ += block.states;
+  takeBackTorn();
+  fail(error);
+}
+
+void SessionLogFile::sync() {
+  if (const int error = output_.sync(); error != 0) fail(error);
+}
+
+void SessionLogFile::close() {
+  sync();
+  if (const int error = output_.close(); error != 0) fail(error);
+  if (failure_.empty()) return;
+  const std::string missing =
+      unwrittenTicks_ + unwrittenEdits_ > 0
+          ? fmt::format("{} ticks and {} edits of points are missing in it", unwrittenTicks_, unwrittenEdits_)
+          : "what is in it may not be on the disk";
+  throw FileError(file_, fmt::format("{} ({}; the session went on)", failure_, missing));
+}
+
+void SessionLogFile::takeBackTorn() {
+  if (!isTorn_) isTorn_ = output_.cutTo(bytes_) != 0;
+}
+
+void SessionLogFile::fail(int error) {
+  if (!failure_.empty()) return;
+  failure_ = whyNotWritten(error);
+  if (onFailure_)
+    onFailure_(fmt::format("{}: {}; the session goes on, and what cannot be written is missing in its log",
+                           file_.string(), failure_));
+}
+
+}  // namespace palpate

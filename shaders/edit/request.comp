@@ -1,0 +1,378 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The surface stays a surface: every point that was examined in this tick finds out whether it crowds another one and
+// goes, or whether there is a gap beside it that a new point should fill. One subgroup for each point. In double
+// precision, with the reasons: engine/edit/resampling.cpp. Nothing else in this tick waits for it: a request
+// is taken up in the next one.
+#include "shaders/lib/index.glsl"
+#include "shaders/lib/claims.glsl"
+#include "shaders/lib/edit_end.glsl"
+#include "shaders/shared/frame.h"
+
+layout(push_constant, scalar) uniform Push { RequestArgs args; };
+#include "shaders/lib/kept_neighbours.glsl"
+
+// A point as others see it; offset from the point that decides.
+struct Seen {
+  vec3 offset;
+  vec3 normal;
+  vec3 rest;  // where it stood as loaded
+  float spacing;
+  uint rank;  // who stays when two crowd: the smaller one
+};
+
+const uint kNobody = 0xffffffffu;
+const float kFar = 3.0e38;
+const uint kOtherSheet = 0x80000000u;  // in the slot of a kept neighbour
+const uint kExamined = 0x80000000u;    // in a rank
+layout(constant_id = 3) const uint kSubgroups = 64;  // of a workgroup
+
+// Walks over the neighbours, one after another: each needs what the one before has found.
+const uint kWalkAround = 0;   // how near the nearest of each sector is, and who crowds the point
+const uint kWalkYields = 1;   // whether the first of those has to yield itself
+const uint kWalkIds = 2;      // the least id of the nearest of each sector
+const uint kWalkNearest = 3;  // who has it
+const uint kWalkBlocks = 4;   // who stands in the way of a new point
+const uint kWalkRisen = 5;    // while a ball carves: whether the new point would stand outside the solid
+const uint kWalkNoMore = 6;
+
+uint walk;
+vec3 center;
+Seen self;
+uint selfSlot;
+// What is known of points, by their ids.
+uint tick, firstNew;
+bool spent;  // no ids are left: nobody requests a new point, or many would request in every tick for ever
+Uints examinedOf, parentsOf;
+Floats spacings;
+Places rests;
+float reach;  // of the point that decides: how far from it a new one may come
+vec3 axisU, axisV;
+// Of this invocation's neighbours.
+uint firstRank, firstSlot;  // of those that crowd the point
+bool through;               // the point has come through the sheet of one of them
+vec2 votes;                 // of those at rest: whether it has risen, and all
+Seen first;
+bool firstYields;
+uint blocked;  // a bit for each sector
+uint requested;   // the sector in which a new point is requested; kGapSectors: none
+bool crowded, leaves;
+bool carves, moved;  // a brush has moved the point since it came
+
+// What a subgroup knows of a sector. Distances are compared as bits, which for these are in the same order.
+struct Sector {
+  uint distance;
+  uint id;
+  uint slot;
+  vec3 offset;    // of the neighbour; then of the new point, kFar where none should come
+  float spacing;  // of a gap: the wider target of its ends
+};
+shared Sector sectors[kSubgroups * kGapSectors];
+uint sectorAt(uint s) { return gl_SubgroupID * kGapSectors + s; }
+
+// Those examined in this tick come after all others.
+uint rankOf(uint id) { return (examinedOf.at[id] == tick ? kExamined : 0u) | id; }
+float targetOf(uint id) { return spacings.at[id < firstNew ? id : parentsOf.at[id - firstNew]]; }
+bool sameSheet(vec3 a, vec3 b) { return dot(a, b) > kSameSheet; }
+bool isNew(Seen point) { return (point.rank & 0x7fffffffu) >= firstNew; }
+bool hasToYield(Seen point, Seen other) {
+  if (other.rank >= point.rank || !sameSheet(point.normal, other.normal)) return false;
+  const bool anyNew = isNew(point) || isNew(other);
+  const float least = min(point.spacing, other.spacing);
+  const float closest = kCrowded * (anyNew ? max(point.spacing, other.spacing) : least);
+  const float now = distance(point.offset, other.offset), before = distance(point.rest, other.rest);
+  return now < closest && (anyNew || now < kComeNearer * before || before < kSamePlace * least);
+}
+bool isAtRest(vec3 position, vec3 rest, float spacing) { return distance(position, rest) <= kAtRest * spacing; }
+bool nearer(vec3 d, float than) { return dot(d, d) < than * than; }
+Seen seenAt(uint at, uint slot) {
+  const uint id = keptIds[at];
+  return Seen(keptOffset(at), args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), rankOf(id));
+}
+
+// Nobody crowds another one from further away.
+float mostCrowded() { return kCrowded * kMostSpacing * args.radius; }
+
+void noteCrowding(uint at, uint slot) {
+  const Seen other = seenAt(at, slot);
+  if (!hasToYield(self, other) || other.rank >= firstRank) return;
+  firstRank = other.rank;
+  firstSlot = slot;
+}
+
+void noteYielding(uint at, uint slot) {
+  firstYields = firstYields || hasToYield(first, seenAt(at, slot));
+}
+
+// Of a ball that carves: what a neighbour `d` away from a place says of whether that has risen.
+void noteRisen(uint at, vec3 normal, vec3 d, float margin) {
+  const uint id = keptIds[at];
+  const float far = length(d);
+  if (far == 0.0 || !isAtRest(center + keptOffset(at), rests.at[id], targetOf(id))) return;
+  const float share = self.spacing / far, weight = share * share * share * share;
+  votes += weight * vec2(isAbove(-d, normal, self.spacing, margin) ? 1.0 : 0.0, 1.0);
+}
+
+// Of a ball that carves: whether one neighbour says that the point stands outside the solid.
+void noteOutside(uint at, vec3 normal, vec3 d) {
+  if (dot(self.normal, normal) <= kFarSheet)
+    through = through || isThrough(-d, normal, self.spacing, 0.0);
+  else
+    noteRisen(at, normal, d, 0.0);
+}
+
+// Where new points would have come through the sheet of one that faces the other way.
+void noteThrough(uint slot, vec3 d) {
+  const vec3 normal = args.cloud.normals.at[slot].xyz;
+  if (dot(self.normal, normal) > kFarSheet) return;
+  for (uint s = 0; s < kGapSectors; ++s)
+    if (isThrough(sectors[sectorAt(s)].offset - d, normal, self.spacing, kBirthMargin)) blocked |= 1u << s;
+}
+
+// Where new points would crowd one with a wider target, or one of another sheet that may prove to be their own, so that
+// they would go again.
+void noteCrowded(uint at, uint slot, vec3 d) {
+  for (uint s = 0; s < kGapSectors; ++s) {
+    const Sector gap = sectors[sectorAt(s)];
+    if (!nearer(d - gap.offset, mostCrowded())) continue;
+    if (!nearer(d - gap.offset, kCrowded * max(gap.spacing, targetOf(keptIds[at])))) continue;
+    const vec3 facing = self.normal + args.cloud.normals.at[gap.slot].xyz;
+    if (dot(facing, args.cloud.normals.at[slot].xyz) > kFarSheet * length(facing)) blocked |= 1u << s;
+  }
+}
+
+void visitNeighbour(uint at) {
+  uint slot = keptSlot(at);
+  if (slot == selfSlot) return;
+  const vec3 d = keptOffset(at);
+  if (walk == kWalkBlocks) noteCrowded(at, slot & ~kOtherSheet, d);
+  if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
+  if (walk == kWalkRisen) {
+    const vec3 normal = args.cloud.normals.at[slot & ~kOtherSheet].xyz;
+    if (dot(self.normal, normal) > kFarSheet) noteRisen(at, normal, d - sectors[sectorAt(requested)].offset, kBirthMargin);
+    return;
+  }
+  if (walk == kWalkYields) {
+    if (nearer(d - first.offset, mostCrowded())) noteYielding(at, slot & ~kOtherSheet);
+    return;
+  }
+  if (!visitedBefore) {
+    const vec3 normal = args.cloud.normals.at[slot].xyz;
+    if (carves && walk == kWalkAround) noteOutside(at, normal, d);
+    if (!sameSheet(self.normal, normal)) slot |= kOtherSheet;
+    if (carves && walk == kWalkBlocks && (slot & kOtherSheet) != 0) noteThrough(slot & ~kOtherSheet, d);
+    keptNeighbours[at].w = uintBitsToFloat(slot);
+  }
+  if ((slot & kOtherSheet) != 0) return;
+  if (walk == kWalkBlocks) {
+    for (uint s = 0; s < kGapSectors; ++s)
+      if (nearer(d - sectors[sectorAt(s)].offset, kLeastClearance * sectors[sectorAt(s)].spacing)) blocked |= 1u << s;
+    return;
+  }
+  if (walk == kWalkAround && nearer(d, mostCrowded())) noteCrowding(at, slot);
+  precise const float size = length(d);
+  precise const float alongU = dot(d, axisU), alongV = dot(d, axisV);
+  const uint s = sectorAt(sectorOf(alongU, alongV));
+  const uint distance = floatBitsToUint(size);
+  if (walk == kWalkAround)
+    atomicMin(sectors[s].distance, distance);
+  else if (sectors[s].distance == distance) {
+    if (walk == kWalkIds)
+      atomicMin(sectors[s].id, keptIds[at]);
+    else if (sectors[s].id == keptIds[at]) {
+      sectors[s].slot = slot;
+      sectors[s].offset = d;
+    }
+  }
+}
+
+void begin() {
+  frameAround(self.normal, axisU, axisV);
+  firstRank = kNobody;
+  firstSlot = kNobody;
+  firstYields = false;
+  blocked = 0;
+  requested = kGapSectors;
+  through = false;
+  votes = vec2(0.0);
+  crowded = false;
+  leaves = false;
+  for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) {
+    sectors[sectorAt(s)].distance = floatBitsToUint(kFar);
+    sectors[sectorAt(s)].id = kNobody;
+  }
+  subgroupShares();
+}
+
+// The first of those that crowd the point: it goes unless that one has to yield itself.
+bool findFirst() {
+  const uint least = subgroupMin(firstRank);
+  crowded = least != kNobody;
+  if (!crowded) return false;
+  const uint slot = subgroupMin(firstRank == least ? firstSlot : kNobody);
+  const vec4 position = args.cloud.positions.at[slot];
+  const uint id = floatBitsToUint(position.w);
+  first = Seen(position.xyz - center, args.cloud.normals.at[slot].xyz, rests.at[id], targetOf(id), least);
+  return true;
+}
+
+bool isWide(uint s) {
+  const float distance = uintBitsToFloat(sectors[sectorAt(s)].distance);
+  return distance < kFar && distance > kWidestGap * self.spacing;
+}
+bool anyWide() {
+  bool wide = false;
+  for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) wide = wide || isWide(s);
+  return subgroupAny(wide);
+}
+
+// Whether an edit has moved the ends of a gap against one another.
+bool torn(Sector gap) {
+  return distance(gap.offset, rests.at[gap.id] - self.rest) > kTorn * max(self.spacing, targetOf(gap.id));
+}
+
+// Where new points would stand in the middle of wide gaps; false where that is nowhere.
+bool placeInGaps() {
+  bool any = false;
+  for (uint s = gl_SubgroupInvocationID; s < kGapSectors; s += gl_SubgroupSize) {
+    vec3 place = vec3(kFar);
+    const uint at = sectorAt(s);
+    if (isWide(s)) {
+      const float spacing = max(self.spacing, targetOf(sectors[at].id));
+      sectors[at].spacing = spacing;
+      if (uintBitsToFloat(sectors[at].distance) > kWidestGap * spacing && torn(sectors[at])) {
+        const vec3 middle = halfWay(sectors[at].offset, self.normal, args.cloud.normals.at[sectors[at].slot].xyz);
+        if (!nearer(middle, kLeastClearance * spacing) && nearer(middle, reach)) place = middle;
+      }
+    }
+    sectors[sectorAt(s)].offset = place;
+    any = any || place.x < kFar;
+  }
+  subgroupShares();
+  return subgroupAny(any);
+}
+
+bool hasRisen(float share) {
+  const vec2 all = subgroupAdd(votes);
+  return all.x > share * all.y;
+}
+
+// While a ball carves, what it has brought outside the solid goes.
+bool isOutside() { return carves && moved && (subgroupAny(through) || hasRisen(kNearlyAll)); }
+
+// The sector with the narrowest gap that no point fills yet; kGapSectors where there is none.
+uint openGap() {
+  const uint taken = subgroupOr(blocked);
+  uint best = kGapSectors;
+  float narrowest = kFar;
+  for (uint s = 0; s < kGapSectors; ++s) {
+    const float distance = uintBitsToFloat(sectors[sectorAt(s)].distance);
+    if (sectors[sectorAt(s)].offset.x == kFar || (taken & 1u << s) != 0 || distance >= narrowest) continue;
+    best = s;
+    narrowest = distance;
+  }
+  return best;
+}
+
+// Takes up the next gap; while a ball carves, whether it would stand outside has to be found out first.
+uint takeUpGap() {
+  requested = openGap();
+  votes = vec2(0.0);
+  return carves && requested < kGapSectors ? kWalkRisen : kWalkNoMore;
+}
+
+// What comes next.
+uint nextWalk() {
+  if (walk == kWalkAround && isOutside()) {
+    leaves = true;
+    return kWalkNoMore;
+  }
+  if (walk == kWalkAround && findFirst()) {
+    // One that is settled stays as it is.
+    if (first.rank >= kExamined) return kWalkYields;
+    leaves = true;
+    return kWalkNoMore;
+  }
+  if (walk == kWalkYields) leaves = !subgroupAny(firstYields);
+  if (walk <= kWalkYields) return leaves || spent || !allAreSeen || !anyWide() ? kWalkNoMore : kWalkIds;
+  if (walk == kWalkIds) return kWalkNearest;
+  if (walk == kWalkNearest) return placeInGaps() ? kWalkBlocks : kWalkNoMore;
+  if (walk == kWalkBlocks) return takeUpGap();
+  if (!hasRisen(kHalfOfThem)) return kWalkNoMore;
+  blocked |= 1u << requested;
+  return takeUpGap();
+}
+
+uint middleColor(uint a, uint b) {
+  if (a == b) return a;
+  if (a == 0) a = kUnpainted;
+  if (b == 0) b = kUnpainted;
+  uint middle = 0;
+  for (uint bit = 0; bit < 32; bit += 8)
+    middle |= ((((a >> bit) & 255u) + ((b >> bit) & 255u) + 1) / 2) << bit;
+  return middle;
+}
+
+// One invocation writes it.
+void requestFor(uint id, vec3 center, uint sector) {
+  const uint at = atomicAdd(args.lists.now.requests, 1);
+  if (at >= args.most) return;
+  if (leaves) args.cloud.normals.at[selfSlot].w = kMarkGoes;
+  args.lists.requests[at].position = center;
+  args.lists.requests[at].id = id;
+  const bool inserts = sector < kGapSectors;
+  args.lists.requests[at].inserts = inserts ? 1 : 0;
+  if (!inserts) return;
+  const Sector gap = sectors[sectorAt(sector)];
+  const vec3 place = center + gap.offset;
+  const vec3 sum = self.normal + args.cloud.normals.at[gap.slot].xyz;
+  const float size = length(sum);
+  args.lists.requests[at].place = place;
+  args.lists.requests[at].normal = size > 1e-3 ? sum / size : self.normal;
+  args.lists.requests[at].color = middleColor(colorOf(args.tables, id), colorOf(args.tables, gap.id));
+  args.lists.requests[at].parent = parentOf(args.tables, targetOf(gap.id) > self.spacing ? gap.id : id);
+  args.lists.requests[at].other = gap.id;
+  args.lists.requests[at].reach = reach - length(gap.offset);
+  atomicMin(args.lists.claims[claimAt(claimsFor(args.radius), place)], id);
+}
+
+void requestForAll() {
+  tick = args.lists.now.tick;
+  spent = args.lists.now.nextId >= args.tables.at[0].ids;
+  firstNew = args.tables.at[0].firstNew;
+  examinedOf = args.tables.at[0].examined;
+  parentsOf = args.tables.at[0].parents;
+  spacings = args.tables.at[0].spacings;
+  rests = args.tables.at[0].rests;
+  carves = args.tables.at[0].brush.at[0].kind == kBrushCarve;
+  const uint changed = args.update.at[0].changed;
+  const uint stride = gl_NumWorkGroups.x * gl_NumSubgroups;
+  for (uint which = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID; which < changed; which += stride) {
+    selfSlot = args.changed.at[which];
+    const vec4 fitted = args.fitted.at[which];
+    if (fitted.w == kNotExamined) continue;
+    const vec4 position = args.cloud.positions.at[selfSlot];
+    const uint id = floatBitsToUint(position.w);
+    self = Seen(vec3(0.0), fitted.xyz, rests.at[id], fitted.w, kExamined | id);
+    center = position.xyz;
+    const float mostReach = kReach * args.radius;
+    reach = id < firstNew ? mostReach : args.tables.at[0].reaches.at[id - firstNew];
+    moved = id < firstNew ? !isAtRest(center, self.rest, self.spacing) : reach == mostReach;
+    begin();
+    for (walk = kWalkAround; walk != kWalkNoMore; walk = nextWalk()) {
+      visitNeighbours(center, neighbourhoodRadius(self.spacing, args.radius), walkBudget(kMostExamined),
+                      walk != kWalkAround);
+      subgroupShares();
+    }
+    if (subgroupElect() && (leaves || crowded || requested < kGapSectors)) requestFor(id, center, requested);
+    subgroupShares();
+  }
+}
+
+void main() {
+  if (args.update.at[0].failed == 0) requestForAll();
+  if (!finishesLast(args.update)) return;
+  if (args.update.at[0].failed == 0)
+    confirmClaims(args.lists, args.most, args.radius, gl_LocalInvocationIndex, gl_WorkGroupSize.x);
+  if (gl_LocalInvocationIndex == 0) args.update.at[0].finished = 0;
+}

@@ -1,0 +1,90 @@
+// How the passes of an edit find the slots of points and list their moves. Whoever includes this has arguments with a cloud,
+// an update, capacities and tables.
+#ifndef PALPATE_LIB_LIST_MOVES_GLSL
+#define PALPATE_LIB_LIST_MOVES_GLSL
+
+#include "shaders/lib/edit_buffers.glsl"
+
+uint bucketAt(vec3 position) { return bucketOf(args.cloud.grid, cellOf(args.cloud.grid, position)); }
+
+// The slot where a bucket has the point; kEmptySlot when it has not. The whole subgroup calls it together.
+uint slotIn(uint bucket, uint id) {
+  const uvec2 range = args.cloud.ranges.at[bucket];
+  for (uint base = range.x; base < range.y; base += gl_SubgroupSize) {
+    const uint slot = base + gl_SubgroupInvocationID;
+    const uvec4 found =
+        subgroupBallot(slot < range.y && floatBitsToUint(args.cloud.positions.at[min(slot, range.y - 1)].w) == id);
+    if (any(notEqual(found, uvec4(0)))) return base + subgroupBallotFindLSB(found);
+  }
+  return kEmptySlot;
+}
+
+// What lists moves and the buckets that they concern. Addresses are plain words here: drivers end where a struct that holds
+// buffer references is copied.
+struct UpdateLists {
+  uvec2 moves, marks, touched, movesOf, capacities;
+  uint mostMoves;
+};
+UpdateLists updateLists() {
+  return UpdateLists(uvec2(args.tables.at[0].moves), uvec2(args.tables.at[0].marks), uvec2(args.tables.at[0].touched),
+                     uvec2(args.tables.at[0].movesOf), uvec2(args.capacities), args.tables.at[0].mostMoves);
+}
+
+void listBucket(UpdateLists lists, uint bucket) {
+  const uint at = atomicAdd(args.update.at[0].touched, 1);
+  Uints(lists.touched).at[at] = bucket;
+  if (kCountsGroups != 0) atomicMax(args.update.at[0].applyGroups.x, updateGroups(at + 1, gl_NumSubgroups));
+}
+
+// New slots for a bucket of so many points to which so many more have come, where the next one to come is the one that
+// it outgrows its slots by, or those that it has just taken; kEmptySlot otherwise. `slots`: of the cloud.
+uint roomFor(UpdateLists lists, uint bucket, uint slots, uint points, uint arrived) {
+  const uint before = capacityFor(max(Uints(lists.capacities).at[bucket], points), points + arrived);
+  if (before > points + arrived) return kEmptySlot;
+  const uint wanted = capacityFor(before, points + arrived + 1);
+  const uint room = args.update.at[0].head + atomicAdd(args.update.at[0].grown, wanted);
+  if (room + wanted > slots) atomicOr(args.update.at[0].refused, kUpdateNoSlots);
+  return room;
+}
+
+// Says that move `at` brings a point to another bucket. Gives the bucket's mark before that.
+uint arrive(UpdateLists lists, uint bucket, uint at) {
+  const uvec2 range = args.cloud.ranges.at[bucket];
+  uint before = 0;
+  while (true) {
+    if (arrivalsOf(before) == kMostArrivals) {
+      atomicOr(args.update.at[0].refused, kUpdateCrowded);
+      return before;
+    }
+    const uint after = kMarkListed | ((before & ~kMarkMove) + kMarkArrival) | (at + 1);
+    const uint found = atomicCompSwap(Uints(lists.marks).at[bucket], before, after);
+    if (found == before) break;
+    before = found;
+  }
+  PointMoves(lists.moves).at[at].before = before & kMarkMove;
+  PointMoves(lists.moves).at[at].room = roomFor(lists, bucket, args.cloud.slots, range.y - range.x, arrivalsOf(before));
+  return before;
+}
+
+// Says that move `at` changes a point of one bucket, and brings it to another one; kNoBucket where there is none.
+// Whoever marks a bucket first lists it.
+void touchBuckets(UpdateLists lists, uint from, uint to, uint at) {
+  uint fromMark = kMarkListed, toMark = kMarkListed;
+  if (from != kNoBucket) fromMark = atomicOr(Uints(lists.marks).at[from], kMarkListed);
+  if (to != kNoBucket && to != from) toMark = arrive(lists, to, at);
+  if ((fromMark & kMarkListed) == 0) listBucket(lists, from);
+  if ((toMark & kMarkListed) == 0) listBucket(lists, to);
+}
+
+// Writes a move where nextMove() said, and touches the buckets that it concerns.
+void writeMove(UpdateLists lists, uint at, PointMove move) {
+  if (at >= lists.mostMoves) {
+    atomicOr(args.update.at[0].failed, kUpdateTooLarge);
+    return;
+  }
+  PointMoves(lists.moves).at[at] = move;
+  if (move.slot != kEmptySlot) Uints(lists.movesOf).at[move.slot] = at;
+  touchBuckets(lists, move.fromBucket, move.toBucket, at);
+}
+
+#endif

@@ -1,0 +1,116 @@
+// Models that move, as a user meets them.
+#include <cmath>
+
+#include "tests/apps/window_play.hpp"
+
+namespace palpate {
+
+TEST_CASE("a model that comes and goes under a hand at rest is felt by both back ends as deep as it is") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), trace = (folder / "t.csv").string();
+  works("make plane -n 3000 -o " + model);
+  std::ofstream(folder / "rest.csv") << "t_s,x,y,z\n0,0,0,0.3\n0.15,0,0,0.3\n";
+  const std::string path = " --path " + (folder / "rest.csv").string();
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const std::string session = "--threads 1 touch " + model + path + " --backend " + backend +
+                                " --damping 0 --trace " + trace +
+                                " --motion oscillate --motion-amplitude 2 --motion-frequency 5";
+    works(session + " --log " + (folder / "log").string() + " --json " + (folder / "r.json").string());
+    double squares = 0, forces = 0;
+    int pushed = 0;
+    for (const Row& row : readTrace(trace)) {
+      const double depth = 2 * std::sin(2 * 3.14159265358979 * 5 * row.t_s) - 0.3;
+      const double exact_N = 0.8 * std::max(0.0, depth), felt_N = glm::length(row.force);
+      squares += (felt_N - exact_N) * (felt_N - exact_N);
+      forces += exact_N * exact_N;
+      pushed += row.contact;
+    }
+    CHECK(pushed > 60);
+    CHECK(std::sqrt(squares / forces) < 0.03);
+    const auto report = jsonOf(folder / "r.json");
+    CHECK(report["index"] == "rebuild");
+    CHECK(report["moved_points"] == 3'000);
+    CHECK(report["contact_error_mm"] < 0.05);
+    works("--threads 1 replay " + (folder / "log").string());
+  }
+}
+
+TEST_CASE("a motion without extent leaves the trace that none leaves, byte by byte") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 2000 -o " + model);
+  std::ofstream(folder / "press.csv") << "t_s,x,y,z\n0,0,0,52\n0.04,1,2,48.5\n0.06,3,2,48.5\n";
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    std::vector<std::string> traces;
+    for (const std::string motion : {"", "--motion none", "--motion oscillate --motion-amplitude 0",
+                                     "--motion turn --motion-frequency 0 --motion-axis 1,2,3"}) {
+      const std::string trace = (folder / "t.csv").string();
+      works("--threads 1 touch " + model + " --path " + (folder / "press.csv").string() + " --backend " + backend +
+            " " + motion + " --trace " + trace);
+      traces.push_back(contentOf(trace));
+    }
+    for (const std::string& trace : traces) CHECK(trace == traces[0]);
+  }
+}
+
+TEST_CASE("a picture of a model that moves shows it where it is at the end, whoever has answered") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 3000 -o " + model);
+  std::ofstream(folder / "far.csv") << "t_s,x,y,z\n0,0,0,200\n0.05,0,0,200\n";
+  const auto picture = [&](const std::string& options) {
+    const std::string file = (folder / "p.png").string();
+    works("touch " + model + " --path " + (folder / "far.csv").string() + " " + options + " --size 160x120 --picture " +
+          file);
+    return contentOf(file);
+  };
+  const std::string still = picture("--backend vulkan"),
+                    moved = picture("--backend vulkan --motion drift --motion-speed 200 --motion-axis 1,0,0");
+  CHECK(still != moved);
+  CHECK(picture("--backend cpu --motion drift --motion-speed 200 --motion-axis 1,0,0") == moved);
+}
+
+TEST_CASE("what does not go with a model that moves is refused, and says which option") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 1000 -o " + model);
+  const auto refused = [&](const std::string& options, const std::string& option) {
+    const Outcome outcome = palpate("touch " + model + " --motion oscillate " + options);
+    CHECK_MESSAGE(outcome.code == 2, outcome.text);
+    CHECK_MESSAGE(outcome.text.find(option) != std::string::npos, outcome.text);
+  };
+  refused("--edit push", "--edit: what moves");
+  refused("--friction 0.3", "--friction: what moves");
+  refused("--backend cuda", "--motion: --backend cuda");
+  refused("--motion-axis 0,0,0", "--motion-axis");
+  refused("--motion-amplitude -1", "--motion-amplitude");
+}
+
+TEST_CASE("the window shows a model where it is, and takes no tool to it") {
+  if (!hasDisplay()) return;
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const auto played =
+        play("%/sphere.ply --size 480x360 --rate 200 --motion drift --motion-axis 1,0,0 --motion-speed 150 --backend " +
+                 backend,
+             R"(
+0.2 screenshot %/begin.png
+0.6 screenshot %/later.png
+0.65 key 2
+0.9 state %/tool.json
+0.95 quit
+)",
+             "", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
+    REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+    const Picture begin(played->folder / "begin.png"), later(played->folder / "later.png");
+    REQUIRE(begin.rgb.size() == later.rgb.size());
+    std::size_t others = 0;
+    for (std::size_t i = 0; i < begin.rgb.size(); i += 3) others += std::abs(begin.rgb[i] - later.rgb[i]) > 20;
+    CHECK(others > begin.rgb.size() / 3 / 20);
+    const std::string message = played->state("tool.json")["last_message"];
+    CHECK_MESSAGE(message.find("cannot be sculpted yet") != std::string::npos, message);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+#include "tests/apps/program.hpp"
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+
+namespace palpate {
+
+std::string program() {
+  const char* elsewhere = std::getenv("PALPATE_PROGRAM");  // where the tests run on another machine than built them
+  return elsewhere ? elsewhere : PALPATE_PROGRAM;
+}
+
+Outcome run(const std::string& command) {
+  Outcome outcome;
+  std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  REQUIRE(pipe);
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe))
+    outcome.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  outcome.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return outcome;
+}
+
+Outcome palpate(const std::string& arguments) { return run(program() + " " + arguments); }
+
+void works(const std::string& arguments) {
+  const Outcome outcome = palpate(arguments);
+  REQUIRE_MESSAGE(outcome.code == 0, "palpate " << arguments << "\n" << outcome.text);
+}
+
+Result jsonOf(const std::filesystem::path& file) { return Result::parse(contentOf(file)); }
+
+std::vector<Row> readTrace(const std::filesystem::path& file) {
+  std::istringstream lines(contentOf(file));
+  std::string line;
+  std::getline(lines, line);
+  CHECK(line ==
+        "t_s,hip_x,hip_y,hip_z,proxy_x,proxy_y,proxy_z,normal_x,normal_y,normal_z,force_x,force_y,force_z,"
+        "penetration_mm,contact,neighbours,fresh,gpu_us,step_us");
+  std::vector<Row> rows;
+  while (std::getline(lines, line)) {
+    std::vector<double> cells;
+    std::istringstream in(line);
+    for (std::string cell; std::getline(in, cell, ',');) cells.push_back(std::stod(cell));
+    REQUIRE(cells.size() == 19);
+    const auto at = [&](std::size_t i) { return DVec3(cells[i], cells[i + 1], cells[i + 2]); };
+    rows.push_back({cells[0], cells[13], at(1), at(4), at(7), at(10), cells[14] != 0});
+  }
+  return rows;
+}
+
+}  // namespace palpate

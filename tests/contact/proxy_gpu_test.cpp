@@ -1,0 +1,36 @@
+// The proxy on the GPU against double precision, on sheets.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/contact/contact_reference.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/contact/sheet.hpp"
+
+namespace palpate {
+
+TEST_CASE("the GPU feels both faces of sheets as double precision does, their edges and friction included") {
+  Device device({.gpu = "", .validation = Validation::off});  // surfaces_gpu_test.cpp runs the same shader with it
+  for (const double thickness : {0.0, 0.4}) {
+    CAPTURE(thickness);
+    const PointCloud cloud = sheet(thickness);
+    TouchSide gpu(device, cloud, {.radius = kSheetRadius, .surface = SurfaceKind::sharp, .friction = 0.3});
+    ContactReference cpu(cloud, {.radius = kSheetRadius, .kind = SurfaceKind::sharp}, 0.3);
+    std::size_t touched = 0, differ = 0;
+    double worst = 0;
+    for (int i = 0; i < 700; ++i) {  // down and up through the plane, from inside the sheet to past its edge
+      const DVec3 hip(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
+      const Contact a = gpu.query({.hip = hip}, 0), b = cpu.query({.hip = hip}, 0);
+      touched += b.touching;
+      differ += a.touching != b.touching;
+      if (a.touching && b.touching) worst = std::max(worst, glm::distance(a.proxy, b.proxy) / kSheetRadius);
+    }
+    CHECK(touched > 200);
+    CHECK(differ == 0);
+    CHECK(worst < 1e-4);
+    gpu.finish();
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,288 @@
+// The formulas that GLSL, CUDA and C++ share, as single and as double precision, against formulas and truths that are
+// written here: at zeros of both signs, denormals, vectors without length and points in one place.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <limits>
+#include <random>
+
+#include "engine/core/vec.hpp"
+#include "shaders/shared/brush.h"
+#include "shaders/shared/frame.h"
+#include "shaders/shared/plane_fit.h"
+#include "shaders/shared/proxy.h"
+#include "shaders/shared/resample.h"
+#include "shaders/shared/surface.h"
+
+namespace palpate {
+
+namespace {
+
+template <class Real>
+using V3 = glm::vec<3, Real>;
+
+// A thousand roundings.
+template <class Real>
+constexpr double kRounding = 1e3 * static_cast<double>(std::numeric_limits<Real>::epsilon());
+template <class Real>
+constexpr Real kDenormal = std::numeric_limits<Real>::denorm_min();
+
+template <class Real>
+double off(const V3<Real>& is, const DVec3& shouldBe) {
+  return glm::length(DVec3(is) - shouldBe);
+}
+
+std::vector<DVec3> directions(std::size_t count) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::vector<DVec3> all;
+  while (all.size() < count) all.push_back(glm::normalize(DVec3(normal(random), normal(random), normal(random))));
+  return all;
+}
+
+// One neighbour after another, as those who sum up do.
+template <class Real>
+void add(shared::SurfaceSumsOf<Real>& sums, const DVec3& offset, const DVec3& normal) {
+  const V3<Real> d(offset), n(normal);
+  const Real w = shared::wendland(glm::length(d));
+  sums.offsets += w * glm::vec<4, Real>(d, 1);
+  sums.normals += glm::vec<4, Real>(w * n, 1);
+  sums.products += w * glm::vec<2, Real>(glm::dot(d, d), glm::dot(d, n));
+}
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("weights fall from one to nothing, and count by the face that they belong to", Real, float, double) {
+  for (const double r : {-0.0, 0.0, static_cast<double>(kDenormal<Real>), 1e-3, 0.25, 0.5, 0.75, 1.0}) {
+    const double truth = std::pow(1 - r, 4) * (4 * r + 1);
+    CHECK(std::abs(static_cast<double>(shared::wendland(static_cast<Real>(r))) - truth) < kRounding<Real>);
+  }
+  const std::array<std::pair<double, double>, 6> facing{{{1, 1}, {0, 1}, {-0.0, 1}, {-0.25, 0.5}, {-0.5, 0}, {-1, 0}}};
+  for (const auto& [cosine, weight] : facing)
+    CHECK(static_cast<double>(shared::facingWeight(static_cast<Real>(cosine))) == weight);
+}
+
+TEST_CASE_TEMPLATE("a frame is right-handed and of unit vectors, and zero has the sign that it has", Real, float,
+                   double) {
+  std::vector<DVec3> normals = directions(1000);
+  for (const double z : {0.0, -0.0, static_cast<double>(kDenormal<Real>), -static_cast<double>(kDenormal<Real>)})
+    for (const DVec3& n : {DVec3(1, 0, z), DVec3(-1, 0, z), DVec3(0, 1, z), DVec3(0.6, -0.8, z)}) normals.push_back(n);
+  for (const DVec3& n : {DVec3(0, 0, 1), DVec3(0, 0, -1), DVec3(-0.0, -0.0, -1)}) normals.push_back(n);
+  for (const DVec3& n : normals) {
+    V3<Real> u, v;
+    shared::frameAround(V3<Real>(n), u, v);
+    CAPTURE(n.z);
+    CHECK(off(u, DVec3(u) / glm::length(DVec3(u))) < kRounding<Real>);
+    CHECK(off(v, DVec3(v) / glm::length(DVec3(v))) < kRounding<Real>);
+    CHECK(off(V3<Real>(glm::cross(DVec3(u), DVec3(v))), n) < kRounding<Real>);
+    // It turns over with the sign of z, of -0 too: then v.y is near -1 for a normal along x.
+    if (n.y == 0 && std::abs(n.x) == 1) CHECK(static_cast<double>(v.y) == (std::signbit(n.z) ? -1 : 1));
+    const Frame3 frame = frameAround(n);
+    CHECK(off(u, frame.u) < kRounding<Real>);
+    CHECK(off(v, frame.v) < kRounding<Real>);
+  }
+}
+
+TEST_CASE_TEMPLATE("the weights on an even plane tell its spacing", Real, float, double) {
+  Real weights = 0;
+  constexpr int kReach = 12;
+  for (int y = -kReach; y <= kReach; ++y)
+    for (int x = -kReach; x <= kReach; ++x)
+      if (const Real r = glm::length(glm::vec<2, Real>(x, y)) / kReach; r < 1) weights += shared::wendland(r);
+  CHECK(static_cast<double>(shared::spacingFrom(Real(0.5) * kReach, weights)) == doctest::Approx(0.5).epsilon(2e-3));
+  // A support radius of so many spacings, within its bounds; where no weight is, the largest.
+  CHECK(static_cast<double>(shared::localRadius(Real(kReach), weights, Real(1), Real(20))) ==
+        doctest::Approx(4).epsilon(2e-3));
+  CHECK(shared::localRadius(Real(kReach), weights, Real(5), Real(20)) == 5);
+  for (const Real none : {Real(0), Real(-0.0), kDenormal<Real>})
+    CHECK(shared::localRadius(Real(2), none, Real(1), Real(2)) == 2);
+}
+
+TEST_CASE_TEMPLATE("a sphere is found where its points are, and the average where their mean is", Real, float, double) {
+  const double radius = 2.5, rho = 10;  // of support and sphere
+  for (const double height : {-0.5, 0.0, 0.25}) {
+    shared::SurfaceSumsOf<Real> sums{};
+    double weights = 0;
+    DVec3 mean(0);
+    for (const DVec3& n : directions(50'000)) {
+      const DVec3 d = (rho * n - DVec3(0, 0, rho + height)) / radius;
+      if (glm::length(d) >= 1) continue;
+      add<Real>(sums, d, n);
+      const double w = std::pow(1 - glm::length(d), 4) * (4 * glm::length(d) + 1);
+      weights += w;
+      mean += w * d;
+    }
+    const auto sphere = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceSphere);
+    REQUIRE(sphere.defined);
+    // The least spread that it is given flattens it a little.
+    CHECK(std::abs(static_cast<double>(sphere.distance) - height) < 1e-4 + kRounding<Real>);
+    CHECK(off(sphere.normal, DVec3(0, 0, 1)) < 1e-6 + 20 * kRounding<Real>);
+    const auto average = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceAverage);
+    REQUIRE(average.defined);
+    const double truth = -radius * glm::dot(DVec3(average.normal), mean / weights);
+    CHECK(std::abs(static_cast<double>(average.distance) - truth) < 20 * kRounding<Real>);
+  }
+}
+
+TEST_CASE_TEMPLATE("points in one place are a plane; too few, or normals that cancel, are no surface", Real, float,
+                   double) {
+  const auto kinds = {shared::kSurfaceAverage, shared::kSurfaceSphere, shared::kSurfaceSharp};
+  for (const shared::uint kind : kinds) {
+    for (const DVec3& d : {DVec3(0), DVec3(-0.0), DVec3(0, 0, -0.25), DVec3(static_cast<double>(kDenormal<Real>))}) {
+      shared::SurfaceSumsOf<Real> sums{};
+      CHECK_FALSE(shared::surfaceFrom(sums, Real(2), kind).defined);
+      for (int i = 0; i < 5; ++i) {
+        const auto surface = shared::surfaceFrom(sums, Real(2), kind);
+        CHECK(surface.defined == (i >= 3));
+        CHECK(surface.neighbours == static_cast<shared::uint>(i));
+        CHECK(std::abs(static_cast<double>(surface.distance) - (i < 3 ? 0 : -2 * d.z)) < kRounding<Real>);
+        CHECK(off(surface.normal, DVec3(0, 0, i < 3 ? 0 : 1)) < kRounding<Real>);
+        add<Real>(sums, d, {0, 0, 1});
+      }
+    }
+    shared::SurfaceSumsOf<Real> opposed{};
+    for (const double z : {1, -1, 1, -1}) add<Real>(opposed, DVec3(0.1, 0, 0), {0, 0, z});
+    CHECK_FALSE(shared::surfaceFrom(opposed, Real(2), kind).defined);
+    // Past its last points a surface ends.
+    shared::SurfaceSumsOf<Real> aside{};
+    for (int i = 0; i < 4; ++i) add<Real>(aside, DVec3(0.6, 0, 0), {0, 0, 1});
+    CHECK_FALSE(shared::surfaceFrom(aside, Real(2), kind).defined);
+  }
+}
+
+TEST_CASE_TEMPLATE("weights let go across an edge, and a radius shrinks where normals disagree", Real, float, double) {
+  const V3<Real> up(0, 0, 1), d(Real(0.25), 0, Real(-0.125));
+  CHECK(shared::robustWeight(up, Real(0.125), d, up) == 1);
+  const double turn = 2 / 0.25, height = (-0.25 - 0.125) / 0.5;  // squared for the turn
+  CHECK(std::abs(static_cast<double>(shared::robustWeight(up, Real(0.125), d, V3<Real>(1, 0, 0))) -
+                 std::exp(-turn - height * height)) < kRounding<Real>);
+  CHECK(shared::turnWeight(shared::kSurfaceSphere, Real(-0.25)) == Real(0.5));
+  CHECK(shared::turnWeight(shared::kSurfaceSharp, Real(0.25)) == 0);
+  CHECK(shared::turnWeight(shared::kSurfaceSharp, Real(0.5)) == 1);
+  CHECK(shared::wideWhereFlat(Real(1), Real(2), Real(1)) == 2);
+  CHECK(shared::wideWhereFlat(Real(1), Real(2), Real(0)) == 1);
+}
+
+TEST_CASE("a HIP crosses a surface from the face that it came from, and remembers that face") {
+  using namespace shared;
+  CHECK(crosses(kFaceOutside, false));
+  CHECK(crosses(kFaceBehind, true));
+  for (const uint face : {kFaceUnknown, kFaceInside}) CHECK_FALSE((crosses(face, true) || crosses(face, false)));
+  CHECK_FALSE(crosses(kFaceOutside, true));
+  CHECK_FALSE(crosses(kFaceBehind, false));
+  for (const bool traced : {false, true}) {
+    for (const uint face : {kFaceUnknown, kFaceOutside, kFaceInside, kFaceBehind}) {
+      CHECK(faceAfter(face, true, true, traced) == kFaceOutside);
+      CHECK(faceAfter(face, false, false, traced) == (face == kFaceInside ? kFaceInside : kFaceUnknown));
+    }
+    CHECK(faceAfter(kFaceUnknown, true, false, traced) == (traced ? kFaceBehind : kFaceInside));
+    CHECK(faceAfter(kFaceInside, true, false, traced) == kFaceInside);
+    CHECK(faceAfter(kFaceBehind, true, false, traced) == kFaceBehind);
+  }
+}
+
+TEST_CASE_TEMPLATE("a proxy slides as far as friction lets it, and a step that turns back is halved", Real, float,
+                   double) {
+  const Real endless = std::numeric_limits<Real>::infinity();
+  const std::array<std::pair<Real, shared::uint>, 8> ways{{{Real(0), 1u},
+                                                           {Real(-0.0), 1u},
+                                                           {kDenormal<Real>, 1u},
+                                                           {Real(1), 1u},
+                                                           {Real(1.5), 2u},
+                                                           {Real(16), 16u},
+                                                           {Real(17), 16u},
+                                                           {endless, 16u}}};
+  for (const auto& [way, steps] : ways) CHECK(shared::substepsOn(way) == steps);
+
+  const V3<Real> none(0), up(0, 0, 1);
+  for (const bool sticking : {false, true}) {
+    CHECK(shared::againstFriction(none, Real(0), Real(0), sticking) == none);
+    CHECK(shared::againstFriction(none, Real(-1), Real(0.5), sticking) == none);
+    CHECK(shared::slideAlong(up, none, Real(0.5), sticking) == none);
+    // Depth 2: a coefficient of 0.5 holds a slide of 1, and one of 1.25 while it sticks.
+    const V3<Real> slid = shared::slideAlong(up, V3<Real>(Real(-1.125), 0, 2), Real(0.5), sticking);
+    CHECK(off(slid, DVec3(sticking ? 0 : 0.125, 0, 0)) < kRounding<Real>);
+  }
+  CHECK(shared::shortened(none, Real(1)) == none);
+  CHECK(shared::shortened(V3<Real>(kDenormal<Real>, 0, 0), Real(1)).x == kDenormal<Real>);
+  CHECK(off(shared::shortened(V3<Real>(0, -3, 4), Real(1)), DVec3(0, -0.6, 0.8)) < kRounding<Real>);
+
+  auto tracking = shared::trackingFrom(V3<Real>(1, 0, 0), true, Real(0.5));
+  CHECK(tracking.slid);
+  CHECK_FALSE(tracking.sticking);
+  const auto step = shared::nextStep(tracking, V3<Real>(2, 0, 1), up, Real(0.25), Real(0));
+  CHECK(off(step.lift, DVec3(0, 0, -0.25)) == 0);
+  CHECK(off(step.slide, DVec3(-2, 0, 0)) == 0);
+  CHECK(step.size == 2);
+  CHECK(off(shared::takeStep(tracking, step, Real(10)), DVec3(-1, 0, -0.25)) < kRounding<Real>);
+  CHECK(tracking.relaxation == Real(0.5));
+  CHECK_FALSE(shared::trackingFrom(none, false, Real(0.5)).slid);
+}
+
+TEST_CASE_TEMPLATE("brushes act by their ball, on points in its middle too", Real, float, double) {
+  shared::BrushOf<Real> brush{.kind = shared::kBrushPush,
+                              .falloff = 3,
+                              .tau = Real(0.5),
+                              .beta = 1,
+                              .radius = 4,
+                              .strength = 1,
+                              .longestMove = 100,
+                              .support = 1,
+                              .color = 0};
+  const V3<Real> none(0), up(0, 0, 1), hip(1, 2, 3);
+  CHECK(shared::ballOf(brush, hip, hip, none, shared::kSliding).acts == 0);
+  CHECK(shared::ballOf(brush, hip, hip, Real(0.5) * up, shared::kSliding).acts == 0);
+  CHECK(shared::ballOf(brush, hip, hip, up, shared::kFree).acts == 0);
+  const auto ball = shared::ballOf(brush, hip, V3<Real>(1, 2, -500), Real(2) * up, shared::kSliding);
+  REQUIRE(ball.acts == 1);
+  CHECK(off(ball.center, DVec3(1, 2, 3 + 0.5 + 4)) < kRounding<Real>);
+  CHECK(off(ball.motion, DVec3(0, 0, 100)) < 100 * kRounding<Real>);
+  // The whole way at once: every point comes to rest on the ball, along the line from its middle.
+  for (const DVec3& direction : directions(100)) {
+    const DVec3 place = DVec3(ball.center) + 2.5 * direction;
+    CHECK(off(shared::brushed(brush, ball, V3<Real>(place), up).position, DVec3(ball.center) + 4.0 * direction) <
+          10 * kRounding<Real>);
+  }
+  for (const V3<Real>& middle : {ball.center, ball.center + V3<Real>(kDenormal<Real>)})
+    CHECK(off(shared::brushed(brush, ball, middle, up).position, DVec3(ball.center) - DVec3(0, 0, 4)) <
+          10 * kRounding<Real>);
+  for (const double distance : {0.0, 1.0, 3.9, 4.0, 5.0}) {
+    const double truth = distance < 4 ? std::pow(1 - distance * distance / 16, 3) : 0;
+    CHECK(std::abs(static_cast<double>(shared::brushWeight(brush, static_cast<Real>(distance))) - truth) <
+          kRounding<Real>);
+  }
+  brush.kind = shared::kBrushCarve;
+  CHECK(shared::brushed(brush, ball, ball.center + up, up).taken == 1);   // faces away from the middle
+  CHECK(shared::brushed(brush, ball, ball.center + up, -up).taken == 1);  // deeper than two support radii
+  CHECK(shared::brushed(brush, ball, ball.center + Real(3) * up, -up).taken == 0);
+}
+
+TEST_CASE_TEMPLATE("half way between two points of a circle is on it; of one place it is that place", Real, float,
+                   double) {
+  for (const double angle : {0.05, 0.2, 0.4}) {
+    const DVec3 here(0, 0, 1), there(std::sin(angle), 0, std::cos(angle));
+    const V3<Real> middle = shared::halfWay(V3<Real>(there - here), V3<Real>(here), V3<Real>(there));
+    CHECK(std::abs(glm::length(DVec3(middle) + here) - 1) < 0.025 * std::pow(angle, 4) + kRounding<Real>);
+  }
+  CHECK(shared::halfWay(V3<Real>(0), V3<Real>(0, 0, 1), V3<Real>(1, 0, 0)) == V3<Real>(0));
+}
+
+TEST_CASE_TEMPLATE("the plane of points has their direction of least spread, where there is one", Real, float, double) {
+  for (const DVec3& n : directions(100)) {
+    const Frame3 frame = frameAround(n);
+    shared::MomentsOf<Real> plane{}, line{}, place{};
+    for (const auto& [u, v] : {std::pair(0.5, 0.1), {-0.4, 0.3}, {0.1, -0.6}, {-0.3, -0.2}, {0.2, 0.45}}) {
+      shared::addNeighbour(plane, V3<Real>(u * frame.u + v * frame.v), Real(0.5));
+      shared::addNeighbour(line, V3<Real>(u, 0, 0), Real(0.5));
+      shared::addNeighbour(place, V3<Real>(0), Real(0.5));
+    }
+    const DVec3 found(shared::planeNormal(plane));
+    CHECK(std::abs(std::abs(glm::dot(found, n)) - 1) < kRounding<Real>);
+    CHECK(shared::planeNormal(line) == V3<Real>(0));
+    CHECK(shared::planeNormal(place) == V3<Real>(0));
+    CHECK(shared::planeNormal(shared::MomentsOf<Real>{}) == V3<Real>(0));
+    CHECK(std::abs(glm::dot(DVec3(shared::besides(V3<Real>(n))), n)) < kRounding<Real>);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,33 @@
+// The laws of the brushes on the GPU against double precision.
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "shaders/test_shaders.hpp"
+#include "tests/edit/brush_questions.hpp"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+TEST_CASE_FIXTURE(GpuFixture, "the GPU does what double does, with every brush") {
+  constexpr double kSignedDistance = 0.3;
+  const auto questions = randomQuestions(6000);
+  std::vector<shared::BrushQuestion> asked;
+  for (const BrushCase& question : questions) asked.push_back(question.asked);
+  // One more than are asked: validation takes the last bytes of a struct for a multiple of 16.
+  const Buffer input = Buffer::of<shared::BrushQuestion>(device, asked.size() + 1, Memory::device, "questions");
+  const Buffer output = Buffer::of<shared::BrushAnswer>(device, asked.size() + 1, Memory::device, "answers");
+  upload(device, input, asked);
+  const ComputePipeline pipeline(device, shader_code::edit_brush_probe, {.pushBytes = sizeof(shared::BrushProbeArgs)});
+  const auto count = static_cast<std::uint32_t>(asked.size());
+  CommandList list(device, device.latencyQueue(), "brushes");
+  list.begin();
+  list.dispatch(pipeline, count,
+                shared::BrushProbeArgs{.questions = input.address(),
+                                       .answers = output.address(),
+                                       .count = count,
+                                       .signedDistance = static_cast<float>(kSignedDistance)});
+  list.end();
+  device.latencyQueue().run(list);
+  checkAgree(questions, download<shared::BrushAnswer>(device, output, asked.size()), kSignedDistance);
+}
+
+}  // namespace palpate

@@ -1,0 +1,91 @@
+// Questions to the laws of the brushes, and what double precision says to the answers.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <random>
+#include <vector>
+
+#include "engine/edit/placed_brush.hpp"
+#include "shaders/shared/edit.h"
+#include "tests/edit/brush_probe.h"
+
+namespace palpate {
+
+inline constexpr double kSupport = 1.5;
+
+struct BrushCase {
+  BrushOptions options;
+  shared::BrushQuestion asked;
+};
+
+// Points in and around the balls of every brush, from a brush far in the surface to one that does not touch it.
+inline std::vector<BrushCase> randomQuestions(std::size_t count) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> share(0, 1);
+  const auto signedShare = [&] { return 2 * share(random) - 1; };
+  const auto direction = [&] {
+    DVec3 v(0);
+    while (glm::length(v) < 0.1) v = {signedShare(), signedShare(), signedShare()};
+    return glm::normalize(v);
+  };
+  std::vector<BrushCase> questions;
+  while (questions.size() < count) {
+    BrushOptions options{.kind = kBrushKinds[questions.size() % kBrushKinds.size()].second,
+                         .tau = 0.5 * share(random),
+                         .beta = share(random),
+                         .radius = 1 + 9 * share(random),
+                         .strength = share(random),
+                         .falloff = static_cast<std::uint32_t>(5 * share(random))};
+    for (auto& channel : options.color) channel = static_cast<std::uint8_t>(256 * share(random));
+    const DVec3 hip = 40.0 * direction(), outward = direction();
+    const DVec3 spring = 3 * share(random) * outward;
+    const DVec3 position = hip + spring + 1.5 * options.radius * share(random) * direction();
+    questions.push_back({.options = options,
+                         .asked = {.brush = sharedBrush(options, kSupport),
+                                   .hip = Vec3(hip),
+                                   .lastHip = Vec3(hip + share(random) * direction()),
+                                   .spring = Vec3(spring),
+                                   .touching = 1,
+                                   .position = Vec3(position),
+                                   .normal = Vec3(direction()),
+                                   .color = static_cast<std::uint32_t>(random())}});
+  }
+  return questions;
+}
+
+// How far single precision may be from double: rounding at 50 units from the origin.
+inline constexpr double kRounding = 5e-5;
+
+// Every answer agrees with double precision; a point on the edge of a decision may fall on either side of it, which is
+// counted.
+inline void checkAgree(const std::vector<BrushCase>& questions, const std::vector<shared::BrushAnswer>& answers,
+                       double signedDistance) {
+  std::size_t otherSide = 0, moved = 0, taken = 0, colored = 0;
+  for (std::size_t i = 0; i < questions.size(); ++i) {
+    const auto& [options, q] = questions[i];
+    const PlacedBrush brush(options, kSupport, DVec3(q.hip), DVec3(q.lastHip), DVec3(q.spring));
+    const DVec3 place(q.position), normal(q.normal);
+    const PlacedBrush::Point expected = brush.brushed(place, normal);
+    moved += expected.position != place;
+    taken += expected.taken;
+    if (expected.taken != (answers[i].brushed.taken != 0)) {
+      ++otherSide;
+    } else {
+      CHECK(glm::distance(DVec3(answers[i].brushed.position), expected.position) < kRounding);
+    }
+    const DVec3 smooth =
+        brush.smoothed(place, {.defined = true, .distance = signedDistance, .normal = normal, .neighbours = 9});
+    CHECK(glm::distance(DVec3(answers[i].smoothed), smooth) < kRounding);
+    const auto is = unpackedColor(answers[i].painted), wanted = unpackedColor(brush.painted(place, q.color));
+    colored += answers[i].painted != q.color;
+    for (std::size_t k = 0; k < 4; ++k) CHECK(std::abs(is[k] - wanted[k]) <= 1);
+  }
+  CHECK(otherSide < 3);
+  CHECK(moved > questions.size() / 8);
+  CHECK(taken > questions.size() / 50);
+  CHECK(colored > questions.size() / 20);
+}
+
+}  // namespace palpate

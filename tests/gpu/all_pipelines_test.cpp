@@ -1,0 +1,64 @@
+// Every compute shader of the program becomes a pipeline on the driver at hand, one by one, where its own pass may not be
+// tested: validation looks at each module, and the driver translates it.
+#include <string>
+
+#include "engine/gpu/compute_pipeline.hpp"
+#include "shaders/compiled.hpp"
+#include "tests/gpu_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+class AllPipelinesFixture : protected GpuFixture {};
+
+/// The words of each instruction of a module (SPIR-V specification, section 2.3).
+template <class See>
+void forEachInstruction(const ShaderCode& code, See&& see) {
+  constexpr std::size_t kHeaderWords = 5;
+  for (std::size_t at = kHeaderWords; at < code.words.size();) {
+    const std::size_t words = code.words[at] >> 16;
+    see(code.words[at] & 0xffff, code.words.subspan(at + 1, words - 1));
+    at += words;
+  }
+}
+
+bool isCompute(const ShaderCode& code) {
+  constexpr std::uint32_t kOpEntryPoint = 15, kGlCompute = 5;
+  bool compute = false;
+  forEachInstruction(code, [&](std::uint32_t op, auto operands) {
+    if (op == kOpEntryPoint) compute = operands[0] == kGlCompute;
+  });
+  return compute;
+}
+
+bool needsInt64(const ShaderCode& code) {
+  constexpr std::uint32_t kOpCapability = 17, kInt64 = 11;
+  bool needs = false;
+  forEachInstruction(code, [&](std::uint32_t op, auto operands) {
+    if (op == kOpCapability && operands[0] == kInt64) needs = true;
+  });
+  return needs;
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(AllPipelinesFixture, "every compute shader becomes a pipeline") {
+  std::size_t count = 0;
+  for (const ShaderCode* code : shader_code::compiled) {
+    MESSAGE(std::string(code->name));  // a driver that crashes leaves no other trace of which it was
+    if (needsInt64(*code) && !device.hasWideAtomics()) {
+      MESSAGE("skipped: this device has no integers of 64 bits, and palpate does without the shader");
+      continue;
+    }
+    const ShaderStage module(device, *code, {});  // the tests of pictures make pipelines of the others
+    if (!isCompute(*code)) continue;
+    // Arguments and images: as many as any of them has.
+    const ComputePipeline pipeline(device, *code, {.workgroupSize = 128, .pushBytes = kMaxPushBytes, .images = 4});
+    CHECK(pipeline.handle() != VK_NULL_HANDLE);
+    ++count;
+  }
+  CHECK(count > 60);
+}
+
+}  // namespace palpate

@@ -1,0 +1,56 @@
+// What the kernel takes from a thread.
+#include "haptics/scheduling_statistics.hpp"
+
+#include <doctest/doctest.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "engine/core/clock.hpp"
+
+namespace palpate {
+
+TEST_CASE("a thread whose core goes to another one sees that in its account, and pages that it touches first") {
+  const auto spin = [](double for_s) {
+    const Stopwatch watch;
+    while (watch.elapsed_s() < for_s) {
+    }
+  };
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  SchedulingStatistics shared;
+  std::thread([&] {
+    const int core = ::sched_getcpu();
+    CPU_SET(core, &one);
+    REQUIRE(::pthread_setaffinity_np(::pthread_self(), sizeof one, &one) == 0);
+    std::atomic<bool> stop = false;
+    std::thread rival([&] {
+      while (!stop.load(std::memory_order_relaxed)) {
+      }
+    });  // it inherits the core
+    const SchedulingStatistics before = schedulingOfThisThread();
+    spin(0.3);
+    shared = schedulingOfThisThread() - before;
+    stop = true;
+    rival.join();
+  }).join();
+  CHECK(shared.preemptions >= 3);
+  if (::access("/proc/thread-self/schedstat", R_OK) == 0)
+    CHECK(shared.waited_us > 30'000);  // about half of the time
+  else
+    MESSAGE("this kernel keeps no account of waiting: not checked");
+
+  constexpr std::size_t kPages = 64, kPage = 4096;
+  void* const memory = ::mmap(nullptr, kPages * kPage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  REQUIRE(memory != MAP_FAILED);
+  ::madvise(memory, kPages * kPage, MADV_NOHUGEPAGE);
+  const SchedulingStatistics before = schedulingOfThisThread();
+  for (std::size_t i = 0; i < kPages; ++i) static_cast<volatile char*>(memory)[i * kPage] = 1;
+  CHECK((schedulingOfThisThread() - before).pageFaults >= kPages);
+  ::munmap(memory, kPages * kPage);
+}
+
+}  // namespace palpate

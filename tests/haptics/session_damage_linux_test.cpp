@@ -1,0 +1,164 @@
+// What is read of a log that was killed, or met a full disk; and that it says what is missing.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <functional>
+
+#include "engine/core/error.hpp"
+#include "tests/haptics/logged_session.hpp"
+
+namespace palpate {
+
+TEST_CASE("a killed process leaves all but the last moments of its session") {
+  const ScratchFolder folder;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    SessionWriter writer(folder / "log", "a text");
+    for (std::uint32_t i = 0;; ++i) {
+      writer.add(tickAt(i));
+      writer.add(editsAt(i));
+      ::usleep(1000);
+    }
+  }
+  // Until enough of it is on the disk, however slow the machine is.
+  constexpr std::uintmax_t kEnough = 200'000;
+  std::error_code none;
+  for (int i = 0; i < 60'000; ++i) {
+    const auto size = std::filesystem::file_size(folder / "log", none);
+    if (!none && size > kEnough) break;
+    ::usleep(1000);
+  }
+  ::kill(child, SIGKILL);
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  CHECK(WIFSIGNALED(status));
+  const SessionRecord record = readSessionLog(folder / "log");
+  checkBeginning(record);
+  CHECK_FALSE(record.end);
+  CHECK(record.ticks.size() > 300);
+  CHECK(record.edits.points.size() > 900);
+  CHECK(
+      saysOneOf(whatIsMissing(record), fmt::format("what came after {:.3f} s is missing", record.ticks.back().time_s)));
+}
+
+namespace {
+
+// What `act` gives in a process whose files may have `limit` bytes.
+int inProcessWithSmallFiles(rlim_t limit, const std::function<int()>& act) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    rlimit allowed{};
+    ::getrlimit(RLIMIT_FSIZE, &allowed);
+    allowed.rlim_cur = limit;
+    ::setrlimit(RLIMIT_FSIZE, &allowed);
+    ::_exit(act());
+  }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+void makeRoom() {
+  rlimit allowed{};
+  ::getrlimit(RLIMIT_FSIZE, &allowed);
+  allowed.rlim_cur = allowed.rlim_max;
+  ::setrlimit(RLIMIT_FSIZE, &allowed);
+}
+
+// A session of `ticks`, edits with each, on a disk with room for `limit` bytes; from tick `freed` on there is more.
+// Gives how often the writer told that it could not write, and 20 more where the end said nothing of it.
+int writeOnFullDisk(const std::filesystem::path& file, rlim_t limit, std::uint32_t ticks, std::uint32_t freed) {
+  return inProcessWithSmallFiles(limit, [&] {
+    std::atomic<int> told = 0;
+    SessionWriter writer(file, "a text", [&](const std::string& sentence) {
+      told += sentence.find("free some space") != std::string::npos && sentence.find(file.string()) == 0 ? 1 : 10;
+    });
+    for (std::uint32_t i = 0; i < ticks; ++i) {
+      if (i == freed) makeRoom();
+      writer.add(tickAt(i));
+      writer.add(editsAt(i));
+      if (i % 100 == 99) writer.flush();
+    }
+    try {
+      writer.finish(77);
+      told += 20;
+    } catch (const FileError& error) {
+      if (std::string(error.what()).find("are missing in it") == std::string::npos) told += 20;
+    }
+    return told.load();
+  });
+}
+
+}  // namespace
+
+TEST_CASE("on a full disk the session goes on, is told once, and what fits is in the log: ticks, edits and its end") {
+  const ScratchFolder folder;
+  constexpr std::uint32_t kTicks = 5000;
+  CHECK(writeOnFullDisk(folder / "log", 614'400, kTicks, kTicks) == 1);
+  const SessionRecord record = readSessionLog(folder / "log");
+  checkPieces(record);
+  CHECK(record.fileBytes <= 614'400);
+  CHECK(record.wholeBytes == record.fileBytes);
+  CHECK(record.wholeBytes > 590'000);  // a block less at most
+  CHECK(record.ticks.size() > 2300);   // of 2,600 that fit at all, with three edits each
+  CHECK(record.edits.points.size() > 2300 * 3);
+  REQUIRE(record.end);  // for which there was room once the torn block was gone
+  CHECK(record.ticks.size() + missing(record, &LogGap::ticks) == kTicks);
+  CHECK(record.edits.points.size() + missing(record, &LogGap::states) == 3 * kTicks);
+  CHECK(saysOneOf(whatIsMissing(record), "they were not written"));
+}
+
+TEST_CASE("of many edits that come at once a full disk leaves all but the last block that fits") {
+  const ScratchFolder folder;
+  constexpr std::uint32_t kEdits = 100'000;
+  const int told = inProcessWithSmallFiles(614'400, [&] {
+    SessionWriter writer(folder / "log", "a text");
+    EditBatch all;
+    for (std::uint32_t i = 0; i < kEdits; ++i) all.points.push_back({.id = i});
+    writer.add(all);
+    writer.add(tickAt(0));
+    try {
+      writer.finish(77);
+      return 0;
+    } catch (const FileError&) {
+      return 1;
+    }
+  });
+  CHECK(told == 1);
+  const SessionRecord record = readSessionLog(folder / "log");
+  REQUIRE(record.edits.points.size() > 16'000);  // of 17,000 that there is room for
+  CHECK(record.edits.points.back().number() == record.edits.points.size() - 1);
+  CHECK(record.ticks.size() == 1);
+  CHECK(missing(record, &LogGap::states) == kEdits - record.edits.points.size());
+}
+
+TEST_CASE("once there is room again the log goes on, and says what it has not") {
+  const ScratchFolder folder;
+  CHECK(writeOnFullDisk(folder / "log", 100'000, 2000, 1000) == 1);
+  const SessionRecord record = readSessionLog(folder / "log");
+  checkPieces(record);
+  REQUIRE(record.end);
+  REQUIRE(!record.ticks.empty());
+  CHECK(record.ticks.back().time_s == tickAt(1999).time_s);
+  CHECK(record.ticks.size() + missing(record, &LogGap::ticks) == 2000);
+  CHECK(missing(record, &LogGap::ticks) > 300);
+  std::size_t later = 0;
+  for (const LoggedTick& tick : record.ticks) later += tick.time_s >= 1;
+  CHECK(later == 1000);
+}
+
+TEST_CASE("a header for which there is no room is an error, and no log") {
+  const ScratchFolder folder;
+  if (!std::filesystem::exists("/dev/full")) {
+    MESSAGE("skipped: there is no /dev/full");
+    return;
+  }
+  CHECK_THROWS_WITH_AS(SessionWriter("/dev/full", "a text"), doctest::Contains("free some space"), FileError);
+}
+
+}  // namespace palpate

@@ -1,0 +1,28 @@
+// What the loader says of libraries that are not there, or of no use.
+#include <fstream>
+
+#include "haptics/devices/dhd.hpp"
+#include "haptics/devices/hdapi.hpp"
+#include "tests/fake_devices/fake_driver.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+TEST_CASE("without a library the places that were looked at are named, and what to install") {
+  const VendorLibrary library(hdapi::librarySearch());
+  CHECK_FALSE(library.isLoaded());
+  CHECK(says(library.whyNot(), "is not on this machine (looked for HD.dll)"));
+  CHECK(says(VendorLibrary(dhd::librarySearch()).whyNot(), "is not on this machine (looked for dhd64.dll, drd64.dll)"));
+}
+
+TEST_CASE("a library that is there and of no use is told from one that is not there") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "HD.dll").string();
+  std::ofstream(file) << "not a library, but a text that is long enough to have a header of sixty-four bytes in it";
+  const Variable variable("PALPATE_HD_LIBRARY", file);
+  const VendorLibrary library(hdapi::librarySearch());
+  CHECK_FALSE(library.isLoaded());
+  CHECK(says(library.whyNot(), "is there but cannot be loaded: " + file));
+}
+
+}  // namespace palpate

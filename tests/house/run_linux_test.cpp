@@ -1,0 +1,113 @@
+// tests/run.sh with a build and tests that are not there: every leg runs, and the end says what failed.
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <fstream>
+
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Run {
+  int code = 0;
+  std::string text;
+};
+
+void writeProgram(const fs::path& file, const std::string& text) {
+  fs::create_directories(file.parent_path());
+  std::ofstream(file) << "#!/usr/bin/env bash\n" << text;
+  fs::permissions(file, fs::perms::owner_all);
+}
+
+/// `cmake`, `ctest`: what stands for them, in bash; the preset is $preset.
+Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers = true) {
+  const ScratchFolder folder;
+  const std::string preset = "preset=$(printf '%s\\n' \"$@\" | grep -m 1 -xE 'dev|asan|tsan')\n";
+  const std::string told =
+      "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}\"\n"
+      "[ -z \"${VK_DRIVER_FILES:-}\" ] || echo driver=$VK_DRIVER_FILES $PALPATE_GPU\n"
+      "[ -z \"${VK_LAYER_PATH:-}\" ] || echo layer=$VK_LAYER_PATH $PALPATE_TESTS_VALIDATE\n";
+  writeProgram(folder / "bin/cmake", preset + told + cmake);
+  writeProgram(folder / "bin/ctest", preset + told + ctest);
+  writeProgram(folder / "third_party/install.sh", "");
+  if (hasDrivers) writeProgram(folder / "third_party/drivers.sh", "echo other/drivers\n");
+  writeProgram(folder / "third_party/windows.sh", "echo 'windows.sh: no wine here'; exit 1\n");
+  fs::create_directories(folder / "tests");
+  for (const char* file : {"tests/run.sh", "tests/other_drivers.txt"})
+    fs::copy_file(fs::path(PALPATE_SOURCE_DIR) / file, folder / file);
+  const std::string command = "env -u PALPATE_GPU PATH='" + (folder / "bin").string() + ":'\"$PATH\" bash '" +
+                              (folder / "tests/run.sh").string() + "' 2>&1";
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  REQUIRE(pipe);
+  Run run;
+  std::array<char, 4096> piece;
+  while (const std::size_t size = std::fread(piece.data(), 1, piece.size(), pipe)) run.text.append(piece.data(), size);
+  const int status = ::pclose(pipe);
+  run.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return run;
+}
+
+bool hasSources() {
+  if (fs::exists(fs::path(PALPATE_SOURCE_DIR) / "tests/run.sh")) return true;
+  MESSAGE("skipped: the sources are not at " << PALPATE_SOURCE_DIR);
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread") {
+  if (!hasSources()) return;
+  const Run run = runLegs("", "");
+  CHECK(run.code == 0);
+  CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L host threads=\n"));
+  CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^haptics\\. threads=\n"));
+  CHECK(says(run.text, "-R ^(gpu|spatial|contact|edit|mesh)\\. threads=1\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "driver=other/drivers/swiftshader.json SwiftShader\n"));
+  CHECK(says(run.text, "layer=other/drivers core\n"));
+  CHECK(says(run.text, "run.sh: every leg passed"));
+  CHECK(run.text.find("skipped: on SwiftShader") == std::string::npos);
+  CHECK(says(run.text, "run.sh: skipped: for Windows: windows.sh: no wine here\n"));
+}
+
+TEST_CASE("run.sh says which legs it skips, where another driver cannot be had") {
+  if (!hasSources()) return;
+  const Run run = runLegs("", "", false);
+  CHECK(run.code == 0);
+  CHECK(says(run.text, "run.sh: skipped: on SwiftShader, and under a current validation layer"));
+  CHECK(run.text.find("driver=") == std::string::npos);
+  CHECK(run.text.find("layer=") == std::string::npos);
+}
+
+TEST_CASE("a leg of run.sh that fails hides none behind it, and the last lines name what failed") {
+  if (!hasSources()) return;
+  const Run run = runLegs("",
+                          "if [ $preset = dev ]; then exit 0; fi\n"
+                          "mkdir -p build/$preset/Testing/Temporary\n"
+                          "printf '3:%s.one\\n17:%s.two\\n' $preset $preset > "
+                          "build/$preset/Testing/Temporary/LastTestsFailed.log\nexit 8\n");
+  CHECK(run.code == 1);
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "run.sh: failed: without Vulkan, under AddressSanitizer and UBSan: asan.one asan.two\n"));
+  CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: tsan.one tsan.two\n"));
+  CHECK(run.text.find("failed: all") == std::string::npos);
+  CHECK(run.text.find("every leg passed") == std::string::npos);
+}
+
+TEST_CASE("run.sh says of tests that were not built that they did not run, and runs the others") {
+  if (!hasSources()) return;
+  const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics' ]; then exit 1; fi\n", "");
+  CHECK(run.code == 1);
+  CHECK(run.text.find("ctest --preset tsan") == std::string::npos);
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "run.sh: failed: build for ThreadSanitizer\n"));
+  CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: not run, not built\n"));
+}
+
+}  // namespace palpate

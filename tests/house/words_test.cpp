@@ -1,0 +1,108 @@
+// Words that have given way to the field's own: no identifier may bring them back.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// What stands for each today: request, state, reset, carry out, scheduling statistics, voxel sample, outlier, observer.
+constexpr std::array<std::string_view, 13> kGone{"wish", "wishes", "story", "stories", "anew",   "afresh", "obey",
+                                                 "toll", "gist",   "stray", "strays",  "umpire", "witness"};
+
+bool isWordPart(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+// Identifiers of a text in C++ or GLSL, without what stands in comments and between quotes on one line.
+std::set<std::string> identifiersOf(std::string_view text) {
+  std::set<std::string> found;
+  for (std::size_t i = 0; i < text.size();) {
+    const char c = text[i];
+    if (text.substr(i).starts_with("//")) {
+      i = std::min(text.find('\n', i), text.size());
+    } else if (c == '"' || c == '\'') {
+      for (++i; i < text.size() && text[i] != c && text[i] != '\n'; ++i) i += text[i] == '\\' ? 1 : 0;
+      ++i;
+    } else if (isWordPart(c)) {
+      const std::size_t begin = i;
+      while (i < text.size() && (isWordPart(text[i]) || (text[i] == '\'' && std::isdigit(text[begin]) != 0))) ++i;
+      found.emplace(text.substr(begin, i - begin));
+    } else {
+      ++i;
+    }
+  }
+  return found;
+}
+
+// "kMostStrays_mm": most, strays, mm, after a k of its own.
+std::vector<std::string> wordsOf(std::string_view identifier) {
+  std::vector<std::string> words;
+  bool begins = true;
+  for (const char c : identifier) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalpha(letter) == 0) {
+      begins = true;
+      continue;
+    }
+    if (begins || std::isupper(letter) != 0) words.emplace_back();
+    words.back() += static_cast<char>(std::tolower(letter));
+    begins = false;
+  }
+  return words;
+}
+
+bool hasGoneWord(std::string_view identifier) {
+  return std::ranges::any_of(wordsOf(identifier),
+                             [](const std::string& word) { return std::ranges::find(kGone, word) != kGone.end(); });
+}
+
+bool isSource(const fs::path& file) {
+  static const std::set<std::string> endings{".cpp", ".hpp", ".h", ".cu", ".cuh", ".comp", ".glsl", ".vert", ".frag"};
+  return endings.contains(file.extension().string());
+}
+
+}  // namespace
+
+TEST_CASE("no identifier has a word that has given way to the field's own") {
+  const fs::path top = PALPATE_SOURCE_DIR;
+  if (!fs::exists(top / "engine")) {
+    MESSAGE("skipped: the sources are not at " << top.string());
+    return;
+  }
+  std::size_t identifiers = 0;
+  for (const char* folder : {"engine", "haptics", "shaders", "apps", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(top / folder)) {
+      if (!entry.is_regular_file() || !isSource(entry.path())) continue;
+      std::ifstream in(entry.path());
+      const std::string text{std::istreambuf_iterator<char>(in), {}};
+      for (const std::string& identifier : identifiersOf(text)) {
+        ++identifiers;
+        CHECK_MESSAGE(!hasGoneWord(identifier), fs::relative(entry.path(), top).string() << ": " << identifier);
+      }
+    }
+  }
+  CHECK(identifiers > 10'000);
+}
+
+TEST_CASE("a word that has gone is found in an identifier, and not in a comment, a text or a longer word") {
+  CHECK(hasGoneWord("parseWishes"));
+  CHECK(hasGoneWord("kMostStrays_mm"));
+  CHECK(hasGoneWord("edits_built_anew"));
+  CHECK_FALSE(hasGoneWord("history"));
+  CHECK_FALSE(hasGoneWord("registers"));
+  CHECK(identifiersOf("int a = 1'000;  // a wish\nsay(\"built_\\\"anew\", 'b');") ==
+        std::set<std::string>{"1'000", "a", "int", "say"});
+}
+
+}  // namespace palpate

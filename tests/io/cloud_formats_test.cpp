@@ -1,0 +1,124 @@
+// The table of formats, and the same ways through a table with a format that exists nowhere else.
+#include "engine/io/cloud_formats.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/core/atomic_file.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/ply_format.hpp"
+#include "engine/io/saving.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+namespace {
+
+// Three numbers a line, of which the first line says how many follow.
+FileContents contentsOfTally(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::uint64_t count = 0;
+  if (!(in >> count)) throw FileError::atLine(file, 1, "no tally");
+  return {.elements = {{"vertex", count, {{"x"}, {"y"}, {"z"}}}}, .comments = {}};
+}
+
+StoredCloud readTally(const std::filesystem::path& file, Log*, const CloudReadOptions&) {
+  std::ifstream in(file);
+  StoredCloud stored;
+  std::uint64_t count = 0;
+  for (in >> count; count > 0; --count) {
+    Vec3& p = stored.cloud.positions.emplace_back();
+    if (!(in >> p.x >> p.y >> p.z)) throw FileError(file, "ends too early");
+  }
+  return stored;
+}
+
+void writeTally(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) {
+  AtomicFile out(file);
+  out.write(fmt::format("{}\n", cloud.size()));
+  for (const Vec3& p : cloud.positions) out.write(fmt::format("{} {} {}\n", p.x, p.y, p.z));
+  if (options.keptAs)
+    *options.keptAs = out.commitAndKeep();
+  else
+    out.commit();
+}
+
+std::vector<std::string> lacksOfTally(const StoredCloud& stored) {
+  std::vector<std::string> lost;
+  if (stored.cloud.hasNormals()) lost.emplace_back("normals");
+  return lost;
+}
+
+constexpr std::array<std::string_view, 2> kTallyEndings{".tally", ".tly"};
+constexpr std::array<std::string_view, 1> kScanEndings{".scan"};
+
+// One that does both, and one that is read only.
+const std::array kFormats{
+    plyFormat(),
+    CloudFormat{.name = "tally",
+                .endings = kTallyEndings,
+                .contents = contentsOfTally,
+                .read = readTally,
+                .write = writeTally,
+                .lacks = lacksOfTally},
+    CloudFormat{.name = "scan", .endings = kScanEndings, .contents = contentsOfTally, .read = readTally}};
+const CloudFormats kTable{kFormats};
+
+PointCloud threePoints() {
+  PointCloud cloud;
+  cloud.positions = {{0, 0, 0.125f}, {1, 0, 0}, {0, 1, 0}};
+  return cloud;
+}
+
+}  // namespace
+
+TEST_CASE("a format is known by its ending; others are refused for writing, with those that there are") {
+  CHECK(cloudFormats().toWrite("folder.x/cloud.PLY").name == "PLY");
+  CHECK(cloudFormats().toRead("cloud.ply").name == "PLY");
+  CHECK(cloudFormats().toRead("no-ending").name == "PLY");
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("cloud.xyzzy"), "cloud.xyzzy: clouds are written as .ply, .xyz; name it so",
+                       UsageError);
+  CHECK_THROWS_AS(cloudFormats().toWrite("cloud"), UsageError);
+  CHECK(cloudFormats().toSave("cloud").name == "PLY");
+}
+
+TEST_CASE("every format that is written is read back, point by point") {
+  const ScratchFolder folder;
+  const PointCloud cloud = threePoints();
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}};
+  for (const bool ascii : {false, true}) {
+    writeCloud(folder / "a.ply", cloud, {.ascii = ascii, .triangles = &triangles});
+    const StoredCloud again = readCloud(folder / "a.ply");
+    CHECK(again.cloud.positions == cloud.positions);
+    CHECK(again.triangles == triangles);
+    CHECK(again.lost.empty());
+  }
+}
+
+TEST_CASE("a format that a table has besides is read, written and saved through the same ways") {
+  const ScratchFolder folder;
+  const PointCloud cloud = threePoints();
+  writeCloud(folder / "a.tally", cloud, {}, kTable);
+  CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
+  CHECK(contentsOf(folder / "a.tally", kTable).elements.at(0).count == 3);
+  CHECK_THROWS_WITH_AS(readCloud(folder / "a.tally"), doctest::Contains("not a PLY file"), FileError);
+  CHECK(kTable.toWrite("a.TLY").name == "tally");
+  CHECK(kTable.toWrite("a.tly").lacks({.cloud = cloud}).empty());
+
+  // It has no place for the sign of who wrote it, so that what is there is kept.
+  CHECK(fileInTheWay(folder / "a.tally", kTable).sentence() == "a.tally was not written by palpate");
+  CHECK(saveKeeping(folder / "a.tally", cloud, kTable) == folder / "a.tally.bak");
+  CHECK(readCloud(folder / "a.tally", nullptr, {}, kTable).cloud.positions == cloud.positions);
+}
+
+TEST_CASE("what is only read is not written, and messages name what a table has") {
+  CHECK(kTable.toRead("a.scan").name == "scan");
+  CHECK(kTable.toSave("a.scan").name == "PLY");
+  CHECK_THROWS_WITH_AS(kTable.toWrite("a.scan"), "a.scan: clouds are written as .ply, .tally, .tly; name it so",
+                       UsageError);
+  CHECK(kTable.namesRead() == "PLY, tally, scan");
+  CHECK(kTable.endingsRead() == ".ply, .tally, .tly, .scan");
+  CHECK(kTable.endingsWritten() == ".ply, .tally, .tly");
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,195 @@
+// Files that lie, end early or are not what they claim: each is refused with its place, and none takes memory on its
+// word.
+#include <doctest/doctest.h>
+
+#include <ctime>
+
+#include "engine/core/error.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "tests/io/ply_bytes.hpp"
+
+namespace palpate::test {
+namespace {
+
+const std::string kXyz = "property float x\nproperty float y\nproperty float z\n";
+
+std::string refusal(const std::string& text, PlyReadOptions options = {}) {
+  const TemporaryFile file(text);
+  std::string message = errorOf([&] { readPly(file.path(), nullptr, options); });
+  const std::string name = file.path().string();
+  if (message.starts_with(name)) message.erase(0, name.size());
+  return message;
+}
+
+std::string floats(PlyFormat format, std::initializer_list<double> values) {
+  BodyWriter body(format);
+  for (const double value : values) body.put(ScalarType::f32, value);
+  return body.text();
+}
+
+}  // namespace
+
+TEST_CASE("what is no PLY file is refused") {
+  CHECK(contains(refusal(""), ":1: the file is empty"));
+  CHECK(contains(refusal("solid cube"), ":1: not a PLY file: it begins with 'solid cube', expected 'ply'"));
+  CHECK(contains(refusal("plywood\n"), "not a PLY file"));
+  CHECK(contains(refusal("version https://git-lfs.github.com/spec/v1\n"), "git lfs pull"));
+  CHECK(contains(errorOf([] { readPly("/nowhere/at/all.ply"); }), "cannot be read"));
+  CHECK(contains(errorOf([] { readPly("/tmp"); }), "is a folder"));
+}
+
+TEST_CASE("a broken header is refused with its line") {
+  const std::string ascii = "ply\nformat ascii 1.0\n";
+  CHECK(contains(refusal("ply\nformat ascii 1.0\nelement vertex 1\n" + kXyz), ":6: the file ends inside the header"));
+  CHECK(contains(refusal("ply\nelement vertex 0\n" + kXyz + "end_header\n"), ":6: the header has no 'format' line"));
+  CHECK(contains(refusal("ply\nformat utf8 1.0\n"), ":2: format 'utf8' is unknown"));
+  CHECK(contains(refusal("ply\nformat ascii 2.0\n"), ":2: PLY version '2.0'"));
+  CHECK(contains(refusal(ascii + "format ascii 1.0\n"), ":3: a second 'format'"));
+  CHECK(contains(refusal(ascii + "hello\n"), ":3: 'hello' is no header line"));
+  CHECK(contains(refusal(ascii + "element vertex -1\n"), ":3: the count of element 'vertex' is '-1'"));
+  CHECK(contains(refusal(ascii + "element vertex 99999999999999999999\n"), ":3: the count"));
+  CHECK(contains(refusal(ascii + "element vertex 3.5\n"), ":3: the count"));
+  CHECK(contains(refusal(ascii + "element vertex\n"), ":3: found 2 words"));
+  CHECK(contains(refusal(ascii + "property float x\n"), ":3: a property before the first element"));
+  CHECK(contains(refusal(ascii + "element vertex 1\nproperty quad x\n"), ":4: type 'quad' is unknown"));
+  CHECK(contains(refusal(ascii + "element vertex 1\nproperty\n"), ":4: found nothing after 'property'"));
+  CHECK(contains(refusal(ascii + "element vertex 1\nproperty list float int x\n"),
+                 ":4: a list cannot have 'float' items"));
+  CHECK(contains(refusal(ascii + "element vertex 1\n" + kXyz + "property int x\n"), ":7: a second property 'x'"));
+  CHECK(contains(refusal(ascii + "element vertex 1\nelement vertex 1\n"), ":4: a second element 'vertex'"));
+  CHECK(contains(refusal(ascii + "element face 0\nend_header\n"), "no element 'vertex'; elements: face"));
+  CHECK(contains(refusal(ascii + "element vertex 0\nproperty float x\nproperty float z\nend_header\n"),
+                 ":3: the vertex element has no scalar property 'y'"));
+  CHECK(contains(refusal("ply\n" + std::string(100000, 'x')), ":2: a line of more than"));
+  std::string endless = ascii;
+  while (endless.size() < 2'000'000) endless += "comment and so on\n";
+  CHECK(contains(refusal(endless), "no 'end_header' in the first"));
+}
+
+TEST_CASE("a count that cannot be true costs neither time nor memory") {
+  for (const PlyFormat format : kAllFormats) {
+    for (const char* count : {"1000000000000000000", "18446744073709551615", "4294967296"}) {
+      const std::clock_t begin = std::clock();  // of this process alone, however busy the machine is
+      const std::string header = magic(format) + "element vertex " + count + "\n" + kXyz;
+      CHECK(contains(refusal(header + "end_header\n" + floats(format, {1, 2, 3})), "the header promises"));
+      CHECK(contains(refusal(header + "property list uint int n\nend_header\n"), "the header promises"));
+      const std::string faces =
+          magic(format) + "element face " + count + "\nproperty list uchar int i\nelement vertex 1\n" + kXyz;
+      CHECK(contains(refusal(faces + "end_header\n" + floats(format, {1, 2, 3})), "the header promises"));
+      CHECK(std::clock() - begin < CLOCKS_PER_SEC);
+    }
+    // An element without properties has no bytes, whatever its count.
+    CHECK(refusal(magic(format) + "element nothing 18446744073709551615\nelement vertex 1\n" + kXyz + "end_header\n" +
+                  floats(format, {1, 2, 3}) + "\n") == "");
+  }
+}
+
+TEST_CASE("a file cut off at any byte is refused or whole, and never crashes") {
+  for (const PlyFormat format : kAllFormats) {
+    using enum ScalarType;
+    BodyWriter body(format);
+    for (int i = 0; i < 3; ++i)
+      body.put(f32, i).put(f64, 2 * i * i).put(f32, 3 * i).put(u8, 2).put(i16, 5).put(i16, 6).endRow();
+    body.put(u8, 3).put(i32, 0).put(i32, 1).put(i32, 2).endRow();
+    const std::string text =
+        magic(format) +
+        "element vertex 3\nproperty float x\nproperty double y\nproperty float z\nproperty list uchar short ring\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+        body.text();
+    CHECK(refusal(text) == "");
+    for (std::size_t length = 0; length < text.size(); ++length) {
+      const bool lastAsciiNumber =
+          format == PlyFormat::ascii && length + 1 >= text.size();  // only the line's end is missing
+      for (const bool faces : {false, true})
+        CHECK((refusal(text.substr(0, length), {faces}) != "") == !lastAsciiNumber);
+    }
+  }
+}
+
+TEST_CASE("any damaged byte gives a cloud or an error") {
+  using enum ScalarType;
+  for (const PlyFormat format : kAllFormats) {
+    BodyWriter body(format);
+    for (int i = 0; i < 2; ++i) body.put(f32, i).put(f32, 2).put(f32, 3).put(u8, 1).put(i16, 5).endRow();
+    body.put(u8, 3).put(i32, 0).put(i32, 1).put(i32, 1).endRow();
+    const std::string text =
+        magic(format) + "element vertex 2\n" + kXyz +
+        "property list uchar short ring\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" +
+        body.text();
+    const TemporaryFile file;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      for (const char damage : {'\0', '\xff', '9', ' ', '\n', '-'}) {
+        std::string damaged = text;
+        damaged[at] = damage;
+        file.write(damaged);
+        try {
+          const PointCloud cloud = readPly(file.path(), nullptr, {.normalsFromFaces = at % 2 == 0});
+          for (const Vec3& p : cloud.positions) CHECK(isFinite(p));
+        } catch (const Error&) {
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("positions and normals that are not finite are refused at their vertex") {
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  const std::string head = "element vertex 3\n" + kXyz;
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + head + "end_header\n0 0 0\n\n0 nan 0\n1 1 1\n"),
+                 ":10: vertex 2 is at (0, nan, 0)"));
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + head + "end_header\n0 0 0\n0 0 0\n1 1 -inf\n"), ":10: vertex 3"));
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + head + "end_header\n0 0 0\n0 0 1e300\n1 1 1\n"), ":9: vertex 2"));
+  for (const PlyFormat format : {PlyFormat::binaryLittleEndian, PlyFormat::binaryBigEndian}) {
+    const std::string header = magic(format) + head + "end_header\n";
+    const std::string place = fmt::format(": byte {}: vertex 2", header.size() + 12);
+    for (const double bad : {nan, inf, -inf, 1e35})
+      CHECK(contains(refusal(header + floats(format, {0, 0, 0, 1, 1, bad, 2, 2, 2})), place));
+    const std::string withNormals = magic(format) + "element vertex 1\n" + kXyz +
+                                    "property float nx\nproperty float ny\nproperty float nz\nend_header\n";
+    CHECK(
+        contains(refusal(withNormals + floats(format, {0, 0, 0, 1, nan, 0})), "the normal of vertex 1 is (1, nan, 0)"));
+  }
+}
+
+TEST_CASE("a row of text that does not fit its properties is refused at its line") {
+  const std::string head = magic(PlyFormat::ascii) + "element vertex 2\n" + kXyz + "property uchar level\n";
+  CHECK(contains(refusal(head + "end_header\n0 0 0 1\n0 0 0\n"), ":10: vertex 2 ends before 'level'"));
+  CHECK(contains(refusal(head + "end_header\n0 0 0 1 5\n0 0 0 1\n"),
+                 ":9: vertex 1 has more values than its 4 properties; found '5'"));
+  CHECK(contains(refusal(head + "end_header\n0 0 0 1\n0 0,5 0 1\n"),
+                 ":10: found '0,5' for 'y' of vertex 2, expected a number of type float"));
+  CHECK(contains(refusal(head + "end_header\n0 0 0 256\n0 0 0 1\n"), ":9: found '256' for 'level'"));
+  CHECK(contains(refusal(head + "end_header\n0 0 0 -1\n0 0 0 1\n"), ":9: found '-1' for 'level'"));
+  CHECK(contains(refusal(head + "end_header\n0 0 0 1.5\n0 0 0 1\n"), ":9: found '1.5' for 'level'"));
+}
+
+TEST_CASE("a list that cannot be that long is refused") {
+  const std::string lists = "element vertex 1\n" + kXyz + "property list int int ring\nend_header\n";
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + lists + "0 0 0 -1\n"), ":9: vertex 1: list 'ring' claims -1 items"));
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + lists + "0 0 0 2000000000 1\n"),
+                 ":9: vertex 1: list 'ring' claims 2000000000"));
+  for (const PlyFormat format : {PlyFormat::binaryLittleEndian, PlyFormat::binaryBigEndian}) {
+    for (const double length : {-1.0, 2147483647.0}) {
+      BodyWriter body(format);
+      body.put(ScalarType::f32, 0).put(ScalarType::f32, 0).put(ScalarType::f32, 0).put(ScalarType::i32, length);
+      const std::string header = magic(format) + lists;
+      CHECK(contains(refusal(header + body.text()),
+                     fmt::format(": byte {}: vertex 1: list 'ring' has {} items", header.size() + 12, length)));
+    }
+  }
+}
+
+TEST_CASE("faces that name vertices which are not there are refused when they are used") {
+  const std::string text =
+      magic(PlyFormat::ascii) + "element vertex 3\n" + kXyz +
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 ";
+  CHECK(refusal(text + "3\n") == "");
+  CHECK(
+      contains(refusal(text + "3\n", {.normalsFromFaces = true}), ":13: a face names vertex 3, but there are only 3"));
+  CHECK(contains(refusal(text + "-1\n", {.normalsFromFaces = true}), ":13: a face names vertex -1"));
+  CHECK(contains(refusal(magic(PlyFormat::ascii) + "element vertex 1\n" + kXyz + "end_header\n0 0 0\n",
+                         {.normalsFromFaces = true}),
+                 "has no faces"));
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,262 @@
+#include "engine/io/ply_reader.hpp"
+
+#include <doctest/doctest.h>
+
+#include "engine/core/error.hpp"
+#include "tests/io/ply_bytes.hpp"
+
+namespace palpate::test {
+namespace {
+
+template <class T>
+T extraAt(const PointCloud& cloud, std::string_view name, std::size_t i) {
+  for (const Attribute& attribute : cloud.extra)
+    if (attribute.name == name) return loadScalar<T>(attribute.data.data() + i * sizeof(T));
+  FAIL("no attribute ", std::string(name));
+  return {};
+}
+
+/// Lists, other elements before and after the vertices, odd order, every type.
+std::string everything(PlyFormat format) {
+  using enum ScalarType;
+  BodyWriter body(format);
+  for (int face = 0; face < 2; ++face) body.put(u8, 3).put(i32, 0).put(i32, 1).put(i32, 1).put(f32, 0.5).endRow();
+  for (int i = 0; i < 3; ++i) {
+    body.put(u8, 10 + i).put(f64, i + 0.25).put(i16, -i).put(u16, 2).put(i32, 7).put(i32, 8).put(f32, 100 * i);
+    body.put(i8, -i).put(u32, 4000000000.0 + i).put(u8, 20 + i).put(u8, 30 + i).endRow();
+  }
+  for (int edge = 0; edge < 2; ++edge) body.put(u32, 0).put(u32, 1).endRow();
+  return magic(format) +
+         "comment made by hand\n"
+         "element face 2\nproperty list uchar int32 vertex_indices\nobj_info between\nproperty float quality\n"
+         "element vertex 3\n"
+         "property uint8 red\nproperty float64 z\nproperty int16 x\nproperty list ushort int ring\nproperty float32 "
+         "intensity\n"
+         "property int8 y\nproperty uint32 id\nproperty uchar green\ncomment late\nproperty uchar blue\n"
+         "element edge 2\nproperty uint a\nproperty uint b\n"
+         "end_header\n" +
+         body.text();
+}
+
+}  // namespace
+
+TEST_CASE("every encoding gives the same cloud, whatever surrounds the vertices") {
+  for (const PlyFormat format : kAllFormats) {
+    CAPTURE(plyName(format));
+    const TemporaryFile file(everything(format));
+    const PointCloud cloud = readPly(file.path());
+    REQUIRE(cloud.size() == 3);
+    CHECK(cloud.origin == DVec3(0));
+    for (std::size_t i = 0; i < 3; ++i) {
+      CHECK(cloud.positions[i] == Vec3(-static_cast<float>(i), -static_cast<float>(i), static_cast<float>(i) + 0.25f));
+      CHECK(cloud.colors[i] ==
+            std::array<std::uint8_t, 4>{std::uint8_t(10 + i), std::uint8_t(20 + i), std::uint8_t(30 + i), 255});
+      CHECK(extraAt<float>(cloud, "intensity", i) == 100.0f * static_cast<float>(i));
+      CHECK(extraAt<std::uint32_t>(cloud, "id", i) == 4000000000u + i);
+    }
+    CHECK(cloud.extra.size() == 2);
+    CHECK_FALSE(cloud.hasNormals());
+    CHECK(cloud.storedAs.comments ==
+          std::vector<std::string>{"comment made by hand", "obj_info between", "comment late"});
+  }
+}
+
+TEST_CASE("the header alone says what is in a file") {
+  const TemporaryFile file(everything(PlyFormat::binaryBigEndian));
+  const PlyInfo info = readPlyInfo(file.path());
+  CHECK(info.format == PlyFormat::binaryBigEndian);
+  REQUIRE(info.elements.size() == 3);
+  CHECK(info.elements[0].name == "face");
+  CHECK(info.elements[1].count == 3);
+  CHECK(info.elements[1].properties[1].type == ScalarType::f64);
+  CHECK(info.elements[1].properties[3].isList);
+  CHECK(info.elements[1].hasLists());
+  CHECK(info.find("edge")->properties.size() == 2);
+  CHECK(info.find("camera") == nullptr);
+}
+
+TEST_CASE("line ends may be LF and CRLF in one header, also before a binary body") {
+  for (const PlyFormat format : kAllFormats) {
+    BodyWriter body(format);
+    body.put(ScalarType::f32, 1).put(ScalarType::f32, 2).put(ScalarType::f32, 3).endRow();
+    const TemporaryFile file(
+        fmt::format("ply\r\nformat {} 1.0\nelement vertex 1\r\nproperty float x\nproperty float y\r\n\r\n"
+                    "property float z  \r\nend_header\r\n",
+                    plyName(format)) +
+        body.text());
+    CHECK(readPly(file.path()).positions.at(0) == Vec3(1, 2, 3));
+  }
+}
+
+TEST_CASE("lines may end with CR alone, in every encoding, and errors name them as they name others") {
+  const std::string header = "element vertex 2\rproperty float x\rproperty float y\r\rproperty float z\rend_header\r";
+  for (const PlyFormat format : kAllFormats) {
+    BodyWriter body(format);
+    for (const double value : {1, 2, 3, 4, 5, 6}) body.put(ScalarType::f32, value);
+    std::string text = body.text();
+    if (format == PlyFormat::ascii) text = "1 2 3\r\r4 5 6";  // the last line has no end
+    const TemporaryFile file(fmt::format("ply\rcomment one\rformat {} 1.0\r", plyName(format)) + header + text);
+    const PointCloud cloud = readPly(file.path());
+    CHECK(cloud.positions == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
+    CHECK(cloud.storedAs.comments == std::vector<std::string>{"comment one"});
+  }
+  const std::string ascii = "ply\rformat ascii 1.0\r";
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(ascii + header + "1 2 3\r4 x 6\r").path()); }), ":10: found 'x'"));
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(ascii + "element vertex -1\r").path()); }), ":3: the count"));
+}
+
+TEST_CASE("an LF behind a header of CR lines is data, unless the file is a byte too long for that") {
+  const std::string header =
+      "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar y\r"
+      "property uchar z\rend_header\r";
+  CHECK(readPly(TemporaryFile(header + "\n\x02\x03").path()).positions.at(0) == Vec3(10, 2, 3));
+  CHECK(readPly(TemporaryFile(header + "\n\x01\x02\x03").path()).positions.at(0) == Vec3(1, 2, 3));
+  // More than a byte too long: what follows is not ours, and the style of the header stands.
+  CHECK(readPly(TemporaryFile(header + "\n\x02\x03junk").path()).positions.at(0) == Vec3(10, 2, 3));
+  CHECK(contains(errorOf([&] { readPly(TemporaryFile(header + "\n\x02").path()); }), "truncated"));
+}
+
+TEST_CASE("a CR that is the last byte in memory waits for what follows before it counts as a line's end") {
+  for (const std::size_t length : {(std::size_t{1} << 20) - 2, (std::size_t{1} << 20) - 1, std::size_t{1} << 20}) {
+    const std::string line(length, 'a');
+    for (const std::string_view end : {"\r\n", "\r", "\n"}) {
+      const TemporaryFile written(fmt::format("{}{}next{}", line, end, end));
+      ChunkedFile file(written.path());
+      CHECK(file.readLine(std::size_t{1} << 21) == line);
+      CHECK(file.readLine(100) == "next");
+      CHECK_FALSE(file.readLine(100));
+      CHECK(file.linesEndWithCr() == (end == "\r"));
+    }
+  }
+}
+
+TEST_CASE("float colours become bytes and alpha is kept") {
+  const TemporaryFile file(
+      magic(PlyFormat::ascii) +
+      "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float diffuse_red\n"
+      "property float diffuse_green\nproperty float diffuse_blue\nproperty float alpha\nend_header\n"
+      "0 0 0 0 0.5 1 0.2\n0 0 0 -1 2 nan 1\n0 0 0 1 1 1 1\n0 0 0 0.1 0.2 0.3 0\n");
+  const PointCloud cloud = readPly(file.path());
+  using Rgba = std::array<std::uint8_t, 4>;
+  CHECK(cloud.colors[0] == Rgba{0, 128, 255, 51});
+  CHECK(cloud.colors[1] == Rgba{0, 255, 0, 255});
+  CHECK(cloud.extra.empty());
+}
+
+TEST_CASE("16-bit colours are scaled and a float alpha follows its colour") {
+  const TemporaryFile file(
+      magic(PlyFormat::ascii) +
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty ushort red\n"
+      "property ushort green\nproperty ushort blue\nproperty float alpha\nend_header\n0 0 0 65535 257 0 0.2\n");
+  CHECK(readPly(file.path()).colors[0] == std::array<std::uint8_t, 4>{255, 1, 0, 51});
+}
+
+TEST_CASE("coordinates far from the origin keep their detail") {
+  for (const PlyFormat format : kAllFormats) {
+    BodyWriter body(format);
+    for (int i = 0; i < 100; ++i)
+      body.put(ScalarType::f64, 500000.125 + 0.001 * i)
+          .put(ScalarType::f64, 4.5e6)
+          .put(ScalarType::f64, -0.001 * i)
+          .endRow();
+    const TemporaryFile file(
+        magic(format) + "element vertex 100\nproperty double x\nproperty double y\nproperty double z\nend_header\n" +
+        body.text());
+    const PointCloud cloud = readPly(file.path());
+    CHECK(cloud.origin.x == doctest::Approx(500000.1).epsilon(1e-6));
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const DVec3 truth(500000.125 + 0.001 * static_cast<double>(i), 4.5e6, -0.001 * static_cast<double>(i));
+      CHECK(glm::distance(cloud.origin + DVec3(cloud.positions[i]), truth) < 1e-8);
+      CHECK(cloud.fileCoordinates(i) == truth);
+    }
+  }
+}
+
+TEST_CASE("the origin is zero where single precision is enough") {
+  CHECK(originFor({DVec3(-1), DVec3(1)}) == DVec3(0));
+  CHECK(originFor({DVec3(10), DVec3(11)}) == DVec3(0));
+  CHECK(originFor({DVec3(1000), DVec3(1001)}) == DVec3(1001));  // 1000.5 rounded to whole longest sides
+  CHECK(originFor({DVec3(7), DVec3(7)}) == DVec3(7));
+}
+
+TEST_CASE("normals are made unit length, and those already unit are left alone") {
+  const TemporaryFile file(
+      magic(PlyFormat::ascii) +
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nproperty float nx\n"
+      "property float ny\nproperty float nz\nend_header\n0 0 0 0 0 5\n1 0 0 0.6 0.8 0\n2 0 0 1e-30 0 0\n");
+  const PointCloud cloud = readPly(file.path());
+  CHECK(cloud.normals[0] == Vec3(0, 0, 1));
+  CHECK(cloud.normals[1] == Vec3(0.6f, 0.8f, 0));
+  CHECK(cloud.normals[2] == Vec3(1, 0, 0));
+}
+
+TEST_CASE("a few zero normals are filled from the nearest point, many make the cloud one without") {
+  const std::string properties =
+      "property float x\nproperty float y\nproperty float z\nproperty float nx\nproperty float ny\nproperty float "
+      "nz\nend_header\n";
+  std::string rows;
+  for (int i = 0; i < 20; ++i) rows += fmt::format("{} 0 0 0 {} {}\n", i, i < 10 && i != 4 ? 1 : 0, i < 10 ? 0 : 1);
+  const TemporaryFile few(magic(PlyFormat::ascii) + "element vertex 20\n" + properties + rows);
+  const PointCloud cloud = readPly(few.path());
+  CHECK(cloud.normals.at(4) == Vec3(0, 1, 0));
+  CHECK(cloud.normals.at(14) == Vec3(0, 0, 1));
+  const TemporaryFile many(magic(PlyFormat::ascii) + "element vertex 2\n" + properties + "0 0 0 0 0 0\n1 0 0 0 0 1\n");
+  CHECK_FALSE(readPly(many.path()).hasNormals());
+}
+
+TEST_CASE("normals can be taken from faces and strips, before or after the vertices") {
+  for (const PlyFormat format : kAllFormats) {
+    for (const bool facesFirst : {false, true}) {
+      for (const bool strips : {false, true}) {
+        using enum ScalarType;
+        BodyWriter faces(format), vertices(format);
+        if (strips)
+          faces.put(i32, 9)
+              .put(i32, 0)
+              .put(i32, 1)
+              .put(i32, 3)
+              .put(i32, 2)
+              .put(i32, -1)
+              .put(i32, 0)
+              .put(i32, 1)
+              .put(i32, 3)
+              .put(i32, 2);
+        else
+          faces.put(i32, 4).put(i32, 0).put(i32, 1).put(i32, 2).put(i32, 3);
+        faces.endRow();
+        for (const auto& [x, y] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}, {5, 5}})
+          vertices.put(f32, x).put(f32, y).put(f32, 0).endRow();
+        const std::string vertexHeader = "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n";
+        const std::string faceHeader =
+            fmt::format("element {} 1\nproperty list int int vertex_indices\n", strips ? "tristrips" : "face");
+        const TemporaryFile file(magic(format) + (facesFirst ? faceHeader + vertexHeader : vertexHeader + faceHeader) +
+                                 "end_header\n" +
+                                 (facesFirst ? faces.text() + vertices.text() : vertices.text() + faces.text()));
+        CHECK_FALSE(readPly(file.path()).hasNormals());
+        const PointCloud cloud = readPly(file.path(), nullptr, {.normalsFromFaces = true});
+        for (const Vec3& normal : cloud.normals) CHECK(normal == Vec3(0, 0, 1));
+        CHECK(cloud.normals.size() == 5);
+      }
+    }
+  }
+}
+
+TEST_CASE("a cloud of no vertices is a cloud") {
+  const TemporaryFile file(magic(PlyFormat::binaryLittleEndian) +
+                           "element vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
+  const PointCloud cloud = readPly(file.path());
+  CHECK(cloud.empty());
+  CHECK(boundsOf(cloud).longestSide() == 0);
+}
+
+TEST_CASE("whole numbers may be written as reals and reals with a plus sign or too small to hold") {
+  const TemporaryFile file(
+      magic(PlyFormat::ascii) +
+      "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nproperty uchar level\n"
+      "end_header\n +1.5  1e-60 \t-2E+1 255.0\n");
+  const PointCloud cloud = readPly(file.path());
+  CHECK(cloud.positions[0] == Vec3(1.5f, 0, -20));
+  CHECK(extraAt<std::uint8_t>(cloud, "level", 0) == 255);
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,90 @@
+#include "engine/io/saving.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/io/ply_reader.hpp"
+#include "engine/io/ply_writer.hpp"
+#include "tests/content_of.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kMesh =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    "property list uchar int rings\nelement face 2\nproperty list uchar int vertex_indices\nelement edge 1\n"
+    "property int a\nelement camera 0\nproperty float f\nend_header\n0 0 0 0\n1 0 0 0\n1 1 0 0\n0 1 0 0\n"
+    "3 0 1 2\n3 0 2 3\n5\n";
+
+std::filesystem::path write(const std::filesystem::path& file, const std::string& content) {
+  std::ofstream(file, std::ios::binary) << content;
+  return file;
+}
+
+std::size_t filesIn(const ScratchFolder& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {}));
+}
+
+}  // namespace
+
+TEST_CASE("what a file would lose by a sculpted cloud is named: elements, lists, that another program wrote it") {
+  const ScratchFolder folder;
+  const FileInTheWay mesh = fileInTheWay(write(folder / "mesh.ply", kMesh));
+  CHECK(mesh.losesSomething());
+  CHECK_FALSE(mesh.byPalpate);
+  CHECK(mesh.sentence() ==
+        "mesh.ply has the list 'rings' of each point, 2 faces, 1 edge, which a sculpted cloud cannot keep");
+
+  const std::string plain =
+      "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "
+      "float z\nend_header\n";
+  const FileInTheWay foreign = fileInTheWay(write(folder / "plain.ply", plain));
+  CHECK(foreign.losesSomething());
+  CHECK(foreign.sentence() == "plain.ply was not written by palpate");
+  CHECK(fileInTheWay(write(folder / "scan.xyz", "1 2 3")).losesSomething());
+  CHECK_FALSE(fileInTheWay(folder / "none.ply").losesSomething());
+  CHECK_FALSE(fileInTheWay("").losesSomething());
+  CHECK_FALSE(fileInTheWay(folder.path()).losesSomething());
+}
+
+TEST_CASE("a file of our own is replaced, one that loses something is kept, and so is what was kept before") {
+  const ScratchFolder folder;
+  const auto file = write(folder / "mesh.ply", kMesh);
+  write(folder / "mesh.ply.bak", "of long ago");
+  const PointCloud cloud = readPly(file);
+  CHECK(saveKeeping(file, cloud) == folder / "mesh.ply.bak2");
+  CHECK(contentOf(folder / "mesh.ply.bak2") == kMesh);
+  CHECK(contentOf(folder / "mesh.ply.bak") == "of long ago");
+  const FileInTheWay ours = fileInTheWay(file);
+  CHECK(ours.byPalpate);
+  CHECK_FALSE(ours.losesSomething());
+  const std::string saved = contentOf(file);
+  CHECK(saveKeeping(file, readPly(file)).empty());
+  CHECK(contentOf(file) == saved);  // marked once
+  CHECK(filesIn(folder) == 3);
+  CHECK(saveKeeping(folder / "new.ply", cloud).empty());
+
+  // A mesh of ours loses its faces, too.
+  PointCloud marked = cloud;
+  markAsOurs(marked);
+  const std::vector<std::array<std::uint32_t, 3>> triangles{{0, 1, 2}};
+  writePly(folder / "ours.ply", marked, {.triangles = &triangles});
+  CHECK(fileInTheWay(folder / "ours.ply").byPalpate);
+  CHECK(fileInTheWay(folder / "ours.ply").sentence() == "ours.ply has 1 face, which a sculpted cloud cannot keep");
+  CHECK(saveKeeping(folder / "ours.ply", cloud) == folder / "ours.ply.bak");
+}
+
+TEST_CASE("beside a file is a name that nobody has") {
+  const ScratchFolder folder;
+  CHECK(nameBeside(folder / "a.b.ply") == folder / "a.b-sculpted.ply");
+  write(folder / "a.b-sculpted.ply", "");
+  CHECK(nameBeside(folder / "a.b.ply") == folder / "a.b-sculpted-2.ply");
+  CHECK(nameBeside("scan") == "scan-sculpted");
+}
+
+}  // namespace palpate

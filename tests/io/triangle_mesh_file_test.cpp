@@ -1,0 +1,29 @@
+#include "engine/io/triangle_mesh_file.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/core/error.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+
+TEST_CASE("a mesh comes from a PLY file with faces; one without is refused") {
+  const ScratchFolder folder;
+  const auto file = folder / "mesh.ply";
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\n";
+  const std::string places = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  std::ofstream(file) << head << "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                      << places << "4 0 1 2 3\n";
+  const TriangleMesh square = readTriangleMesh(file);
+  CHECK(square.triangleCount() == 2);
+  CHECK(square.signedDistance({0.25, 0.5, 2}) == doctest::Approx(2));
+  CHECK(square.signedDistance({0.25, 0.5, -2}) == doctest::Approx(-2));
+  std::ofstream(file) << head << "end_header\n" << places;
+  CHECK_THROWS_AS(readTriangleMesh(file), FileError);
+}
+
+}  // namespace palpate::test

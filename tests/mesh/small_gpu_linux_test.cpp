@@ -1,0 +1,26 @@
+// Meshes on a GPU whose workgroups are small.
+#include "engine/mesh/marching_cubes.hpp"
+
+#include "tests/lost_gpu/lost_gpu.hpp"
+#include "tests/mesh/mesh_scenes.hpp"
+
+namespace palpate {
+
+TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
+  const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
+  const Mesh expected = meshOnGpu(plainDevice(), scene);
+  const LostGpuLayer layer("limits:256,16384");
+  Device small({.gpu = "", .validation = askedCoreValidation()});
+  const Mesh mesh = meshOnGpu(small, scene);
+  checkClosed(mesh);
+  CHECK(mesh.triangles == expected.triangles);
+  REQUIRE(mesh.vertices.size() == expected.vertices.size());
+  float farthest = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    farthest = std::max(farthest, glm::distance(mesh.vertices.positions[i], expected.vertices.positions[i]));
+  CHECK(farthest < 1e-3f * scene.plan.lattice.cell);
+  small.waitIdle();
+  CHECK(small.instance().messages().take().empty());
+}
+
+}  // namespace palpate

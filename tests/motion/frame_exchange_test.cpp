@@ -1,0 +1,90 @@
+#include "engine/motion/frame_exchange.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "engine/motion/cloud_source.hpp"
+
+namespace palpate {
+
+TEST_CASE("a reader gets the newest whole frame once, and its half is not written meanwhile") {
+  FrameExchange exchange;
+  const auto nothing = [](const FrameExchange::Frame&) { FAIL("there is no frame"); };
+  CHECK_FALSE(exchange.read(nothing));
+  CHECK(exchange.beginWriting(1));
+  CHECK_FALSE(exchange.read(nothing));
+  exchange.publish(1, 0.5);
+  CHECK(exchange.beginWriting(0));
+  CHECK(exchange.read([&](const FrameExchange::Frame& frame) {
+    CHECK(frame.half == 1);
+    CHECK(frame.time_s == 0.5);
+    CHECK(frame.number == 1);
+    CHECK_FALSE(exchange.beginWriting(1));
+    exchange.publish(0, 0.6);
+  }));
+  CHECK(exchange.beginWriting(1));
+  CHECK(exchange.read([&](const FrameExchange::Frame& frame) { CHECK(frame.number == 2); }));
+  CHECK_FALSE(exchange.read(nothing));
+}
+
+TEST_CASE("a half that is about to be written is not read; one that threw while it read has let go") {
+  FrameExchange exchange;
+  exchange.publish(0, 1);
+  CHECK(exchange.beginWriting(0));
+  CHECK_FALSE(exchange.read([](const FrameExchange::Frame&) { FAIL("it is being written"); }));
+  exchange.publish(0, 2);
+  CHECK_THROWS_AS(exchange.read([](const FrameExchange::Frame&) { throw std::runtime_error("no room"); }),
+                  std::runtime_error);
+  CHECK(exchange.beginWriting(0));
+}
+
+TEST_CASE("no frame is torn between two threads") {
+  FrameExchange exchange;
+  std::array<std::array<int, 64>, 2> halves{};
+  constexpr int kFrames = 20'000;
+  std::jthread writer([&] {
+    std::uint32_t half = 0;
+    for (int number = 1; number <= kFrames;) {
+      if (!exchange.beginWriting(half)) {
+        std::this_thread::yield();
+        continue;
+      }
+      halves[half].fill(number);
+      exchange.publish(half, number++);
+      half = 1 - half;
+    }
+  });
+  int torn = 0, last = 0, backwards = 0;
+  while (last < kFrames)
+    exchange.read([&](const FrameExchange::Frame& frame) {
+      const auto& half = halves[frame.half];
+      for (const int value : half) torn += value != static_cast<int>(frame.time_s);
+      backwards += half[0] <= last;
+      last = half[0];
+    });
+  CHECK(torn == 0);
+  CHECK(backwards == 0);
+}
+
+TEST_CASE("a frame with another number of points, or with what is no number, does not come in") {
+  const CloudFrame whole{.positions = {{1, 2, 3}, {4, 5, 6}}, .normals = {{0, 0, 1}, {1, 0, 0}}};
+  CHECK_NOTHROW(requireWhole(whole, 2));
+  CHECK_THROWS_AS(requireWhole(whole, 3), Error);
+  CloudFrame wrong = whole;
+  wrong.positions[1].z = std::numeric_limits<float>::quiet_NaN();
+  CHECK_THROWS_WITH_AS(requireWhole(wrong, 2), "a frame for 0 s: of the positions, that of point 1 is no number",
+                       Error);
+  wrong = whole;
+  wrong.normals[0].x = -std::numeric_limits<float>::infinity();
+  CHECK_THROWS_AS(requireWhole(wrong, 2), Error);
+  wrong = whole;
+  wrong.velocities = {Vec3(0)};
+  CHECK_THROWS_AS(requireWhole(wrong, 2), Error);
+}
+
+}  // namespace palpate

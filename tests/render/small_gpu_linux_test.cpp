@@ -1,0 +1,40 @@
+// Pictures on a GPU whose workgroups are small.
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "tests/lost_gpu/lost_gpu.hpp"
+#include "tests/render/picture_fixture.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kWidth = 96, kHeight = 72;
+
+Camera cameraAt(double distance) {
+  Camera camera;
+  camera.eye = {0.3 * distance, 0.2 * distance, 0.93 * distance};
+  return camera;
+}
+
+}  // namespace
+
+TEST_CASE("a GPU whose workgroups are small draws the same picture") {
+  const PointCloud cloud = sampleShape(*makeShape("torus", 100.0, DVec3(0)), {.count = 20'000, .seed = 7});
+  const auto pictureOf = [&](Device& device) {
+    Frame frame(device, kWidth, kHeight, 2);
+    const DrawnCloud drawn(device, cloud);
+    CommandList list(device, device.throughputQueue(), "picture");
+    list.begin();
+    frame.record(list, drawn, cameraAt(250), {.splatRadius = 2 * meanSpacing(cloud)});
+    list.end();
+    device.throughputQueue().run(list);
+    return frame.readColor();
+  };
+  const Image expected = pictureOf(plainDevice());
+  const LostGpuLayer layer("limits:256,16384");
+  Device small({.gpu = "", .validation = askedCoreValidation()});
+  CHECK(pictureOf(small).rgba == expected.rgba);
+  CHECK(small.instance().messages().take().empty());
+}
+
+}  // namespace palpate

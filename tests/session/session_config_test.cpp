@@ -1,0 +1,183 @@
+#include "haptics/session/session_config.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+#include "haptics/session/flag_migration.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Nothing of it is at its default.
+SessionConfig unusual() {
+  return {.model = {.file = "a \"model\".ply", .mm_per_unit = 0.25, .normals = NormalSource::face},
+          .backend = {.name = "vulkan",
+                      .method = "indirect",
+                      .deterministic = true,
+                      .wait = Wait::poll,
+                      .ahead = false,
+                      .timesPasses = true},
+          .index = {.follow = IndexFollow::rebuild,
+                    .bucketKey = BucketKey::morton,
+                    .sort = SortMethod::radixLookBack,
+                    .cell_mm = 3.5,
+                    .spareSlots = 77},
+          .surface = {.kind = SurfaceKind::sharp, .friction = 0.1, .radius_mm = 1.0 / 3},
+          .tool = {.kind = ToolKind::spatula, .points = 12, .size_mm = 7, .axis = {1, 0, 1e-9}},
+          .brush = BrushConfig{.kind = BrushKind::paint,
+                               .tau_mm = 0.1,
+                               .beta = 0.9,
+                               .radius_mm = 2,
+                               .strength = 1,
+                               .falloff = 3,
+                               .color = {1, 2, 255},
+                               .keepsDensity = false},
+          .force = {.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 100},
+          .undo = {.undo = 3, .redo = 2, .memory_MiB = 5},
+          .hands = {{.device = "sim", .path = "p.csv", .penetration_mm = 1, .fit = WorkspaceFit::identity},
+                    {.device = "dhd:1",
+                     .passivity = PassivityMode::observe,
+                     .ownScheduler = true,
+                     .rumbles = true}},
+          .rate_Hz = 999.5,
+          .duration_s = 1.25,
+          .realtime = true};
+}
+
+std::string faultOf(SessionConfig config) {
+  try {
+    validate(config);
+  } catch (const ConfigError& error) {
+    return error.field();
+  }
+  return {};
+}
+
+std::string faultOf(const std::string& text) {
+  try {
+    parseConfig(text);
+  } catch (const ConfigError& error) {
+    return error.field();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& with) {
+  const std::size_t at = text.find(what);
+  REQUIRE_MESSAGE(at != std::string::npos, what);
+  return text.replace(at, what.size(), with);
+}
+
+}  // namespace
+
+TEST_CASE("a configuration goes into its text and comes back the same, whatever is in it") {
+  CHECK(parseConfig(configText(unusual())) == unusual());
+  const SessionConfig usual;
+  CHECK(parseConfig(configText(usual)) == usual);
+  SessionConfig boundless;
+  boundless.force.maxRise_N_per_s = std::numeric_limits<double>::infinity();
+  CHECK(parseConfig(configText(boundless)) == boundless);
+}
+
+TEST_CASE("what a text does not say is at its default") {
+  CHECK(parseConfig(R"({"version": 1})") == SessionConfig{});
+  SessionConfig sculpting;
+  sculpting.brush.emplace();
+  CHECK(parseConfig(R"({"version": 1, "brush": {}})") == sculpting);
+}
+
+TEST_CASE("a text that is not understood names the field") {
+  const std::string text = configText(unusual());
+  CHECK(faultOf(replaced(text, "\"version\": 1", "\"version\": 2")) == "version");
+  CHECK(faultOf(replaced(text, "\"friction\"", "\"frictoin\"")) == "surface.frictoin");
+  CHECK(faultOf(replaced(text, "\"sharp\"", "\"blunt\"")) == "surface.kind");
+  CHECK(faultOf(replaced(text, "\"beta\": 0.9", "\"beta\": \"much\"")) == "brush.beta");
+  CHECK(faultOf(replaced(text, "255", "256")) == "brush.color");
+  CHECK(faultOf(replaced(text, "255", "-1")) == "brush.color");
+  CHECK(faultOf(replaced(text, "\"falloff\": 3", "\"falloff\": 4294967299")) == "brush.falloff");
+  CHECK(faultOf(replaced(text, "\"falloff\": 3", "\"falloff\": 2.5")) == "brush.falloff");
+  CHECK(faultOf(replaced(text, "\"device\": \"dhd:1\"", "\"device\": 1")) == "hands[1].device");
+  CHECK(faultOf(replaced(text, "\"brush\": {", "\"brush\": 5, \"unused\": {")) == "brush");
+  CHECK(faultOf(std::string("[]")) == "config");
+  CHECK(faultOf(std::string("{")).find("no JSON") != std::string::npos);
+}
+
+TEST_CASE("what is out of its bounds is refused by the name of the field") {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  CHECK(faultOf(unusual()).empty());
+  const auto with = [](auto&& change) {
+    SessionConfig config = unusual();
+    change(config);
+    return faultOf(config);
+  };
+  CHECK(with([](auto& c) { c.rate_Hz = 0; }) == "rate_Hz");
+  CHECK(with([](auto& c) { c.rate_Hz = kNaN; }) == "rate_Hz");
+  CHECK(with([](auto& c) { c.model.mm_per_unit = -1; }) == "model.mm_per_unit");
+  CHECK(with([](auto& c) { c.surface.radius_mm = 0; }) == "surface.radius_mm");
+  CHECK(with([](auto& c) { c.surface.friction = kNaN; }) == "surface.friction");
+  CHECK(with([](auto& c) { c.index.cellsAlongSide = 10; }) == "index.cells_along_side");
+  CHECK(with([](auto& c) { c.tool.points = 65; }) == "tool.points");
+  CHECK(with([](auto& c) { c.tool.axis = {}; }) == "tool.axis");
+  CHECK(with([](auto& c) { c.brush->radius_mm = kNaN; }) == "brush.radius_mm");
+  CHECK(with([](auto& c) { c.brush->falloff = 17; }) == "brush.falloff");
+  CHECK(with([](auto& c) { c.force.stiffness_N_per_mm = 1e30; }) == "force.stiffness_N_per_mm");
+  CHECK(with([](auto& c) { c.force.maxRise_N_per_s = 0; }) == "force.max_rise_N_per_s");
+  CHECK(with([](auto& c) { c.hands[1].device.clear(); }) == "hands[1].device");
+  CHECK(with([](auto& c) { c.duration_s = -1; }) == "duration_s");
+}
+
+TEST_CASE("options of the command line, as logs carried them, become the configuration that they stood for") {
+  const SessionConfig config = migrateFlags({{"--normals", "estimate"},
+                                             {"--mm-per-unit", "2.5"},
+                                             {"--rate", "500"},
+                                             {"--realtime", "true"},
+                                             {"--stiffness", "0.6"},
+                                             {"--surface", "sphere"},
+                                             {"--radius", "4"},
+                                             {"--edit", "paint"},
+                                             {"--paint-color", "1,20,255"},
+                                             {"--tool-radius", "3"},
+                                             {"--keep-points", "true"},
+                                             {"--undo", "2"},
+                                             {"--backend", "vulkan"},
+                                             {"--method", "two-step"},
+                                             {"--index", "rebuild"},
+                                             {"--ahead", "off"},
+                                             {"--wait", "block"},
+                                             {"--tool", "pad"},
+                                             {"--tool-axis", "0,1,0.5"}});
+  SessionConfig expected{.model = {.mm_per_unit = 2.5, .normals = NormalSource::estimate},
+                         .backend = {.name = "vulkan", .method = "two-step", .wait = Wait::block, .ahead = false},
+                         .index = {.follow = IndexFollow::rebuild},
+                         .surface = {.kind = SurfaceKind::sphere, .radius_mm = 4},
+                         .tool = {.kind = ToolKind::pad, .axis = {0, 1, 0.5}},
+                         .brush = BrushConfig{.kind = BrushKind::paint,
+                                              .radius_mm = 3,
+                                              .color = {1, 20, 255},
+                                              .keepsDensity = false},
+                         .undo = {.undo = 2},
+                         .rate_Hz = 500,
+                         .realtime = true};
+  expected.force.stiffness_N_per_mm = 0.6;
+  expected.hands.clear();
+  CHECK(config == expected);
+}
+
+TEST_CASE("options that only said how a brush would be make none") {
+  CHECK_FALSE(migrateFlags({{"--edit", "none"}, {"--tau", "0.5"}, {"--beta", "0.1"}}).brush);
+  CHECK(migrateFlags({{"--radius", "auto"}, {"--ahead", "auto"}}).surface.radius_mm == std::nullopt);
+}
+
+TEST_CASE("options that no log had, and values that they never had, are refused") {
+  CHECK_THROWS_AS(migrateFlags({{"--picture", "a.png"}}), Error);
+  CHECK_THROWS_AS(migrateFlags({{"--tau", "half"}}), Error);
+  CHECK_THROWS_AS(migrateFlags({{"--surface", "blunt"}}), Error);
+  CHECK_THROWS_AS(migrateFlags({{"--paint-color", "1,2"}}), Error);
+  CHECK_THROWS_AS(migrateFlags({{"--rate", "0"}}), Error);
+}
+
+}  // namespace palpate

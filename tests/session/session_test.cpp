@@ -1,0 +1,206 @@
+// One session for every program, on the CPU, in virtual time.
+#include <doctest/doctest.h>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "haptics/devices/replay_device.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+SessionConfig feeling(std::size_t hands = 1) {
+  return {.backend = {.name = "cpu"}, .hands = std::vector<HandConfig>(hands)};
+}
+
+SessionConfig carving() {
+  SessionConfig config = feeling();
+  config.brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8};
+  return config;
+}
+
+/// Keeps all that it is given.
+class Collector final : public EditFollower {
+ public:
+  explicit Collector(EditBatch& all) : all_(all) {}
+  void catchUp(const EditBatch& batch) override {
+    all_.points.insert(all_.points.end(), batch.points.begin(), batch.points.end());
+  }
+
+ private:
+  EditBatch& all_;
+};
+
+bool samePoints(const PointCloud& a, const PointCloud& b) { return a.positions == b.positions && a.normals == b.normals; }
+
+}  // namespace
+
+TEST_CASE("what is felt is the force law's spring on the surface, and nothing is changed by feeling") {
+  const auto cpu = cpuBackend();
+  Session session(feeling(), sphereModel(), {.backend = *cpu, .journal = true});
+  const ServoResult result = runAlone(session, strokeFrom({0, 0, 1}, 1));
+  session.finish();
+  const TraceSummary summary = summarize(result.trace());
+  CHECK(summary.contactTicks > 80);
+  CHECK(summary.faultTicks == 0);
+  CHECK(summary.peakForce_N == doctest::Approx(0.8).epsilon(0.15));  // 1 mm deep at 0.8 N/mm, less what the average sinks
+  CHECK(session.sculpted().edited == 0);
+  CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
+}
+
+TEST_CASE("four hands in one session feel each what it would feel alone") {
+  const auto cpu = cpuBackend();
+  const std::vector<DVec3> from{{0, 0, 1}, {1, 0, 0.1}, {-1, 1, 0}, {0.1, -1, -1}};
+  std::vector<PathHand> hands;
+  for (std::size_t i = 0; i < from.size(); ++i)
+    hands.emplace_back(strokeFrom(from[i], 0.5 + 0.3 * static_cast<double>(i)));
+  std::vector<OpenHand> open;
+  for (const PathHand& hand : hands) open.push_back(hand.hand());
+  Session session(feeling(4), sphereModel(), {.backend = *cpu});
+  const ServoResult together = session.run(open, {});
+  REQUIRE(together.hands.size() == 4);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    CAPTURE(i);
+    Session alone(feeling(), sphereModel(), {.backend = *cpu});
+    const ServoResult result = runAlone(alone, strokeFrom(from[i], 0.5 + 0.3 * static_cast<double>(i)));
+    CHECK(summarize(result.trace()).contactTicks > 80);
+    CHECK(sameTrace(result.trace(), together.hands[i].trace));
+  }
+}
+
+TEST_CASE("what is carved reaches journal and follower alike, and undo leaves the points as they were, bit by bit") {
+  const auto cpu = cpuBackend();
+  EditBatch followed;
+  Session session(carving(), sphereModel(),
+                  {.backend = *cpu,
+                   .journal = true,
+                   .undo_bytes = 1 << 24,
+                   .follower = [&](const Model&, TouchBackend&) { return std::make_unique<Collector>(followed); }});
+  runAlone(session, strokeFrom({0, 0, 1}, 2));
+  session.finish();
+  CHECK(session.sculpted().edited > 20);
+  Journal replayed(session.model().cloud);
+  replayed.follow(followed);
+  CHECK(samePoints(editedCloud(session.model().cloud, replayed.points()), session.sculpted().cloud));
+
+  const PointCloud carved = session.sculpted().cloud;
+  const UndoneStrokes undone = session.undo(1, 0);
+  CHECK(undone.undone == 1);
+  CHECK(session.sculpted().edited == 0);
+  CHECK(samePoints(session.sculpted().cloud, session.model().cloud));
+  CHECK(session.undo(0, 1).redone == 1);
+  CHECK(samePoints(session.sculpted().cloud, carved));
+}
+
+TEST_CASE("a recorded session says how it runs again, and does so with the same forces and points") {
+  const ScratchFolder folder;
+  const std::string log = (folder / "log").string();
+  const auto cpu = cpuBackend();
+  SessionConfig config = carving();
+  config.model.file = (folder / "model.ply").string();
+  config.surface = {.kind = SurfaceKind::sphere, .friction = 0.2};
+  Session session(config, sphereModel(), {.backend = *cpu, .journal = true});
+  const PathHand hand(strokeFrom({0, 0, 1}, 2));
+  const OpenHand open = hand.hand();
+  session.record(log, open);
+  const ServoResult result = session.run({&open, 1}, {});
+  session.finish();
+  session.endRecording();
+
+  SessionRecord record = readSessionLog(log);
+  const RecordedSession recorded = parseHeader(log, record.text);
+  CHECK(recorded.config == config);
+  CHECK(recorded.checksum == checksumOf(session.model()));
+  REQUIRE(record.end);
+  REQUIRE(record.ticks.size() == result.trace().rows.size());
+  Session again(recorded.config, sphereModel(), {.backend = *cpu, .journal = true});
+  const double duration_s = record.ticks.back().time_s;
+  ReplayDevice device(std::move(record.ticks), recorded.limits);
+  const OpenHand replayed{.device = &device, .map = recorded.map, .duration_s = duration_s};
+  const ServoResult same = again.run({&replayed, 1}, {});
+  again.finish();
+  CHECK(sameTrace(result.trace(), same.trace()));
+  CHECK(again.sculpted().edited > 20);
+  CHECK(samePoints(again.sculpted().cloud, session.sculpted().cloud));
+  CHECK(checksumOf(again.model().cloud.origin, again.journal()->points()) == record.end->points);
+}
+
+TEST_CASE("logs that carried options of the command line run again as they did") {
+  // A sphere of 2,000 points that was carved in half a second; the first log is of version 2, the other of version 3
+  // from before logs carried the configuration.
+  for (const char* name : {"version2.session", "version3.session"}) {
+    CAPTURE(name);
+    const std::filesystem::path log = std::filesystem::path(PALPATE_SOURCE_DIR) / "tests/session" / name;
+    if (!std::filesystem::exists(log)) {
+      MESSAGE("skipped: " << log.string() << " is not there");
+      continue;
+    }
+    SessionRecord record = readSessionLog(log);
+    const RecordedSession recorded = parseHeader(log, record.text);
+    SessionConfig expected{.model = {.file = "model.ply"},
+                           .backend = {.name = "cpu"},
+                           .surface = {.kind = SurfaceKind::sphere, .friction = 0.2},
+                           .brush = BrushConfig{.kind = BrushKind::carve, .tau_mm = 0.2, .radius_mm = 8, .strength = 0.4},
+                           .undo = {.undo = 1},
+                           .rate_Hz = 200};
+    expected.hands.clear();
+    CHECK(recorded.config == expected);
+
+    Model model;
+    model.cloud = sampleShape(*makeShape("sphere", 100.0, DVec3(0)), {.count = 2'000, .seed = 1});
+    const SpacingRange spacing = spacingRange(model.cloud, 1);
+    model.spacing = spacing.mean;
+    model.wideSpacing = spacing.wide;
+    model.noise = spacing.noise;
+    model.scale = ModelScale::fitting(boundsOf(model.cloud).longestSide());
+    REQUIRE(checksumOf(model) == recorded.checksum);
+    const auto cpu = cpuBackend();
+    SessionConfig config = recorded.config;
+    config.hands = {HandConfig{}};
+    Session session(config, std::move(model),
+                    {.backend = *cpu, .journal = true, .undo_bytes = undoBytes(config.undo)});
+    const std::vector<LoggedTick> before = record.ticks;
+    ReplayDevice device(std::move(record.ticks), recorded.limits);
+    const OpenHand hand{.device = &device, .map = recorded.map, .duration_s = before.back().time_s};
+    const ServoResult result = session.run({&hand, 1}, {});
+    session.finish();
+    CHECK(session.undo(1, 0).undone == 1);
+    REQUIRE(result.trace().rows.size() == before.size());
+    std::size_t contacts = 0;
+    double worst_N = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      contacts += result.trace().rows[i].contact;
+      worst_N = std::max(worst_N, glm::distance(result.trace().rows[i].force_N, before[i].force_N));
+    }
+    CHECK(contacts > 50);
+    CHECK(worst_N < 1e-9);  // another compiler may round otherwise
+    CHECK(checksumOf(session.model().cloud.origin, session.journal()->points()) == record.end->points);
+  }
+}
+
+TEST_CASE("a back end is asked for by its name, and refuses what it cannot do before anything is built") {
+  std::vector<std::unique_ptr<BackendKind>> kinds;
+  kinds.push_back(cpuBackend());
+  const Backends backends(std::move(kinds));
+  CHECK(backends.names() == std::vector<std::string>{"cpu"});
+  CHECK_THROWS_AS(backends.named("abacus"), ConfigError);
+  SessionConfig config = feeling();
+  config.backend.wait = Wait::spin;
+  CHECK_THROWS_AS(Session(config, sphereModel(), {.backend = backends.named("cpu")}), ConfigError);
+  config = feeling();
+  config.rate_Hz = 0;
+  CHECK_THROWS_AS(Session(config, sphereModel(), {.backend = backends.named("cpu")}), ConfigError);
+}
+
+TEST_CASE("a session that keeps no journal says so when it is to be recorded or undone, and leaves no file") {
+  const ScratchFolder folder;
+  const auto cpu = cpuBackend();
+  Session session(carving(), sphereModel(), {.backend = *cpu});
+  const PathHand hand(strokeFrom({0, 0, 1}, 1));
+  CHECK_THROWS_AS(session.record((folder / "log").string(), hand.hand()), Error);
+  CHECK_FALSE(std::filesystem::exists(folder / "log"));
+  CHECK_THROWS_AS(session.undo(1, 0), Error);
+}
+
+}  // namespace palpate

@@ -1,0 +1,217 @@
+// Clouds that move, on the GPU.
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "engine/touch/cpu_touch.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/touch/moving_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// All points come together in one place for a while: far more than a bucket usually holds.
+class CrowdingSource final : public CloudSource {
+ public:
+  explicit CrowdingSource(const PointCloud& cloud) : rest_(cloud) {}
+  std::size_t size() const override { return rest_.size(); }
+  void makeFrame(double time_s, CloudFrame& frame) override {
+    const float share = time_s > 2.5 * kTick_s && time_s < 5.5 * kTick_s ? 1e-6f : 1.0f;
+    frame = {.time_s = time_s, .positions = rest_.positions, .normals = rest_.normals};
+    for (Vec3& position : frame.positions) position *= share;
+  }
+
+ private:
+  const PointCloud& rest_;
+};
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "a sphere that comes and goes under a hand at rest is felt as deep as it is there") {
+  for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
+    CAPTURE(center.x);
+    const Scene scene = makeScene("sphere", 20'000, center);
+    MovingCloud source(scene.cloud, oscillation());
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+    const DVec3 hip = center + DVec3(0, 0, 50.2);
+    const auto contacts = feelAtRest(touch, hip, 100);
+    touch.finish();
+    const DepthError error =
+        depthError(contacts, hip, MovingShape(*scene.shape, oscillation(), scene.cloud.origin), 0.2);
+    CHECK(error.inside > 25);
+    CHECK(error.inside < 55);
+    CHECK(error.rms < 0.03);
+    CHECK(error.wronglyFree == 0);
+    CHECK(error.wronglyTouching == 0);
+    CHECK(touch.indexWork().built >= 100);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a source that stands still answers as none does, bit by bit, however it is asked") {
+  const Scene scene = makeScene("torus", 2'000, DVec3(100, 7, -3));
+  MovingCloud source(scene.cloud, {.kind = MotionKind::turn, .centre = {3, 2, 1}});
+  for (const QueryMethod method : {QueryMethod::fused, QueryMethod::indirect})
+    for (const SortMethod sort : {SortMethod::counting, SortMethod::radix}) {
+      const TouchOptions options{.radius = scene.radius, .sort = sort, .method = method};
+      TouchOptions moved = options;
+      moved.source = &source;
+      TouchSide moving(device, scene.cloud, moved), alone(device, scene.cloud, options);
+      std::size_t touched = 0, other = 0;
+      for (const DVec3& hip : wanderingPath(scene, 80, 0.5 * scene.radius, 3)) {
+        const Contact a = moving.query({.hip = hip}, 0), b = alone.query({.hip = hip}, 0);
+        touched += a.touching;
+        other += !sameAnswer(a, b);
+      }
+      CHECK(touched > 5);
+      CHECK(other == 0);
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "both back ends feel the same of what turns, and end with the source's points") {
+  const Scene scene = makeScene("bumpy-sphere", 5'000);
+  const RigidMotion motion{.kind = MotionKind::turn, .axis = {0.6, 0, 0.8}, .frequency_Hz = 1};
+  MovingCloud source(scene.cloud, motion), same(scene.cloud, motion);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  CpuTouch cpu(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &same});
+  std::size_t touched = 0, other = 0;
+  const auto path = wanderingPath(scene, 80, 0.3 * scene.radius, 5);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Pose pose{.time_s = kTick_s * static_cast<double>(i), .hip = path[i]};
+    const Contact a = touch.query(pose, 0), b = cpu.query(pose, 0);
+    touched += a.touching;
+    other += a.touching != b.touching || glm::distance(a.proxy, b.proxy) > 1e-3 * scene.radius;
+  }
+  CHECK(touched > 10);
+  CHECK(other <= 1);  // single precision may find a crossing a tick later
+  touch.finish();
+  PointCloud end = scene.cloud;
+  touch.readBack(end);
+  CloudFrame frame, truth;
+  source.makeFrame(kTick_s * 79, truth);
+  CHECK(end.positions == truth.positions);
+  CHECK(touch.takeFrame(frame));
+  CHECK(frame.time_s == truth.time_s);
+  CHECK(frame.positions == truth.positions);
+  CHECK(frame.normals == truth.normals);
+  CHECK_FALSE(touch.takeFrame(frame));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "the same way twice gives the same answers; the same ids stand in the cloud throughout") {
+  const Scene scene = makeScene("sphere", 2'000);
+  const auto play = [&] {
+    MovingCloud source(scene.cloud, oscillation());
+    TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+    const auto contacts = feelAtRest(touch, {1, 2, 50}, 40);
+    touch.finish();
+    auto points = touch.live().points();
+    std::ranges::sort(points, {}, &PointState::id);
+    for (std::uint32_t i = 0; i < points.size(); ++i) CHECK(points[i].id == i);
+    CHECK(points.size() == scene.cloud.size());
+    return contacts;
+  };
+  CHECK(std::ranges::equal(play(), play(), sameAnswer));
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "awkward numbers of points move as they should") {
+  for (const std::size_t count : {1, 2, 255, 256, 257, 511, 513, 1025}) {
+    CAPTURE(count);
+    const Scene scene = makeScene("plane", count);
+    MovingCloud source(scene.cloud, {.amplitude = 3, .frequency_Hz = 5});
+    TouchSide touch(device, scene.cloud, {.radius = 30, .source = &source});
+    for (int i = 0; i <= 8; ++i) CHECK(touch.query({.time_s = kTick_s * i, .hip = {0.5, 0.5, 10 - 2.0 * i}}, 0).valid);
+    touch.finish();
+    PointCloud end = scene.cloud;
+    touch.readBack(end);
+    CloudFrame truth;
+    source.makeFrame(kTick_s * 8, truth);
+    CHECK(end.positions == truth.positions);
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "points that crowd into one bucket and leave it again are felt as if they never had") {
+  const Scene scene = makeScene("sphere", 3'000);
+  CrowdingSource source(scene.cloud);
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  TouchSide alone(device, scene.cloud, {.radius = scene.radius});
+  const DVec3 above(0, 0, 50.5), inside(0, 0, 49.5);
+  for (int i = 0; i < 8; ++i) CHECK(touch.query({.time_s = kTick_s * i, .hip = above}, 0).valid);
+  alone.query({.hip = above}, 0);
+  touch.resetHand(0);
+  alone.resetHand(0);
+  for (const DVec3& hip : {above, inside}) {
+    const Contact a = touch.query({.time_s = 0.1, .hip = hip}, 0), b = alone.query({.time_s = 0.1, .hip = hip}, 0);
+    CHECK(sameAnswer(a, b));
+    CHECK(a.touching == (hip == inside));
+  }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a frame that is not whole ends the session: no answer is valid from then on") {
+  const Scene scene = makeScene("sphere", 1'000);
+  for (const auto fault : {BrokenSource::Fault::notANumber, BrokenSource::Fault::tooFew})
+    for (const double budget_us : {0.0, 20'000.0}) {
+      BrokenSource source(scene.cloud, fault, 0.02);
+      TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+      int lost = 0, early = 0;
+      for (int i = 0; i < 100 && lost < 5; ++i) {
+        const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, budget_us);
+        touch.prepare();
+        if (contact.lost) ++lost;
+        CHECK(contact.valid == !contact.lost);
+        early += contact.lost && i < 20;
+        if (budget_us > 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
+      CHECK(lost == 5);
+      CHECK(early == 0);
+      CHECK_THROWS_AS(touch.finish(), Error);
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "against the clock no tick waits for the making of a frame") {
+  const Scene scene = makeScene("sphere", 2'000);
+  HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  CloudFrame frame;
+  CHECK(touch.takeFrame(frame));
+  for (int i = 1; i <= 20; ++i) {
+    const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 50.5}}, 1e6);
+    CHECK(contact.fresh);
+    CHECK_FALSE(contact.touching);
+    touch.prepare();
+    CHECK_FALSE(touch.takeFrame(frame));
+  }
+  source.letGo();
+  touch.finish();
+  CHECK(touch.takeFrame(frame));
+  CHECK(frame.time_s == kTick_s);
+  CHECK(touch.query({.time_s = 0.021, .hip = {0, 0, 50.5}}, 1e6).touching);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one after another") {
+  const Scene scene = makeScene("sphere", 2'000);
+  MovingCloud source(scene.cloud, oscillation());
+  TouchSide touch(device, scene.cloud, {.radius = scene.radius, .source = &source});
+  CloudFrame frame;
+  double last_s = -1;
+  int frames = 0, fresh = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 51}}, 20'000);
+    CHECK(contact.valid);
+    fresh += contact.fresh;
+    touch.prepare();
+    if (!touch.takeFrame(frame)) continue;
+    CHECK(frame.time_s >= last_s);
+    last_s = frame.time_s;
+    ++frames;
+  }
+  CHECK(frames > 5);
+  CHECK(fresh > 3);
+  touch.finish();
+  touch.takeFrame(frame);
+  CloudFrame truth;
+  source.makeFrame(frame.time_s, truth);
+  CHECK(frame.positions == truth.positions);
+}
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+// GPUs whose workgroups are small: what they have too little of is said, and where it is enough the same is felt as anywhere.
+#include "tests/lost_gpu/lost_gpu.hpp"
+
+#include "engine/gpu/compute_pipeline.hpp"
+#include "engine/touch/touch_side.hpp"
+#include "tests/gpu_fixture.hpp"
+#include "tests/scenes.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct Felt {
+  std::vector<Contact> contacts;
+  PointCloud cloud;
+};
+
+/// A press, with more points in reach than a small workgroup holds, that sculpts.
+Felt press(Device& device) {
+  const Scene scene = makeScene("sphere", 6'000);
+  TouchSide touch(device, scene.cloud,
+                  {.radius = 3.5 * scene.radius, .brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 6}});
+  Felt felt{.contacts = {}, .cloud = scene.cloud};
+  for (int i = 0; i < 20; ++i)
+    felt.contacts.push_back(touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.2 * i}}, 0));
+  touch.finish();
+  touch.readBack(felt.cloud);
+  return felt;
+}
+
+}  // namespace
+
+TEST_CASE("a GPU whose workgroups are too small is refused, and each limit that it lacks is named") {
+  {
+    const LostGpuLayer layer("limits:128,16384");
+    CHECK_THROWS_WITH_AS(Device({.gpu = ""}), doctest::Contains("maxComputeWorkGroupInvocations of 256 at least (it is 128)"), GpuError);
+  }
+  const LostGpuLayer layer("limits:256,8192");
+  CHECK_THROWS_WITH_AS(Device({.gpu = ""}), doctest::Contains("maxComputeSharedMemorySize of 16384 at least (it is 8192)"), GpuError);
+}
+
+TEST_CASE("the smallest GPU that palpate takes feels and sculpts what every GPU does") {
+  const Felt here = press(plainDevice());
+  const LostGpuLayer layer("limits:256,16384");
+  Device small({.gpu = "", .validation = askedCoreValidation()});
+  REQUIRE(sharedBytes(small) == 16384);
+  const Felt there = press(small);
+  REQUIRE(there.contacts.size() == here.contacts.size());
+  bool touched = false, spilled = false;
+  for (std::size_t i = 0; i < here.contacts.size(); ++i) {
+    CAPTURE(i);
+    CHECK(there.contacts[i].proxy == here.contacts[i].proxy);
+    CHECK(there.contacts[i].neighbours == here.contacts[i].neighbours);
+    touched = touched || here.contacts[i].touching;
+    spilled = spilled || here.contacts[i].neighbours > 400;
+  }
+  CHECK(touched);
+  CHECK(spilled);
+  CHECK(there.cloud.positions == here.cloud.positions);
+  small.waitIdle();
+  CHECK(small.instance().messages().take().empty());
+}
+
+}  // namespace palpate

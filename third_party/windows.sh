@@ -1,0 +1,115 @@
+#!/usr/bin/env bash
+# Builds palpate for Windows on a Debian 12, from its own sources and Debian's: one folder with one program that needs
+# nothing else, and a zip of it. Idempotent; what is fetched and built stays below build/.
+#   third_party/windows.sh               build/windows/palpate.exe, and the zip beside it
+#   third_party/windows.sh --libraries   only what it is linked to, in build/windows-libraries/prefix
+#   third_party/windows.sh --check       whether the tests could run here: exit 1 and why not
+set -euo pipefail
+cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.."
+
+place=$PWD/build/windows-libraries
+prefix=$place/prefix
+sources=(fmtlib glfw3 hidapi imgui)  # Debian's source packages of the libraries
+# Of headers alone: they are the same for every system, and are taken from the packages that install.sh installs.
+headers=(libglm-dev nlohmann-json3-dev libcli11-dev doctest-dev libnanoflann-dev libstb-dev libvulkan-dev libvulkan-volk-dev)
+
+usage() { sed -n '2,6s/^# \{0,1\}//p' "$0"; }
+
+# Sources by apt, whose lists of them are kept apart from the system's.
+fetch() {
+  local apt=(apt-get -q -o Dir::Etc::sourcelist="$place/debian.sources" -o Dir::Etc::sourceparts=/dev/null
+             -o Dir::State::lists="$place/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
+             -o APT::Sandbox::User=root)
+  mkdir -p "$place/lists/partial" "$place/sources"
+  local mirror
+  mirror=$(bash third_party/mirror.sh)
+  cat > "$place/debian.sources" <<END
+Types: deb-src
+URIs: $mirror
+Suites: bookworm
+Components: main
+Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
+END
+  "${apt[@]}" update
+  (cd "$place/sources" && "${apt[@]}" source "${sources[@]}")
+}
+
+cmake_library() {  # NAME OPTIONS...: of the source package NAME
+  local name=$1
+  shift
+  cmake -G Ninja -S "$place/sources/$name"-[0-9]*/ -B "$place/build/$name" -DCMAKE_TOOLCHAIN_FILE="$PWD/third_party/windows_toolchain.cmake" \
+    -DCMAKE_INSTALL_PREFIX="$prefix" -DCMAKE_BUILD_TYPE=Release -DBUILD_SHARED_LIBS=OFF "$@" > "$place/build/$name.log"
+  cmake --build "$place/build/$name" --target install >> "$place/build/$name.log"
+}
+
+# Debian's makefile is for Linux; the core is these four files.
+build_imgui() {
+  local folder file
+  folder=$(echo "$place"/sources/imgui-[0-9]*/)
+  mkdir -p "$place/build/imgui" "$prefix/include/imgui" "$prefix/lib"
+  for file in imgui imgui_draw imgui_tables imgui_widgets; do
+    x86_64-w64-mingw32-g++-posix -O2 -c "$folder/$file.cpp" -o "$place/build/imgui/$file.o"
+  done
+  rm -f "$prefix/lib/libimgui.a"
+  x86_64-w64-mingw32-ar rcs "$prefix/lib/libimgui.a" "$place"/build/imgui/*.o
+  cp "$folder"/*.h "$prefix/include/imgui/"
+}
+
+# An include folder of their own: the system's would bring the headers of Linux along.
+copy_headers() {
+  local file
+  dpkg -L "${headers[@]}" | grep -E '^/usr/(include/|(lib|share)/(.*/)?cmake/)' | while read -r file; do
+    if [ -f "$file" ]; then install -D -m 644 "$file" "$prefix/${file#/usr/}"; fi
+  done
+  # Where a package says by itself that it lies in /usr.
+  find "$prefix" -name '*.cmake' -exec sed -i "s|set(_IMPORT_PREFIX \"/usr\")|set(_IMPORT_PREFIX \"$prefix\")|" {} +
+}
+
+# What the program is linked to says under which terms it may be passed on; so does its font.
+copy_licences() {
+  local name
+  for name in "${sources[@]}"; do
+    install -D -m 644 "$place/sources/$name"-[0-9]*/debian/copyright "$prefix/licences/$name.txt"
+  done
+  for name in "${headers[@]}" fonts-dejavu-core gcc-mingw-w64-x86-64-posix mingw-w64-x86-64-dev; do
+    install -D -m 644 "/usr/share/doc/$name/copyright" "$prefix/licences/$name.txt"
+  done
+}
+
+build_libraries() {
+  if [ -f "$place/done" ] && [ "$place/done" -nt third_party/windows.sh ]; then return; fi
+  bash third_party/install.sh --windows
+  rm -rf "$place/build" "$prefix" "$place/sources"
+  mkdir -p "$place/build"
+  fetch
+  copy_headers
+  cmake_library fmtlib -DFMT_DOC=OFF -DFMT_TEST=OFF
+  cmake_library glfw3 -DGLFW_BUILD_DOCS=OFF -DGLFW_BUILD_TESTS=OFF -DGLFW_BUILD_EXAMPLES=OFF
+  cmake_library hidapi -DHIDAPI_BUILD_HIDTEST=OFF
+  build_imgui
+  copy_licences
+  touch "$place/done"
+}
+
+# Nothing, or why the tests cannot run.
+what_is_missing() {
+  if [ ! -f "$place/done" ]; then echo "the libraries are not built (third_party/windows.sh)"; fi
+  if ! command -v wine > /dev/null; then echo "there is no wine (third_party/install.sh --windows)"; fi
+}
+
+case "${1:-}" in
+  --check)
+    missing=$(what_is_missing)
+    if [ -z "$missing" ]; then exit 0; fi
+    echo "windows.sh: $missing" >&2
+    exit 1 ;;
+  --libraries) build_libraries; exit 0 ;;
+  "") ;;
+  -h | --help) usage; exit 0 ;;
+  *) echo "windows.sh: unknown option '$1'; use --libraries, --check or nothing" >&2; exit 2 ;;
+esac
+
+build_libraries
+cmake --preset windows
+cmake --build --preset windows --target palpate
+cpack --preset windows

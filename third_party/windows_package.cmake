@@ -1,0 +1,10 @@
+# `cpack --preset windows`: a zip of one folder with the program, its font, and the licences of what it is linked to.
+install(TARGETS palpate RUNTIME DESTINATION .)
+install(FILES /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf DESTINATION .)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/build/windows-libraries/prefix/licences DESTINATION .)
+set(CPACK_GENERATOR ZIP)
+set(CPACK_PACKAGE_FILE_NAME palpate-${PROJECT_VERSION}-windows-x86_64)
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR})
+set(CPACK_STRIP_FILES ON)
+include(CPack)
+file(COPY /usr/share/fonts/truetype/dejavu/DejaVuSans.ttf DESTINATION ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
