@@ -2,8 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <new>
+
+#include "haptics/machine_time.hpp"
 
 namespace palpate {
+namespace {
+
+class MachineClock final : public SessionClock {
+ public:
+  std::int64_t now_ns() const noexcept override { return machineTime_ns(); }
+  void waitUntil_ns(std::int64_t time_ns) noexcept override { waitUntilMachineTime_ns(time_ns); }
+};
+
+}  // namespace
+
+SessionClock& machineClock() noexcept {
+  // It is never destroyed: the thread of a driver that nobody stopped still asks it while the process exits.
+  alignas(MachineClock) static std::byte place[sizeof(MachineClock)];
+  static auto& theMachines = *new (place) MachineClock;
+  return theMachines;
+}
 
 std::int64_t SteppedClock::now_ns() const noexcept {
   const std::scoped_lock lock(guard_);

@@ -56,13 +56,12 @@ TEST_CASE_FIXTURE(GpuFixture, "sharp with a local radius and friction runs witho
 }
 
 TEST_CASE("every kind of surface is the same on the GPU as in double precision") {
-  // GPU-assisted validation compiles for some ten seconds each time.
-  Device device({.gpu = "", .validation = Validation::off});
-  for (const Way way :
-       {Way{SurfaceKind::sphere, false, 0}, Way{SurfaceKind::sharp, false, 0.3}, Way{SurfaceKind::average, true, 0.3},
-        Way{SurfaceKind::sharp, true, 0}, Way{SurfaceKind::average, false, 0, 1.6},
-        Way{SurfaceKind::sphere, true, 0.3, 1.3}, Way{SurfaceKind::sharp, false, 0.3, 1.6}})
-    for (const std::string_view shape : {"torus", "cube", "bumpy-sphere"}) checkAgreement(device, way, shape);
+  // Each is a shader of its own, which a software driver translates for half a minute, so these are every pair of a kind
+  // and an option, and of options. The plain sphere is what contact_step_test touches everything by.
+  for (const Way way : {Way{SurfaceKind::sharp, false, 0.3}, Way{SurfaceKind::average, true, 0.3},
+                        Way{SurfaceKind::sharp, true, 0, 1.6}, Way{SurfaceKind::average, false, 0, 1.6},
+                        Way{SurfaceKind::sphere, true, 0.3, 1.3}})
+    for (const std::string_view shape : {"torus", "cube", "bumpy-sphere"}) checkAgreement(plainDevice(), way, shape);
 }
 
 }  // namespace palpate

@@ -1,9 +1,6 @@
 #include <windows.h>
 
-#include <cstddef>
-#include <new>
-
-#include "haptics/session_clock.hpp"
+#include "haptics/machine_time.hpp"
 
 namespace palpate {
 namespace {
@@ -36,29 +33,20 @@ class Timer {
   HANDLE handle_;
 };
 
-class MachineClock final : public SessionClock {
- public:
-  std::int64_t now_ns() const noexcept override {
-    LARGE_INTEGER count, perSecond;
-    ::QueryPerformanceCounter(&count);
-    ::QueryPerformanceFrequency(&perSecond);
-    const std::int64_t seconds = count.QuadPart / perSecond.QuadPart, rest = count.QuadPart % perSecond.QuadPart;
-    return seconds * kSecond_ns + rest * kSecond_ns / perSecond.QuadPart;
-  }
-  void waitUntil_ns(std::int64_t time_ns) noexcept override {
-    thread_local const Timer timer;
-    for (std::int64_t left_ns = time_ns - now_ns(); left_ns > 0; left_ns = time_ns - now_ns())
-      if (left_ns < kTimerUnit_ns || !timer.waitFor(left_ns)) ::SwitchToThread();
-  }
-};
-
 }  // namespace
 
-SessionClock& machineClock() noexcept {
-  // It is never destroyed: the thread of a driver that nobody stopped still asks it while the process exits.
-  alignas(MachineClock) static std::byte place[sizeof(MachineClock)];
-  static auto& theMachines = *new (place) MachineClock;
-  return theMachines;
+std::int64_t machineTime_ns() noexcept {
+  LARGE_INTEGER count, perSecond;
+  ::QueryPerformanceCounter(&count);
+  ::QueryPerformanceFrequency(&perSecond);
+  const std::int64_t seconds = count.QuadPart / perSecond.QuadPart, rest = count.QuadPart % perSecond.QuadPart;
+  return seconds * kSecond_ns + rest * kSecond_ns / perSecond.QuadPart;
+}
+
+void waitUntilMachineTime_ns(std::int64_t time_ns) noexcept {
+  thread_local const Timer timer;
+  for (std::int64_t left_ns = time_ns - machineTime_ns(); left_ns > 0; left_ns = time_ns - machineTime_ns())
+    if (left_ns < kTimerUnit_ns || !timer.waitFor(left_ns)) ::SwitchToThread();
 }
 
 }  // namespace palpate

@@ -1,0 +1,41 @@
+#include "haptics/crash_stop.hpp"
+
+#include <array>
+#include <atomic>
+#include <mutex>
+
+#include "engine/core/check.hpp"
+#include "haptics/crash_handlers.hpp"
+
+namespace palpate {
+namespace {
+
+// A handler has no arguments of its own choosing, so what it needs has to stand where it can find it.
+std::array<std::atomic<HapticDevice*>, CrashStop::kMostDevices> devices;
+std::mutex places;  // for putting handlers in place and back; never held by one
+int guarded = 0;
+
+static_assert(std::atomic<HapticDevice*>::is_always_lock_free, "a lock in a handler may never be given back");
+
+}  // namespace
+
+void stopGuardedDevices() noexcept {
+  for (const auto& slot : devices)
+    if (HapticDevice* device = slot.load()) device->emergencyStop();
+}
+
+CrashStop::CrashStop(HapticDevice& device) {
+  const std::scoped_lock lock(places);
+  while (slot_ < kMostDevices && devices[slot_].load()) ++slot_;
+  PALPATE_CHECK_LT(slot_, kMostDevices);
+  devices[slot_].store(&device);
+  if (guarded++ == 0) putCrashHandlersInPlace();
+}
+
+CrashStop::~CrashStop() {
+  const std::scoped_lock lock(places);
+  if (--guarded == 0) putCrashHandlersBack();
+  devices[slot_].store(nullptr);
+}
+
+}  // namespace palpate
