@@ -26,7 +26,8 @@ class GpuFixture {
  public:
   ~GpuFixture() {
     device.waitIdle();
-    CHECK_MESSAGE(device.instance().messages().take().empty(), "validation messages");
+    const auto messages = device.instance().messages().take();
+    CHECK_MESSAGE(messages.empty(), messages.size() << " validation messages, the first: " << messages.front());
   }
 
  protected:
