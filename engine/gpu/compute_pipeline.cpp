@@ -1,6 +1,7 @@
 #include "engine/gpu/compute_pipeline.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/command_list.hpp"
@@ -19,6 +20,11 @@ void translateNow(Device& device, const ShaderCode& code, const PipelineOptions&
   CommandList list(device, device.backgroundQueue(), code.name);
   list.begin();
   device.vk().vkCmdBindPipeline(list.handle(), VK_PIPELINE_BIND_POINT_COMPUTE, compiled.pipeline);
+  // No invocation reads the arguments, but none may be missing.
+  static constexpr std::array<std::byte, kMaxPushBytes> kNothing{};
+  if (options.pushBytes > 0)
+    device.vk().vkCmdPushConstants(list.handle(), compiled.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, options.pushBytes,
+                                   kNothing.data());
   device.vk().vkCmdDispatch(list.handle(), 0, 1, 1);
   list.end();
   device.backgroundQueue().run(list);

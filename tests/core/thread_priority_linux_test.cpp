@@ -5,38 +5,16 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <thread>
+
+#include "tests/core/sleeping_thread.hpp"
 
 namespace palpate {
 
 namespace {
 
-/// A thread that waits to be looked at.
-class Sleeper {
- public:
-  Sleeper()
-      : thread_([this] {
-          number_ = ::gettid();
-          number_.notify_all();
-          done_.wait(false);
-        }) {
-    number_.wait(0);
-  }
-  ~Sleeper() {
-    done_ = true;
-    done_.notify_all();
-    thread_.join();
-  }
-  Sleeper(const Sleeper&) = delete;
-  Sleeper& operator=(const Sleeper&) = delete;
-
-  int nice() const { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(number_.load())); }
-
- private:
-  std::atomic<int> number_ = 0;
-  std::atomic<bool> done_ = false;
-  std::thread thread_;
+struct Sleeper : SleepingThread<[] { return ::gettid(); }> {
+  int nice() const { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(number())); }
 };
 
 }  // namespace

@@ -2,44 +2,22 @@
 
 #include <doctest/doctest.h>
 
-#include <future>
 #include <thread>
 
 #include "engine/core/thread_priority.hpp"
+#include "tests/core/sleeping_thread.hpp"
 
 namespace palpate {
 
 namespace {
 
-/// A thread that waits to be looked at.
-class Sleeper {
- public:
-  Sleeper()
-      : thread_([this] {
-          running_.set_value(::GetCurrentThreadId());
-          done_.get_future().wait();
-        }) {
-    number_ = running_.get_future().get();
-  }
-  ~Sleeper() {
-    done_.set_value();
-    thread_.join();
-  }
-  Sleeper(const Sleeper&) = delete;
-  Sleeper& operator=(const Sleeper&) = delete;
-
+struct Sleeper : SleepingThread<[] { return ::GetCurrentThreadId(); }> {
   int priority() const {
-    const HANDLE thread = ::OpenThread(THREAD_QUERY_INFORMATION, FALSE, number_);
+    const HANDLE thread = ::OpenThread(THREAD_QUERY_INFORMATION, FALSE, number());
     const int priority = ::GetThreadPriority(thread);
     ::CloseHandle(thread);
     return priority;
   }
-
- private:
-  DWORD number_ = 0;
-  std::promise<DWORD> running_;
-  std::promise<void> done_;
-  std::thread thread_;
 };
 
 int ownPriority() { return ::GetThreadPriority(::GetCurrentThread()); }

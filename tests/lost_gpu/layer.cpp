@@ -3,8 +3,8 @@
 // call. The moment is the submission that PALPATE_LOST_GPU names ("submit:300", "fence:300"), or palpateLoseGpu();
 // "count" takes nothing away and says at the end how many there were. "display" takes nothing away either: the driver
 // is one that calls itself NVIDIA's and does not survive a question about a surface, as that one on an X server without
-// its extension. "limits:256,16384" makes the GPU a small one: it says that workgroups have so many invocations and share
-// so many bytes at most.
+// its extension. "minimum" makes the GPU the least that Vulkan lets one be, "minimum:NAME=VALUE,..." that but for what is
+// named (made_up_gpu.hpp).
 //
 // Loader and layer interface: LoaderLayerInterface.md of the Vulkan loader, version 2.
 #include <vulkan/vk_layer.h>
@@ -15,7 +15,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "tests/lost_gpu/made_up_gpu.hpp"
 
 namespace {
 
@@ -24,6 +29,10 @@ constexpr long kNever = std::numeric_limits<long>::max();
 // One instance and one device at a time, which is what the program makes.
 PFN_vkGetPhysicalDeviceProperties2 nextProperties = nullptr;
 PFN_vkGetPhysicalDeviceProperties nextFirstProperties = nullptr;
+PFN_vkGetPhysicalDeviceFeatures2 nextFeatures = nullptr;
+PFN_vkGetPhysicalDeviceFeatures nextFirstFeatures = nullptr;
+PFN_vkGetPhysicalDeviceQueueFamilyProperties nextFamilies = nullptr;
+PFN_vkEnumerateDeviceExtensionProperties nextExtensions = nullptr;
 PFN_vkGetInstanceProcAddr nextInstanceProc = nullptr;
 PFN_vkGetDeviceProcAddr nextDeviceProc = nullptr;
 PFN_vkQueueSubmit2 nextSubmit = nullptr;
@@ -50,7 +59,8 @@ void readEnvironment() {
   if (!text) return;
   tally.says = std::strcmp(text, "count") == 0;
   failsAtSubmit = std::strncmp(text, "submit:", 7) == 0;
-  if (const char* colon = std::strchr(text, ':')) submissionsLeft = std::atol(colon + 1);
+  if (failsAtSubmit || std::strncmp(text, "fence:", 6) == 0)
+    submissionsLeft = std::atol(std::strchr(text, ':') + 1);
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL submit(VkQueue queue, std::uint32_t count, const VkSubmitInfo2* infos, VkFence fence) {
@@ -82,33 +92,66 @@ bool diesAtSurfaces() {
   return text && std::strcmp(text, "display") == 0;
 }
 
-bool isSmall() {
+/// Read anew for each instance.
+std::optional<madeup::Gpu> madeUp;
+
+void readMadeUp() {
+  constexpr std::string_view kMode = "minimum";
   const char* text = std::getenv("PALPATE_LOST_GPU");
-  return text && std::strncmp(text, "limits:", 7) == 0;
+  const std::string_view asked = text ? text : "";
+  madeUp.reset();
+  if (asked == kMode) madeUp.emplace("");
+  if (asked.starts_with("minimum:")) madeUp.emplace(std::string(asked.substr(kMode.size() + 1)));
 }
 
-void makeSmall(VkPhysicalDeviceLimits& limits) {
-  unsigned invocations = 0, bytes = 0;
-  if (std::sscanf(std::getenv("PALPATE_LOST_GPU"), "limits:%u,%u", &invocations, &bytes) != 2) std::abort();
-  limits.maxComputeWorkGroupInvocations = invocations;
-  for (std::uint32_t& size : limits.maxComputeWorkGroupSize)
-    if (size > invocations) size = invocations;
-  limits.maxComputeSharedMemorySize = bytes;
-}
-
-VKAPI_ATTR void VKAPI_CALL firstSmallProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* told) {
+VKAPI_ATTR void VKAPI_CALL madeUpFirstProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties* told) {
   nextFirstProperties(gpu, told);
-  makeSmall(told->limits);
+  madeUp->amend(told->limits);
 }
 
-VKAPI_ATTR void VKAPI_CALL smallProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
+VKAPI_ATTR void VKAPI_CALL madeUpProperties(VkPhysicalDevice gpu, VkPhysicalDeviceProperties2* told) {
   nextProperties(gpu, told);
-  makeSmall(told->properties.limits);
+  madeUp->amend(*told);
 }
 
-PFN_vkVoidFunction smallCommand(std::string_view wanted) {
-  if (wanted == "vkGetPhysicalDeviceProperties") return reinterpret_cast<PFN_vkVoidFunction>(firstSmallProperties);
-  if (wanted.starts_with("vkGetPhysicalDeviceProperties2")) return reinterpret_cast<PFN_vkVoidFunction>(smallProperties);
+VKAPI_ATTR void VKAPI_CALL madeUpFirstFeatures(VkPhysicalDevice gpu, VkPhysicalDeviceFeatures* told) {
+  nextFirstFeatures(gpu, told);
+  madeUp->amend(*told);
+}
+
+VKAPI_ATTR void VKAPI_CALL madeUpFeatures(VkPhysicalDevice gpu, VkPhysicalDeviceFeatures2* told) {
+  nextFeatures(gpu, told);
+  madeUp->amend(*told);
+}
+
+VKAPI_ATTR void VKAPI_CALL madeUpFamilies(VkPhysicalDevice gpu, std::uint32_t* count, VkQueueFamilyProperties* told) {
+  nextFamilies(gpu, count, told);
+  for (std::uint32_t i = 0; told && i < *count; ++i) madeUp->amend(told[i]);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL madeUpExtensions(VkPhysicalDevice gpu, const char* layer, std::uint32_t* count,
+                                                VkExtensionProperties* told) {
+  if (layer) return nextExtensions(gpu, layer, count, told);
+  const std::uint32_t room = *count;
+  *count = 1;
+  if (!told) return VK_SUCCESS;
+  if (room < 1) return VK_INCOMPLETE;
+  told[0] = {};
+  std::strcpy(told[0].extensionName, madeup::Gpu::kExtension);
+  told[0].specVersion = 1;
+  return VK_SUCCESS;
+}
+
+// Of the instance, where the GPU is made up.
+PFN_vkVoidFunction madeUpCommand(std::string_view wanted) {
+  if (wanted == "vkGetPhysicalDeviceProperties") return reinterpret_cast<PFN_vkVoidFunction>(madeUpFirstProperties);
+  if (wanted.starts_with("vkGetPhysicalDeviceProperties2"))
+    return reinterpret_cast<PFN_vkVoidFunction>(madeUpProperties);
+  if (wanted == "vkGetPhysicalDeviceFeatures") return reinterpret_cast<PFN_vkVoidFunction>(madeUpFirstFeatures);
+  if (wanted.starts_with("vkGetPhysicalDeviceFeatures2")) return reinterpret_cast<PFN_vkVoidFunction>(madeUpFeatures);
+  if (wanted == "vkGetPhysicalDeviceQueueFamilyProperties")
+    return reinterpret_cast<PFN_vkVoidFunction>(madeUpFamilies);
+  if (wanted == "vkEnumerateDeviceExtensionProperties") return reinterpret_cast<PFN_vkVoidFunction>(madeUpExtensions);
   return nullptr;
 }
 
@@ -145,14 +188,20 @@ VKAPI_ATTR VkResult VKAPI_CALL createInstance(const VkInstanceCreateInfo* info, 
   if (!link) return VK_ERROR_INITIALIZATION_FAILED;
   nextInstanceProc = link->u.pLayerInfo->pfnNextGetInstanceProcAddr;
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
+  readMadeUp();
   const auto create = reinterpret_cast<PFN_vkCreateInstance>(nextInstanceProc(VK_NULL_HANDLE, "vkCreateInstance"));
   const VkResult result = create(info, allocator, instance);
   // Asked for now: later the loader's answer begins with the first layer again.
   if (result != VK_SUCCESS) return result;
-  nextProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties2>(
-      nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties2"));
-  nextFirstProperties = reinterpret_cast<PFN_vkGetPhysicalDeviceProperties>(
-      nextInstanceProc(*instance, "vkGetPhysicalDeviceProperties"));
+  const auto get = [&](auto& next, const char* name) {
+    next = reinterpret_cast<std::remove_reference_t<decltype(next)>>(nextInstanceProc(*instance, name));
+  };
+  get(nextProperties, "vkGetPhysicalDeviceProperties2");
+  get(nextFirstProperties, "vkGetPhysicalDeviceProperties");
+  get(nextFeatures, "vkGetPhysicalDeviceFeatures2");
+  get(nextFirstFeatures, "vkGetPhysicalDeviceFeatures");
+  get(nextFamilies, "vkGetPhysicalDeviceQueueFamilyProperties");
+  get(nextExtensions, "vkEnumerateDeviceExtensionProperties");
   return result;
 }
 
@@ -164,7 +213,14 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice gpu, const VkDevice
   nextDeviceProc = link->u.pLayerInfo->pfnNextGetDeviceProcAddr;
   link->u.pLayerInfo = link->u.pLayerInfo->pNext;
   const auto create = reinterpret_cast<PFN_vkCreateDevice>(instanceProc(VK_NULL_HANDLE, "vkCreateDevice"));
-  const VkResult result = create(gpu, info, allocator, device);
+  VkDeviceCreateInfo asked = *info;
+  std::vector<const char*> extensions;
+  if (madeUp) {
+    if (!madeUp->accepts(*info, extensions)) return VK_ERROR_INITIALIZATION_FAILED;
+    asked.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+    asked.ppEnabledExtensionNames = extensions.data();
+  }
+  const VkResult result = create(gpu, &asked, allocator, device);
   if (result != VK_SUCCESS) return result;
   const auto get = [&](const char* name) { return nextDeviceProc(*device, name); };
   nextSubmit = reinterpret_cast<PFN_vkQueueSubmit2>(get("vkQueueSubmit2"));
@@ -197,7 +253,7 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL instanceProc(VkInstance instance, const
   if (wanted == "vkCreateInstance") return reinterpret_cast<PFN_vkVoidFunction>(createInstance);
   if (wanted == "vkCreateDevice") return reinterpret_cast<PFN_vkVoidFunction>(createDevice);
   if (const auto own = deviceCommand(name)) return own;
-  if (const auto own = isSmall() ? smallCommand(wanted) : nullptr) return own;
+  if (const auto own = madeUp ? madeUpCommand(wanted) : nullptr) return own;
   if (const auto own = diesAtSurfaces() ? surfaceCommand(wanted) : nullptr) return own;
   return nextInstanceProc ? nextInstanceProc(instance, name) : nullptr;
 }

@@ -14,13 +14,17 @@
 
 namespace palpate {
 
+/// The least GPU that palpate takes: wider workgroups than Vulkan promises, and the layout of C++.
+inline const std::string kLeastGpu =
+    "minimum:maxComputeWorkGroupInvocations=256,maxComputeWorkGroupSize=256,scalarBlockLayout=1";
+
 /// While it lives, new Vulkan instances of this process, and of programs that it starts, go through the layer. Ends the
 /// test where it does not find it.
 class LostGpuLayer {
  public:
   /// `when`: "submit:N" or "fence:N", after N submissions of the next device; "count": never, but a program that ends
-  /// says how many it made; "display": never, but a question about a surface ends the program; "limits:INVOCATIONS,BYTES": never, but workgroups have
-  /// no more invocations and share no more than that; empty: when takeGpu() is called.
+  /// says how many it made; "display": never, but a question about a surface ends the program; "minimum:NAME=VALUE,...":
+  /// never, but the GPU is the least that Vulkan lets one be (made_up_gpu.hpp); empty: when takeGpu() is called.
   explicit LostGpuLayer(const std::string& when = {}) {
     for (const char* file : {kLibrary, "layer.json"})
       REQUIRE_MESSAGE(std::filesystem::exists(folder() / file),
@@ -31,8 +35,9 @@ class LostGpuLayer {
     // Validation stands above this layer, where it is asked for, and sees what this one makes of the driver: layers are
     // stacked in the order in which the loader finds them.
     ::setenv("VK_LAYER_PATH", (layersBefore_.value_or(kDebianLayers) + ":" + folder().string()).c_str(), 1);
-    const bool seen = when.starts_with("limits:") && askedValidation() != Validation::off;
-    ::setenv("VK_INSTANCE_LAYERS", seen ? "VK_LAYER_KHRONOS_validation:VK_LAYER_PALPATE_lost_gpu" : "VK_LAYER_PALPATE_lost_gpu", 1);
+    const bool seen = when.starts_with("minimum") && askedValidation() != Validation::off;
+    ::setenv("VK_INSTANCE_LAYERS",
+             seen ? "VK_LAYER_KHRONOS_validation:VK_LAYER_PALPATE_lost_gpu" : "VK_LAYER_PALPATE_lost_gpu", 1);
     if (!when.empty()) ::setenv("PALPATE_LOST_GPU", when.c_str(), 1);
   }
   ~LostGpuLayer() {

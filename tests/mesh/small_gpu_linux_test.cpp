@@ -9,7 +9,7 @@ namespace palpate {
 TEST_CASE("a GPU whose workgroups are small makes the same mesh") {
   const MeshScene scene = meshScene("torus", 8000, {.lattice = 32});
   const Mesh expected = meshOnGpu(plainDevice(), scene);
-  const LostGpuLayer layer("limits:256,16384");
+  const LostGpuLayer layer(kLeastGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
   const Mesh mesh = meshOnGpu(small, scene);
   checkClosed(mesh);

@@ -31,7 +31,7 @@ TEST_CASE("a GPU whose workgroups are small draws the same picture") {
     return frame.readColor();
   };
   const Image expected = pictureOf(plainDevice());
-  const LostGpuLayer layer("limits:256,16384");
+  const LostGpuLayer layer(kLeastGpu);
   Device small({.gpu = "", .validation = askedCoreValidation()});
   CHECK(pictureOf(small).rgba == expected.rgba);
   CHECK(small.instance().messages().take().empty());

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <future>
+#include <thread>
+
+namespace palpate {
+
+/// A thread that waits to be looked at, by the number that the system knows it by: what `ownNumber` gives it.
+template <auto ownNumber>
+class SleepingThread {
+ public:
+  SleepingThread()
+      : thread_([this] {
+          running_.set_value(ownNumber());
+          done_.get_future().wait();
+        }),
+        number_(running_.get_future().get()) {}
+  ~SleepingThread() {
+    done_.set_value();
+    thread_.join();
+  }
+  SleepingThread(const SleepingThread&) = delete;
+  SleepingThread& operator=(const SleepingThread&) = delete;
+
+  auto number() const { return number_; }
+
+ private:
+  using Number = decltype(ownNumber());
+
+  std::promise<Number> running_;
+  std::promise<void> done_;
+  std::thread thread_;
+  Number number_;
+};
+
+}  // namespace palpate
