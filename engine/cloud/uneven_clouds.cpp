@@ -100,9 +100,12 @@ PointCloud rows(double gap) {
     while (angle < 2 * std::numbers::pi) {
       addTo(cloud, direction(std::cos(latitude), turn + angle));
       if (next() < kClustered)
-        for (int k = 0; k < 3; ++k)
-          addTo(cloud, direction(std::cos(latitude + kClusterWidth * gap * (next() - 0.5)),
-                                 turn + angle + kClusterWidth * gap * (next() - 0.5) / std::sin(latitude)));
+        for (int k = 0; k < 3; ++k) {
+          // One after the other: compilers differ in which argument of a call they begin with.
+          const double along = kClusterWidth * gap * (next() - 0.5) / std::sin(latitude);
+          const double across = kClusterWidth * gap * (next() - 0.5);
+          addTo(cloud, direction(std::cos(latitude + across), turn + angle + along));
+        }
       angle += gap * (kAlong + kAlongSpread * next()) / std::sin(latitude);
     }
   }

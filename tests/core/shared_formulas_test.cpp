@@ -36,7 +36,8 @@ std::vector<DVec3> directions(std::size_t count) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   std::vector<DVec3> all;
-  while (all.size() < count) all.push_back(glm::normalize(DVec3(normal(random), normal(random), normal(random))));
+  // Braces, since compilers differ in which argument of a call they begin with.
+  while (all.size() < count) all.push_back(glm::normalize(DVec3{normal(random), normal(random), normal(random)}));
   return all;
 }
 
@@ -116,7 +117,8 @@ TEST_CASE_TEMPLATE("a sphere is found where its points are, and the average wher
     REQUIRE(sphere.defined);
     // The least spread that it is given flattens it a little.
     CHECK(std::abs(static_cast<double>(sphere.distance) - height) < 1e-4 + kRounding<Real>);
-    CHECK(off(sphere.normal, DVec3(0, 0, 1)) < 1e-6 + 20 * kRounding<Real>);
+    // And tilts it, by as much as the points are to one side.
+    CHECK(off(sphere.normal, DVec3(0, 0, 1)) < 1e-5 + 20 * kRounding<Real>);
     const auto average = shared::surfaceFrom(sums, static_cast<Real>(radius), shared::kSurfaceAverage);
     REQUIRE(average.defined);
     const double truth = -radius * glm::dot(DVec3(average.normal), mean / weights);
