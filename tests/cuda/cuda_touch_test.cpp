@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/contact/contact_reference.hpp"
+#include "tests/contact/sheet.hpp"
 #include "tests/cuda/cuda_fixture.hpp"
 
 namespace palpate {
@@ -74,16 +75,7 @@ TEST_CASE("both faces of a sheet and of a plate are felt as in double precision,
   constexpr double kRadius = 2;
   for (const double thickness : {0.0, 0.4}) {
     CAPTURE(thickness);
-    // Squares of 40 x 40 with a spacing of 0.5, on z = 0 looking up and, of the plate, below it looking down.
-    PointCloud cloud;
-    for (int i = -40; i <= 40; ++i)
-      for (int j = -40; j <= 40; ++j) {
-        cloud.positions.emplace_back(0.5 * i, 0.5 * j, 0);
-        cloud.normals.emplace_back(0, 0, 1);
-        if (thickness <= 0) continue;
-        cloud.positions.emplace_back(0.5 * i + 0.25, 0.5 * j, -thickness);
-        cloud.normals.emplace_back(0, 0, -1);
-      }
+    const PointCloud cloud = sheet(thickness);
     std::vector<DVec3> path;  // down and up through the plane, from inside the sheet to past its edge
     for (int i = 0; i < 700; ++i) path.emplace_back(0.033 * i, 0.1 + 0.01 * i, -0.2 + 3.5 * std::cos(0.06 * i));
     ContactReference reference(cloud, {.radius = kRadius}, 0.3);

@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include "engine/motion/moving_shape.hpp"
-#include "haptics/devices/replay_device.hpp"
 #include "haptics/session/live_session.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
@@ -87,21 +86,13 @@ TEST_CASE("a recorded session with a model that moves is run again with its conf
   SessionConfig config = moving({.kind = MotionKind::oscillate, .axis = {0, 0.1, 2}, .amplitude_mm = 1, .frequency_Hz = 5});
   config.model.file = (folder / "model.ply").string();
   Session session(config, sphereModel(), {.backend = *cpu, .threads = 1, .journal = true});
-  const PathHand hand(atRest());
-  const OpenHand open = hand.hand();
-  session.record(log, open);
-  const ServoResult result = session.run({&open, 1}, {});
-  session.finish();
-  session.endRecording();
+  const ServoResult result = runRecorded(session, log, atRest());
 
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
   CHECK(recorded.config == config);
   Session again(recorded.config, sphereModel(), {.backend = *cpu, .threads = 1, .journal = true});
-  const double duration_s = record.ticks.back().time_s;
-  ReplayDevice device(std::move(record.ticks), recorded.limits);
-  const OpenHand replayed{.device = &device, .map = recorded.map, .duration_s = duration_s};
-  const ServoResult same = again.run({&replayed, 1}, {});
+  const ServoResult same = runAgain(again, std::move(record), recorded);
   CHECK(summarize(result.trace()).contactTicks > 60);
   CHECK(sameTrace(result.trace(), same.trace()));
 }

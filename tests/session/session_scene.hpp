@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "haptics/devices/path_device.hpp"
+#include "haptics/devices/replay_device.hpp"
 #include "haptics/session/session.hpp"
+#include "haptics/session/session_header.hpp"
 #include "tests/scenes.hpp"
 
 namespace palpate {
@@ -42,6 +44,25 @@ inline ServoResult runAlone(Session& session, Path path, const RunOptions& optio
   const PathHand hand(std::move(path));
   const OpenHand open = hand.hand();
   return session.run({&open, 1}, options);
+}
+
+/// To its end, with its log.
+inline ServoResult runRecorded(Session& session, const std::string& log, Path path) {
+  const PathHand hand(std::move(path));
+  const OpenHand open = hand.hand();
+  session.record(log, open);
+  ServoResult result = session.run({&open, 1}, {});
+  session.finish();
+  session.endRecording();
+  return result;
+}
+
+/// What a log holds, by the hand that was recorded.
+inline ServoResult runAgain(Session& session, SessionRecord record, const RecordedSession& recorded) {
+  const double duration_s = record.ticks.back().time_s;
+  ReplayDevice device(std::move(record.ticks), recorded.limits);
+  const OpenHand hand{.device = &device, .map = recorded.map, .duration_s = duration_s};
+  return session.run({&hand, 1}, {});
 }
 
 inline bool sameTrace(const Trace& a, const Trace& b) {

@@ -101,12 +101,7 @@ TEST_CASE("a recorded session says how it runs again, and does so with the same 
   config.model.file = (folder / "model.ply").string();
   config.surface = {.kind = SurfaceKind::sphere, .friction = 0.2};
   Session session(config, sphereModel(), {.backend = *cpu, .journal = true});
-  const PathHand hand(strokeFrom({0, 0, 1}, 2));
-  const OpenHand open = hand.hand();
-  session.record(log, open);
-  const ServoResult result = session.run({&open, 1}, {});
-  session.finish();
-  session.endRecording();
+  const ServoResult result = runRecorded(session, log, strokeFrom({0, 0, 1}, 2));
 
   SessionRecord record = readSessionLog(log);
   const RecordedSession recorded = parseHeader(log, record.text);
@@ -115,10 +110,7 @@ TEST_CASE("a recorded session says how it runs again, and does so with the same 
   REQUIRE(record.end);
   REQUIRE(record.ticks.size() == result.trace().rows.size());
   Session again(recorded.config, sphereModel(), {.backend = *cpu, .journal = true});
-  const double duration_s = record.ticks.back().time_s;
-  ReplayDevice device(std::move(record.ticks), recorded.limits);
-  const OpenHand replayed{.device = &device, .map = recorded.map, .duration_s = duration_s};
-  const ServoResult same = again.run({&replayed, 1}, {});
+  const ServoResult same = runAgain(again, std::move(record), recorded);
   again.finish();
   CHECK(sameTrace(result.trace(), same.trace()));
   CHECK(again.sculpted().edited > 20);

@@ -115,20 +115,7 @@ TEST_CASE("against the clock no tick on the CPU waits for the making of a frame"
   const Scene scene = makeScene("sphere", 2'000);
   HeldSource source(scene.cloud, {.kind = MotionKind::drift, .speed = 1000});
   CpuTouch touch(scene.cloud, {.radius = scene.radius, .threads = 1, .source = &source});
-  CloudFrame frame;
-  CHECK(touch.takeFrame(frame));
-  for (int i = 1; i <= 20; ++i) {
-    const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 50.5}}, 1e6);
-    CHECK(contact.fresh);
-    CHECK_FALSE(contact.touching);
-    touch.prepare();
-    CHECK_FALSE(touch.takeFrame(frame));
-  }
-  source.letGo();
-  touch.finish();
-  CHECK(touch.takeFrame(frame));
-  CHECK(frame.time_s == kTick_s);
-  CHECK(touch.query({.time_s = 0.021, .hip = {0, 0, 50.5}}, 1e6).touching);
+  checkNoTickWaits(touch, source);
 }
 
 TEST_CASE("against the clock frames come between ticks on the CPU, one after another") {

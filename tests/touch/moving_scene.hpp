@@ -1,6 +1,8 @@
 // A sphere that moves under hands, for each back end: what is felt is held against the exact depth at each tick's time.
 #pragma once
 
+#include <doctest/doctest.h>
+
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -100,6 +102,24 @@ inline DepthError depthError(std::span<const Contact> contacts, const DVec3& hip
 inline bool sameAnswer(const Contact& a, const Contact& b) {
   return a.proxy == b.proxy && a.normal == b.normal && a.touching == b.touching && a.valid == b.valid &&
          a.fresh == b.fresh && a.neighbours == b.neighbours;
+}
+
+/// Against the clock, on a sphere of radius 50 whose next frame, which rises to the stylus, is made only when it is let go.
+inline void checkNoTickWaits(auto& touch, HeldSource& source) {
+  CloudFrame frame;
+  CHECK(touch.takeFrame(frame));
+  for (int i = 1; i <= 20; ++i) {
+    const Contact contact = touch.query({.time_s = kTick_s * i, .hip = {0, 0, 50.5}}, 1e6);
+    CHECK(contact.fresh);
+    CHECK_FALSE(contact.touching);
+    touch.prepare();
+    CHECK_FALSE(touch.takeFrame(frame));
+  }
+  source.letGo();
+  touch.finish();
+  CHECK(touch.takeFrame(frame));
+  CHECK(frame.time_s == kTick_s);
+  CHECK(touch.query({.time_s = 0.021, .hip = {0, 0, 50.5}}, 1e6).touching);
 }
 
 }  // namespace palpate
