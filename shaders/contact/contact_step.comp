@@ -22,12 +22,16 @@ bool touching, sticking;
 uint face;
 vec3 facing;
 
-// The surface at a place, of the points that belong to the face that was felt last; past the edge of such a sheet every
-// point counts. Its outside is the face that is felt. Gathers a new patch when the place has left the old one.
+// What a step is about when it looks at the surface.
+const uint kWalks = 0;   // free, along the HIP's motion, until it crosses the surface
+const uint kTracks = 1;  // touching, from tangent plane to tangent plane
+const uint kLeaves = 2;  // no longer touching, at the HIP
+
+bool patchReaches(vec3 x) { return patchGathered && distance(x, patchCentre) <= kPatchSlack * args.radius; }
+
+// The surface at a place within the patch, of the points that belong to the face that was felt last; past the edge of
+// such a sheet every point counts. Its outside is the face that is felt.
 Surface feel(vec3 x) {
-  if (!patchGathered || distance(x, patchCentre) > kPatchSlack * args.radius)
-    gatherPatch(args.spill, args.pose.at[probeIndex()].pose.hip, x, patchReach(args.radius),
-                args.mostCells);
   Surface surface;
   for (uint look = 0; look < 2; ++look) {
     surface = surfaceAt(args.spill, x - patchCentre, args.radius, facing);
@@ -42,12 +46,9 @@ Surface feel(vec3 x) {
   return surface;
 }
 
-// False in a workgroup that has done its share of a split gather and may go.
+// Takes over the first patch where others gather it, too. False in a workgroup that has done its share and may go.
 bool takeFirstPatch(Probe probe) {
-  if (kManyProbes || args.gather == kGatherAlone) {
-    gatherPatch(args.spill, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
-    return true;
-  }
+  if (kManyProbes || args.gather == kGatherAlone) return true;
   if (args.gather == kGatherSplit) {
     gatherShare(args.gathered, probe.hip, firstPlace(probe), patchReach(args.radius), args.mostCells);
     if (!finishesLast(args.gathered)) return false;
@@ -57,55 +58,16 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
-// Free: walks the segment of the HIP's motion and touches where it crosses the surface.
-void walkFreely(Probe probe, inout vec3 proxy, inout Surface surface, inout bool truncated) {
-  vec3 before = probe.lastHip;
-  for (uint s = 1; s <= probe.substeps && !touching; ++s) {
-    truncated = workDone > kContactWorkBudget;
-    if (truncated) {
-      face = kFaceInside;
-      break;
-    }
-    const vec3 x = placeOnWay(probe, s);
-    surface = feel(x);
-    ++workDone;
-    const bool inFront = surface.distance > 0.0;
-    if (surface.defined && crosses(face, inFront)) {
-      touching = true;
-      sticking = true;
-      proxy = before;
-    } else {
-      face = faceAfter(face, surface.defined, inFront, probe.traced);
-    }
-    before = x;
-  }
-}
-
-// Touching: projects the proxy onto the surface and follows the HIP in the tangent plane until it rests. Gives back the
-// steps that it took. `touched`: in the last tick, too, which felt the surface where the proxy stands; then the first
-// slide goes along that one, without another look.
-uint track(bool touched, inout vec3 proxy, inout Surface surface, inout bool truncated) {
-  const float longest = kLongestStep * args.radius;
+// Touching: takes the step that the surface at the proxy asks for. False where the proxy rests.
+bool takesStep(inout Tracking tracking, inout vec3 proxy, Surface surface, inout uint steps, inout bool truncated) {
+  if (steps == kMaxTrackingSteps || !surface.defined) return false;
   const float arrived = kConvergence * args.radius;
-  const float last = kLastStep * args.radius;
-  uint steps = 0;
-  vec3 firstSlide = vec3(0.0);
-  if (touched && facing != vec3(0.0))
-    firstSlide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
-  Tracking tracking = trackingFrom(firstSlide, sticking, arrived);
-  if (tracking.slid) proxy += shortened(firstSlide, longest);
-  while (true) {
-    surface = feel(proxy);
-    if (steps == kMaxTrackingSteps || !surface.defined) break;
-    const TrackingStep step = nextStep(tracking, proxy, surface.normal, surface.distance, kFriction);
-    truncated = step.size >= arrived && workDone > kContactWorkBudget;
-    if (truncated || step.size < arrived) break;
-    proxy += takeStep(tracking, step, longest);
-    ++steps;
-    if (step.size < last) break;
-  }
-  sticking = !tracking.slid;
-  return steps;
+  const TrackingStep step = nextStep(tracking, proxy, surface.normal, surface.distance, kFriction);
+  truncated = step.size >= arrived && workDone > kContactWorkBudget;
+  if (truncated || step.size < arrived) return false;
+  proxy += takeStep(tracking, step, kLongestStep * args.radius);
+  ++steps;
+  return step.size >= kLastStep * args.radius;
 }
 
 void main() {
@@ -123,19 +85,62 @@ void main() {
   bool truncated = false;
   uint trackingSteps = 0;
 
-  if (!touching) walkFreely(probe, proxy, surface, truncated);
-  if (touching) {
-    trackingSteps = track(probe.touching, proxy, surface, truncated);
-    if (!surface.defined) {
-      touching = false;
-      face = kFaceInside;  // lost within: not caught again on the way out
-    } else if (dot(proxy, surface.normal) < 0.0) {
-      touching = false;
+  // A hand that touched felt the surface where the proxy stands: the first slide goes along that one, without another
+  // look.
+  vec3 firstSlide = vec3(0.0);
+  if (touching && facing != vec3(0.0))
+    firstSlide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
+  Tracking tracking = trackingFrom(firstSlide, sticking, kConvergence * args.radius);
+  if (tracking.slid) proxy += shortened(firstSlide, kLongestStep * args.radius);
+
+  uint purpose = touching ? kTracks : kWalks;
+  uint substep = 1, budgeted = 0;  // the sub-step that is walked, and the last that the budget was asked for
+  vec3 before = probe.lastHip;
+  vec3 x = touching ? proxy : placeOnWay(probe, substep);
+  // One loop for all purposes: a translator inlines every call, and the patch and its surface are most of the program.
+  while (true) {
+    if (purpose == kWalks && patchGathered && budgeted < substep) {
+      budgeted = substep;
+      truncated = workDone > kContactWorkBudget;
+      if (truncated) {
+        face = kFaceInside;
+        break;
+      }
     }
-    if (!touching) {
-      proxy = vec3(0.0);
-      surface = feel(proxy);
+    if (!patchReaches(x)) {
+      gatherPatch(args.spill, probe.hip, patchGathered ? x : firstPlace(probe), patchReach(args.radius),
+                  args.mostCells);
+      continue;
     }
+    surface = feel(x);
+    if (purpose == kLeaves) break;
+    if (purpose == kWalks) {
+      ++workDone;
+      const bool inFront = surface.distance > 0.0;
+      if (surface.defined && crosses(face, inFront)) {
+        purpose = kTracks;
+        touching = true;
+        sticking = true;
+        tracking = trackingFrom(vec3(0.0), sticking, kConvergence * args.radius);
+        x = proxy = before;
+        continue;
+      }
+      face = faceAfter(face, surface.defined, inFront, probe.traced);
+      if (substep == probe.substeps) break;
+      before = x;
+      x = placeOnWay(probe, ++substep);
+      continue;
+    }
+    if (takesStep(tracking, proxy, surface, trackingSteps, truncated)) {
+      x = proxy;
+      continue;
+    }
+    sticking = !tracking.slid;
+    if (surface.defined && dot(proxy, surface.normal) >= 0.0) break;
+    if (!surface.defined) face = kFaceInside;  // lost within: not caught again on the way out
+    purpose = kLeaves;
+    touching = false;
+    x = proxy = vec3(0.0);
   }
 
   if (gl_LocalInvocationIndex != 0) return;

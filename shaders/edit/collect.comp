@@ -10,13 +10,8 @@ layout(push_constant, scalar) uniform Push { CollectArgs args; };
 #include "shaders/lib/recall_requests.glsl"
 #include "shaders/lib/select_moves.glsl"
 
-void select(UpdateLists update, uint group, uint groups) {
-  if (ball.acts == 0) return;
-  if (args.cells == 0)
-    selectFromSlots(update, group * gl_WorkGroupSize.x + gl_LocalInvocationIndex);
-  else
-    selectFromCells(update, group, groups);
-}
+// How many of `count` are left for one that takes every `stride`-th from `first` on.
+uint shareOf(uint count, uint first, uint stride) { return count > first ? (count - first + stride - 1) / stride : 0; }
 
 void main() {
   if (args.recalls == kForgetsRequests)
@@ -24,15 +19,49 @@ void main() {
   else
     takeUpBrush(args.brush, args.state);
   const uint selecting = selectGroups(args.cells, args.slots), group = workgroupIndex();
+  const bool selects = group < selecting;
+  if (!selects && args.recalls == kRecallsNothing) return;
   UpdateLists update = updateLists();
-  if (group < selecting) select(update, group, selecting);
-  if (args.recalls == kRecallsNothing || group < selecting) return;
   ResampleLists lists = args.tables.at[0].lists;
-  const uint subgroups = (gl_NumWorkGroups.x * gl_NumWorkGroups.y - selecting) * gl_NumSubgroups;
+  // Of subgroups that recall: which one this is, and of how many.
   const uint subgroup = (group - selecting) * gl_NumSubgroups + gl_SubgroupID;
-  recallRequests(update, lists, subgroup, subgroups);
-  if (args.recalls == kRecallsRequests)
-    bearPoints(update, lists, subgroup, subgroups);
-  else if (subgroup == 0 && subgroupElect())
-    lists.now.births = 0;
+  const uint subgroups = (gl_NumWorkGroups.x * gl_NumWorkGroups.y - selecting) * gl_NumSubgroups;
+  if (!selects && args.recalls == kForgetsRequests) {
+    forgetRequests(update, lists, subgroup, subgroups);
+    if (subgroup == 0 && subgroupElect()) lists.now.births = 0;
+    return;
+  }
+  uint points = 0, looks, births = 0;
+  if (selects) {
+    points = slotsToLookAt(group, selecting);
+    looks = (points + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
+  } else {
+    looks = shareOf(requestsOf(update, lists), subgroup, subgroups);
+    births = shareOf((birthsOf(lists) + gl_SubgroupSize - 1) / gl_SubgroupSize, subgroup, subgroups);
+  }
+  // One place where moves are listed, whoever makes them: a translator inlines every call.
+  for (uint step = 0; step < looks + births; ++step) {
+    bool moves = false;
+    PointMove move;
+    if (step < looks) {
+      uint slot = kEmptySlot, cell = kAnyCell;
+      const uint k = step * gl_WorkGroupSize.x + scanIndex();
+      if (!selects)
+        slot = requestingSlot(lists, subgroup + step * subgroups);
+      else if (k < points)
+        slot = slotToLookAt(k, group, selecting, cell);
+      if (slot != kEmptySlot) {
+        const vec4 position = args.cloud.positions.at[slot];
+        const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
+        const bool brushed = standsIn(cell, position.xyz) && brushedMove(slot, position, normal, move);
+        moves = selects ? brushed : recalled(slot, position, normal, brushed, move);
+        if (selects && brushed) noteReached(move.id, position.xyz);
+      }
+    } else {
+      const uint first = (subgroup + (step - looks) * subgroups) * gl_SubgroupSize;
+      moves = isBorn(lists, first + gl_SubgroupInvocationID, move);
+    }
+    const uint at = nextMove(args.update, moves);
+    if (moves) writeMove(update, at, move);
+  }
 }

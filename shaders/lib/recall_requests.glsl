@@ -6,40 +6,28 @@
 
 #include "shaders/lib/brush_reach.glsl"
 
-void recall(UpdateLists update, ResampleLists lists, uint i) {
-  const uint id = lists.requests[i].id;
-  const uint slot = slotIn(bucketAt(lists.requests[i].position), id);
-  bool moves = false;
-  PointMove move;
-  if (slot != kEmptySlot) {
-    const vec4 position = args.cloud.positions.at[slot];
-    const vec4 normal = args.cloud.normals.at[slot];
-    PointMove unused;
-    // A build may follow, and then the brush has been at work already.
-    moves = subgroupElect() && normal.w != kMarkRefit &&
-            !brushedMove(slot, position, normal, unused);
-    move = stayingMove(slot, position, normal.xyz);
-    if (normal.w == kMarkGoes) move.toBucket = kNoBucket;
-  }
-  const uint at = nextMove(args.update, moves);
-  if (moves) writeMove(update, at, move);
+uint requestsOf(UpdateLists update, ResampleLists lists) { return min(lists.now.requests, update.mostMoves); }
+
+// The slot of the point that made request `i`; kEmptySlot where it is no longer there. One subgroup for each.
+uint requestingSlot(ResampleLists lists, uint i) {
+  return slotIn(bucketAt(lists.requests[i].position), lists.requests[i].id);
 }
 
-void forget(ResampleLists lists, uint i) {
-  const uint slot =
-      slotIn(bucketAt(lists.requests[i].position), lists.requests[i].id);
-  if (slot == kEmptySlot || !subgroupElect()) return;
-  if (args.cloud.normals.at[slot].w == kMarkGoes) args.cloud.normals.at[slot].w = 0.0;
+// `brushed`: the brush does something to it in this tick.
+bool recalled(uint slot, vec4 position, vec4 normal, bool brushed, out PointMove move) {
+  move = stayingMove(slot, position, normal.xyz);
+  if (normal.w == kMarkGoes) move.toBucket = kNoBucket;
+  // A build may follow, and then the brush has been at work already.
+  return subgroupElect() && normal.w != kMarkRefit && !brushed;
 }
 
 // From request `first` on every `stride`-th. One subgroup for each.
-void recallRequests(UpdateLists update, ResampleLists lists, uint first, uint stride) {
-  const uint requests = min(lists.now.requests, update.mostMoves);
+void forgetRequests(UpdateLists update, ResampleLists lists, uint first, uint stride) {
+  const uint requests = requestsOf(update, lists);
   for (uint i = first; i < requests; i += stride) {
-    if (args.recalls == kRecallsRequests)
-      recall(update, lists, i);
-    else
-      forget(lists, i);
+    const uint slot = requestingSlot(lists, i);
+    if (slot == kEmptySlot || !subgroupElect()) continue;
+    if (args.cloud.normals.at[slot].w == kMarkGoes) args.cloud.normals.at[slot].w = 0.0;
   }
 }
 

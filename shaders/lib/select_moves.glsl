@@ -17,31 +17,19 @@ bool mayReach(HashGrid grid, ivec3 cell) {
   return dot(gap, gap) < radius * radius;
 }
 
-bool reached(uint slot, vec4 position, vec4 normal, out PointMove move) {
-  if (!brushedMove(slot, position, normal, move)) return false;
+// A brush reaches the point: what else changes with it.
+void noteReached(uint id, vec3 position) {
   if (brush.kind == kBrushPaint)
-    args.tables.at[0].colors.at[move.id] = painted(brush, ball, position.xyz, colorOf(args.tables, move.id));
+    args.tables.at[0].colors.at[id] = painted(brush, ball, position, colorOf(args.tables, id));
   else
-    resetReach(move.id);
-  return true;
+    resetReach(id);
 }
 
-void take(UpdateLists update, bool wants, PointMove move) {
-  const uint at = nextMove(args.update, wants);
-  if (wants) writeMove(update, at, move);
-}
+const uint kAnyCell = 0xffffffffu;
 
-void selectFromSlots(UpdateLists update, uint i) {
-  const uint slot = args.firstSlot + i;
-  PointMove move;
-  const bool wants =
-      i < args.slots && reached(slot, args.cloud.positions.at[slot], args.cloud.normals.at[slot], move);
-  take(update, wants, move);
-}
-
-// Workgroup `group` of `groups` takes every `groups`-th cell of the brush's box: a surface that lies along the box is
-// shared by all of them.
-void selectFromCells(UpdateLists update, uint group, uint groups) {
+// Looks up the cells that workgroup `group` of `groups` takes: every `groups`-th of the brush's box, so that a surface
+// that lies along the box is shared by all of them. How many points to look at there are.
+uint lookUpCells(uint group, uint groups) {
   const uint side = args.cells, lane = scanIndex();
   const ivec3 low = cellOf(args.cloud.grid, ball.center - brush.radius);
   const uint c = group + lane * groups;
@@ -57,24 +45,34 @@ void selectFromCells(UpdateLists update, uint group, uint groups) {
     cellFirst[lane] = range.x;
   }
   barrier();
-  for (uint base = 0; base < total; base += gl_WorkGroupSize.x) {
-    const uint k = base + lane;
-    bool wants = false;
-    PointMove move;
-    if (k < total) {
-      uint owner = 0;
-      for (uint step = kMostSelectCells / 2; step > 0; step /= 2)
-        if (cellStart[owner + step] <= k) owner += step;
-      const uint slot = cellFirst[owner] + k - cellStart[owner];
-      const vec4 position = args.cloud.positions.at[slot];
-      const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
-      // Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
-      const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position.xyz) - low);
-      if (all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == group + owner * groups)
-        wants = reached(slot, position, normal, move);
-    }
-    take(update, wants, move);
-  }
+  return total;
+}
+
+// Slots that workgroup `group` of `groups` looks at.
+uint slotsToLookAt(uint group, uint groups) {
+  if (ball.acts == 0) return 0;
+  if (args.cells > 0) return lookUpCells(group, groups);
+  const uint before = group * gl_WorkGroupSize.x;
+  return before < args.slots ? min(args.slots - before, gl_WorkGroupSize.x) : 0;
+}
+
+// The k-th of them; `cell`: of the brush's box, in which its point has to stand, or kAnyCell.
+uint slotToLookAt(uint k, uint group, uint groups, out uint cell) {
+  cell = kAnyCell;
+  if (args.cells == 0) return args.firstSlot + group * gl_WorkGroupSize.x + k;
+  uint owner = 0;
+  for (uint step = kMostSelectCells / 2; step > 0; step /= 2)
+    if (cellStart[owner + step] <= k) owner += step;
+  cell = group + owner * groups;
+  return cellFirst[owner] + k - cellStart[owner];
+}
+
+// Another cell of the box may share the bucket: its points are taken when it is that cell's turn.
+bool standsIn(uint cell, vec3 position) {
+  if (cell == kAnyCell) return true;
+  const uint side = args.cells;
+  const uvec3 inBox = uvec3(cellOf(args.cloud.grid, position) - cellOf(args.cloud.grid, ball.center - brush.radius));
+  return all(lessThan(inBox, uvec3(side))) && inBox.x + side * (inBox.y + side * inBox.z) == cell;
 }
 
 #endif
