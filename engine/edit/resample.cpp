@@ -18,15 +18,17 @@ std::uint64_t listBytes(std::uint64_t mostRequests) {
   return kClaimsAt + (kWord + sizeof(Vec3)) * shared::kClaimSlots + sizeof(shared::PointRequest) * mostRequests;
 }
 
-// What the workgroups of a pass share is cut to what the device has: the neighbours that they keep, and what each of their
-// subgroups knows of each sector.
+// Workgroups are as wide as the device's shared memory lets them be, which holds the neighbours that their invocations
+// keep and what each of their subgroups knows of each sector.
 PipelineOptions requestPipeline(const Device& device, const HashUpdate& update) {
   constexpr std::uint32_t kSectorBytes = 28 * shared::kGapSectors, kNeighbourBytes = 20, kElse = 256;
   PipelineOptions options = editPipeline(sizeof(shared::RequestArgs), update);
-  const std::uint32_t subgroups = std::max(1u, options.workgroupSize / device.subgroupSize());
-  std::uint32_t kept = shared::kMostKeptNeighbours;
-  while (kept * kNeighbourBytes + subgroups * kSectorBytes + kElse > sharedBytes(device)) kept /= 2;
-  options.constants.insert(options.constants.end(), {kept, subgroups});
+  const auto subgroups = [&] { return std::max(1u, options.workgroupSize / device.subgroupSize()); };
+  const auto needed = [&] {
+    return options.workgroupSize * shared::kWalkedAtOnce * kNeighbourBytes + subgroups() * kSectorBytes + kElse;
+  };
+  while (needed() > sharedBytes(device)) options.workgroupSize /= 2;
+  options.constants.push_back(subgroups());
   return options;
 }
 

@@ -58,6 +58,16 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
+// A hand that touched felt the surface where the proxy stands: its first slide goes along that one, without another look.
+Tracking takeFirstSlide(inout vec3 proxy) {
+  vec3 slide = vec3(0.0);
+  if (touching && facing != vec3(0.0))
+    slide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
+  Tracking tracking = trackingFrom(slide, sticking, kConvergence * args.radius);
+  if (tracking.slid) proxy += shortened(slide, kLongestStep * args.radius);
+  return tracking;
+}
+
 // Touching: takes the step that the surface at the proxy asks for. False where the proxy rests.
 bool takesStep(inout Tracking tracking, inout vec3 proxy, Surface surface, inout uint steps, inout bool truncated) {
   if (steps == kMaxTrackingSteps || !surface.defined) return false;
@@ -85,32 +95,23 @@ void main() {
   bool truncated = false;
   uint trackingSteps = 0;
 
-  // A hand that touched felt the surface where the proxy stands: the first slide goes along that one, without another
-  // look.
-  vec3 firstSlide = vec3(0.0);
-  if (touching && facing != vec3(0.0))
-    firstSlide = slideAlong(face == kFaceBehind ? -facing : facing, proxy, kFriction, sticking);
-  Tracking tracking = trackingFrom(firstSlide, sticking, kConvergence * args.radius);
-  if (tracking.slid) proxy += shortened(firstSlide, kLongestStep * args.radius);
-
+  Tracking tracking = takeFirstSlide(proxy);
   uint purpose = touching ? kTracks : kWalks;
-  uint substep = 1, budgeted = 0;  // the sub-step that is walked, and the last that the budget was asked for
+  uint substep = 1;
   vec3 before = probe.lastHip;
   vec3 x = touching ? proxy : placeOnWay(probe, substep);
   // One loop for all purposes: a translator inlines every call, and the patch and its surface are most of the program.
   while (true) {
-    if (purpose == kWalks && patchGathered && budgeted < substep) {
-      budgeted = substep;
-      truncated = workDone > kContactWorkBudget;
-      if (truncated) {
-        face = kFaceInside;
-        break;
-      }
+    bool spent = workDone > kContactWorkBudget;
+    while (!patchReaches(x)) {
+      const bool first = !patchGathered;
+      gatherPatch(args.spill, probe.hip, first ? firstPlace(probe) : x, patchReach(args.radius), args.mostCells);
+      if (first) spent = workDone > kContactWorkBudget;
     }
-    if (!patchReaches(x)) {
-      gatherPatch(args.spill, probe.hip, patchGathered ? x : firstPlace(probe), patchReach(args.radius),
-                  args.mostCells);
-      continue;
+    if (purpose == kWalks && spent) {
+      truncated = true;
+      face = kFaceInside;
+      break;
     }
     surface = feel(x);
     if (purpose == kLeaves) break;

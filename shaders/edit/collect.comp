@@ -31,34 +31,41 @@ void main() {
     if (subgroup == 0 && subgroupElect()) lists.now.births = 0;
     return;
   }
-  uint points = 0, looks, births = 0;
   if (selects) {
-    points = slotsToLookAt(group, selecting);
-    looks = (points + gl_WorkGroupSize.x - 1) / gl_WorkGroupSize.x;
-  } else {
-    looks = shareOf(requestsOf(update, lists), subgroup, subgroups);
-    births = shareOf((birthsOf(lists) + gl_SubgroupSize - 1) / gl_SubgroupSize, subgroup, subgroups);
-  }
-  // One place where moves are listed, whoever makes them: a translator inlines every call.
-  for (uint step = 0; step < looks + births; ++step) {
-    bool moves = false;
-    PointMove move;
-    if (step < looks) {
-      uint slot = kEmptySlot, cell = kAnyCell;
-      const uint k = step * gl_WorkGroupSize.x + scanIndex();
-      if (!selects)
-        slot = requestingSlot(lists, subgroup + step * subgroups);
-      else if (k < points)
-        slot = slotToLookAt(k, group, selecting, cell);
-      if (slot != kEmptySlot) {
+    const uint points = slotsToLookAt(group, selecting);
+    for (uint base = 0; base < points; base += gl_WorkGroupSize.x) {
+      const uint k = base + scanIndex();
+      bool moves = false;
+      PointMove move;
+      if (k < points) {
+        uint cell;
+        const uint slot = slotToLookAt(k, group, selecting, cell);
         const vec4 position = args.cloud.positions.at[slot];
         const vec4 normal = args.cloud.normals.at[slot];  // of all of them: to ask for it later would be to wait twice
-        const bool brushed = standsIn(cell, position.xyz) && brushedMove(slot, position, normal, move);
-        moves = selects ? brushed : recalled(slot, position, normal, brushed, move);
-        if (selects && brushed) noteReached(move.id, position.xyz);
+        moves = standsIn(cell, position.xyz) && brushedMove(slot, position, normal, move);
+        if (moves) noteReached(move.id, position.xyz);
+      }
+      const uint at = nextMove(args.update, moves);
+      if (moves) writeMove(update, at, move);
+    }
+    return;
+  }
+  const uint recalls = shareOf(requestsOf(update, lists), subgroup, subgroups);
+  const uint births = shareOf((birthsOf(lists) + gl_SubgroupSize - 1) / gl_SubgroupSize, subgroup, subgroups);
+  // One place where moves are listed, whoever makes them: a translator inlines every call.
+  for (uint step = 0; step < recalls + births; ++step) {
+    bool moves = false;
+    PointMove move;
+    if (step < recalls) {
+      const uint slot = requestingSlot(lists, subgroup + step * subgroups);
+      if (slot != kEmptySlot) {
+        const vec4 position = args.cloud.positions.at[slot];
+        const vec4 normal = args.cloud.normals.at[slot];
+        const bool brushed = brushedMove(slot, position, normal, move);
+        moves = recalled(slot, position, normal, brushed, move);
       }
     } else {
-      const uint first = (subgroup + (step - looks) * subgroups) * gl_SubgroupSize;
+      const uint first = (subgroup + (step - recalls) * subgroups) * gl_SubgroupSize;
       moves = isBorn(lists, first + gl_SubgroupInvocationID, move);
     }
     const uint at = nextMove(args.update, moves);

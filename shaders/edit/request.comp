@@ -25,7 +25,7 @@ const uint kNobody = 0xffffffffu;
 const float kFar = 3.0e38;
 const uint kOtherSheet = 0x80000000u;  // in the slot of a kept neighbour
 const uint kExamined = 0x80000000u;    // in a rank
-layout(constant_id = 3) const uint kSubgroups = 64;  // of a workgroup
+layout(constant_id = 2) const uint kSubgroups = 64;  // of a workgroup
 
 // Walks over the neighbours, one after another: each needs what the one before has found.
 const uint kWalkAround = 0;   // how near the nearest of each sector is, and who crowds the point

@@ -7,8 +7,8 @@
 const bool kWalkNormals = false;
 #include "shaders/lib/neighbour_walk.glsl"
 
-// Neighbours that a workgroup keeps, each subgroup its part; fewer on GPUs where less is shared.
-layout(constant_id = 2) const uint kKeptNeighbours = kMostKeptNeighbours;
+// Neighbours that a workgroup keeps, each subgroup its part: at least what a step of its walk may find.
+const uint kKeptNeighbours = kWalkedAtOnce * gl_WorkGroupSize.x;
 
 shared vec4 keptNeighbours[kKeptNeighbours];  // offset; w: bits of the slot
 shared uint keptIds[kKeptNeighbours];
@@ -44,12 +44,12 @@ void visitNeighbours(vec3 center, float radius, uint budget, bool again) {
   }
   bool goesOn = !visitedBefore;
   while (true) {
-    uvec4 near[kPointsInFlight];
+    uvec4 near[kWalkedAtOnce];
     uint found = 0;
-    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) near[i] = uvec4(0);
+    [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) near[i] = uvec4(0);
     if (goesOn) goesOn = walkOn(center, radius, budget);
     if (goesOn)
-      [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+      [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
         near[i] = subgroupBallot(walkedNear[i]);
         found += subgroupBallotBitCount(near[i]);
       }
@@ -64,7 +64,7 @@ void visitNeighbours(vec3 center, float radius, uint budget, bool again) {
       neighboursKept = 0;
       allAreKept = false;
     }
-    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+    [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
       if (walkedNear[i]) {
         const uint at = first + neighboursKept + subgroupBallotExclusiveBitCount(near[i]);
         keptNeighbours[at] = vec4(walkedPositions[i].xyz - center, uintBitsToFloat(walkedSlots[i]));

@@ -14,14 +14,11 @@
 const uint kNeighbourRoundWork = 4;
 // The budget for so many points, or as many cells without any.
 uint walkBudget(uint points) { return kNeighbourRoundWork * points / gl_SubgroupSize; }
-// Points that an invocation asks memory for at once: more hide its latency better and take more registers.
-const uint kPointsInFlight = 4;
-
 // Those of the last step: slot; xyz and bits of the id; whether it is a neighbour.
-uint walkedSlots[kPointsInFlight];
-vec4 walkedPositions[kPointsInFlight];
-bool walkedNear[kPointsInFlight];
-vec3 walkedNormals[kPointsInFlight];  // where whoever includes this sets kWalkNormals
+uint walkedSlots[kWalkedAtOnce];
+vec4 walkedPositions[kWalkedAtOnce];
+bool walkedNear[kWalkedAtOnce];
+vec3 walkedNormals[kWalkedAtOnce];  // where whoever includes this sets kWalkNormals
 
 ivec3 walkLow;
 uvec3 walkSize;
@@ -78,19 +75,19 @@ bool walkedAll() { return walkTaken >= walkTotal && walkNextCell >= walkCells; }
 bool walkOn(vec3 center, float radius, uint budget) {
   while (walkTaken >= walkTotal && walkNextCell < walkCells && walkWork < budget) lookUpCells();
   if (walkTaken >= walkTotal || walkWork >= budget) return false;
-  uint owners[kPointsInFlight];
-  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+  uint owners[kWalkedAtOnce];
+  [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
     const uint k = walkTaken + i * gl_SubgroupSize + gl_SubgroupInvocationID;
     owners[i] = ownerOf(walkStart, k);
     walkedSlots[i] = subgroupShuffle(walkSlotAtZero, owners[i]) + k;
     walkedNear[i] = k < walkTotal;
   }
-  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
+  [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i)
     walkedPositions[i] = args.cloud.positions.at[walkedNear[i] ? walkedSlots[i] : 0];
   if (kWalkNormals)
-    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
+    [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i)
       walkedNormals[i] = args.cloud.normals.at[walkedNear[i] ? walkedSlots[i] : 0].xyz;
-  [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i) {
+  [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i) {
     const vec3 d = walkedPositions[i].xyz - center;
     // Another of these cells may share the bucket: its points are visited as that one's.
     const uvec3 inBox = uvec3(cellOf(args.cloud.grid, walkedPositions[i].xyz) - walkLow);
@@ -98,8 +95,8 @@ bool walkOn(vec3 center, float radius, uint budget) {
     walkedNear[i] =
         walkedNear[i] && dot(d, d) < radius * radius && c + gl_SubgroupSize == walkNextCell + owners[i];
   }
-  walkTaken += kPointsInFlight * gl_SubgroupSize;
-  walkWork += kPointsInFlight * kNeighbourRoundWork;
+  walkTaken += kWalkedAtOnce * gl_SubgroupSize;
+  walkWork += kWalkedAtOnce * kNeighbourRoundWork;
   return true;
 }
 

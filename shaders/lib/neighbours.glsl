@@ -13,7 +13,7 @@ void visitNeighbour(uint id, vec3 normal, vec3 d);
 void visitNeighbours(vec3 center, float radius, uint budget) {
   beginWalk(center, radius);
   while (walkOn(center, radius, budget)) {
-    [[unroll]] for (uint i = 0; i < kPointsInFlight; ++i)
+    [[unroll]] for (uint i = 0; i < kWalkedAtOnce; ++i)
       if (walkedNear[i])
         visitNeighbour(floatBitsToUint(walkedPositions[i].w), walkedNormals[i], walkedPositions[i].xyz - center);
   }

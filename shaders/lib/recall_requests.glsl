@@ -1,5 +1,5 @@
 // Carries out what points requested at the end of the last tick: those that go are taken away, and all others are
-// examined again. Leaves to the brush what it moves or takes by itself. Where the requests are forgotten, only the marks
+// examined again. What the brush moves or takes by itself is left to it. Where the requests are forgotten, only the marks
 // of those that were to go are taken off.
 #ifndef PALPATE_LIB_RECALL_REQUESTS_GLSL
 #define PALPATE_LIB_RECALL_REQUESTS_GLSL

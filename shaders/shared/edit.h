@@ -82,9 +82,6 @@ struct Resampling {
 const uint kResamplingBytes = 20;
 PALPATE_SIZE(Resampling, kResamplingBytes);
 
-// Neighbours that a workgroup keeps in shared memory.
-const uint kMostKeptNeighbours = 4u * kUpdateWorkgroup;
-
 // What happens to the requests of the last tick.
 const uint kRecallsNothing = 0;
 const uint kRecallsRequests = 1;  // they become moves
