@@ -251,7 +251,19 @@ DVec3 frontOf(UpAxis up) {
   }
 }
 
+std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
+  for (const std::string& comment : comments) {
+    constexpr std::string_view kSays = "comment up: ";
+    if (!comment.starts_with(kSays)) continue;
+    const std::string_view said = std::string_view(comment).substr(kSays.size());
+    for (const auto& [name, axis] : kUpAxes)
+      if (name == said) return axis;
+  }
+  return std::nullopt;
+}
+
 Upright findUp(const PointCloud& cloud) {
+  if (const auto said = upSaidIn(cloud.storedAs.comments)) return {*said, "the file says so"};
   const VoxelSample sample = voxelSampleOf(cloud);
   if (sample.places.size() < kFewest) return {UpAxis::y, "too few points to tell"};
   const Shape shape(sample);

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,8 +35,12 @@ struct Upright {
   std::string why;  ///< a few words that follow "up is y:"
 };
 
-/// Looks at the shape: ground lies flat and is seen from above, and what stands does so on a wide base under its
-/// middle. A shape that says nothing, or the same in two directions, has y up. The same answer for the same cloud.
+/// What a file's comments say, as in `comment up: -y`; nothing where none says it.
+std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
+
+/// What the file says; else looks at the shape: ground lies flat and is seen from above, and what stands does so on a
+/// wide base under its middle. A shape that says nothing, or the same in two directions, has y up. The same answer for
+/// the same cloud.
 Upright findUp(const PointCloud& cloud);
 
 }  // namespace palpate

@@ -60,7 +60,11 @@ struct CloudWriteOptions {
 /// Functions that a format has not are null: those for reading where it is only written, and the other way round.
 struct CloudFormat {
   std::string_view name;
-  std::span<const std::string_view> endings;  ///< of file names, lower case, with the dot; the usual one first
+  std::span<const std::string_view> endings = {};  ///< of file names, lower case, with the dot; the usual one first
+  /// What a format of folders is called in the help, "a NAME folder"; empty for one of files.
+  std::string_view folder = {};
+  /// Of a format of folders: whether the path is one.
+  bool (*holds)(const std::filesystem::path& path) = nullptr;
   /// Reads no further than it must. Throws FileError.
   FileContents (*contents)(const std::filesystem::path& file) = nullptr;
   /// Throws FileError with the place.

@@ -7,6 +7,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/colmap_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
@@ -24,10 +25,19 @@ const CloudFormat* named(std::span<const CloudFormat> formats, const std::filesy
   return found == formats.end() ? nullptr : &*found;
 }
 
+const CloudFormat* holding(std::span<const CloudFormat> formats, const std::filesystem::path& path) {
+  const auto holds = [&](const CloudFormat& format) { return format.holds && format.holds(path); };
+  const auto found = std::ranges::find_if(formats, holds);
+  return found == formats.end() ? nullptr : &*found;
+}
+
 std::string endingsOf(std::span<const CloudFormat> formats, auto&& does) {
   std::vector<std::string_view> endings;
   for (const CloudFormat& format : formats)
-    if (does(format)) endings.insert(endings.end(), format.endings.begin(), format.endings.end());
+    if (does(format)) {
+      endings.insert(endings.end(), format.endings.begin(), format.endings.end());
+      if (!format.folder.empty()) endings.push_back(format.folder);
+    }
   return fmt::format("{}", fmt::join(endings, ", "));
 }
 
@@ -38,7 +48,8 @@ CloudFormats::CloudFormats(std::span<const CloudFormat> formats) : formats_(form
 }
 
 const CloudFormat& CloudFormats::toRead(const std::filesystem::path& file) const {
-  const CloudFormat* format = named(formats_, file);
+  const CloudFormat* format = holding(formats_, file);
+  if (!format) format = named(formats_, file);
   return format && format->read ? *format : formats_.front();
 }
 
@@ -72,6 +83,7 @@ const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(),
       xyzFormat(),
+      colmapFormat(),
   };
   static const CloudFormats table{formats};
   return table;

@@ -71,10 +71,17 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {
+  // A folder is not written, so that its cloud goes into a file of the usual format.
+  std::error_code isNone;
+  const bool folder = std::filesystem::is_directory(file, isNone);
+  const std::filesystem::path whole = file.has_filename() ? file : file.parent_path();
+  const std::string stem = (folder ? whole.filename() : whole.stem()).string();
+  const std::string extension =
+      folder ? std::string(cloudFormats().toSave("").endings.front()) : whole.extension().string();
   for (int number = 1;; ++number) {
     const std::string ending = number == 1 ? "-sculpted" : fmt::format("-sculpted-{}", number);
-    std::filesystem::path name = file;
-    name.replace_filename(file.stem().string() + ending + file.extension().string());
+    std::filesystem::path name = whole;
+    name.replace_filename(stem + ending + extension);
     std::error_code ignored;
     if (!std::filesystem::exists(std::filesystem::symlink_status(name, ignored))) return name;
   }

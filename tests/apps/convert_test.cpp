@@ -1,5 +1,7 @@
 #include "tests/apps/program.hpp"
 
+#include <cmath>
+
 namespace palpate {
 
 namespace {
@@ -11,7 +13,54 @@ constexpr const char* kMesh =
     "400000.123456789 0 0 1 2 3 7 0.5\n400001 0 0 4 5 6 8 0.25\n400000 1 0 7 8 9 9 1\n400001 1 0 1 1 1 -1 2\n"
     "3 0 1 2\n3 1 3 2\n5\n";
 
+// A ball of 10 units around (0, 0, 40), its front half seen by one camera at the origin that looks along +z.
+void writeColmapFolder(const std::filesystem::path& folder) {
+  constexpr int kPoints = 2000;
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "cameras.txt") << "1 SIMPLE_PINHOLE 640 480 500 320 240\n";
+  std::ofstream(folder / "images.txt") << "4 1 0 0 0 0 0 0 1 front.jpg\n\n";
+  std::ofstream points(folder / "points3D.txt");
+  for (int i = 0; i < kPoints; ++i) {  // a spiral, even in area
+    const double z = (i + 0.5) / kPoints, turn = 2.399963229728653 * i, aside = std::sqrt(1 - z * z);
+    points << i << ' ' << 10 * aside * std::cos(turn) << ' ' << 10 * aside * std::sin(turn) << ' ' << 40 - 10 * z
+           << " 200 100 50 0.5 4 0\n";
+  }
+}
+
 }  // namespace
+
+TEST_CASE("the folder of a COLMAP model is told of, converted and felt, and nothing in it changes") {
+  const ScratchFolder folder;
+  const std::filesystem::path model = folder / "model";
+  writeColmapFolder(model);
+  const std::string before = contentOf(model / "points3D.txt"), json = (folder / "a.json").string();
+  works("info " + model.string() + " --json " + json);
+  CHECK(jsonOf(json)["points"] == 2000);
+  CHECK(jsonOf(json)["elements"]["image"] == 1);
+  CHECK(jsonOf(json)["normals"] == true);
+  CHECK(jsonOf(json)["up"] == "-y");
+
+  const std::string out = (folder / "out.ply").string();
+  const Outcome outcome = palpate("convert " + model.string() + " " + out + " --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK(jsonOf(json)["from"] == "COLMAP");
+  CHECK(jsonOf(json)["lost"] == std::vector<std::string>{"1 image", "1 camera", "which images saw each point"});
+
+  // Straight at the camera's side of the ball: the force pushes back to the camera.
+  std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0,0,29\n0.2,0,0,30.2\n";
+  works("touch " + model.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
+        " --trace " + (folder / "trace.csv").string() + " --edit push --save " + (folder / "pushed.ply").string());
+  const std::vector<Row> rows = readTrace(folder / "trace.csv");
+  REQUIRE(!rows.empty());
+  CHECK(rows.back().contact);
+  CHECK(rows.back().force.z < -0.01);
+  CHECK(std::filesystem::exists(folder / "pushed.ply"));
+  const Outcome over = palpate("touch " + model.string() + " --backend cpu --edit push --save " + model.string());
+  CHECK(over.code != 0);
+  CHECK(over.text.find("is a folder") != std::string::npos);
+  CHECK(contentOf(model / "points3D.txt") == before);
+  CHECK(std::distance(std::filesystem::directory_iterator(model), {}) == 3);
+}
 
 TEST_CASE("convert keeps points, properties and faces, and names what is lost") {
   const ScratchFolder folder;

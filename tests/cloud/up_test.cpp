@@ -214,6 +214,9 @@ TEST_CASE("shapes that say nothing have y up") {
       CHECK(found.up == UpAxis::y);
     }
   CHECK(findUp(PointCloud{}).up == UpAxis::y);
+  PointCloud said;
+  said.storedAs.comments = {"comment turned up: z", "comment up: -z"};
+  CHECK(findUp(said).up == UpAxis::minusZ);
   PointCloud few;
   Dice dice;
   addFace(few, dice, DVec3(0), {0, 0, 5}, {2, 0, 0}, 2);

@@ -1,0 +1,164 @@
+#include "engine/io/colmap_format.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "engine/cloud/up.hpp"
+#include "engine/cloud/view_normals.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/colmap_model.hpp"
+#include "engine/io/ply_vertices.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBatch = 4096;  // points
+constexpr double kUpright = 0.8;      // cosine of an axis and the mean of the cameras' ups that makes it what is up
+
+PlyElement columns() {
+  PlyElement element{.name = "vertex", .count = 0, .properties = {}, .line = 1};
+  const auto add = [&](std::initializer_list<const char*> names, ScalarType type) {
+    for (const char* name : names) element.properties.push_back({.name = name, .type = type});
+  };
+  add({"x", "y", "z"}, ScalarType::f64);
+  add({"red", "green", "blue"}, ScalarType::u8);
+  add({"error"}, ScalarType::f64);
+  add({"track_length"}, ScalarType::u32);
+  return element;
+}
+
+/// How much points count that have been seen so often and projected so badly: the variance of a mean of as many.
+std::vector<double> weightsOf(const std::vector<double>& errors, const std::vector<std::uint32_t>& tracks) {
+  std::vector<double> known;
+  for (const double error : errors)
+    if (error > 0) known.push_back(error);
+  double usual = 1;
+  if (!known.empty()) {
+    std::ranges::nth_element(known, known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2));
+    usual = known[known.size() / 2];
+  }
+  std::vector<double> weights(errors.size());
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const double relative = errors[i] > 0 ? errors[i] / usual : 1;
+    weights[i] = std::max(1u, tracks[i]) / (1 + relative * relative);
+  }
+  return weights;
+}
+
+std::optional<UpAxis> upOf(const ColmapModel& model) {
+  DVec3 up(0);
+  for (const ColmapImage& image : model.images) up -= image.down;
+  const double size = glm::length(up);
+  if (!(size > kUpright * static_cast<double>(model.images.size()))) return std::nullopt;
+  for (const auto& [name, axis] : kUpAxes)
+    if (glm::dot(directionOf(axis), up) > kUpright * size) return axis;
+  return std::nullopt;
+}
+
+/// From rows to a cloud, with what its normals follow from.
+class PointsOfModel {
+ public:
+  PointsOfModel(const std::filesystem::path& folder, const ColmapModel& model, Log* log)
+      : folder_(folder), model_(model), vertices_(folder, kColumns(), log) {}
+
+  void add(const ColmapPoint& point) {
+    put(point.position.x), put(point.position.y), put(point.position.z);
+    for (const std::uint8_t channel : point.color) put(channel);
+    put(point.error);
+    const auto track = static_cast<std::uint32_t>(point.images.size());
+    put(track);
+    errors_.push_back(point.error);
+    tracks_.push_back(track);
+    DVec3 towards(0);
+    for (const std::uint32_t image : point.images) {
+      const DVec3 way = model_.images[image].center - point.position;
+      const double far = glm::length(way);
+      if (far > 0) towards += way / far;
+    }
+    sights_.push_back({.towardsViews = towards});
+    if (++rows_ == kBatch) flush();
+  }
+
+  PointCloud finish(Log* log) {
+    flush();
+    PointCloud cloud = vertices_.finish(log);
+    const std::vector<double> weights = weightsOf(errors_, tracks_);
+    for (std::size_t i = 0; i < sights_.size(); ++i) sights_[i].weight = weights[i];
+    normalsFromViews(cloud, sights_);
+    return cloud;
+  }
+
+ private:
+  static const PlyElement& kColumns() {
+    static const PlyElement element = columns();
+    return element;
+  }
+  template <class T>
+  void put(T value) {
+    const std::size_t at = packed_.size();
+    packed_.resize(at + sizeof value);
+    std::memcpy(packed_.data() + at, &value, sizeof value);
+  }
+  void flush() {
+    if (const auto bad = vertices_.append(packed_.data(), rows_, false))
+      throw FileError(folder_, fmt::format("point {}: {}", sights_.size() - rows_ + bad->row + 1, bad->what));
+    packed_.clear();
+    rows_ = 0;
+  }
+
+  const std::filesystem::path& folder_;
+  const ColmapModel& model_;
+  PlyVertices vertices_;
+  std::vector<std::byte> packed_;
+  std::size_t rows_ = 0;
+  std::vector<double> errors_;
+  std::vector<std::uint32_t> tracks_;
+  std::vector<PointSight> sights_;
+};
+
+FileContents contentsOfColmap(const std::filesystem::path& folder) {
+  const ColmapCounts counts = countColmap(folder);
+  FileElement vertex{.name = "vertex", .count = counts.points, .properties = {}};
+  for (const PlyProperty& property : columns().properties) vertex.properties.push_back({.name = property.name});
+  FileContents contents{.elements = {std::move(vertex)}, .comments = {}};
+  contents.elements.push_back({.name = "image", .count = counts.images, .properties = {}});
+  contents.elements.push_back({.name = "camera", .count = counts.cameras, .properties = {}});
+  return contents;
+}
+
+StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const CloudReadOptions& options) {
+  const ColmapModel model = readColmapImages(folder);
+  if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
+  PointsOfModel points(folder, model, log);
+  std::function<void(double)> progress;
+  if (log) progress = [&](double share) { log->progress(folder.string(), share); };
+  readColmapPoints(
+      folder, model, [&](const ColmapPoint& point) { points.add(point); }, progress);
+  StoredCloud stored{.cloud = points.finish(log)};
+  if (const auto up = upOf(model)) stored.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
+  const auto lose = [&](std::size_t count, std::string_view what) {
+    if (count > 0) stored.lost.push_back(fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"));
+  };
+  lose(model.images.size(), "image");
+  lose(model.cameras.size(), "camera");
+  if (!stored.cloud.empty()) stored.lost.emplace_back("which images saw each point");
+  return stored;
+}
+
+}  // namespace
+
+CloudFormat colmapFormat() {
+  return {.name = "COLMAP",
+          .endings = {},
+          .folder = "a COLMAP folder",
+          .holds = isColmapFolder,
+          .contents = contentsOfColmap,
+          .read = readColmap};
+}
+
+}  // namespace palpate

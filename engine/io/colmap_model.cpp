@@ -1,0 +1,346 @@
+#include "engine/io/colmap_model.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+
+#include "engine/core/error.hpp"
+#include "engine/io/chunked_file.hpp"
+#include "engine/io/in_quotes.hpp"
+#include "engine/io/text_number.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kLongestLine = std::size_t{1} << 28;  // an image's observations are one line
+constexpr std::size_t kLongestName = 4096;
+constexpr std::string_view kBlanks = " \t";
+
+struct CameraModel {
+  std::string_view name;
+  std::size_t parameters;
+};
+/// By the numbers that the binary files have for them.
+constexpr std::array<CameraModel, 11> kCameraModels{{{"SIMPLE_PINHOLE", 3},
+                                                     {"PINHOLE", 4},
+                                                     {"SIMPLE_RADIAL", 4},
+                                                     {"RADIAL", 5},
+                                                     {"OPENCV", 8},
+                                                     {"OPENCV_FISHEYE", 8},
+                                                     {"FULL_OPENCV", 12},
+                                                     {"FOV", 5},
+                                                     {"SIMPLE_RADIAL_FISHEYE", 4},
+                                                     {"RADIAL_FISHEYE", 5},
+                                                     {"THIN_PRISM_FISHEYE", 12}}};
+
+/// The rows of one file, number by number; both forms have the same ones in the same order.
+class Rows {
+ public:
+  virtual ~Rows() = default;
+  /// Goes to the next row; false after the last.
+  virtual bool next() = 0;
+  virtual double real(std::string_view what) = 0;
+  virtual std::uint64_t whole(std::string_view what) = 0;
+  virtual std::uint32_t id(std::string_view what) = 0;
+  virtual std::uint8_t channel() = 0;
+  virtual const CameraModel& cameraModel() = 0;
+  virtual std::string name() = 0;
+  /// Passes over what an image saw.
+  virtual void skipObservations() = 0;
+  /// How many images saw the point; a place in each follows its id.
+  virtual std::uint64_t track() = 0;
+  /// Refuses what follows the last thing of a row.
+  virtual void endRow() = 0;
+  [[noreturn]] virtual void fail(std::string_view what) const = 0;
+  virtual std::uint64_t count() = 0;
+
+  double finite(std::string_view what) {
+    const double value = real(what);
+    if (!std::isfinite(value)) fail(fmt::format("{} is {}, not a finite number", what, value));
+    return value;
+  }
+};
+
+class BinaryRows final : public Rows {
+ public:
+  BinaryRows(const std::filesystem::path& path, std::function<void(double)> progress) : file_(path) {
+    file_.onProgress(std::move(progress));
+    count_ = take<std::uint64_t>("the number of rows");
+  }
+
+  bool next() override {
+    if (done_ == count_) {
+      if (!file_.peek(1).empty()) fail(fmt::format("something follows the last of {} rows", count_));
+      return false;
+    }
+    ++done_;
+    return true;
+  }
+  double real(std::string_view what) override { return take<double>(what); }
+  std::uint64_t whole(std::string_view what) override { return take<std::uint64_t>(what); }
+  std::uint32_t id(std::string_view what) override { return take<std::uint32_t>(what); }
+  std::uint8_t channel() override { return take<std::uint8_t>("a colour"); }
+  const CameraModel& cameraModel() override {
+    const auto number = take<std::int32_t>("the model of a camera");
+    if (number < 0 || static_cast<std::size_t>(number) >= kCameraModels.size())
+      fail(fmt::format("camera model {} is not known; those from 0 to {} are", number, kCameraModels.size() - 1));
+    return kCameraModels[static_cast<std::size_t>(number)];
+  }
+  std::string name() override {
+    std::string name;
+    while (const char c = take<char>("the name of an image")) {
+      if (name.size() == kLongestName) fail(fmt::format("a name of more than {} bytes", kLongestName));
+      name += c;
+    }
+    return name;
+  }
+  void skipObservations() override {
+    constexpr std::uint64_t kBytes = 24, kMost = std::numeric_limits<std::uint64_t>::max() / kBytes;
+    const auto count = take<std::uint64_t>("the number of observations");
+    if (count > kMost || !file_.skip(kBytes * count))
+      fail(fmt::format("the file ends within the {} observations of an image", count));
+  }
+  std::uint64_t track() override { return take<std::uint64_t>("the length of a track"); }
+  void endRow() override {}
+  [[noreturn]] void fail(std::string_view what) const override {
+    throw FileError::atByte(file_.path(), file_.offset(), what);
+  }
+  std::uint64_t count() override { return count_; }
+
+ private:
+  template <class T>
+  T take(std::string_view what) {
+    static_assert(std::endian::native == std::endian::little, "the files are little-endian");
+    const auto bytes = file_.peek(sizeof(T));
+    if (bytes.size() < sizeof(T))
+      fail(fmt::format("the file ends where {} should be, in row {} of {}", what, done_, count_));
+    T value;
+    std::memcpy(&value, bytes.data(), sizeof value);
+    file_.consume(sizeof value);
+    return value;
+  }
+
+  ChunkedFile file_;
+  std::uint64_t count_ = 0, done_ = 0;
+};
+
+class TextRows final : public Rows {
+ public:
+  /// `lines`: of a row.
+  TextRows(const std::filesystem::path& path, std::function<void(double)> progress, unsigned lines)
+      : file_(path), lines_(lines) {
+    file_.onProgress(std::move(progress));
+  }
+
+  bool next() override {
+    do {
+      const auto line = file_.readLine(kLongestLine);
+      if (!line) return false;
+      rest_ = *line;
+    } while (rest_.empty() || rest_.front() == '#');
+    return true;
+  }
+  double real(std::string_view what) override { return number<double>(what); }
+  std::uint64_t whole(std::string_view what) override { return number<std::uint64_t>(what); }
+  std::uint32_t id(std::string_view what) override { return number<std::uint32_t>(what); }
+  std::uint8_t channel() override { return number<std::uint8_t>("a colour from 0 to 255"); }
+  const CameraModel& cameraModel() override {
+    const std::string_view name = word();
+    for (const CameraModel& model : kCameraModels)
+      if (model.name == name) return model;
+    fail(fmt::format("camera model {} is not known", inQuotes(name)));
+  }
+  std::string name() override {
+    skipBlanks();
+    std::string name(rest_);
+    rest_ = {};
+    return name;
+  }
+  // They are a line of their own, which may be empty.
+  void skipObservations() override {
+    if (!file_.readLine(kLongestLine)) fail("the file ends where the observations of an image should be");
+    rest_ = {};
+  }
+  std::uint64_t track() override {
+    std::uint64_t words = 0;
+    for (std::string_view all = rest_; !all.empty();) {
+      const std::size_t begin = all.find_first_not_of(kBlanks);
+      if (begin == all.npos) break;
+      ++words;
+      all.remove_prefix(std::min(all.find_first_of(kBlanks, begin), all.size()));
+    }
+    if (words % 2 != 0) fail(fmt::format("a track of {} numbers, where an image and a place in it make a pair", words));
+    return words / 2;
+  }
+  void endRow() override {
+    skipBlanks();
+    if (!rest_.empty()) fail(fmt::format("{} follows the last number of a row", inQuotes(rest_)));
+  }
+  [[noreturn]] void fail(std::string_view what) const override {
+    throw FileError::atLine(file_.path(), file_.line(), what);
+  }
+  std::uint64_t count() override {
+    std::uint64_t rows = 0;
+    for (; next(); ++rows)
+      for (unsigned line = 1; line < lines_; ++line) file_.readLine(kLongestLine);
+    return rows;
+  }
+
+ private:
+  void skipBlanks() { rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size())); }
+  std::string_view word() {
+    skipBlanks();
+    const std::string_view found = rest_.substr(0, rest_.find_first_of(kBlanks));
+    rest_.remove_prefix(found.size());
+    return found;
+  }
+  template <class T>
+  T number(std::string_view what) {
+    const std::string_view found = word();
+    if (found.empty()) fail(fmt::format("the line ends where {} should be", what));
+    const auto value = textNumber<T>(found);
+    if (!value) fail(fmt::format("found {}, expected {}", inQuotes(found), what));
+    return *value;
+  }
+
+  ChunkedFile file_;
+  unsigned lines_;
+  std::string_view rest_;  // of the line, valid until the next one is read
+};
+
+constexpr std::string_view kCameras = "cameras", kImages = "images", kPoints = "points3D";
+
+bool isFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+/// Binary where there are both, as COLMAP itself reads them.
+std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view stem,
+                           std::function<void(double)> progress = {}) {
+  const std::filesystem::path binary = folder / fmt::format("{}.bin", stem);
+  const std::filesystem::path text = folder / fmt::format("{}.txt", stem);
+  if (isFile(binary)) return std::make_unique<BinaryRows>(binary, std::move(progress));
+  if (isFile(text)) return std::make_unique<TextRows>(text, std::move(progress), stem == kImages ? 2 : 1);
+  throw FileError(folder, fmt::format("has no {0}.bin and no {0}.txt, as the folder of a COLMAP model has", stem));
+}
+
+/// The place of each id in a list; refuses those that come twice.
+class Ids {
+ public:
+  void add(const Rows& rows, std::uint32_t id, std::string_view what) {
+    if (!places_.emplace(id, static_cast<std::uint32_t>(places_.size())).second)
+      rows.fail(fmt::format("{} {} is there twice", what, id));
+  }
+  std::optional<std::uint32_t> find(std::uint32_t id) const {
+    const auto found = places_.find(id);
+    if (found == places_.end()) return std::nullopt;
+    return found->second;
+  }
+
+ private:
+  std::unordered_map<std::uint32_t, std::uint32_t> places_;
+};
+
+DVec3 readPlace(Rows& rows, std::string_view what) {
+  DVec3 place;
+  for (int k = 0; k < 3; ++k) place[k] = rows.finite(what);
+  return place;
+}
+
+/// From the rotation and the translation of the world into the camera.
+void placeImage(Rows& rows, ColmapImage& image) {
+  double w = rows.finite("the rotation of an image");
+  DVec3 v = readPlace(rows, "the rotation of an image");
+  const double size = std::sqrt(w * w + glm::dot(v, v));
+  if (!(size > 0)) rows.fail("the rotation of an image is zero");
+  w /= size;
+  v /= size;
+  // Rows of the rotation matrix are the camera's axes in the world.
+  image.right = {1 - 2 * (v.y * v.y + v.z * v.z), 2 * (v.x * v.y - w * v.z), 2 * (v.x * v.z + w * v.y)};
+  image.down = {2 * (v.x * v.y + w * v.z), 1 - 2 * (v.x * v.x + v.z * v.z), 2 * (v.y * v.z - w * v.x)};
+  image.forward = {2 * (v.x * v.z - w * v.y), 2 * (v.y * v.z + w * v.x), 1 - 2 * (v.x * v.x + v.y * v.y)};
+  const DVec3 t = readPlace(rows, "the place of an image");
+  image.center = -(t.x * image.right + t.y * image.down + t.z * image.forward);
+}
+
+}  // namespace
+
+bool isColmapFolder(const std::filesystem::path& path) {
+  for (const std::string_view stem : {kPoints, kImages})
+    for (const std::string_view form : {"bin", "txt"})
+      if (isFile(path / fmt::format("{}.{}", stem, form))) return true;
+  return false;
+}
+
+ColmapCounts countColmap(const std::filesystem::path& folder) {
+  return {.cameras = open(folder, kCameras)->count(),
+          .images = open(folder, kImages)->count(),
+          .points = open(folder, kPoints)->count()};
+}
+
+ColmapModel readColmapImages(const std::filesystem::path& folder) {
+  ColmapModel model;
+  Ids cameras, images;
+  const auto cameraRows = open(folder, kCameras);
+  while (cameraRows->next()) {
+    ColmapCamera& camera = model.cameras.emplace_back();
+    camera.id = cameraRows->id("the id of a camera");
+    cameras.add(*cameraRows, camera.id, "camera");
+    const CameraModel& known = cameraRows->cameraModel();
+    camera.model = known.name;
+    camera.width = cameraRows->whole("the width of a camera's images");
+    camera.height = cameraRows->whole("the height of a camera's images");
+    for (std::size_t k = 0; k < known.parameters; ++k)
+      camera.parameters.push_back(cameraRows->finite("a parameter of a camera"));
+    cameraRows->endRow();
+  }
+  const auto imageRows = open(folder, kImages);
+  while (imageRows->next()) {
+    ColmapImage& image = model.images.emplace_back();
+    image.id = imageRows->id("the id of an image");
+    images.add(*imageRows, image.id, "image");
+    placeImage(*imageRows, image);
+    const std::uint32_t camera = imageRows->id("the camera of an image");
+    const auto place = cameras.find(camera);
+    if (!place) imageRows->fail(fmt::format("image {} is of camera {}, which is not there", image.id, camera));
+    image.camera = *place;
+    image.name = imageRows->name();
+    imageRows->skipObservations();
+  }
+  return model;
+}
+
+void readColmapPoints(const std::filesystem::path& folder, const ColmapModel& model,
+                      const std::function<void(const ColmapPoint&)>& visit,
+                      const std::function<void(double)>& progress) {
+  std::unordered_map<std::uint32_t, std::uint32_t> images;
+  for (const ColmapImage& image : model.images) images.emplace(image.id, static_cast<std::uint32_t>(images.size()));
+  const auto rows = open(folder, kPoints, progress);
+  ColmapPoint point;
+  while (rows->next()) {
+    const std::uint64_t id = rows->whole("the id of a point");
+    point.position = readPlace(*rows, "the place of a point");
+    for (std::uint8_t& channel : point.color) channel = rows->channel();
+    point.error = rows->finite("the error of a point");
+    point.images.clear();
+    for (std::uint64_t left = rows->track(); left > 0; --left) {
+      const std::uint32_t image = rows->id("an image that saw a point");
+      rows->id("a place in an image");
+      const auto found = images.find(image);
+      if (found == images.end())
+        rows->fail(fmt::format("point {} was seen by image {}, which is not there", id, image));
+      point.images.push_back(found->second);
+    }
+    rows->endRow();
+    visit(point);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,283 @@
+// COLMAP's folders: both forms give the same cloud, whose normals face the cameras, and what is wrong is refused with
+// its place.
+#include "engine/io/colmap_format.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+
+#include "engine/cloud/up.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/colmap_model.hpp"
+#include "engine/io/saving.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+namespace {
+
+/// Bytes as the binary files have them.
+class Bytes {
+ public:
+  template <class T>
+  Bytes& put(T value) {
+    const std::size_t at = bytes_.size();
+    bytes_.resize(at + sizeof value);
+    std::memcpy(bytes_.data() + at, &value, sizeof value);
+    return *this;
+  }
+  Bytes& name(const std::string& text) {
+    bytes_ += text;
+    bytes_ += '\0';
+    return *this;
+  }
+  const std::string& text() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+constexpr std::uint32_t kCamera = 7, kFirstImage = 3, kSecondImage = 900;  // ids have gaps
+constexpr int kSide = 20;                                                  // points along an edge of a plane
+
+double along(int k) { return 0.05 * k; }
+double errorOf(int i) { return 0.5 + 0.001 * i; }
+
+struct Files {
+  std::string cameras, images, points;
+};
+
+/// A plane at z = 5, seen by two cameras at (0, 0, 0) and (1, 0, 0) that look along +z, y down.
+Files binary() {
+  Bytes cameras, images, points;
+  cameras.put(std::uint64_t{1}).put(kCamera).put(std::int32_t{1}).put(std::uint64_t{640}).put(std::uint64_t{480});
+  for (const double parameter : {500.0, 510.0, 320.0, 240.0}) cameras.put(parameter);
+  images.put(std::uint64_t{2});
+  for (const std::uint32_t id : {kSecondImage, kFirstImage}) {
+    images.put(id);
+    for (const double q : {2.0, 0.0, 0.0, 0.0}) images.put(q);  // not unit
+    for (const double t : {id == kFirstImage ? 0.0 : -1.0, 0.0, 0.0}) images.put(t);
+    images.put(kCamera).name(id == kFirstImage ? "a b.jpg" : "c.jpg").put(std::uint64_t{1});
+    images.put(1.5).put(2.5).put(std::int64_t{-1});
+  }
+  points.put(std::uint64_t{kSide * kSide});
+  for (int i = 0; i < kSide * kSide; ++i) {
+    points.put(std::uint64_t(10 + 3 * i)).put(along(i % kSide)).put(along(i / kSide)).put(5.0);
+    for (const int channel : {i % 256, 10, 200}) points.put(static_cast<std::uint8_t>(channel));
+    points.put(errorOf(i)).put(std::uint64_t{2});
+    for (const std::uint32_t id : {kFirstImage, kSecondImage}) points.put(id).put(std::uint32_t{0});
+  }
+  return {cameras.text(), images.text(), points.text()};
+}
+
+Files text() {
+  Files files{
+      .cameras = "# Camera list\n7 PINHOLE 640 480 500 510 320 240\n", .images = "# Image list\n", .points = ""};
+  files.images += "900 2 0 0 0 -1 0 0 7 c.jpg\n1.5 2.5 -1\n3 2 0 0 0 0 0 0 7 a b.jpg\n\n";  // no observations at all
+  for (int i = 0; i < kSide * kSide; ++i)
+    files.points += fmt::format("{} {} {} 5 {} 10 200 {} 3 0 900 0\n", 10 + 3 * i, along(i % kSide), along(i / kSide),
+                                i % 256, errorOf(i));
+  return files;
+}
+
+void write(const std::filesystem::path& folder, const Files& files, const std::string& form) {
+  std::ofstream(folder / ("cameras." + form), std::ios::binary) << files.cameras;
+  std::ofstream(folder / ("images." + form), std::ios::binary) << files.images;
+  std::ofstream(folder / ("points3D." + form), std::ios::binary) << files.points;
+}
+
+StoredCloud reading(const Files& files, const std::string& form) {
+  const ScratchFolder folder;
+  write(folder.path(), files, form);
+  return readCloud(folder.path());
+}
+
+std::string refusal(const Files& files, const std::string& form) {
+  const ScratchFolder folder;
+  write(folder.path(), files, form);
+  try {
+    readCloud(folder.path());
+  } catch (const FileError& error) {
+    const std::string message = error.what();
+    return message.substr(folder.path().string().size() + 1);
+  }
+  return "read";
+}
+
+}  // namespace
+
+TEST_CASE("both forms of a COLMAP folder are the same cloud, seen from the same side") {
+  for (const auto& [files, form] : {std::pair{binary(), "bin"}, std::pair{text(), "txt"}}) {
+    CAPTURE(form);
+    const StoredCloud stored = reading(files, form);
+    const PointCloud& cloud = stored.cloud;
+    REQUIRE(cloud.size() == kSide * kSide);
+    CHECK(cloud.fileCoordinates(kSide + 2) == DVec3(along(2), along(1), 5));
+    CHECK(cloud.colors[300] == std::array<std::uint8_t, 4>{44, 10, 200, 255});
+    for (const Vec3& normal : cloud.normals) CHECK(glm::distance(normal, Vec3(0, 0, -1)) < 1e-6f);
+    REQUIRE(cloud.extra.size() == 2);
+    CHECK(cloud.extra[0].name == "error");
+    double error = 0;
+    std::memcpy(&error, cloud.extra[0].data.data() + 300 * sizeof error, sizeof error);
+    CHECK(error == errorOf(300));
+    CHECK(cloud.extra[1].name == "track_length");
+    std::uint32_t track = 0;
+    std::memcpy(&track, cloud.extra[1].data.data(), sizeof track);
+    CHECK(track == 2);
+    CHECK(stored.lost == std::vector<std::string>{"2 images", "1 camera", "which images saw each point"});
+    CHECK(findUp(cloud).up == UpAxis::minusY);
+    CHECK(findUp(cloud).why == "the file says so");
+  }
+}
+
+TEST_CASE("images stand where they were taken, and look along their axes") {
+  const ScratchFolder folder;
+  Files files = text();
+  // A quarter turn about x, that brings the world's y to the camera's z, and three units back.
+  files.images = "3 0.7071067811865476 0.7071067811865476 0 0 0 0 3 7 turned\n\n900 1 0 0 0 -1 0 0 7 c.jpg\n\n";
+  write(folder.path(), files, "txt");
+  const ColmapModel model = readColmapImages(folder.path());
+  REQUIRE(model.images.size() == 2);
+  CHECK(model.cameras.at(0).parameters == std::vector<double>{500, 510, 320, 240});
+  CHECK(glm::distance(model.images[0].center, DVec3(0, -3, 0)) < 1e-12);
+  CHECK(glm::distance(model.images[0].forward, DVec3(0, 1, 0)) < 1e-12);
+  CHECK(glm::distance(model.images[0].right, DVec3(1, 0, 0)) < 1e-12);
+  CHECK(glm::distance(model.images[0].down, DVec3(0, 0, -1)) < 1e-12);
+  CHECK(model.images[1].center == DVec3(1, 0, 0));
+  CHECK(model.images[1].name == "c.jpg");
+}
+
+TEST_CASE("a folder's contents are told without its points, and saving goes beside it") {
+  const ScratchFolder folder;
+  for (const std::string form : {"txt", "bin"}) {  // the binary ones count where there are both
+    write(folder.path(), form == "bin" ? binary() : text(), form);
+    const FileContents contents = contentsOf(folder.path());
+    REQUIRE(contents.elements.size() == 3);
+    CHECK(contents.elements[0].count == kSide * kSide);
+    CHECK(contents.elements[1].count == 2);
+    CHECK(contents.elements[2].count == 1);
+  }
+  CHECK(nameBeside(folder.path()) == folder.path().string() + "-sculpted.ply");
+  CHECK(nameBeside(folder.path() / "") == folder.path().string() + "-sculpted.ply");
+  CHECK(cloudFormats().toRead(folder.path()).name == "COLMAP");
+  const ScratchFolder empty;
+  CHECK_THROWS_WITH_AS(readCloud(empty.path()), doctest::Contains("is a folder"), FileError);
+}
+
+TEST_CASE("what COLMAP read is written as PLY with all that came along, and knows what was up") {
+  const ScratchFolder folder;
+  StoredCloud stored = reading(binary(), "bin");
+  writeCloud(folder / "a.ply", stored.cloud);
+  const PointCloud again = readCloud(folder / "a.ply").cloud;
+  CHECK(again.positions == stored.cloud.positions);
+  CHECK(again.normals == stored.cloud.normals);
+  CHECK(again.colors == stored.cloud.colors);
+  CHECK(again.extra.size() == 2);
+  CHECK(findUp(again).up == UpAxis::minusY);
+}
+
+TEST_CASE("every binary file that ends too early is refused with its byte") {
+  const Files whole = binary();
+  const auto check = [&](std::string Files::*file, const std::string& name, std::size_t step) {
+    for (std::size_t size = 0; size < (whole.*file).size(); size += step) {
+      CAPTURE(name);
+      CAPTURE(size);
+      Files cut = whole;
+      (cut.*file).resize(size);
+      CHECK(refusal(cut, "bin").starts_with(name + ".bin: byte "));
+    }
+    Files longer = whole;
+    longer.*file += 'x';
+    CHECK(refusal(longer, "bin").find("something follows the last of") != std::string::npos);
+  };
+  check(&Files::cameras, "cameras", 1);
+  check(&Files::images, "images", 1);
+  check(&Files::points, "points3D", 997);
+}
+
+TEST_CASE("counts that lie take no memory, and end where the file does") {
+  for (const std::uint64_t lie : {std::uint64_t{1} << 40, ~std::uint64_t{0}}) {
+    Files files = binary();
+    std::memcpy(files.points.data(), &lie, sizeof lie);
+    CHECK(refusal(files, "bin").find("the file ends where the id of a point should be") != std::string::npos);
+    files = binary();
+    constexpr std::size_t kTrackAt = 8 + 8 + 24 + 3 + 8;
+    std::memcpy(files.points.data() + kTrackAt, &lie, sizeof lie);
+    CHECK(refusal(files, "bin").starts_with("points3D.bin: byte "));
+    files = binary();
+    const std::size_t seen = files.images.find("c.jpg") + 6;
+    std::memcpy(files.images.data() + seen, &lie, sizeof lie);
+    CHECK(refusal(files, "bin").find("the file ends within the") != std::string::npos);
+  }
+}
+
+TEST_CASE("what a folder cannot mean is refused with its line") {
+  const auto with = [](std::string Files::*file, const std::string& content) {
+    Files files = text();
+    files.*file = content;
+    return refusal(files, "txt");
+  };
+  CHECK(with(&Files::cameras, "7 TELESCOPE 640 480 1\n") == "cameras.txt:1: camera model 'TELESCOPE' is not known");
+  CHECK(with(&Files::cameras, "7 PINHOLE 640 480 500 510 320\n") ==
+        "cameras.txt:1: the line ends where a parameter of a camera should be");
+  CHECK(with(&Files::cameras, "7 PINHOLE 640 480 500 510 320 240 9\n") ==
+        "cameras.txt:1: '9' follows the last number of a row");
+  CHECK(with(&Files::cameras, "#\n7 PINHOLE 640 480 500 510 320 nan\n") ==
+        "cameras.txt:2: a parameter of a camera is nan, not a finite number");
+  CHECK(with(&Files::cameras, "7 PINHOLE 6 4 5 5 3 2\n7 PINHOLE 6 4 5 5 3 2\n") ==
+        "cameras.txt:2: camera 7 is there twice");
+  CHECK(with(&Files::images, "3 0 0 0 0 0 0 0 7 a\n\n") == "images.txt:1: the rotation of an image is zero");
+  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 8 a\n\n") == "images.txt:1: image 3 is of camera 8, which is not there");
+  CHECK(with(&Files::images, "3 1 0 0 0 0 0 0 7 a") ==
+        "images.txt:1: the file ends where the observations of an image should be");
+  CHECK(with(&Files::points, "1 0 0 0 1 2 300 0.5 3 0\n") ==
+        "points3D.txt:1: found '300', expected a colour from 0 to 255");
+  CHECK(with(&Files::points, "1 0 0 inf 1 2 3 0.5 3 0\n") ==
+        "points3D.txt:1: the place of a point is inf, not a finite number");
+  CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 3 0 900\n") ==
+        "points3D.txt:1: a track of 3 numbers, where an image and a place in it make a pair");
+  CHECK(with(&Files::points, "1 0 0 0 1 2 3 0.5 4 0\n") ==
+        "points3D.txt:1: point 1 was seen by image 4, which is not there");
+  CHECK(with(&Files::points, "") == "read");  // no points at all
+
+  Files unknown = binary();
+  const std::int32_t model = 11;
+  std::memcpy(unknown.cameras.data() + 12, &model, sizeof model);
+  CHECK(refusal(unknown, "bin").find("camera model 11 is not known; those from 0 to 10 are") != std::string::npos);
+
+  const ScratchFolder folder;
+  std::ofstream(folder / "points3D.txt") << text().points;
+  CHECK_THROWS_WITH_AS(readCloud(folder.path()), doctest::Contains("has no cameras.bin and no cameras.txt"), FileError);
+}
+
+TEST_CASE("a real reconstruction: every point has a normal that faces those who saw it") {
+  const char* given = std::getenv("PALPATE_MODELS");
+  const std::filesystem::path models =
+      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
+  const std::filesystem::path folder = models / "colmap_a";
+  if (!isColmapFolder(folder)) {
+    MESSAGE("skipped: no ", folder.string());
+    return;
+  }
+  const ColmapModel model = readColmapImages(folder);
+  CHECK(model.cameras.size() == 690);
+  CHECK(model.images.size() == 177);
+  const PointCloud cloud = readCloud(folder).cloud;
+  REQUIRE(cloud.size() == 4217);
+  std::size_t i = 0, views = 0, facing = 0;
+  readColmapPoints(folder, model, [&](const ColmapPoint& point) {
+    for (const std::uint32_t image : point.images) {
+      ++views;
+      facing += glm::dot(DVec3(cloud.normals[i]), model.images[image].center - point.position) > 0;
+    }
+    ++i;
+  });
+  CHECK(i == cloud.size());
+  MESSAGE(facing, " of ", views, " views are from in front");
+  CHECK(static_cast<double>(facing) > 0.95 * static_cast<double>(views));
+}
+
+}  // namespace palpate::test
