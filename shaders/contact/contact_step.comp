@@ -58,7 +58,8 @@ bool takeFirstPatch(Probe probe) {
   return true;
 }
 
-// A hand that touched felt the surface where the proxy stands: its first slide goes along that one, without another look.
+// A hand that touched felt the surface where the proxy stands: its first slide goes along that one, without another
+// look.
 Tracking takeFirstSlide(inout vec3 proxy) {
   vec3 slide = vec3(0.0);
   if (touching && facing != vec3(0.0))
@@ -103,10 +104,11 @@ void main() {
   // One loop for all purposes: a translator inlines every call, and the patch and its surface are most of the program.
   while (true) {
     bool spent = workDone > kContactWorkBudget;
-    while (!patchReaches(x)) {
-      const bool first = !patchGathered;
-      gatherPatch(args.spill, probe.hip, first ? firstPlace(probe) : x, patchReach(args.radius), args.mostCells);
-      if (first) spent = workDone > kContactWorkBudget;
+    bool fetched = false;  // a patch around the place: where that is no number, it reaches nothing, not even itself
+    while (!fetched && !patchReaches(x)) {
+      fetched = patchGathered;
+      gatherPatch(args.spill, probe.hip, fetched ? x : firstPlace(probe), patchReach(args.radius), args.mostCells);
+      if (!fetched) spent = workDone > kContactWorkBudget;
     }
     if (purpose == kWalks && spent) {
       truncated = true;

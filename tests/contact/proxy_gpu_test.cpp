@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "engine/contact/contact_reference.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/touch/touch_side.hpp"
 #include "tests/contact/sheet.hpp"
 
@@ -31,6 +32,29 @@ TEST_CASE("the GPU feels both faces of sheets as double precision does, their ed
     CHECK(worst < 1e-4);
     gpu.finish();
   }
+}
+
+TEST_CASE("a hand that leaps farther than single precision counts neither stops the GPU nor spoils what follows") {
+  Device device({.gpu = "", .validation = Validation::off});
+  const PointCloud cloud = sheet(0.0);
+  TouchSide touch(device, cloud, {.radius = kSheetRadius});
+  const auto press = [&] {
+    Contact contact;
+    for (const double z : {2.0, 1.0, -0.3}) contact = touch.query({.hip = {8, 8, z}}, 0);
+    return contact;
+  };
+  const Contact before = press();
+  for (const double far : {1e300, -1e300, 3e38, -3e38, 1e30}) {
+    CAPTURE(far);
+    REQUIRE(press().touching);  // from where the way to the next place is no number
+    const Stopwatch watch;
+    CHECK_FALSE(touch.query({.hip = {far, -far, std::abs(far)}}, 0).touching);
+    CHECK(watch.elapsed_us() < 2e6);
+    for (const double z : {50.0, 4.0}) touch.query({.hip = {8, 8, z}}, 0);
+    CHECK(press().proxy == before.proxy);
+    for (const double z : {4.0, 50.0}) touch.query({.hip = {8, 8, z}}, 0);
+  }
+  touch.finish();
 }
 
 }  // namespace palpate
