@@ -14,9 +14,12 @@ class CloudSource {
  public:
   virtual ~CloudSource() = default;
 
-  /// Points of every frame; a point keeps its id, which is its place in the frame. The number is fixed: touch makes its
-  /// memory for so many before the first frame.
+  /// The most points that a frame has: touch makes its memory for so many before the first one. A point's id is its
+  /// place in the frame.
   virtual std::size_t size() const = 0;
+  /// Whether a point of one frame is the same as that of its id in the next one. Otherwise nothing is known of what
+  /// moved where between the two.
+  virtual bool keepsPoints() const { return true; }
   /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
   /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
