@@ -15,12 +15,12 @@
 namespace palpate {
 
 /// Brings the frames of a source into the live cloud: copies the points from the host, builds their index in the back
-/// half, and flips. One frame at a time is under way, and nobody waits for it but the next question, whose queue it
+/// half, and flips. Where a frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits for it but the next question, whose queue it
 /// goes through. A source on the GPU would write the incoming points in the place of that copy.
 class FramePipeline {
  public:
-  /// Begins with the frame of time 0. `source` and `index`, which has as many slots as the source has points, must
-  /// outlive it.
+  /// Begins with the frame of time 0. `source` and `index`, which has as many slots as the source has points at most,
+  /// must outlive it.
   FramePipeline(Device& device, CloudSource& source, LiveIndex& index);
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
@@ -32,9 +32,21 @@ class FramePipeline {
   /// Waits for the frame that is under way.
   void finish();
 
+  /// What the frame in each half of the live cloud is true for, and the velocities of its points: a vec4 for each id,
+  /// model units per second.
+  double time_s(std::uint32_t parity) const { return times_s_[parity]; }
+  const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
+
+  /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red in
+  /// the lowest byte.
+  struct Placed {
+    const LiveCloud::Half& half;
+    double time_s;
+    bool colored;
+  };
   /// Calls `read` with the newest whole frame in the live cloud, which is not written meanwhile. False where none has
   /// come since the last time. For one thread, which may be another one.
-  bool read(const std::function<void(const LiveCloud::Half&, double time_s)>& read);
+  bool read(const std::function<void(const Placed&)>& read);
   /// Of each half.
   std::uint32_t slots() const { return index_.cloud().slots(); }
   /// The same on the host. Over the throughput queue.
@@ -55,12 +67,15 @@ class FramePipeline {
   void startMaking(double time_s);
   void submit(SortMethod sort);
   void hasArrived();
-  CloudFrame fetch(Queue& queue, const LiveCloud::Half& half, double time_s) const;
+  CloudFrame fetch(Queue& queue, const Placed& placed) const;
 
   Device& device_;
   CloudSource& source_;
   LiveIndex& index_;
-  Buffer stagedPositions_, stagedNormals_;
+  Buffer stagedPositions_, stagedNormals_, stagedVelocities_;
+  std::array<Buffer, 2> velocities_;  // by the half
+  std::array<double, 2> times_s_{};
+  std::array<bool, 2> colored_{};
   LiveCloud::Half incoming_;                                                 // in the order of ids
   std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_;  // by the half that is felt before
   FrameExchange exchange_;

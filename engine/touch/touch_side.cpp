@@ -19,6 +19,10 @@ constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
 constexpr std::uint32_t kFewerSpare = 4;
 
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
+  if (options.source) {
+    PALPATE_CHECK_LE(cloud.size(), options.source->size());
+    return static_cast<std::uint32_t>(options.source->size() - cloud.size());
+  }
   if (!options.brush) return 0;
   const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
   return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
@@ -54,7 +58,7 @@ LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& optio
           .spareSlots = spareSlots(cloud, options),
           .sort = options.sort,
           .bucketOrder = options.bucketOrder,
-          .slots = options.brush ? Slots::spare : Slots::full};
+          .slots = options.brush || options.source ? Slots::spare : Slots::full};
 }
 
 EditOptions editOptions(const TouchOptions& options) {
@@ -75,11 +79,12 @@ shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
           .spring = Vec3(state->proxy - state->lastHip),
           .face = state->face,
           .facing = Vec3(state->facing),
+          .velocity = Vec3(state->velocity),
           .started = state->started ? 1u : 0u};
 }
 
-// What the GPU's answer to a HIP, relative to the cloud's origin, leaves to the next tick.
-ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip) {
+// What the GPU's answer to a HIP, relative to the cloud's origin, at a time leaves to the next tick.
+ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip, double time_s) {
   const std::uint32_t face = sample.flags >> shared::kSampleFaceShift;
   const bool touching = sample.touching != shared::kFree;
   const DVec3 normal(sample.normal);
@@ -89,7 +94,9 @@ ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec
           .face = face,
           .facing = touching && face == shared::kFaceBehind ? -normal : normal,
           .lastHip = hip,
-          .proxy = hip + DVec3(sample.spring)};
+          .proxy = hip + DVec3(sample.spring),
+          .velocity = DVec3(sample.velocity),
+          .time_s = time_s};
 }
 
 }  // namespace
@@ -143,6 +150,7 @@ ContactOptions TouchSide::contactOptions() const {
           .widening = options_.widening,
           .friction = options_.friction,
           .split = options_.split,
+          .pointsMove = options_.source != nullptr,
           .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
@@ -157,7 +165,8 @@ void TouchSide::makeBridge() {
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
-    questions_.record(index_.parity(), index_.view(), record_.log.head());
+    questions_.record(index_.parity(), index_.view(), record_.log.head(),
+                      frames_ ? frames_->velocities(index_.parity()).address() : 0);
     bridge_->record(index_.parity(), index_.view());
     if (edits_) edits_->record(questions_.contact().state());
     index_.flip();
@@ -239,17 +248,24 @@ bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
   return true;
 }
 
+PointsMotion TouchSide::motionSince(double last_s, double now_s) const {
+  return frames_ ? pointsMotion(now_s, frames_->time_s(index_.parity()), last_s) : PointsMotion{};
+}
+
 void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
+  const double last_s = questions_.question().time_s;  // of the states on the GPU
   questions_.begin();
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     GpuHand& hand = hands_[i];
     hand.probes.ask(poses[i]);
-    const auto newer = i == 0 ? bridge_->newerState() : std::nullopt;
-    questions_.put(hand.firstProbe, Vec3(poses[i].hip - origin_), stateOf(newer));
+    const auto put = [&](std::uint32_t probe, const std::optional<ProxyTracker::State>& newer) {
+      questions_.put(hand.firstProbe + probe, Vec3(hand.probes.place(probe, poses[i]) - origin_), stateOf(newer),
+                     motionSince(newer ? newer->time_s : last_s, poses[i].time_s));
+    };
+    put(0, i == 0 ? bridge_->newerState() : std::nullopt);
     for (std::uint32_t k = 0; k < hand.points.size(); ++k) {
       const bool ahead = std::exchange(hand.points[k].ahead, false);
-      questions_.put(hand.firstProbe + 1 + k, Vec3(hand.probes.place(1 + k, poses[i]) - origin_),
-                     stateOf(ahead ? std::optional(hand.points[k].tracker.state()) : std::nullopt));
+      put(1 + k, ahead ? std::optional(hand.points[k].tracker.state()) : std::nullopt);
     }
   }
   bridge_->handedOver();
@@ -292,7 +308,7 @@ void TouchSide::takeAnswer(double now_s) {
   if (asked.dropped[0])
     bridge_->heard(now_s);
   else
-    bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_), now_s);
+    bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_, pose.time_s), now_s);
   shortfalls.thinnedPatches = bridge_->thinnedPatches();
 }
 
@@ -307,7 +323,7 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     if (point && point->ahead) continue;
     const Contact contact = contactOf(sample, hip);
     hand.probes.answered(i, contact);
-    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_));
+    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_, questions_.question().time_s));
   }
   return flags;
 }
@@ -317,9 +333,10 @@ Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& h
           .normal = DVec3(sample.normal),
           .touching = sample.touching != 0,
           .fresh = true,
-          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal),
+          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
           .neighbours = sample.neighbours,
-          .gpu_us = questions_.question().gpu_us};
+          .gpu_us = questions_.question().gpu_us,
+          .velocity = DVec3(sample.velocity)};
 }
 
 std::span<const Contact> TouchSide::given() {
@@ -379,7 +396,8 @@ void TouchSide::closeTick() {
   if (!questions_.isInTick()) return;
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
-  if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity());
+  if (realtime)
+    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_ ? frames_->time_s(index_.parity()) : 0);
   if (!answered) return;
   editIfYielding(realtime);
   goOn(questions_.question().time_s, realtime);

@@ -152,6 +152,8 @@ class TouchSide final : public TouchBackend {
   bool isFiniteAt(std::span<const Pose> poses) const;
   // A tick that asks. False where the answers are late.
   bool isAnsweredWithin(std::span<const Pose> poses, double budget_us);
+  // How the points have gone on from their frame until `now_s`, for a probe that was asked last at `last_s`.
+  PointsMotion motionSince(double last_s, double now_s) const;
   void submitQuestion(std::span<const Pose> poses, bool realtime);
   // Takes in the answer when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
   bool answerWithin(double budget_us, double now_s);
