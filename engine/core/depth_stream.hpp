@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <glm/ext/quaternion_common.hpp>
 #include <optional>
 #include <vector>
 
