@@ -27,7 +27,7 @@ const Arrows& allowedArrows() {
       {"engine/spatial", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/contact", {"engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/edit", {"engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
-      {"engine/motion", {"engine/cloud", "engine/core"}},
+      {"engine/motion", {"engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/touch",
        {"engine/motion", "engine/edit", "engine/contact", "engine/spatial", "engine/gpu", "engine/cloud", "engine/core",
         "shaders"}},

@@ -1,0 +1,58 @@
+#include "engine/motion/fused_source.hpp"
+
+#include <utility>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+FusedSource::FusedSource(DepthStream& stream, const FusionOptions& options, const IcpOptions& icp, Log* log)
+    : stream_(stream), fusion_(options, icp, log) {}
+
+bool FusedSource::readNext() {
+  while (!hasNext_ && !ended_) {
+    try {
+      hasNext_ = stream_.next(next_);
+      ended_ = !hasNext_;
+    } catch (const Error& error) {
+      fusion_.countLost(error.what());
+    }
+  }
+  return hasNext_;
+}
+
+void FusedSource::fuseNext() {
+  hasNext_ = false;
+  fusion_.fuse(stream_.camera(), next_);
+  time_s_ = next_.time_s;
+}
+
+void FusedSource::rewind() {
+  stream_.rewind();
+  fusion_.clear();
+  hasNext_ = ended_ = false;
+  time_s_ = 0;
+}
+
+void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
+  if (!stream_.isRecorded()) {
+    if (readNext()) fuseNext();
+  } else {
+    if (time_s < time_s_) rewind();
+    while (readNext() && next_.time_s <= time_s) fuseNext();
+  }
+  const SurfelMap& map = fusion_.map();
+  frame.time_s = time_s_;
+  frame.velocities.clear();
+  frame.positions.resize(map.ids());
+  frame.normals.resize(map.ids());
+  frame.colors.resize(map.isColored() ? map.ids() : 0);
+  for (std::size_t id = 0; id < map.ids(); ++id) {
+    const shared::Surfel& surfel = map.surfel(id);
+    frame.positions[id] = surfel.place;
+    frame.normals[id] = map.holds(id) ? surfel.normal : Vec3(0);
+    if (map.isColored()) frame.colors[id] = colorOf(surfel.record);
+  }
+}
+
+}  // namespace palpate

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "engine/motion/cloud_source.hpp"
+#include "engine/motion/frame_fusion.hpp"
+
+namespace palpate {
+
+/// The map that the frames of a depth stream fuse into, as it was at a time: points in metres, relative to the map's
+/// origin. A frame has as many points as the map has had ids; an id that no point has, has the normal 0.
+class FusedSource final : public CloudSource {
+ public:
+  /// `stream` and `log`, if any, must outlive it. Throws as FusionOptions::validate().
+  FusedSource(DepthStream& stream, const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr);
+
+  std::size_t size() const override { return fusion_.map().options().capacity; }
+  bool keepsPoints() const override { return true; }
+  /// Recorded: all frames up to that time are fused, from the first one on where time has gone back. Live: one more is,
+  /// once it is there. A frame that cannot be read, placed or fused is counted, and the map stays as it was.
+  void makeFrame(double time_s, CloudFrame& frame) override;
+
+  const FrameFusion& fusion() const { return fusion_; }
+
+ private:
+  bool readNext();
+  void fuseNext();
+  void rewind();
+
+  DepthStream& stream_;
+  FrameFusion fusion_;
+  DepthFrame next_;  // that was read and not fused, where `hasNext_`
+  bool hasNext_ = false, ended_ = false;
+  double time_s_ = 0;  // of the frame that was fused last
+};
+
+}  // namespace palpate

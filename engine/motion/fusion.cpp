@@ -1,0 +1,112 @@
+#include "engine/motion/fusion.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+void requireWithin(std::string_view field, double value, double least, double most) {
+  if (!(value >= least && value <= most)) throw Error("fusion: {} is {}, not {} to {}", field, value, least, most);
+}
+
+}  // namespace
+
+void FusionOptions::validate() const {
+  requireWithin("capacity", static_cast<double>(capacity), 1, std::numeric_limits<std::int32_t>::max());
+  requireWithin("nearest_m", nearest_m, 1e-3, 100);
+  requireWithin("farthest_m", farthest_m, nearest_m, 1000);
+  requireWithin("memory_frames", memory_frames, 1, 10'000);
+  requireWithin("noiseLeast_m", noiseLeast_m, 1e-6, 1);
+  requireWithin("noiseGrowth_per_m", noiseGrowth_per_m, 0, 1);
+  requireWithin("noiseFrom_m", noiseFrom_m, 0, 100);
+}
+
+void requireCamera(const DepthCamera& camera) {
+  if (camera.width == 0 || camera.height == 0 || std::uint64_t{camera.width} * camera.height > (1u << 28))
+    throw Error("a depth camera of {} x {} pixels; it has at least one, and at most 2^28", camera.width, camera.height);
+  if (!isFinite(DVec4(camera.fx, camera.fy, camera.cx, camera.cy)) || !(camera.fx > 0) || !(camera.fy > 0))
+    throw Error("a depth camera with fx {}, fy {}, cx {}, cy {}; all are numbers, and the focal lengths positive",
+                camera.fx, camera.fy, camera.cx, camera.cy);
+}
+
+void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options, FrameImages& images) {
+  requireCamera(camera);
+  const std::size_t pixels = std::size_t{camera.width} * camera.height;
+  if (frame.depth_m.size() != pixels)
+    throw Error("frame {} has {} depths, and its camera {} pixels", frame.number, frame.depth_m.size(), pixels);
+  if (!frame.colors.empty() && frame.colors.size() != pixels)
+    throw Error("frame {} has {} colours, and its camera {} pixels", frame.number, frame.colors.size(), pixels);
+  images.camera = camera;
+  images.number = frame.number;
+  images.depths.resize(pixels);
+  const auto nearest = static_cast<float>(options.nearest_m), farthest = static_cast<float>(options.farthest_m);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const float depth = frame.depth_m[i];
+    if (!(depth >= 0) || std::isinf(depth))
+      throw Error("frame {}: the depth of pixel ({}, {}) is {}, not a number from 0 on", frame.number, i % camera.width,
+                  i / camera.width, depth);
+    images.depths[i] = depth >= nearest && depth <= farthest ? depth : 0.0f;
+  }
+  images.colors.resize(frame.colors.size());
+  for (std::size_t i = 0; i < images.colors.size(); ++i) {
+    const std::uint32_t red = frame.colors[i][0], green = frame.colors[i][1], blue = frame.colors[i][2];
+    images.colors[i] = red | green << 8 | blue << 16 | 0xff000000u;
+  }
+}
+
+shared::Pinhole pinholeOf(const DepthCamera& camera) {
+  return {.fx = static_cast<float>(camera.fx),
+          .fy = static_cast<float>(camera.fy),
+          .cx = static_cast<float>(camera.cx),
+          .cy = static_cast<float>(camera.cy)};
+}
+
+shared::DepthNoise noiseOf(const FusionOptions& options) {
+  return {.least = static_cast<float>(options.noiseLeast_m),
+          .growth = static_cast<float>(options.noiseGrowth_per_m),
+          .from = static_cast<float>(options.noiseFrom_m)};
+}
+
+void requirePose(const CameraPose& pose, std::uint64_t frame) {
+  const double length = glm::length(pose.turn);
+  if (!isFinite(pose.centre) || !(std::abs(length - 1) < 1e-3))
+    throw Error("frame {}: its pose is no rotation and place: a quaternion of length {} at ({}, {}, {})", frame, length,
+                pose.centre.x, pose.centre.y, pose.centre.z);
+}
+
+shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose, const DVec3& origin,
+                              const FusionOptions& options) {
+  requirePose(pose, images.number);
+  const DQuat turn = glm::normalize(pose.turn);
+  return {.right = Vec3(turn * DVec3(1, 0, 0)),
+          .down = Vec3(turn * DVec3(0, 1, 0)),
+          .ahead = Vec3(turn * DVec3(0, 0, 1)),
+          .centre = Vec3(pose.centre - origin),
+          .camera = pinholeOf(images.camera),
+          .noise = noiseOf(options),
+          .memory = static_cast<float>(options.memory_frames),
+          .width = images.camera.width,
+          .height = images.camera.height,
+          .number = static_cast<std::uint32_t>(images.number),
+          .colored = images.colors.empty() ? 0u : 1u};
+}
+
+std::array<std::uint8_t, 4> colorOf(const shared::SurfelRecord& record) {
+  const std::uint32_t c = record.color >> 24 ? record.color : 0xffb0b0b0u;
+  const auto channel = [c](int shift) { return static_cast<std::uint8_t>(c >> shift & 0xffu); };
+  return {channel(0), channel(8), channel(16), 255};
+}
+
+DVec3 mapOriginFor(const CameraPose& pose) {
+  constexpr double kNearZero_m = 16;
+  const DVec3 c = pose.centre;
+  if (glm::length(c) < kNearZero_m) return DVec3(0);
+  return {std::round(c.x), std::round(c.y), std::round(c.z)};
+}
+
+}  // namespace palpate

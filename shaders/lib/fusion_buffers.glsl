@@ -1,0 +1,35 @@
+// What the passes of a fusion read of their frame: field by field, since the validation layer of Debian 12 takes the load
+// of a whole struct for larger than it is.
+#ifndef PALPATE_LIB_FUSION_BUFFERS_GLSL
+#define PALPATE_LIB_FUSION_BUFFERS_GLSL
+#include "shaders/shared/fusion_passes.h"
+
+FusionView viewOf(FusionViews views) {
+  FusionView view;
+  view.right = views.at[0].right;
+  view.down = views.at[0].down;
+  view.ahead = views.at[0].ahead;
+  view.centre = views.at[0].centre;
+  view.camera.fx = views.at[0].camera.fx;
+  view.camera.fy = views.at[0].camera.fy;
+  view.camera.cx = views.at[0].camera.cx;
+  view.camera.cy = views.at[0].camera.cy;
+  view.noise.least = views.at[0].noise.least;
+  view.noise.growth = views.at[0].noise.growth;
+  view.noise.from = views.at[0].noise.from;
+  view.memory = views.at[0].memory;
+  view.width = views.at[0].width;
+  view.height = views.at[0].height;
+  view.number = views.at[0].number;
+  view.colored = views.at[0].colored;
+  return view;
+}
+
+PixelSurface surfaceAt(PixelSurfaces surfaces, uint pixel) {
+  PixelSurface surface;
+  surface.normal = surfaces.at[pixel].normal;
+  surface.depth = surfaces.at[pixel].depth;
+  return surface;
+}
+
+#endif

@@ -1,0 +1,232 @@
+// How a depth frame changes a map of surfels: after Keller, Lefloch, Lambers, Izadi, Weyrich and Kolb 2013 ("Real-time
+// 3D reconstruction in dynamic scenes using point-based fusion"), with these differences. Each point of the map looks
+// for its pixel, not each pixel for its point: a point has one pixel at most, no pass has to settle who is the
+// nearest, and no sum depends on an order. A point is moved along the ray by which it is seen, so that points keep
+// their distances. And where a point stands in its pixel is remembered in 16 parts of it, so that no new one is put
+// close to it. Who walks over points and pixels: engine/motion/surfel_map.cpp, shaders/motion.
+#ifndef PALPATE_SHARED_FUSION_H
+#define PALPATE_SHARED_FUSION_H
+#include "shaders/shared/depth_image.h"
+#include "shaders/shared/types.h"
+
+PALPATE_SHARED_BEGIN
+
+// In deviations of the noise: a point so near to the plane of its pixel belongs to the same surface.
+const float kGateDeviations = 4.0f;
+// In the same: a point so far in front of all depths about its pixel stands where the camera has seen through.
+const float kFreeDeviations = 5.0f;
+// The least cosine between the normals of a point and its pixel.
+const float kSameNormal = 0.5f;
+// The least cosine, of either sign, between a point's normal and the ray that sees through it: at the rim of a body a
+// pose that is a little off sees past it.
+const float kLeastFreeFacing = 0.1f;
+// A point that was measured so often is stable.
+const uint kStableCount = 4u;
+// Doubts about a point grow by these in each frame, go when it is measured, and end its life at kMostDoubts: a stable
+// point is seen through in 4 frames, an unstable one in 2, or is looked for in vain in 30.
+const uint kMostDoubts = 60u;
+const uint kDoubtsStableFree = 15u;
+const uint kDoubtsUnstableFree = 30u;
+const uint kDoubtsUnstable = 2u;
+// Parts of a pixel along a side.
+const uint kPartsOfPixel = 4u;
+// The least share of a new colour: 8 bits would not take up a smaller one.
+const float kLeastColorShare = 0.125f;
+
+// What a frame says of a point of the map.
+const uint kSightNone = 0u;      // nothing: it is out of view, or no depth was measured there
+const uint kSightMatched = 1u;   // it was measured
+const uint kSightHidden = 2u;    // it stands behind what is seen
+const uint kSightFree = 3u;      // the camera sees through it
+const uint kSightUnclear = 4u;   // it should be seen, and something else is
+
+// One frame, and the rules by which it is fused.
+struct FusionView {
+  vec3 right;  // axes of the camera in the map, unit
+  vec3 down;
+  vec3 ahead;
+  vec3 centre;  // of the camera, in the map, m
+  Pinhole camera;
+  DepthNoise noise;
+  float memory;    // measurements that a point remembers at most
+  uint width;      // pixels
+  uint height;
+  uint number;     // of the frame
+  uint colored;    // not 0: it has colours
+};
+PALPATE_SIZE(FusionView, 96);
+
+// What is known of a point besides place and normal, by its id.
+struct SurfelRecord {
+  float weight;  // sum of the measurements' weights, 1 / m^2
+  uint seen;     // number of the frame that has measured it last
+  uint counts;   // measurements in the low 16 bits, doubts above
+  uint color;    // RGBA8; alpha 0: none was seen
+};
+PALPATE_SIZE(SurfelRecord, 16);
+
+PALPATE_FUNCTION uint measurementsOf(SurfelRecord record) { return record.counts & 0xffffu; }
+PALPATE_FUNCTION uint doubtsOf(SurfelRecord record) { return record.counts >> 16; }
+PALPATE_FUNCTION bool isStable(SurfelRecord record) { return measurementsOf(record) >= kStableCount; }
+
+PALPATE_FUNCTION vec3 directionInCamera(FusionView view, vec3 direction) {
+  return vec3(dot(view.right, direction), dot(view.down, direction), dot(view.ahead, direction));
+}
+PALPATE_FUNCTION vec3 directionInMap(FusionView view, vec3 direction) {
+  return direction.x * view.right + direction.y * view.down + direction.z * view.ahead;
+}
+PALPATE_FUNCTION vec3 placeInCamera(FusionView view, vec3 place) {
+  return directionInCamera(view, place - view.centre);
+}
+PALPATE_FUNCTION vec3 placeInMap(FusionView view, vec3 place) { return view.centre + directionInMap(view, place); }
+PALPATE_FUNCTION vec3 placeOfPixel(FusionView view, uvec2 pixel, float depth) {
+  return depth * rayThrough(view.camera, vec2(float(pixel.x), float(pixel.y)));
+}
+
+// Where a point of the map is looked for in the frame.
+struct Projection {
+  bool inView;
+  uvec2 pixel;
+  uint part;   // the bit of its part of the pixel
+  vec3 place;  // in the camera's coordinates
+};
+
+PALPATE_FUNCTION Projection projectionOf(FusionView view, vec3 placeInTheMap) {
+  Projection projection;
+  projection.inView = false;
+  projection.pixel = uvec2(0u, 0u);
+  projection.part = 0u;
+  projection.place = placeInCamera(view, placeInTheMap);
+  const vec3 p = projection.place;
+  if (!(p.z > 0.0f)) return projection;
+  // From the corner of the first pixel, not from its middle.
+  const float column = view.camera.fx * p.x / p.z + view.camera.cx + 0.5f;
+  const float row = view.camera.fy * p.y / p.z + view.camera.cy + 0.5f;
+  if (!(column >= 0.0f && row >= 0.0f && column < float(view.width) && row < float(view.height))) return projection;
+  projection.inView = true;
+  projection.pixel = uvec2(uint(column), uint(row));
+  const uint x = min(uint((column - float(projection.pixel.x)) * float(kPartsOfPixel)), kPartsOfPixel - 1u);
+  const uint y = min(uint((row - float(projection.pixel.y)) * float(kPartsOfPixel)), kPartsOfPixel - 1u);
+  projection.part = 1u << (y * kPartsOfPixel + x);
+  return projection;
+}
+
+// What a pixel says of a point that is looked for there, before anyone has looked whether the camera sees through it.
+struct Sight {
+  uint kind;    // kSight...; kSightFree: may be, and the depths around have to say so, too
+  bool covers;  // no new point is needed where it is
+};
+
+// `normal`: of the point, in the camera's coordinates. `depth`: measured by the pixel; `surface`: fitted there.
+PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 normal, float depth, PixelSurface surface) {
+  Sight sight;
+  sight.kind = kSightNone;
+  sight.covers = false;
+  if (!(depth > 0.0f)) return sight;
+  const vec3 p = projection.place;
+  const float deviation = depthDeviation(view.noise, depth);
+  if (surface.depth > 0.0f) {
+    const vec3 offset = p - placeOfPixel(view, projection.pixel, surface.depth);
+    if (abs(dot(surface.normal, offset)) <= kGateDeviations * deviation) {
+      sight.covers = dot(normal, p) < 0.0f;
+      sight.kind = dot(surface.normal, normal) >= kSameNormal ? kSightMatched : kSightUnclear;
+      return sight;
+    }
+  }
+  if (p.z > depth + kGateDeviations * deviation) {
+    sight.kind = kSightHidden;
+    return sight;
+  }
+  const bool edgeOn = abs(dot(normal, p)) < kLeastFreeFacing * length(p);
+  sight.kind = p.z < depth - kFreeDeviations * deviation && !edgeOn ? kSightFree : kSightUnclear;
+  return sight;
+}
+
+// Whether a depth beside the point's pixel lets it stand where the camera has seen through; no depth says nothing.
+PALPATE_FUNCTION bool seesThrough(FusionView view, float placeDepth, float depth) {
+  return !(depth > 0.0f) || placeDepth < depth - kFreeDeviations * depthDeviation(view.noise, depth);
+}
+
+PALPATE_FUNCTION float measurementWeight(FusionView view, float depth) {
+  const float deviation = depthDeviation(view.noise, depth);
+  return 1.0f / (deviation * deviation);
+}
+
+// The weight after one more measurement. As many as `memory` like this one are remembered, so that a map follows what
+// changes; what is known better, from nearer by, is not forgotten for what is seen from afar.
+PALPATE_FUNCTION float weightAfter(float before, float measurement, float memory) {
+  return max(before, min(before + measurement, memory * measurement));
+}
+
+PALPATE_FUNCTION uint mixedColor(uint before, uint measured, float share) {
+  if (before >> 24 == 0u) return measured;
+  const int part = int(max(share, kLeastColorShare) * 256.0f + 0.5f);
+  uint mixed = 0xff000000u;
+  for (uint shift = 0u; shift < 24u; shift += 8u) {
+    const int old = int(before >> shift & 0xffu);
+    const int now = int(measured >> shift & 0xffu);
+    const int step = ((now - old) * part + 128) >> 8;
+    mixed |= uint(old + step) << shift;
+  }
+  return mixed;
+}
+
+// A point of the map, on its way through a frame.
+struct Surfel {
+  vec3 place;   // in the map
+  vec3 normal;  // unit
+  SurfelRecord record;
+};
+
+// The weighted average of a point and what its pixel has measured (`color`: where the frame has any). It moves along
+// the ray from the camera, towards the plane through the place that was measured: noise of depth, which has put it
+// where it is, leads back along the same ray, and not beside its neighbours.
+PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, uvec2 pixel, float depth, PixelSurface surface,
+                                 uint color) {
+  Surfel after = before;
+  const float measurement = measurementWeight(view, depth);
+  const float share = measurement / (before.record.weight + measurement);
+  after.normal = normalize((1.0f - share) * before.normal + share * directionInMap(view, surface.normal));
+  const vec3 measured = placeInMap(view, placeOfPixel(view, pixel, depth));
+  const vec3 ray = normalize(before.place - view.centre);
+  const float facing = min(dot(after.normal, ray), -kLeastFacing);
+  after.place = before.place + share * dot(after.normal, measured - before.place) / facing * ray;
+  after.record.weight = weightAfter(before.record.weight, measurement, view.memory);
+  after.record.seen = view.number;
+  after.record.counts = min(measurementsOf(before.record) + 1u, 0xffffu);
+  if (view.colored != 0u) after.record.color = mixedColor(before.record.color, color, share);
+  return after;
+}
+
+// A new point where a pixel has measured one.
+PALPATE_FUNCTION Surfel bornAt(FusionView view, uvec2 pixel, float depth, PixelSurface surface, uint color) {
+  Surfel surfel;
+  surfel.place = placeInMap(view, placeOfPixel(view, pixel, depth));
+  surfel.normal = directionInMap(view, surface.normal);
+  surfel.record.weight = measurementWeight(view, depth);
+  surfel.record.seen = view.number;
+  surfel.record.counts = 1u;
+  surfel.record.color = view.colored != 0u ? color : 0u;
+  return surfel;
+}
+
+// A record after a frame in which its point was not measured; unchanged where that says nothing of it.
+PALPATE_FUNCTION SurfelRecord doubted(SurfelRecord record, uint sight) {
+  uint doubts = 0u;
+  if (sight == kSightFree) doubts = isStable(record) ? kDoubtsStableFree : kDoubtsUnstableFree;
+  if (!isStable(record) && (sight == kSightHidden || sight == kSightUnclear)) doubts = kDoubtsUnstable;
+  record.counts += doubts << 16;
+  return record;
+}
+PALPATE_FUNCTION bool isGivenUp(SurfelRecord record) { return doubtsOf(record) >= kMostDoubts; }
+
+// Parts of a pixel, and of those beside it, in which a point of the map stands close to the pixel's middle: within it,
+// or by a quarter of a pixel beside it. Where one does, no new one is put.
+const uint kPartsWithin = 0xffffu;
+const uint kPartsLeft = 0x8888u;   // of the pixel to the left
+const uint kPartsRight = 0x1111u;
+const uint kPartsAbove = 0xf000u;
+const uint kPartsBelow = 0x000fu;
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,124 @@
+// What the passes of a fusion on the GPU read and write (engine/motion/fusion_pass.hpp): a frame into a live cloud.
+#ifndef PALPATE_SHARED_FUSION_PASSES_H
+#define PALPATE_SHARED_FUSION_PASSES_H
+#include "shaders/shared/fusion.h"
+#include "shaders/shared/spatial_hash.h"
+
+PALPATE_SHARED_BEGIN
+
+// Bits of a word of the masks below.
+const uint kMaskBits = 32u;
+// Of a workgroup, whatever its size.
+const uint kMaxMaskWords = 32u;
+
+// What became of the points in a frame.
+struct FusionTotals {
+  uint points;  // before new ones are appended
+  uint matched;
+  uint appended;
+  uint removed;
+  uint refused;
+};
+PALPATE_SIZE(FusionTotals, 20);
+
+PALPATE_SHARED_END
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FusionViews { FusionView at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Depths { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PixelSurfaces { PixelSurface at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SurfelRecords { SurfelRecord at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FusionTotalsAt { FusionTotals now; };
+#endif
+
+PALPATE_SHARED_BEGIN
+
+// The images of a frame, row by row.
+struct PixelSurfaceArgs {
+  PALPATE_ADDRESS(FusionViews) view;
+  PALPATE_ADDRESS(Depths) depths;
+  PALPATE_ADDRESS(PixelSurfaces) surfaces;  // out
+  PALPATE_ADDRESS(Uints) covered;           // out: 0 for each pixel
+  uint pixels;
+  uint unused;
+};
+PALPATE_SIZE(PixelSurfaceArgs, 40);
+
+struct FusePointsArgs {
+  PALPATE_ADDRESS(FusionViews) view;
+  PALPATE_ADDRESS(Depths) depths;
+  PALPATE_ADDRESS(Uints) colors;
+  PALPATE_ADDRESS(PixelSurfaces) surfaces;
+  PALPATE_ADDRESS(Uints) covered;         // by pixel: the parts in which points stand
+  PALPATE_ADDRESS(Vec4s) positionsIn;     // by slot
+  PALPATE_ADDRESS(Vec4s) normalsIn;
+  PALPATE_ADDRESS(Vec4s) positionsOut;
+  PALPATE_ADDRESS(Vec4s) normalsOut;
+  PALPATE_ADDRESS(SurfelRecords) records;  // by id
+  PALPATE_ADDRESS(Uints) freeIds;          // a bit for each id that a new point may have
+  PALPATE_ADDRESS(Uints) emptySlots;       // out: a bit for each slot without a point
+  PALPATE_ADDRESS(FusionTotalsAt) totals;
+  uint slots;
+  uint unused;
+};
+PALPATE_SIZE(FusePointsArgs, 112);
+
+struct FindNewArgs {
+  PALPATE_ADDRESS(FusionViews) view;
+  PALPATE_ADDRESS(PixelSurfaces) surfaces;
+  PALPATE_ADDRESS(Uints) covered;
+  PALPATE_ADDRESS(Uints) newPixels;  // out: a bit for each pixel that needs a new point
+  PALPATE_ADDRESS(Uints) counts;     // out: bits of each word of it
+  PALPATE_ADDRESS(UVec2s) places;    // out: none (kEmptySlot) for each pixel
+  uint pixels;
+  uint unused;
+};
+PALPATE_SIZE(FindNewArgs, 56);
+
+// Bits of each word of two masks of the same length.
+struct CountFreeArgs {
+  PALPATE_ADDRESS(Uints) freeIds;
+  PALPATE_ADDRESS(Uints) emptySlots;
+  PALPATE_ADDRESS(Uints) idCounts;    // out
+  PALPATE_ADDRESS(Uints) slotCounts;  // out
+  uint words;
+  uint unused;
+};
+PALPATE_SIZE(CountFreeArgs, 40);
+
+// The counts are sums of what stands before by now.
+struct ListFreeArgs {
+  PALPATE_ADDRESS(Uints) freeIds;  // those that are given away go
+  PALPATE_ADDRESS(Uints) emptySlots;
+  PALPATE_ADDRESS(Uints) idsBefore;
+  PALPATE_ADDRESS(Uints) slotsBefore;
+  PALPATE_ADDRESS(UVec2s) places;  // out: id and slot of each new point that finds room
+  PALPATE_ADDRESS(Uints) newPixels;
+  PALPATE_ADDRESS(Uints) newBefore;
+  PALPATE_ADDRESS(FusionTotalsAt) totals;
+  uint words;
+  uint pixelWords;
+  uint slots;
+  uint unused;
+};
+PALPATE_SIZE(ListFreeArgs, 80);
+
+struct AppendPointsArgs {
+  PALPATE_ADDRESS(FusionViews) view;
+  PALPATE_ADDRESS(Depths) depths;
+  PALPATE_ADDRESS(Uints) colors;
+  PALPATE_ADDRESS(PixelSurfaces) surfaces;
+  PALPATE_ADDRESS(Uints) newPixels;
+  PALPATE_ADDRESS(Uints) newBefore;
+  PALPATE_ADDRESS(UVec2s) places;
+  PALPATE_ADDRESS(Vec4s) positions;
+  PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(SurfelRecords) records;
+  PALPATE_ADDRESS(FusionTotalsAt) totals;
+  uint pixels;
+  uint unused;
+};
+PALPATE_SIZE(AppendPointsArgs, 96);
+
+PALPATE_SHARED_END
+#endif
