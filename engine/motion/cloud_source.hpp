@@ -22,6 +22,8 @@ class CloudSource {
   /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
   /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
+  /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
+  virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
 };
 
 /// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that

@@ -8,20 +8,20 @@
 #include "engine/core/background_task.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
-#include "engine/motion/cloud_source.hpp"
+#include "engine/core/cloud_frame.hpp"
 #include "engine/motion/frame_exchange.hpp"
+#include "engine/touch/frame_writer.hpp"
 #include "engine/touch/live_index.hpp"
 
 namespace palpate {
 
-/// Brings the frames of a source into the live cloud: copies the points from the host, builds their index in the back
-/// half, and flips. Where a frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits for it but the next question, whose queue it
-/// goes through. A source on the GPU would write the incoming points in the place of that copy.
+/// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
+/// frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits
+/// for it but the next question, whose queue it goes through.
 class FramePipeline {
  public:
-  /// Begins with the frame of time 0. `source` and `index`, which has as many slots as the source has points at most,
-  /// must outlive it.
-  FramePipeline(Device& device, CloudSource& source, LiveIndex& index);
+  /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
+  FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index);
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
@@ -62,26 +62,25 @@ class FramePipeline {
   };
   std::uint32_t back() const { return 1 - index_.parity(); }
   void record();
-  // Writes the frame of `wanted_s_` to where the GPU copies it from.
-  void make();
+  void runNow();
   void startMaking(double time_s);
   void submit(SortMethod sort);
   void hasArrived();
   CloudFrame fetch(Queue& queue, const Placed& placed) const;
 
   Device& device_;
-  CloudSource& source_;
+  FrameWriter& writer_;
   LiveIndex& index_;
-  Buffer stagedPositions_, stagedNormals_, stagedVelocities_;
   std::array<Buffer, 2> velocities_;  // by the half
   std::array<double, 2> times_s_{};
   std::array<bool, 2> colored_{};
-  LiveCloud::Half incoming_;                                                 // in the order of ids
-  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_;  // by the half that is felt before
+  LiveCloud::Half incoming_;  // in any order
+  // By the half that is felt before; and the build alone.
+  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_, builds_;
   FrameExchange exchange_;
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
-  CloudFrame frame_;  // the one that was made last
+  bool isNew_ = false;  // what was made last
   Queue::Ticket ticket_ = 0;
   BackgroundTask task_;  // goes first
 };

@@ -7,6 +7,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/touch/host_frames.hpp"
 #include "engine/touch/memory.hpp"
 
 namespace palpate {
@@ -18,10 +19,13 @@ constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
 // A cloud whose index is always built anew needs spare slots for new points alone.
 constexpr std::uint32_t kFewerSpare = 4;
 
+bool moves(const TouchOptions& options) { return options.source || options.fusion; }
+
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
-  if (options.source) {
-    PALPATE_CHECK_LE(cloud.size(), options.source->size());
-    return static_cast<std::uint32_t>(options.source->size() - cloud.size());
+  if (moves(options)) {
+    const std::size_t slots = options.fusion ? options.fusion->options.capacity : options.source->size();
+    PALPATE_CHECK_LE(cloud.size(), slots);
+    return static_cast<std::uint32_t>(slots - cloud.size());
   }
   if (!options.brush) return 0;
   const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
@@ -46,7 +50,8 @@ void requireFused(const TouchOptions& options, QueryMethod method) {
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireFused(options, options.method);
-  PALPATE_CHECK(!(options.brush && options.source));
+  PALPATE_CHECK(!(options.brush && moves(options)));
+  PALPATE_CHECK(!(options.source && options.fusion));
   requireGpuMemory(device, cloud.size(), options.brush.has_value());
   return cloud;
 }
@@ -58,7 +63,7 @@ LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& optio
           .spareSlots = spareSlots(cloud, options),
           .sort = options.sort,
           .bucketOrder = options.bucketOrder,
-          .slots = options.brush || options.source ? Slots::spare : Slots::full};
+          .slots = options.brush || moves(options) ? Slots::spare : Slots::full};
 }
 
 EditOptions editOptions(const TouchOptions& options) {
@@ -113,7 +118,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                  options.wait.value_or(device.defaultWait()), options.timing) {
   if (options.brush)
     edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
-  if (options.source) frames_.emplace(device, *options.source, index_);
+  makeFrames();
   makeBridge();
   recordAll();
   if (edits_) edits_->followIndex();
@@ -129,6 +134,15 @@ TouchSide::~TouchSide() {
     device_.waitIdle();
   } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
   }
+}
+
+void TouchSide::makeFrames() {
+  if (!moves(options_)) return;
+  if (options_.fusion)
+    writer_ = std::make_unique<FusedFrames>(device_, *options_.fusion, index_.cloud().count(), index_.cloud().slots(), origin_);
+  else
+    writer_ = std::make_unique<HostFrames>(device_, *options_.source);
+  frames_.emplace(device_, *writer_, index_);
 }
 
 std::vector<TouchSide::GpuHand> TouchSide::makeHands() const {
@@ -150,7 +164,7 @@ ContactOptions TouchSide::contactOptions() const {
           .widening = options_.widening,
           .friction = options_.friction,
           .split = options_.split,
-          .pointsMove = options_.source != nullptr,
+          .pointsMove = moves(options_),
           .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
