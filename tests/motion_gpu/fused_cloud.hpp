@@ -8,6 +8,7 @@
 #include "engine/gpu/queue.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/motion/fusion_pass.hpp"
+#include "shaders/shared/fusion_passes.h"
 #include "engine/spatial/spatial_hash.hpp"
 #include "tests/motion/depth_scene.hpp"
 
