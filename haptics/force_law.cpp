@@ -22,6 +22,7 @@ ForceLaw::ForceLaw(const ForceOptions& options, const ModelScale& scale) : optio
   checkOption(options.damping_N_s_per_mm, "damping (N s/mm)", false);
   checkOption(options.maxForce_N, "the largest force (N)", true);
   checkOption(options.maxRise_N_per_s, "the largest rise of force (N/s)", true);
+  checkOption(options.maxSurfacePower_W, "the largest power of the surface (W)", true);
 }
 
 void ForceLaw::limitTo(double peakForce_N, double stiffness_N_per_mm) noexcept {
@@ -60,7 +61,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   demand_N_ = glm::length(force_N);
   // A surface only pushes. Friction hangs on the normal force, so without one the tangential part goes too.
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
-  const DVec3 result = pushes(force_N) ? limited(force_N, dt_s) : DVec3(0);
+  const DVec3 result = pushes(force_N) ? limited(force_N, contact.velocity, dt_s) : DVec3(0);
   force_N_ = pushes(result) ? result : DVec3(0);
   return force_N_;
 }
@@ -89,17 +90,20 @@ DVec3 ForceLaw::update(const Contact& whole, std::span<const PointContact> point
 
   demand_N_ = glm::length(asked_N);
   const double wanted_N = glm::length(sum_N);
-  const DVec3 result = limited(sum_N, dt_s);
+  const DVec3 result = limited(sum_N, whole.velocity, dt_s);
   force_N_ = glm::dot(result, sum_N) > 0 ? result : DVec3(0);
   const double share = wanted_N > 0 ? std::min(1.0, glm::length(force_N_) / wanted_N) : 1;
   torque_mNm_ = share * torque_mNm;
   return force_N_;
 }
 
-DVec3 ForceLaw::limited(const DVec3& target_N, double dt_s) const noexcept {
+// `velocity`: of the surface, model units per second.
+DVec3 ForceLaw::limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept {
   const double wanted_N = glm::length(target_N);
   if (!std::isfinite(wanted_N)) return DVec3(0);  // the squares overflowed
-  const double size_N = std::min(wanted_N, options_.maxForce_N);
+  double size_N = std::min(wanted_N, options_.maxForce_N);
+  const double power_W = glm::dot(target_N, scale_.mm_per_unit * velocity) * 1e-3;  // at the force that is wanted
+  if (power_W > 0) size_N = std::min(size_N, wanted_N * options_.maxSurfacePower_W / power_W);
   const DVec3 clamped_N = wanted_N > 0 ? target_N * (size_N / wanted_N) : DVec3(0);
   // The last force, shrunk to the new size if it was larger, is where the step begins: so a fall is free and a turn is
   // not.

@@ -16,6 +16,8 @@ struct ForceOptions {
   double damping_N_s_per_mm = 0.002;
   double maxForce_N = kTouchPeakForce_N;
   double maxRise_N_per_s = 600;  ///< how fast the force may grow or turn; its size may always fall at once
+  /// What a surface that moves by itself may do to the hand: its velocity times the force. 2 N at half a metre per second.
+  double maxSurfacePower_W = 1;
 
   bool operator==(const ForceOptions&) const = default;
 };
@@ -23,7 +25,7 @@ struct ForceOptions {
 /// Remembers the last tick; one per session.
 class ForceLaw {
  public:
-  /// Throws UsageError for an option that is negative or not finite (maxForce_N and maxRise_N_per_s may be infinite).
+  /// Throws UsageError for an option that is negative or not finite (those that begin with max may be infinite).
   ForceLaw(const ForceOptions& options, const ModelScale& scale);
 
   const ForceOptions& options() const { return options_; }
@@ -55,7 +57,7 @@ class ForceLaw {
 
  private:
   DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept;
-  DVec3 limited(const DVec3& target_N, double dt_s) const noexcept;
+  DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept;
 
   ForceOptions options_;
   ModelScale scale_;

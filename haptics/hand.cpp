@@ -11,7 +11,8 @@ constexpr double kSmallestJump_mm = 1;  // encoder steps and late reads look fas
 
 /// The answer as it is, or, when it is a fault or holds numbers that are not finite, "nothing touched, not valid".
 Contact trusted(const Contact& contact, const DVec3& hip) {
-  const bool sane = contact.valid && isFinite(contact.proxy) && isFinite(contact.normal);
+  const bool sane =
+      contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) && isFinite(contact.velocity);
   return sane ? contact : Contact{.proxy = hip};
 }
 
@@ -117,8 +118,10 @@ DVec3 Hand::forceFor(std::span<const PointContact> points, const Pose& pose, dou
   }
   const DVec3 spring_N = points.empty() ? law_.update(contact_, pose, dt_s) : law_.update(contact_, points, pose, dt_s);
   signs.demand_N = law_.demand_N();
-  const DVec3 hand_mm = limits_.handHeld ? state_.position : law_.scale().mm_per_unit * pose.hip;
-  const DVec3 force_N = gate_.pass(passivity_.damped(spring_N, hand_mm, dt_s), signs, dt_s);
+  const double mm_per_unit = limits_.handHeld ? 1 / options_.map.scale : law_.scale().mm_per_unit;
+  const DVec3 hand_mm = limits_.handHeld ? state_.position : mm_per_unit * pose.hip;
+  const DVec3 force_N =
+      gate_.pass(passivity_.damped(spring_N, hand_mm, dt_s, mm_per_unit * contact_.velocity), signs, dt_s);
   const double wanted_N = glm::length(spring_N);
   torque_mNm_ = law_.torque_mNm() * (wanted_N > 0 ? std::min(1.0, glm::length(force_N) / wanted_N) : gate_.share());
   return force_N;

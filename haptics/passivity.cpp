@@ -11,9 +11,10 @@ Passivity::Passivity(PassivityMode mode, const DeviceLimits& limits) noexcept
 
 // Under a zero-order hold the energy between two reads is exactly the held force times the way between them, whatever
 // the velocity did in between (Stramigioli et al. 2005), so no velocity has to be estimated to observe it.
-DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s) noexcept {
+DVec3 Passivity::damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s,
+                        const DVec3& surface_mm_per_s) noexcept {
   if (mode_ == PassivityMode::off || !isFinite(position_mm)) return wanted_N;
-  const DVec3 way_mm = known_ ? position_mm - position_mm_ : DVec3(0);
+  const DVec3 way_mm = known_ ? position_mm - position_mm_ - dt_s * surface_mm_per_s : DVec3(0);
   position_mm_ = position_mm;
   known_ = true;
   energy_mJ_ -= glm::dot(forces_N_[delay_], way_mm);  // the force on the hand, so a push outwards costs

@@ -22,14 +22,17 @@ inline constexpr std::array<std::pair<std::string_view, PassivityMode>, 3> kPass
 /// Time-domain passivity (Hannaford, Ryu 2002): an observer and a controller at the port between the hand and the
 /// surface. Energies are what the surface has taken in, in mJ (N mm): pressing it adds, being pushed out by it takes
 /// away, so a surface with springs and dampers only, felt without delay, never falls below zero. What falls below was
-/// made by sampling, delay or an active surface.
+/// made by sampling or delay. Where the surface moves, the way that counts is the hand's relative to it: what its own
+/// motion does to the hand has a limit of its own (ForceOptions::maxSurfacePower_W).
 class Passivity {
  public:
   Passivity(PassivityMode mode, const DeviceLimits& limits) noexcept;
 
-  /// Counts what happened since the last tick, in which the hand came to `position_mm` (millimetres of the device), and
-  /// returns the wanted force with the controller's damping: it brakes the motion, but never turns a push into a pull.
-  DVec3 damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s) noexcept;
+  /// Counts what happened since the last tick, in which the hand came to `position_mm` and the surface moved with
+  /// `surface_mm_per_s` (millimetres of the device), and returns the wanted force with the controller's damping: it brakes
+  /// the motion, but never turns a push into a pull.
+  DVec3 damped(const DVec3& wanted_N, const DVec3& position_mm, double dt_s,
+               const DVec3& surface_mm_per_s = DVec3(0)) noexcept;
 
   /// The force that the device was given at this tick. Once no force is left the next contact counts from zero: what
   /// one contact took in must not pay for the next.

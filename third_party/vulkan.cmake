@@ -12,7 +12,6 @@ find_library(STB_LIBRARY stb)         # which Debian's needs for its font
 find_program(GLSLANG glslangValidator REQUIRED)  # GLSL to SPIR-V at build time
 find_program(SPIRV_VAL spirv-val REQUIRED)       # checks every module that is built
 find_path(VOLK_DIR volk.c REQUIRED)              # loads Vulkan entry points, per device
-find_path(STB_DIR stb/stb_image_write.h REQUIRED)        # PNG
 
 foreach(target glfw CLI11::CLI11)
   set_target_properties(${target} PROPERTIES IMPORTED_GLOBAL TRUE)
@@ -24,10 +23,6 @@ target_include_directories(third_party_volk SYSTEM PUBLIC ${VOLK_DIR} ${VULKAN_D
 target_compile_definitions(third_party_volk PUBLIC VK_NO_PROTOTYPES)
 target_link_libraries(third_party_volk PUBLIC ${CMAKE_DL_LIBS})
 add_library(third_party::volk ALIAS third_party_volk)
-
-add_library(third_party_stb INTERFACE)
-target_include_directories(third_party_stb SYSTEM INTERFACE ${STB_DIR})
-add_library(third_party::stb ALIAS third_party_stb)
 
 add_library(third_party_imgui INTERFACE)
 target_include_directories(third_party_imgui SYSTEM INTERFACE ${IMGUI_DIR})

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 // What belongs to each hand is said of all of them at once, but for these of the second one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 54> kFlags{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 55> kFlags{{
     {"model.mm_per_unit", "--mm-per-unit"},
     {"model.normals", "--normals"},
     {"backend.name", "--backend"},
@@ -51,6 +51,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 54> kFlags{{
     {"force.stiffness_N_per_mm", "--stiffness"},
     {"force.damping_N_s_per_mm", "--damping"},
     {"force.max_N", "--max-force"},
+    {"force.max_surface_power_W", "--max-surface-power"},
     {"undo.undo", "--undo"},
     {"undo.redo", "--redo"},
     {"undo.memory_MiB", "--undo-memory"},

@@ -19,6 +19,9 @@ void addForceOptions(Options& sub, ForceOptions& force) {
   sub.add("--max-force", force.maxForce_N, "N; no force is ever larger (nor does it grow or turn faster than 600 N/s)")
       .check(between(0, bounds::kMostForce_N))
       .showDefault();
+  sub.add("--max-surface-power", force.maxSurfacePower_W, "W; what a surface that moves by itself may do to the hand")
+      .check(between(1e-6, bounds::kMostSurfacePower_W))
+      .showDefault();
 }
 
 void addEditOptions(Options& sub, TouchCommandOptions& options) {

@@ -251,6 +251,15 @@ DVec3 frontOf(UpAxis up) {
   }
 }
 
+std::optional<UpAxis> upOfCameras(const DVec3& meanUp) {
+  constexpr double kUpright = 0.8;  // length of the mean, and cosine between it and the axis
+  const double size = glm::length(meanUp);
+  if (!(size > kUpright)) return std::nullopt;
+  for (const auto& [name, axis] : kUpAxes)
+    if (glm::dot(directionOf(axis), meanUp) > kUpright * size) return axis;
+  return std::nullopt;
+}
+
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments) {
   for (const std::string& comment : comments) {
     constexpr std::string_view kSays = "comment up: ";

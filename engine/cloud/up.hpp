@@ -38,6 +38,10 @@ struct Upright {
 /// What a file's comments say, as in `comment up: -y`; nothing where none says it.
 std::optional<UpAxis> upSaidIn(std::span<const std::string> comments);
 
+/// The axis that cameras take for up, from the mean of their unit ups; nothing where they disagree too much, or hang
+/// between two axes.
+std::optional<UpAxis> upOfCameras(const DVec3& meanUp);
+
 /// What the file says; else looks at the shape: ground lies flat and is seen from above, and what stands does so on a
 /// wide base under its middle. A shape that says nothing, or the same in two directions, has y up. The same answer for
 /// the same cloud.

@@ -20,11 +20,12 @@ std::uint64_t spilledPoints(std::uint64_t points, std::uint32_t held) {
   return most - std::min<std::uint64_t>(most, held);
 }
 
-// Points of a patch that a workgroup shares: 24 bytes each beside some 6 KiB for everything else. Fewer than all leave
-// the others to memory, and give the same bits.
-std::uint32_t sharedPatch(const Device& device) {
-  constexpr std::uint32_t kPointBytes = 24, kElse = 6 * 1024, kStep = 128;
-  const std::uint32_t room = (sharedBytes(device) - kElse) / kPointBytes / kStep * kStep;
+// Points of a patch that a workgroup shares: 24 bytes each, and 4 for the id of one that moves, beside some 6 KiB for
+// everything else. Fewer than all leave the others to memory, and give the same bits.
+std::uint32_t sharedPatch(const Device& device, bool pointsMove) {
+  constexpr std::uint32_t kPointBytes = 24, kIdBytes = 4, kElse = 6 * 1024, kStep = 128;
+  const std::uint32_t bytes = kPointBytes + (pointsMove ? kIdBytes : 0);
+  const std::uint32_t room = (sharedBytes(device) - kElse) / bytes / kStep * kStep;
   return std::min(room, shared::kMostSharedPatch);
 }
 
@@ -50,7 +51,7 @@ std::uint32_t spillSlots(const Device& device, const ContactOptions& options, st
   std::uint64_t most = points;
   if (options.probes > 1)
     most = std::min<std::uint64_t>(points, std::uint64_t{gatherRounds(cells)} * shared::kPatchRoundCandidates);
-  return 2 * static_cast<std::uint32_t>(spilledPoints(most, sharedPatch(device)));
+  return 2 * static_cast<std::uint32_t>(spilledPoints(most, sharedPatch(device, options.pointsMove)));
 }
 
 }  // namespace
@@ -73,7 +74,8 @@ ContactStep::ContactStep(Device& device, const ContactOptions& options, const Ha
              .constants = {static_cast<std::uint32_t>(options.surface), options.localRadius ? VK_TRUE : VK_FALSE,
                            std::bit_cast<std::uint32_t>(static_cast<float>(options.friction)),
                            options.probes > 1 ? VK_TRUE : VK_FALSE,
-                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening)), sharedPatch(device)}}),
+                           std::bit_cast<std::uint32_t>(static_cast<float>(options.widening)),
+                           sharedPatch(device, options.pointsMove), options.pointsMove ? VK_TRUE : VK_FALSE}}),
       polls_(pollsOn(device)),
       await_(device, shader_code::contact_await_question,
              {.workgroupSize = shared::kContactWorkgroup / (options.probes > 1 ? 1 : 8),
@@ -103,11 +105,13 @@ std::uint32_t ContactStep::lists() const {
 }
 
 void ContactStep::record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud,
-                         DeviceAddress logHead) const {
+                         DeviceAddress logHead, DeviceAddress velocities) const {
+  PALPATE_CHECK(velocities != 0 || !options_.pointsMove);
+  const shared::ContactStepArgs args{.cloud = cloud, .logHead = logHead, .velocities = velocities};
   if (waits(list)) recordAwait(commands);
   const auto section = commands.section("contact");
   if (!gather_)
-    return recordSolve(commands, cloud, logHead, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
+    return recordSolve(commands, args, waits(list) ? taken_ : pose_, forms_[list % forms_.size()]);
   {
     const auto gathering = commands.section("gather");
     gather_->record(commands, list,
@@ -119,7 +123,7 @@ void ContactStep::record(CommandList& commands, std::uint32_t list, const shared
   }
   if (list + 1 < gather_->submissions()) return;
   const auto solving = commands.section("solve");
-  recordSolve(commands, cloud, logHead, pose_, shared::kGatherGiven);
+  recordSolve(commands, args, pose_, shared::kGatherGiven);
 }
 
 void ContactStep::recordAwait(CommandList& commands) const {
@@ -151,17 +155,18 @@ void ContactStep::put(shared::ContactQuestion question, std::uint32_t probe) {
   question_ = question.pose;
 }
 
-void ContactStep::recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead,
-                              const Buffer& pose, std::uint32_t gather) const {
+void ContactStep::recordSolve(CommandList& commands, const shared::ContactStepArgs& args, const Buffer& pose,
+                              std::uint32_t gather) const {
   const std::uint32_t workgroups = gather == shared::kGatherSplit ? shared::kSplitWorkgroups : options_.probes;
   commands.dispatch(step_, workgroups * shared::kContactWorkgroup,
-                    shared::ContactStepArgs{.cloud = cloud,
+                    shared::ContactStepArgs{.cloud = args.cloud,
                                             .pose = pose.address(),
                                             .state = state_.address(),
                                             .result = sample_.address(),
                                             .spill = spill_.address(),
-                                            .logHead = logHead,
+                                            .logHead = args.logHead,
                                             .gathered = patch_.address(),
+                                            .velocities = args.velocities,
                                             .radius = static_cast<float>(options_.radius),
                                             .gather = gather,
                                             .mostCells = cells_,

@@ -21,6 +21,7 @@ struct ContactOptions {
   double friction = 0;        ///< coefficient, of a proxy that slides
   std::optional<bool> split;  ///< fused: whether a few workgroups share a gather; where not given, as the patch's size
                               ///< asks for. The answers are the same, bit by bit.
+  bool pointsMove = false;    ///< each with a velocity; the answers know the surface's
   std::uint32_t probes = 1;   ///< that are answered at once, each with a state of its own; more than one only fused
 };
 
@@ -39,8 +40,9 @@ class ContactStep {
   /// Command lists to record ahead.
   std::uint32_t lists() const;
   /// The run of these lists reads the question that was put and leaves its answer in sample(). `logHead`: address of a
-  /// uint32 that is copied into the answer.
-  void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead) const;
+  /// uint32 that is copied into the answer. `velocities`: of a vec4 for each id, model units per second, where points move.
+  void record(CommandList& commands, std::uint32_t list, const shared::CloudView& cloud, DeviceAddress logHead,
+              DeviceAddress velocities = 0) const;
   std::uint32_t firstList() const;
   /// Whether there are lists that wait for their question.
   bool canWait() const { return !gather_; }
@@ -72,7 +74,7 @@ class ContactStep {
 
  private:
   void recordAwait(CommandList& commands) const;
-  void recordSolve(CommandList& commands, const shared::CloudView& cloud, DeviceAddress logHead, const Buffer& pose,
+  void recordSolve(CommandList& commands, const shared::ContactStepArgs& args, const Buffer& pose,
                    std::uint32_t gather) const;
 
   ContactOptions options_;

@@ -7,7 +7,22 @@
 
 namespace palpate {
 
-void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip) {
+void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip, double now_s, double points_s) {
+  DVec3 age(0);  // the way of the surface since the points were so
+  if (started_ && velocity_ != DVec3(0)) {
+    const PointsMotion motion = pointsMotion(now_s, points_s, time_s_);
+    age = motion.age_s * velocity_;
+    lastHip_ += motion.sinceLast_s * velocity_ - age;
+    proxy_ += motion.sinceLast_s * velocity_ - age;
+  }
+  step(field, hip - age);
+  velocity_ = surface_.defined ? field.velocity(touching_ ? proxy_ : hip - age, facing_) : DVec3(0);
+  proxy_ = touching_ ? proxy_ + age : hip;
+  lastHip_ = hip;
+  time_s_ = now_s;
+}
+
+void ProxyTracker::step(const SurfaceField& field, const DVec3& hip) {
   if (!started_) lastHip_ = hip;
   const bool touched = touching_;
   if (!touching_) walkFreely(field, hip);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,14 +9,17 @@
 
 namespace palpate {
 
-/// Where the points of a cloud are at one time, in the order of their ids. A frame may have fewer points than the cloud
-/// has slots: the others are empty.
+/// Where the points of a cloud are at one time. It may have fewer points than the cloud has ids: the others are not there.
 struct CloudFrame {
-  double time_s = 0;             ///< that it is true for
-  std::vector<Vec3> positions;   ///< model units, relative to the cloud's origin
-  std::vector<Vec3> normals;     ///< unit
-  std::vector<Vec3> velocities;  ///< model units per second; empty where they are not known
-  std::vector<std::array<std::uint8_t, 4>> colors;  ///< RGBA; empty where points keep theirs
+  double time_s = 0;                ///< that it is true for
+  std::vector<Vec3> positions;      ///< model units, relative to the cloud's origin
+  std::vector<Vec3> normals;        ///< unit
+  std::vector<Vec3> velocities;     ///< model units per second; empty where they are not known
+  std::vector<std::array<std::uint8_t, 3>> colors;  ///< empty where points keep theirs
+  std::vector<std::uint32_t> ids;   ///< of the points, ascending; empty where each one's is its place here
+
+  std::size_t size() const { return positions.size(); }
+  std::uint32_t idOf(std::size_t i) const { return ids.empty() ? static_cast<std::uint32_t>(i) : ids[i]; }
 };
 
 }  // namespace palpate

@@ -33,6 +33,7 @@ struct Contact {
   bool lost = false;             ///< and there will never be a valid answer again
   std::uint32_t neighbours = 0;  ///< points within the support radius of the proxy (of the HIP when free)
   double gpu_us = 0;             ///< time on the GPU; 0 where it was not measured
+  DVec3 velocity{0};             ///< of the surface there, model units per second; zero where points stand still
   double dataTime_s = -1;        ///< of the pose that an answer which is not fresh was made from; negative: not known
 };
 

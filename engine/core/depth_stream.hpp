@@ -61,6 +61,9 @@ class DepthStream {
   virtual bool isRecorded() const = 0;
   /// Recorded: from the first frame again.
   virtual void rewind() = 0;
+  /// Recorded: passes over frames, unread, so that the next one is the last of those up to that time, or stays the next
+  /// one; how many there were.
+  virtual std::uint64_t skipTo(double) { return 0; }
   /// Recorded: frames in all, lost ones included, and the time of the last one.
   virtual std::uint64_t frames() const { return 0; }
   virtual double duration_s() const { return 0; }

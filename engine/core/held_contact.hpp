@@ -28,13 +28,15 @@ inline Contact softened(Contact contact, const Pose& pose, double share) {
 inline Contact heldContact(const Contact& last, const Pose& lastPose, const Pose& pose) {
   const Contact free{.proxy = pose.hip, .valid = true, .dataTime_s = last.valid ? lastPose.time_s : -1};
   if (!last.valid || !last.touching) return free;
-  const double depth = glm::dot(last.proxy - pose.hip, last.normal);
+  const DVec3 proxy = last.proxy + (pose.time_s - lastPose.time_s) * last.velocity;  // the plane moves on
+  const double depth = glm::dot(proxy - pose.hip, last.normal);
   if (depth <= 0) return free;
   const Contact held{.proxy = pose.hip + depth * last.normal,
                      .normal = last.normal,
                      .touching = true,
                      .valid = true,
                      .neighbours = last.neighbours,
+                     .velocity = last.velocity,
                      .dataTime_s = lastPose.time_s};
   const Contact contact = softened(held, pose, shareLeft(pose.time_s - lastPose.time_s, kStale_s, kStalest_s));
   return contact.touching ? contact : free;

@@ -9,6 +9,19 @@ namespace {
 // Specialisation constants of watched shaders (shaders/lib/index.glsl): the halves of an address.
 constexpr std::uint32_t kLifeLow = 30, kLifeHigh = 31;
 
+VkShaderModule makeModule(Device& device, const ShaderCode& code) {
+  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                      .pNext = nullptr,
+                                      .flags = 0,
+                                      .codeSize = code.words.size_bytes(),
+                                      .pCode = code.words.data()};
+  VkShaderModule module = VK_NULL_HANDLE;
+  device.check(device.vk().vkCreateShaderModule(device.handle(), &info, nullptr, &module),
+               fmt::format("vkCreateShaderModule({})", code.name));
+  device.nameObject(VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<std::uint64_t>(module), code.name);
+  return module;
+}
+
 }  // namespace
 
 PipelineStore::Compiled PipelineStore::get(const Key& key, const std::function<Compiled()>& compile) {
@@ -17,7 +30,15 @@ PipelineStore::Compiled PipelineStore::get(const Key& key, const std::function<C
   return compiled_.emplace(key, compile()).first->second;
 }
 
+VkShaderModule PipelineStore::keptModule(Device& device, const ShaderCode& code) {
+  if (!kept_.contains(&code))
+    for (const ShaderCode* each : code.table) kept_.emplace(each, makeModule(device, *each));
+  return kept_.at(&code);
+}
+
 void PipelineStore::destroyAll(Device& device) {
+  for (const auto& [code, module] : kept_) device.vk().vkDestroyShaderModule(device.handle(), module, nullptr);
+  kept_.clear();
   for (const auto& [key, compiled] : compiled_) {
     device.vk().vkDestroyPipeline(device.handle(), compiled.pipeline, nullptr);
     device.vk().vkDestroyPipelineLayout(device.handle(), compiled.layout, nullptr);
@@ -28,7 +49,10 @@ void PipelineStore::destroyAll(Device& device) {
 
 ShaderStage::ShaderStage(Device& device, const ShaderCode& code, std::vector<std::uint32_t> constants,
                          DeviceAddress life)
-    : device_(device), constants_(std::move(constants)) {
+    : device_(device),
+      constants_(std::move(constants)),
+      isKept_(device.instance().validation() == Validation::full),
+      module_(isKept_ ? device.pipelines().keptModule(device, code) : makeModule(device, code)) {
   for (std::uint32_t i = 0; i < constants_.size(); ++i) entries_.push_back({i, i * 4, 4});
   if (life != 0) {
     for (const std::uint32_t id : {kLifeLow, kLifeHigh}) {
@@ -40,17 +64,11 @@ ShaderStage::ShaderStage(Device& device, const ShaderCode& code, std::vector<std
                      .pMapEntries = entries_.data(),
                      .dataSize = constants_.size() * 4,
                      .pData = constants_.data()};
-  const VkShaderModuleCreateInfo info{.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                      .pNext = nullptr,
-                                      .flags = 0,
-                                      .codeSize = code.words.size_bytes(),
-                                      .pCode = code.words.data()};
-  device.check(device.vk().vkCreateShaderModule(device.handle(), &info, nullptr, &module_),
-               fmt::format("vkCreateShaderModule({})", code.name));
-  device.nameObject(VK_OBJECT_TYPE_SHADER_MODULE, reinterpret_cast<std::uint64_t>(module_), code.name);
 }
 
-ShaderStage::~ShaderStage() { device_.vk().vkDestroyShaderModule(device_.handle(), module_, nullptr); }
+ShaderStage::~ShaderStage() {
+  if (!isKept_) device_.vk().vkDestroyShaderModule(device_.handle(), module_, nullptr);
+}
 
 VkPipelineShaderStageCreateInfo ShaderStage::info(VkShaderStageFlagBits stage,
                                                   VkPipelineShaderStageCreateFlags flags) const {

@@ -34,15 +34,21 @@ class PipelineStore {
   /// From now on shaders are replaced by their twins, where it has some; null ends that.
   void watchBy(const WorkgroupWatch* watch) { watch_ = watch; }
   const WorkgroupWatch* watch() const { return watch_; }
+  /// Within `compile` of get(): the module of a shader that lives as long as the device. Those of its table are made
+  /// together, in their order.
+  VkShaderModule keptModule(Device& device, const ShaderCode& code);
   void destroyAll(Device& device);
 
  private:
   std::atomic<const WorkgroupWatch*> watch_ = nullptr;
   std::mutex lock_;
   std::map<Key, Compiled> compiled_;
+  std::map<const ShaderCode*, VkShaderModule> kept_;
 };
 
-/// A shader's module while its pipeline is compiled, and its specialisation constants 0, 1, …. `life`: of
+/// A shader's module while its pipeline is compiled, and its specialisation constants 0, 1, …. GPU-assisted validation
+/// numbers modules as they are made and writes the number into their code: there all are made at once and kept, so that a
+/// driver finds in its cache what another process had it translate. `life`: of
 /// WorkgroupWatch::Twin; 0: it is not watched.
 class ShaderStage {
  public:
@@ -59,6 +65,7 @@ class ShaderStage {
   std::vector<std::uint32_t> constants_;
   std::vector<VkSpecializationMapEntry> entries_;
   VkSpecializationInfo specialization_{};
+  bool isKept_;
   VkShaderModule module_ = VK_NULL_HANDLE;
 };
 

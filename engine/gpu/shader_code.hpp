@@ -9,6 +9,7 @@ namespace palpate {
 struct ShaderCode {
   const char* name;
   std::span<const std::uint32_t> words;
+  std::span<const ShaderCode* const> table;  ///< all that were built together with it, in one order
 };
 
 }  // namespace palpate

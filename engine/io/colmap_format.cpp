@@ -18,7 +18,6 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBatch = 4096;  // points
-constexpr double kUpright = 0.8;      // cosine of an axis and the mean of the cameras' ups that makes it what is up
 
 PlyElement columns() {
   PlyElement element{.name = "vertex", .count = 0, .properties = {}, .line = 1};
@@ -53,11 +52,7 @@ std::vector<double> weightsOf(const std::vector<double>& errors, const std::vect
 std::optional<UpAxis> upOf(const ColmapModel& model) {
   DVec3 up(0);
   for (const ColmapImage& image : model.images) up -= image.down;
-  const double size = glm::length(up);
-  if (!(size > kUpright * static_cast<double>(model.images.size()))) return std::nullopt;
-  for (const auto& [name, axis] : kUpAxes)
-    if (glm::dot(directionOf(axis), up) > kUpright * size) return axis;
-  return std::nullopt;
+  return upOfCameras(up / std::max(1.0, static_cast<double>(model.images.size())));
 }
 
 /// From rows to a cloud, with what its normals follow from.

@@ -5,7 +5,6 @@
 #include <string_view>
 
 #include "engine/cloud/point_cloud.hpp"
-#include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 
 namespace palpate {
@@ -21,9 +20,13 @@ bool areFinite(const std::vector<Vec3>& values) {
   return found == 0;
 }
 
-void requireWhole(const std::vector<Vec3>& values, std::string_view what, const CloudFrame& frame, std::size_t points) {
-  if (values.size() != points)
-    throw Error("a frame for {} s has {} {}, and the source has {} points", frame.time_s, values.size(), what, points);
+void requireAll(std::size_t values, std::string_view what, const CloudFrame& frame) {
+  if (values != frame.size())
+    throw Error("a frame for {} s has {} {} for {} points", frame.time_s, values, what, frame.size());
+}
+
+void requireWhole(const std::vector<Vec3>& values, std::string_view what, const CloudFrame& frame) {
+  requireAll(values.size(), what, frame);
   if (areFinite(values)) return;
   std::size_t wrong = 0;
   while (isFinite(values[wrong])) ++wrong;
@@ -33,17 +36,34 @@ void requireWhole(const std::vector<Vec3>& values, std::string_view what, const 
 }  // namespace
 
 void requireWhole(const CloudFrame& frame, std::size_t points) {
-  requireWhole(frame.positions, "positions", frame, points);
-  requireWhole(frame.normals, "normals", frame, points);
-  if (!frame.velocities.empty()) requireWhole(frame.velocities, "velocities", frame, points);
+  if (frame.size() > points)
+    throw Error("a frame for {} s has {} points, and the source has {} at most", frame.time_s, frame.size(), points);
+  requireWhole(frame.positions, "positions", frame);
+  requireWhole(frame.normals, "normals", frame);
+  if (!frame.velocities.empty()) requireWhole(frame.velocities, "velocities", frame);
+  if (!frame.colors.empty()) requireAll(frame.colors.size(), "colours", frame);
+  if (frame.ids.empty()) return;
+  requireAll(frame.ids.size(), "ids", frame);
+  for (std::size_t i = 0; i < frame.size(); ++i)
+    if (frame.ids[i] >= points || (i > 0 && frame.ids[i] <= frame.ids[i - 1]))
+      throw Error("a frame for {} s: point {} has the id {}; ids ascend, and are less than {}", frame.time_s, i,
+                  frame.ids[i], points);
 }
 
 std::size_t placeAt(const CloudFrame& frame, PointCloud& cloud) {
-  PALPATE_CHECK_EQ(frame.positions.size(), cloud.size());
-  std::size_t moved = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) moved += frame.positions[i] != cloud.positions[i];
+  std::size_t moved = frame.size();
+  if (frame.ids.empty() && frame.size() == cloud.size()) {
+    moved = 0;
+    for (std::size_t i = 0; i < cloud.size(); ++i) moved += frame.positions[i] != cloud.positions[i];
+  } else {
+    cloud = {.origin = cloud.origin, .positions = {}, .normals = {}, .colors = {}, .extra = {}, .exactPositions = {}, .storedAs = cloud.storedAs};
+  }
   cloud.positions = frame.positions;
   cloud.normals = frame.normals;
+  if (frame.colors.empty()) return moved;
+  cloud.colors.resize(frame.size());
+  for (std::size_t i = 0; i < frame.size(); ++i)
+    cloud.colors[i] = {frame.colors[i][0], frame.colors[i][1], frame.colors[i][2], 255};
   return moved;
 }
 

@@ -14,8 +14,7 @@ class CloudSource {
  public:
   virtual ~CloudSource() = default;
 
-  /// The most points that a frame has: touch makes its memory for so many before the first one. A point's id is its
-  /// place in the frame.
+  /// Ids that points may have, from 0: touch makes its memory for so many before the first frame.
   virtual std::size_t size() const = 0;
   /// Whether a point of one frame is the same as that of its id in the next one. Otherwise nothing is known of what
   /// moved where between the two.
@@ -23,12 +22,16 @@ class CloudSource {
   /// Makes `frame`, whose memory is used again, the newest one that is known at `time_s`, and says in it which time it
   /// is true for. The same time gives the same bytes, whatever was asked for before. Throws Error where it cannot.
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
+  /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
+  virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
 };
 
-/// The door through which frames come in. Throws Error for another number of points, and for what is no number.
+/// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that
+/// not all points have, and for ids that do not ascend below `points`.
 void requireWhole(const CloudFrame& frame, std::size_t points);
 
-/// Puts the points of a cloud where the frame has them; how many have moved.
+/// Puts the points of a cloud where the frame has them; how many have moved, or are there in place of others. Where the
+/// frame has other points than the cloud, those are all that is left of it, and what only the cloud's own had is gone.
 std::size_t placeAt(const CloudFrame& frame, PointCloud& cloud);
 
 }  // namespace palpate

@@ -34,6 +34,11 @@ void FusedSource::rewind() {
   time_s_ = 0;
 }
 
+bool FusedSource::hasNewer(double time_s, double than_s) {
+  if (!stream_.isRecorded()) return true;
+  return time_s < than_s || (readNext() && next_.time_s <= time_s);
+}
+
 void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
   if (!stream_.isRecorded()) {
     if (readNext()) fuseNext();
@@ -42,16 +47,14 @@ void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
     while (readNext() && next_.time_s <= time_s) fuseNext();
   }
   const SurfelMap& map = fusion_.map();
-  frame.time_s = time_s_;
-  frame.velocities.clear();
-  frame.positions.resize(map.ids());
-  frame.normals.resize(map.ids());
-  frame.colors.resize(map.isColored() ? map.ids() : 0);
+  frame = {.time_s = time_s_};
   for (std::size_t id = 0; id < map.ids(); ++id) {
+    if (!map.holds(id)) continue;
     const shared::Surfel& surfel = map.surfel(id);
-    frame.positions[id] = surfel.place;
-    frame.normals[id] = map.holds(id) ? surfel.normal : Vec3(0);
-    if (map.isColored()) frame.colors[id] = colorOf(surfel.record);
+    frame.positions.push_back(surfel.place);
+    frame.normals.push_back(surfel.normal);
+    if (map.isColored()) frame.colors.push_back(colorOf(surfel.record));
+    frame.ids.push_back(static_cast<std::uint32_t>(id));
   }
 }
 

@@ -6,7 +6,7 @@
 namespace palpate {
 
 /// The map that the frames of a depth stream fuse into, as it was at a time: points in metres, relative to the map's
-/// origin. A frame has as many points as the map has had ids; an id that no point has, has the normal 0.
+/// origin.
 class FusedSource final : public CloudSource {
  public:
   /// `stream` and `log`, if any, must outlive it. Throws as FusionOptions::validate().
@@ -17,6 +17,7 @@ class FusedSource final : public CloudSource {
   /// Recorded: all frames up to that time are fused, from the first one on where time has gone back. Live: one more is,
   /// once it is there. A frame that cannot be read, placed or fused is counted, and the map stays as it was.
   void makeFrame(double time_s, CloudFrame& frame) override;
+  bool hasNewer(double time_s, double than_s) override;
 
   const FrameFusion& fusion() const { return fusion_; }
 

@@ -96,10 +96,10 @@ shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose,
           .colored = images.colors.empty() ? 0u : 1u};
 }
 
-std::array<std::uint8_t, 4> colorOf(const shared::SurfelRecord& record) {
-  const std::uint32_t c = record.color >> 24 ? record.color : 0xffb0b0b0u;
+std::array<std::uint8_t, 3> colorOf(const shared::SurfelRecord& record) {
+  const std::uint32_t c = record.color >> 24 ? record.color : shared::kUnseenColor;
   const auto channel = [c](int shift) { return static_cast<std::uint8_t>(c >> shift & 0xffu); };
-  return {channel(0), channel(8), channel(16), 255};
+  return {channel(0), channel(8), channel(16)};
 }
 
 DVec3 mapOriginFor(const CameraPose& pose) {

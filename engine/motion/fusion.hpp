@@ -66,7 +66,7 @@ shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose,
                               const FusionOptions& options);
 
 /// Grey where none was seen.
-std::array<std::uint8_t, 4> colorOf(const shared::SurfelRecord& record);
+std::array<std::uint8_t, 3> colorOf(const shared::SurfelRecord& record);
 
 /// The origin of a map whose first frame was seen from there: whole metres, so that coordinates in single precision
 /// resolve the room about it, wherever in the world it is; zero within 16 m of it.

@@ -130,7 +130,9 @@ PointCloud SurfelMap::cloud() const {
     const shared::Surfel& s = surfels_[id];
     cloud.positions.push_back(s.place);
     cloud.normals.push_back(s.normal);
-    if (colored_) cloud.colors.push_back(colorOf(s.record));
+    if (!colored_) continue;
+    const auto [red, green, blue] = colorOf(s.record);
+    cloud.colors.push_back({red, green, blue, 255});
   }
   return cloud;
 }

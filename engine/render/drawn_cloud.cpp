@@ -17,6 +17,9 @@ namespace {
 // States that go up at a time; a power of two. A tick's edit mostly fits.
 constexpr std::uint64_t kPiece = 1 << 16;
 
+// Every word of a position where no point is: no number, and kEmptySlot.
+constexpr std::uint32_t kNowhere = shared::kEmptySlot;
+
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)
     throw OutOfGpuMemory("{}: {} points are more than can be drawn", device.name(), count);
@@ -122,27 +125,37 @@ void DrawnCloud::apply(const Entries& entries) {
   stale_ = std::max(stale_, Stale::changed);
 }
 
-void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots) {
+void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool colored) {
   list_.begin();
+  list_.fill(points_.positions, kNowhere, points_.positions.bytes());
   list_.dispatch(place_, slots,
                  shared::PlaceArgs{.livePositions = live.positions.address(),
                                    .liveNormals = live.normals.address(),
                                    .positions = points_.positions.address(),
                                    .normals = points_.normals.address(),
+                                   .colors = colors_.address(),
                                    .slots = slots,
-                                   .pointCount = count_});
+                                   .pointCount = count_,
+                                   .colored = colored && hasColors_ ? 1u : 0u});
   list_.end();
   device_.throughputQueue().run(list_);
   stale_ = Stale::all;
 }
 
 void DrawnCloud::place(const CloudFrame& frame) {
-  const std::size_t count = std::min<std::size_t>(count_, frame.positions.size());
-  std::vector<Vec4> packed(count);
-  for (std::uint32_t i = 0; i < count; ++i) packed[i] = Vec4(frame.positions[i], std::bit_cast<float>(i));
-  upload(device_, device_.throughputQueue(), points_.positions, packed);
-  for (std::uint32_t i = 0; i < count; ++i) packed[i] = Vec4(frame.normals[i], 0.0f);  // the radius is measured anew
-  upload(device_, device_.throughputQueue(), points_.normals, packed);
+  std::vector<Vec4> positions(count_, Vec4(std::bit_cast<float>(kNowhere))), normals(count_, Vec4(0));
+  std::vector<std::array<std::uint8_t, 4>> colors(hasColors_ ? count_ : 0, kUnpainted);
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    const std::uint32_t id = frame.idOf(i);
+    if (id >= count_) continue;
+    positions[id] = Vec4(frame.positions[i], std::bit_cast<float>(id));
+    normals[id] = Vec4(frame.normals[i], 0.0f);  // the radius is measured anew
+    if (hasColors_ && !frame.colors.empty())
+      colors[id] = {frame.colors[i][0], frame.colors[i][1], frame.colors[i][2], 255};
+  }
+  upload(device_, device_.throughputQueue(), points_.positions, positions);
+  upload(device_, device_.throughputQueue(), points_.normals, normals);
+  if (hasColors_ && !frame.colors.empty()) upload(device_, device_.throughputQueue(), colors_, colors);
   stale_ = Stale::all;
 }
 

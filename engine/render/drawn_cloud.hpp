@@ -36,8 +36,9 @@ class DrawnCloud {
   /// OutOfGpuMemory.
   std::uint64_t catchUp(std::span<const PointState> states);
   /// Where all points move: takes over those of a live cloud on the same GPU, whole and in any order, or of a frame on
-  /// the host, on the throughput queue, and waits. Points without a place here are left out.
-  void place(const LiveCloud::Half& live, std::uint32_t slots);
+  /// the host, on the throughput queue, and waits. Points without a place here are left out, and those that are not among
+  /// them are gone. `colored`: the live normals carry colours, as FramePipeline puts them there.
+  void place(const LiveCloud::Half& live, std::uint32_t slots, bool colored = false);
   void place(const CloudFrame& frame);
   /// Measures the discs again of the points that catchUp() has changed, and of those around them, or of all that
   /// place() has moved. Before a frame.

@@ -20,6 +20,8 @@ CpuFrames::CpuFrames(CloudSource& source, const HashGrid& grid, unsigned threads
 }
 
 void CpuFrames::make() {
+  isNew_ = count_ == 0 || source_.hasNewer(wanted_s_, frame().time_s);
+  if (!isNew_) return;
   Half& half = halves_[back()];
   source_.makeFrame(wanted_s_, half.frame);
   requireWhole(half.frame, source_.size());
@@ -27,6 +29,7 @@ void CpuFrames::make() {
 }
 
 void CpuFrames::flip() {
+  if (!isNew_) return;
   front_ = back();
   exchange_.publish(front_, frame().time_s);
   ++count_;

@@ -39,6 +39,7 @@ class CpuFrames {
   };
   std::uint32_t back() const { return 1 - front_; }
   void make();
+  // What was made is felt from now on, if it is new.
   void flip();
 
   CloudSource& source_;
@@ -48,6 +49,7 @@ class CpuFrames {
   std::uint64_t count_ = 0;
   double wanted_s_ = 0;  // the time of the frame that is being made
   bool isMaking_ = false;
+  bool isNew_ = false;  // what was made last
   BackgroundTask task_;  // goes first
 };
 

@@ -4,6 +4,8 @@
 #include "engine/core/error.hpp"
 #include "engine/core/processor.hpp"
 
+#include <algorithm>
+
 namespace palpate {
 
 namespace {
@@ -44,6 +46,20 @@ SurfaceSample CpuTouch::surface(const DVec3& x, const DVec3& facing) const {
       visit(DVec3(point.position) - x, normals[point.number]);
     });
   });
+}
+
+DVec3 CpuTouch::velocity(const DVec3& x, const DVec3& facing) const {
+  if (!frames_ || frames_->frame().velocities.empty()) return DVec3(0);
+  const CloudFrame& frame = frames_->frame();
+  DVec3 sum(0);
+  double weights = 0;
+  frames_->grid().forEachNear(x, surface_.radius, [&](const SortedGrid::Placed& point) {
+    const double r = glm::distance(DVec3(point.position), x) / surface_.radius;
+    const double w = wendland(std::min(1.0, r)) * shared::facingWeight(glm::dot(DVec3(frame.normals[point.number]), facing));
+    sum += w * DVec3(frame.velocities[point.number]);
+    weights += w;
+  });
+  return weights > 0 ? sum / weights : DVec3(0);
 }
 
 std::span<const Contact> CpuTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
@@ -125,21 +141,22 @@ void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view
   lastHip_.reset();
 }
 
-Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip) const {
-  tracker.follow(*this, hip - origin_);
+Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const {
+  tracker.follow(*this, hip - origin_, now_s, frames_ ? frames_->frame().time_s : now_s);
   const SurfaceSample& surface = tracker.surface();
   return {.proxy = tracker.touching() ? tracker.proxy() + origin_ : hip,
           .normal = surface.normal,
           .touching = tracker.touching(),
           .fresh = true,
           .valid = isFinite(tracker.proxy()) && isFinite(surface.normal),
-          .neighbours = surface.neighbours};
+          .neighbours = surface.neighbours,
+          .velocity = tracker.velocity()};
 }
 
 void CpuTouch::feel(CpuHand& hand, const Pose& pose) const {
   hand.probes.ask(pose);
   for (std::uint32_t i = 0; i < hand.probes.probes(); ++i)
-    hand.probes.answered(i, contactOf(hand.trackers[i], hand.probes.place(i, pose)));
+    hand.probes.answered(i, contactOf(hand.trackers[i], hand.probes.place(i, pose), pose.time_s));
   hand.probes.give();
 }
 
@@ -163,6 +180,11 @@ std::size_t CpuTouch::readBack(PointCloud& cloud) const {
   const std::size_t changed = changedPoints(cloud, points);
   cloud = editedCloud(cloud, points);
   return changed;
+}
+
+EditScope CpuTouch::editScope() const {
+  if (!options_.source) return {};
+  return {.paints = false, .newPoints = static_cast<std::uint32_t>(options_.source->size() - sculpture_.points().size())};
 }
 
 std::string CpuTouch::machine() const {

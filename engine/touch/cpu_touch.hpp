@@ -50,6 +50,7 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return frames_ && frames_->take(frame); }
+  EditScope editScope() const override;
 
   bool keepsEdits() const override { return true; }
   void keepEdits() override { edits_.queue().keep(); }
@@ -77,7 +78,8 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
     std::vector<ProxyTracker> trackers;  // one for each probe
   };
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
-  Contact contactOf(ProxyTracker& tracker, const DVec3& hip) const;
+  DVec3 velocity(const DVec3& x, const DVec3& facing) const override;
+  Contact contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const;
   bool isFiniteAt(std::span<const Pose> poses) const;
   void answer(std::span<const Pose> poses, bool realtime);
   void feel(CpuHand& hand, const Pose& pose) const;

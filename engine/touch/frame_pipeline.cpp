@@ -5,6 +5,7 @@
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/touch/host_frames.hpp"
 
 namespace palpate {
 
@@ -14,16 +15,21 @@ constexpr double kLook_us = 1;  // a budget that lets no thread sleep
 
 }  // namespace
 
-FramePipeline::FramePipeline(Device& device, CloudSource& source, LiveIndex& index)
+FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index)
     : device_(device),
-      source_(source),
+      writer_(writer),
       index_(index),
-      stagedPositions_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged positions")),
-      stagedNormals_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged normals")),
-      incoming_{Buffer::of<Vec4>(device, source.size(), Memory::device, "incoming positions"),
-                Buffer::of<Vec4>(device, source.size(), Memory::device, "incoming normals"), 0},
-      task_([this] { make(); }) {
-  PALPATE_CHECK_EQ(source.size(), std::size_t{index.cloud().slots()});
+      velocities_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities"),
+                  Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities")},
+      incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
+                Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
+      task_([this] { isNew_ = writer_.make(wanted_s_); }) {
+  PALPATE_CHECK_EQ(writer.size(), std::size_t{index.cloud().slots()});
+  CommandList clear(device, device.latencyQueue(), "no velocities");
+  clear.begin();
+  for (const Buffer& velocities : velocities_) clear.fill(velocities, 0, velocities.bytes());
+  clear.end();
+  device.latencyQueue().run(clear);
   for (int turn = 0; turn < 2; ++turn) {
     record();
     index_.flip();
@@ -34,36 +40,25 @@ FramePipeline::FramePipeline(Device& device, CloudSource& source, LiveIndex& ind
 void FramePipeline::record() {
   const SpatialHash& hash = index_.hash();
   const LiveCloud& cloud = index_.cloud();
-  for (const SortMethod sort : {hash.sort(), hash.fallback()}) {
-    auto& list = lists_[cloud.parity()][sort];
-    list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "frame");
-    list->begin();
-    {
-      const auto overlap = list->independent();
-      list->copy(stagedPositions_, incoming_.positions, stagedPositions_.bytes());
-      list->copy(stagedNormals_, incoming_.normals, stagedNormals_.bytes());
+  for (const SortMethod sort : {hash.sort(), hash.fallback()})
+    for (const bool writes : {true, false}) {
+      auto& list = (writes ? lists_ : builds_)[cloud.parity()][sort];
+      list = std::make_unique<CommandList>(device_, device_.latencyQueue(), writes ? "frame" : "frame's index");
+      list->begin();
+      if (writes) writer_.record(*list, cloud.front(), incoming_, velocities_[cloud.back().parity]);
+      hash.recordBuild(*list, incoming_, cloud.back(), cloud.slots(), sort);
+      list->end();
     }
-    hash.recordBuild(*list, incoming_, cloud.back(), cloud.slots(), sort);
-    list->end();
-  }
-}
-
-void FramePipeline::make() {
-  source_.makeFrame(wanted_s_, frame_);
-  requireWhole(frame_, source_.size());
-  const std::span<Vec4> positions = stagedPositions_.mapped<Vec4>(), normals = stagedNormals_.mapped<Vec4>();
-  for (std::uint32_t i = 0; i < source_.size(); ++i) {
-    positions[i] = Vec4(frame_.positions[i], std::bit_cast<float>(i));
-    normals[i] = Vec4(frame_.normals[i], 0.0f);
-  }
 }
 
 void FramePipeline::submit(SortMethod sort) {
+  times_s_[back()] = writer_.time_s();
+  colored_[back()] = writer_.isColored();
   ticket_ = device_.latencyQueue().submit(*lists_[index_.parity()].at(sort));
 }
 
 void FramePipeline::hasArrived() {
-  exchange_.publish(index_.parity(), frame_.time_s);
+  exchange_.publish(index_.parity(), time_s(index_.parity()));
   stage_ = Stage::idle;
 }
 
@@ -73,25 +68,32 @@ void FramePipeline::startMaking(double time_s) {
   task_.start();
 }
 
-void FramePipeline::bring(double time_s) {
-  finish();
+void FramePipeline::runNow() {
   while (!exchange_.beginWriting(back())) std::this_thread::yield();
-  wanted_s_ = time_s;
-  make();
   const SpatialHash& hash = index_.hash();
-  for (SortMethod used = hash.sort();; used = hash.fallback()) {
-    submit(used);
-    device_.latencyQueue().wait(ticket_);
-    if (used == hash.sort()) break;  // otherwise a bucket was crowded, and its points may stand in any order
-  }
+  const SortMethod used = hash.sort();
+  submit(used);
+  device_.latencyQueue().wait(ticket_);
+  // A bucket may have been crowded, and its points may stand in any order.
+  if (used != hash.sort()) device_.latencyQueue().run(*builds_[index_.parity()].at(hash.fallback()));
   index_.built();
   hasArrived();
+}
+
+void FramePipeline::bring(double time_s) {
+  finish();
+  while (writer_.make(time_s)) runNow();
 }
 
 bool FramePipeline::goOn(double time_s) {
   if (stage_ == Stage::building && device_.latencyQueue().isDone(ticket_)) hasArrived();
   if (stage_ == Stage::idle) startMaking(time_s);
-  if (stage_ != Stage::making || !task_.finishedWithin(kLook_us) || !exchange_.beginWriting(back())) return false;
+  if (stage_ != Stage::making || !task_.finishedWithin(kLook_us)) return false;
+  if (!isNew_) {
+    stage_ = Stage::idle;
+    return false;
+  }
+  if (!exchange_.beginWriting(back())) return false;
   submit(index_.hash().sort());
   index_.built();
   stage_ = Stage::building;
@@ -101,38 +103,49 @@ bool FramePipeline::goOn(double time_s) {
 void FramePipeline::finish() {
   if (stage_ == Stage::making) {
     task_.finishedWithin(0);
-    while (!exchange_.beginWriting(back())) std::this_thread::yield();
-    submit(index_.hash().sort());
-    index_.built();
-    stage_ = Stage::building;
+    stage_ = Stage::idle;
+    if (isNew_) {
+      while (!exchange_.beginWriting(back())) std::this_thread::yield();
+      submit(index_.hash().sort());
+      index_.built();
+      stage_ = Stage::building;
+    }
   }
   if (stage_ != Stage::building) return;
   device_.latencyQueue().wait(ticket_);
   hasArrived();
 }
 
-bool FramePipeline::read(const std::function<void(const LiveCloud::Half&, double)>& read) {
-  return exchange_.read(
-      [&](const FrameExchange::Frame& newest) { read(index_.cloud().half(newest.half), newest.time_s); });
+bool FramePipeline::read(const std::function<void(const Placed&)>& read) {
+  return exchange_.read([&](const FrameExchange::Frame& newest) {
+    read({.half = index_.cloud().half(newest.half), .time_s = newest.time_s, .colored = colored_[newest.half]});
+  });
 }
 
 bool FramePipeline::take(CloudFrame& frame) {
-  return read(
-      [&](const LiveCloud::Half& half, double time_s) { frame = fetch(device_.throughputQueue(), half, time_s); });
+  return read([&](const Placed& placed) { frame = fetch(device_.throughputQueue(), placed); });
 }
 
-CloudFrame FramePipeline::front() const { return fetch(device_.latencyQueue(), index_.cloud().front(), frame_.time_s); }
+CloudFrame FramePipeline::front() const {
+  return fetch(device_.latencyQueue(),
+               {.half = index_.cloud().front(), .time_s = time_s(index_.parity()), .colored = colored_[index_.parity()]});
+}
 
-CloudFrame FramePipeline::fetch(Queue& queue, const LiveCloud::Half& half, double time_s) const {
-  const std::size_t count = source_.size();
-  const auto positions = download<Vec4>(device_, queue, half.positions, count);
-  const auto normals = download<Vec4>(device_, queue, half.normals, count);
-  CloudFrame frame{.time_s = time_s, .positions = std::vector<Vec3>(count), .normals = std::vector<Vec3>(count)};
-  for (std::size_t slot = 0; slot < count; ++slot) {
-    const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
-    frame.positions[id] = Vec3(positions[slot]);
-    frame.normals[id] = Vec3(normals[slot]);
+CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {
+  const auto positions = download<Vec4>(device_, queue, placed.half.positions, slots());
+  const auto normals = download<Vec4>(device_, queue, placed.half.normals, slots());
+  std::vector<std::uint32_t> slotOf(slots(), shared::kEmptySlot);  // by id
+  for (std::uint32_t slot = 0; slot < slots(); ++slot)
+    if (const auto id = std::bit_cast<std::uint32_t>(positions[slot].w); id != shared::kEmptySlot) slotOf[id] = slot;
+  CloudFrame frame{.time_s = placed.time_s};
+  for (std::uint32_t id = 0; id < slotOf.size(); ++id) {
+    if (slotOf[id] == shared::kEmptySlot) continue;
+    frame.positions.emplace_back(positions[slotOf[id]]);
+    frame.normals.emplace_back(normals[slotOf[id]]);
+    if (placed.colored) frame.colors.push_back(colorOfBits(std::bit_cast<std::uint32_t>(normals[slotOf[id]].w)));
+    frame.ids.push_back(id);
   }
+  if (!frame.ids.empty() && frame.ids.back() + 1 == frame.ids.size()) frame.ids.clear();  // each one's is its place
   return frame;
 }
 

@@ -8,20 +8,20 @@
 #include "engine/core/background_task.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
-#include "engine/motion/cloud_source.hpp"
+#include "engine/core/cloud_frame.hpp"
 #include "engine/motion/frame_exchange.hpp"
+#include "engine/touch/frame_writer.hpp"
 #include "engine/touch/live_index.hpp"
 
 namespace palpate {
 
-/// Brings the frames of a source into the live cloud: copies the points from the host, builds their index in the back
-/// half, and flips. One frame at a time is under way, and nobody waits for it but the next question, whose queue it
-/// goes through. A source on the GPU would write the incoming points in the place of that copy.
+/// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
+/// frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits
+/// for it but the next question, whose queue it goes through.
 class FramePipeline {
  public:
-  /// Begins with the frame of time 0. `source` and `index`, which has as many slots as the source has points, must
-  /// outlive it.
-  FramePipeline(Device& device, CloudSource& source, LiveIndex& index);
+  /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
+  FramePipeline(Device& device, FrameWriter& writer, LiveIndex& index);
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
@@ -32,9 +32,21 @@ class FramePipeline {
   /// Waits for the frame that is under way.
   void finish();
 
+  /// What the frame in each half of the live cloud is true for, and the velocities of its points: a vec4 for each id,
+  /// model units per second.
+  double time_s(std::uint32_t parity) const { return times_s_[parity]; }
+  const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
+
+  /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red in
+  /// the lowest byte.
+  struct Placed {
+    const LiveCloud::Half& half;
+    double time_s;
+    bool colored;
+  };
   /// Calls `read` with the newest whole frame in the live cloud, which is not written meanwhile. False where none has
   /// come since the last time. For one thread, which may be another one.
-  bool read(const std::function<void(const LiveCloud::Half&, double time_s)>& read);
+  bool read(const std::function<void(const Placed&)>& read);
   /// Of each half.
   std::uint32_t slots() const { return index_.cloud().slots(); }
   /// The same on the host. Over the throughput queue.
@@ -50,23 +62,25 @@ class FramePipeline {
   };
   std::uint32_t back() const { return 1 - index_.parity(); }
   void record();
-  // Writes the frame of `wanted_s_` to where the GPU copies it from.
-  void make();
+  void runNow();
   void startMaking(double time_s);
   void submit(SortMethod sort);
   void hasArrived();
-  CloudFrame fetch(Queue& queue, const LiveCloud::Half& half, double time_s) const;
+  CloudFrame fetch(Queue& queue, const Placed& placed) const;
 
   Device& device_;
-  CloudSource& source_;
+  FrameWriter& writer_;
   LiveIndex& index_;
-  Buffer stagedPositions_, stagedNormals_;
-  LiveCloud::Half incoming_;                                                 // in the order of ids
-  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_;  // by the half that is felt before
+  std::array<Buffer, 2> velocities_;  // by the half
+  std::array<double, 2> times_s_{};
+  std::array<bool, 2> colored_{};
+  LiveCloud::Half incoming_;  // in any order
+  // By the half that is felt before; and the build alone.
+  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_, builds_;
   FrameExchange exchange_;
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
-  CloudFrame frame_;  // the one that was made last
+  bool isNew_ = false;  // what was made last
   Queue::Ticket ticket_ = 0;
   BackgroundTask task_;  // goes first
 };

@@ -30,8 +30,9 @@ class PatchContact final : private SurfaceField {
   /// `origin`: of the cloud, in the poses' coordinates.
   PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin);
 
-  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on.
-  void take(const CarriedPatch& patch, std::optional<double> missingSince_s);
+  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on, and where points move of the time
+  /// `points_s`: from there on it goes with the velocity that was felt last.
+  void take(const CarriedPatch& patch, std::optional<double> missingSince_s, double points_s = 0);
   /// An edit that the patch knows nothing of began at `time_s`.
   void edited(double time_s);
   /// Whoever holds the cloud was there at `time_s`.
@@ -64,6 +65,7 @@ class PatchContact final : private SurfaceField {
     Vec3 normal;
   };
   SurfaceSample surface(const DVec3& x, const DVec3& facing) const override;
+  DVec3 velocity(const DVec3&, const DVec3&) const override { return last_.velocity; }
   void gatherAround(const DVec3& x) const;
 
   SurfaceOptions surface_;
@@ -74,6 +76,7 @@ class PatchContact final : private SurfaceField {
   DVec3 centre_{0};
   double reach_ = 0;
   std::optional<double> missingSince_s_;
+  double points_s_ = 0;
   double heard_s_ = 0;
   Contact last_;  // that the state goes on from
   Pose lastPose_;

@@ -32,13 +32,14 @@ QuestionPipeline::QuestionPipeline(Device& device, const ContactOptions& options
                                    std::uint32_t points, Wait wait, CommandList::Timing timing)
     : device_(device), wait_(wait), timing_(timing), contact_(device, options, grid, points) {}
 
-void QuestionPipeline::record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead) {
+void QuestionPipeline::record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead,
+                              DeviceAddress velocities) {
   lists_[parity].clear();
   for (std::uint32_t i = 0; i < contact_.lists(); ++i) {
     auto& list =
         lists_[parity].emplace_back(std::make_unique<CommandList>(device_, device_.latencyQueue(), "query", timing_));
     list->begin();
-    contact_.record(*list, i, cloud, logHead);
+    contact_.record(*list, i, cloud, logHead, velocities);
     list->end();
   }
 }
@@ -113,8 +114,13 @@ void QuestionPipeline::begin() {
   ++tick_;
 }
 
-void QuestionPipeline::put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried) {
-  contact_.put({.pose = {.hip = place, .tick = tick_}, .carried = carried}, probe);
+void QuestionPipeline::put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried,
+                           const PointsMotion& motion) {
+  contact_.put({.pose = {.hip = place, .tick = tick_},
+                .carried = carried,
+                .pointsAge = static_cast<float>(motion.age_s),
+                .sinceLast = static_cast<float>(motion.sinceLast_s)},
+               probe);
 }
 
 void QuestionPipeline::ask(double time_s, bool realtime, bool behindEdit, std::uint32_t parity) {

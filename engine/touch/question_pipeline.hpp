@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/contact/contact_step.hpp"
+#include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/gpu/command_list.hpp"
@@ -45,7 +46,7 @@ class QuestionPipeline {
                    CommandList::Timing timing);
 
   /// Records the question for the half of the cloud that `parity` tells.
-  void record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead);
+  void record(std::uint32_t parity, const shared::CloudView& cloud, DeviceAddress logHead, DeviceAddress velocities);
   /// Records how each of the hands begins anew.
   void recordForgetting(std::span<const ProbeRange> hands);
   /// Has the driver do once what it would else do in mid-touch.
@@ -69,9 +70,9 @@ class QuestionPipeline {
   void withdraw();
   /// Whether the last question's list has ended, as the driver sees it: some us after its answer was seen.
   bool mayAskWithin(double budget_us) const;
-  /// A new question: put() each of its probes, then ask().
+  /// A new question: put() each of its probes, then ask(). Where points move, with how they have gone on since.
   void begin();
-  void put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried);
+  void put(std::uint32_t probe, const Vec3& place, const shared::ContactState& carried, const PointsMotion& motion);
   void ask(double time_s, bool realtime, bool behindEdit, std::uint32_t parity);
   /// Whether the answer is there within the budget (0: whenever it comes).
   bool isAnsweredWithin(double budget_us);

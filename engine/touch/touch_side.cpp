@@ -7,6 +7,7 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/touch/host_frames.hpp"
 #include "engine/touch/memory.hpp"
 
 namespace palpate {
@@ -18,7 +19,14 @@ constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
 // A cloud whose index is always built anew needs spare slots for new points alone.
 constexpr std::uint32_t kFewerSpare = 4;
 
+bool moves(const TouchOptions& options) { return options.source || options.fusion; }
+
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
+  if (moves(options)) {
+    const std::size_t slots = options.fusion ? options.fusion->options.capacity : options.source->size();
+    PALPATE_CHECK_LE(cloud.size(), slots);
+    return static_cast<std::uint32_t>(slots - cloud.size());
+  }
   if (!options.brush) return 0;
   const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
   return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
@@ -42,7 +50,8 @@ void requireFused(const TouchOptions& options, QueryMethod method) {
 // The cloud, once it is known to fit: before a byte of it is uploaded.
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireFused(options, options.method);
-  PALPATE_CHECK(!(options.brush && options.source));
+  PALPATE_CHECK(!(options.brush && moves(options)));
+  PALPATE_CHECK(!(options.source && options.fusion));
   requireGpuMemory(device, cloud.size(), options.brush.has_value());
   return cloud;
 }
@@ -54,7 +63,7 @@ LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& optio
           .spareSlots = spareSlots(cloud, options),
           .sort = options.sort,
           .bucketOrder = options.bucketOrder,
-          .slots = options.brush ? Slots::spare : Slots::full};
+          .slots = options.brush || moves(options) ? Slots::spare : Slots::full};
 }
 
 EditOptions editOptions(const TouchOptions& options) {
@@ -75,11 +84,12 @@ shared::ContactState stateOf(const std::optional<ProxyTracker::State>& state) {
           .spring = Vec3(state->proxy - state->lastHip),
           .face = state->face,
           .facing = Vec3(state->facing),
+          .velocity = Vec3(state->velocity),
           .started = state->started ? 1u : 0u};
 }
 
-// What the GPU's answer to a HIP, relative to the cloud's origin, leaves to the next tick.
-ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip) {
+// What the GPU's answer to a HIP, relative to the cloud's origin, at a time leaves to the next tick.
+ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec3& hip, double time_s) {
   const std::uint32_t face = sample.flags >> shared::kSampleFaceShift;
   const bool touching = sample.touching != shared::kFree;
   const DVec3 normal(sample.normal);
@@ -89,7 +99,9 @@ ProxyTracker::State proxyStateOf(const shared::ContactSample& sample, const DVec
           .face = face,
           .facing = touching && face == shared::kFaceBehind ? -normal : normal,
           .lastHip = hip,
-          .proxy = hip + DVec3(sample.spring)};
+          .proxy = hip + DVec3(sample.spring),
+          .velocity = DVec3(sample.velocity),
+          .time_s = time_s};
 }
 
 }  // namespace
@@ -106,7 +118,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
                  options.wait.value_or(device.defaultWait()), options.timing) {
   if (options.brush)
     edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
-  if (options.source) frames_.emplace(device, *options.source, index_);
+  makeFrames();
   makeBridge();
   recordAll();
   if (edits_) edits_->followIndex();
@@ -122,6 +134,15 @@ TouchSide::~TouchSide() {
     device_.waitIdle();
   } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
   }
+}
+
+void TouchSide::makeFrames() {
+  if (!moves(options_)) return;
+  if (options_.fusion)
+    writer_ = std::make_unique<FusedFrames>(device_, *options_.fusion, index_.cloud().count(), index_.cloud().slots(), origin_);
+  else
+    writer_ = std::make_unique<HostFrames>(device_, *options_.source);
+  frames_.emplace(device_, *writer_, index_);
 }
 
 std::vector<TouchSide::GpuHand> TouchSide::makeHands() const {
@@ -143,6 +164,7 @@ ContactOptions TouchSide::contactOptions() const {
           .widening = options_.widening,
           .friction = options_.friction,
           .split = options_.split,
+          .pointsMove = moves(options_),
           .probes = hands_.back().firstProbe + hands_.back().probes.probes()};
 }
 
@@ -157,7 +179,8 @@ void TouchSide::makeBridge() {
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
-    questions_.record(index_.parity(), index_.view(), record_.log.head());
+    questions_.record(index_.parity(), index_.view(), record_.log.head(),
+                      frames_ ? frames_->velocities(index_.parity()).address() : 0);
     bridge_->record(index_.parity(), index_.view());
     if (edits_) edits_->record(questions_.contact().state());
     index_.flip();
@@ -239,17 +262,24 @@ bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
   return true;
 }
 
+PointsMotion TouchSide::motionSince(double last_s, double now_s) const {
+  return frames_ ? pointsMotion(now_s, frames_->time_s(index_.parity()), last_s) : PointsMotion{};
+}
+
 void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
+  const double last_s = questions_.question().time_s;  // of the states on the GPU
   questions_.begin();
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     GpuHand& hand = hands_[i];
     hand.probes.ask(poses[i]);
-    const auto newer = i == 0 ? bridge_->newerState() : std::nullopt;
-    questions_.put(hand.firstProbe, Vec3(poses[i].hip - origin_), stateOf(newer));
+    const auto put = [&](std::uint32_t probe, const std::optional<ProxyTracker::State>& newer) {
+      questions_.put(hand.firstProbe + probe, Vec3(hand.probes.place(probe, poses[i]) - origin_), stateOf(newer),
+                     motionSince(newer ? newer->time_s : last_s, poses[i].time_s));
+    };
+    put(0, i == 0 ? bridge_->newerState() : std::nullopt);
     for (std::uint32_t k = 0; k < hand.points.size(); ++k) {
       const bool ahead = std::exchange(hand.points[k].ahead, false);
-      questions_.put(hand.firstProbe + 1 + k, Vec3(hand.probes.place(1 + k, poses[i]) - origin_),
-                     stateOf(ahead ? std::optional(hand.points[k].tracker.state()) : std::nullopt));
+      put(1 + k, ahead ? std::optional(hand.points[k].tracker.state()) : std::nullopt);
     }
   }
   bridge_->handedOver();
@@ -292,7 +322,7 @@ void TouchSide::takeAnswer(double now_s) {
   if (asked.dropped[0])
     bridge_->heard(now_s);
   else
-    bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_), now_s);
+    bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_, pose.time_s), now_s);
   shortfalls.thinnedPatches = bridge_->thinnedPatches();
 }
 
@@ -307,7 +337,7 @@ std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
     if (point && point->ahead) continue;
     const Contact contact = contactOf(sample, hip);
     hand.probes.answered(i, contact);
-    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_));
+    if (point && contact.valid) point->tracker.goOnFrom(proxyStateOf(sample, hip - origin_, questions_.question().time_s));
   }
   return flags;
 }
@@ -317,9 +347,10 @@ Contact TouchSide::contactOf(const shared::ContactSample& sample, const DVec3& h
           .normal = DVec3(sample.normal),
           .touching = sample.touching != 0,
           .fresh = true,
-          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal),
+          .valid = questions_.isWhole() && isFinite(sample.spring) && isFinite(sample.normal) && isFinite(sample.velocity),
           .neighbours = sample.neighbours,
-          .gpu_us = questions_.question().gpu_us};
+          .gpu_us = questions_.question().gpu_us,
+          .velocity = DVec3(sample.velocity)};
 }
 
 std::span<const Contact> TouchSide::given() {
@@ -379,7 +410,8 @@ void TouchSide::closeTick() {
   if (!questions_.isInTick()) return;
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
-  if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity());
+  if (realtime)
+    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_ ? frames_->time_s(index_.parity()) : 0);
   if (!answered) return;
   editIfYielding(realtime);
   goOn(questions_.question().time_s, realtime);

@@ -9,8 +9,10 @@
 #include "engine/edit/edit_fetch.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/motion/cloud_source.hpp"
 #include "engine/touch/edit_pipeline.hpp"
 #include "engine/touch/frame_pipeline.hpp"
+#include "engine/touch/fused_frames.hpp"
 #include "engine/touch/live_index.hpp"
 #include "engine/touch/patch_bridge.hpp"
 #include "engine/touch/probe_group.hpp"
@@ -36,6 +38,7 @@ struct TouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);
   std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
   CloudSource* source = nullptr;      ///< moves the points, which have no brush then; outlives what it moves
+  std::optional<FusedStream> fusion;  ///< in place of a source: the points are a map that depth frames fuse into
   bool paintable = false;             ///< keeps colours, for a brush that comes later
   IndexFollow index = IndexFollow::incremental;
   std::optional<std::uint32_t>
@@ -138,6 +141,7 @@ class TouchSide final : public TouchBackend {
     std::uint64_t answered = 0;      // states that came before the last answer
   };
 
+  void makeFrames();
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();
@@ -152,6 +156,8 @@ class TouchSide final : public TouchBackend {
   bool isFiniteAt(std::span<const Pose> poses) const;
   // A tick that asks. False where the answers are late.
   bool isAnsweredWithin(std::span<const Pose> poses, double budget_us);
+  // How the points have gone on from their frame until `now_s`, for a probe that was asked last at `last_s`.
+  PointsMotion motionSince(double last_s, double now_s) const;
   void submitQuestion(std::span<const Pose> poses, bool realtime);
   // Takes in the answer when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
   bool answerWithin(double budget_us, double now_s);
@@ -177,7 +183,8 @@ class TouchSide final : public TouchBackend {
   std::vector<Contact> answers_;  // one for each
   TouchStatistics statistics_;
   LiveIndex index_;
-  std::optional<FramePipeline> frames_;  // where a source moves the points
+  std::unique_ptr<FrameWriter> writer_;  // where a source moves the points
+  std::optional<FramePipeline> frames_;  // there, too
   EditRecord record_;
   QuestionPipeline questions_;
   std::optional<EditPipeline> edits_;  // where points are edited

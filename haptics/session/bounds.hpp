@@ -11,6 +11,7 @@ inline constexpr double kLeastStiffness_N_per_mm = 1e-6;         ///< of a hand
 inline constexpr double kMostStiffness_N_per_mm = 1000;          ///< a hundred times what a device holds steady
 inline constexpr double kLeastDamping_N_s_per_mm = 1e-9, kMostDamping_N_s_per_mm = 10;
 inline constexpr double kMostForce_N = 1000;
+inline constexpr double kMostSurfacePower_W = 1e6;
 inline constexpr double kMostFriction = 10;
 inline constexpr double kLeastMemory_MiB = 1e-6, kMostMemory_MiB = 1e8;
 inline constexpr double kMostCells = 1e6;    ///< of the index, along the longest side

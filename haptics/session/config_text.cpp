@@ -262,6 +262,7 @@ void describe(auto&& in, auto& config, const ForceOptions*) {
   in.field("damping_N_s_per_mm", config.damping_N_s_per_mm);
   in.field("max_N", config.maxForce_N);
   in.field("max_rise_N_per_s", config.maxRise_N_per_s);
+  in.field("max_surface_power_W", config.maxSurfacePower_W);
 }
 
 void describe(auto&& in, auto& config, const HandConfig*) {

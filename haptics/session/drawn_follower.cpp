@@ -22,7 +22,9 @@ DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& ba
 
 void DrawnFollower::followFrames() {
   if (sameGpu_) {
-    frames_ += sameGpu_->read([&](const LiveCloud::Half& points, double) { drawn_->place(points, sameGpu_->slots()); });
+    frames_ += sameGpu_->read([&](const FramePipeline::Placed& placed) {
+      drawn_->place(placed.half, sameGpu_->slots(), placed.colored);
+    });
     return;
   }
   CloudFrame frame;

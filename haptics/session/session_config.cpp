@@ -46,6 +46,9 @@ void validate(const ForceOptions& force) {
   inBounds("force.damping_N_s_per_mm", force.damping_N_s_per_mm, 0, bounds::kMostDamping_N_s_per_mm);
   inBounds("force.max_N", force.maxForce_N, 0, bounds::kMostForce_N);
   if (!(force.maxRise_N_per_s > 0)) throw ConfigError("force.max_rise_N_per_s", "is not above 0");
+  if (!(force.maxSurfacePower_W > 0 && force.maxSurfacePower_W <= bounds::kMostSurfacePower_W))
+    throw ConfigError("force.max_surface_power_W", "is {}, not above 0 and at most {}", force.maxSurfacePower_W,
+                      bounds::kMostSurfacePower_W);
 }
 
 void validate(const HandConfig& hand, std::size_t number) {
@@ -82,7 +85,6 @@ void validate(const SessionConfig& config) {
   if (config.motion) {
     validate(*config.motion);
     if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
-    if (config.surface.friction > 0) throw ConfigError("surface.friction", "what moves (motion.kind) has none yet");
   }
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);

@@ -146,14 +146,18 @@ void main() {
     x = proxy = vec3(0.0);
   }
 
+  vec3 velocity = vec3(0.0);
+  if (kPointsMove && surface.defined)
+    velocity = velocityAt(args.spill, args.velocities, x - patchCentre, args.radius, facing);
   if (gl_LocalInvocationIndex != 0) return;
   args.state.at[i].touching = !touching ? kFree : sticking ? kSticking : kSliding;
   args.state.at[i].facing = facing;
-  args.state.at[i].lastHip = probe.hip;
+  args.state.at[i].lastHip = args.pose.at[i].pose.hip;
   args.state.at[i].face = face;
   args.state.at[i].started = 1;
   args.state.at[i].motion = -probe.lastHip;
   args.state.at[i].spring = proxy;
+  args.state.at[i].velocity = velocity;
   ContactSample answer;
   answer.spring = proxy;
   answer.touching = !touching ? kFree : sticking ? kSticking : kSliding;
@@ -164,6 +168,7 @@ void main() {
   answer.logHead = args.logHead.at[0];
   answer.flags = (truncated ? kSampleTruncated : 0) | (patchThinned ? kSampleThinned : 0);
   answer.flags |= face << kSampleFaceShift;
+  answer.velocity = velocity;
   args.result.at[i].spring = answer.spring;
   args.result.at[i].touching = answer.touching;
   args.result.at[i].normal = answer.normal;
@@ -172,5 +177,6 @@ void main() {
   args.result.at[i].trackingSteps = answer.trackingSteps;
   args.result.at[i].logHead = answer.logHead;
   args.result.at[i].flags = answer.flags;
+  args.result.at[i].velocity = answer.velocity;
   args.result.at[i].seal = sealOf(answer);
 }

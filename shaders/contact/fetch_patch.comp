@@ -29,7 +29,7 @@ void main() {
     thinned = thinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {
       const uint k = base + scanIndex();
-      Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
+      Candidate candidate = Candidate(false, 0, vec4(0.0), vec3(0.0));
       if (k < taken) candidate = candidateAt(box, first, k * stride, centre, vec3(0.0), args.reach);
       uint kept;
       const uint place = near + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);

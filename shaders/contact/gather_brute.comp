@@ -23,12 +23,12 @@ void main() {
   uint count = 0;
   for (uint item = 0; item < kBruteItems; ++item) {
     const uint i = chunk * kBruteChunk + item * kContactWorkgroup + scanIndex();
-    vec3 at = vec3(0.0);
+    vec4 at = vec4(0.0);
     bool keep = false;
     if (i < args.cloud.slots) {
       const vec4 position = args.cloud.positions.at[i];
-      at = placeInPatch(position.xyz, probe.hip, centre);
-      keep = floatBitsToUint(position.w) != kEmptySlot && inReach(at, reach);
+      at = vec4(placeInPatch(position.xyz, probe.hip, centre), position.w);
+      keep = floatBitsToUint(position.w) != kEmptySlot && inReach(at.xyz, reach);
     }
     if (args.fill == 0) {
       count += keep ? 1 : 0;
@@ -39,7 +39,7 @@ void main() {
     place += kept;
     if (!keep || index % stride != 0) continue;
     const uint slot = index / stride;
-    args.gathered.points[2 * slot] = vec4(at, 0.0);
+    args.gathered.points[2 * slot] = at;
     args.gathered.points[2 * slot + 1] = vec4(args.cloud.normals.at[i].xyz, 0.0);
   }
   if (args.fill != 0) return;

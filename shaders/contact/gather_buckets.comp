@@ -16,25 +16,25 @@ void main() {
   const uint stride = args.cells.at[entry].stride;
   const uint taken = args.cells.at[entry].taken;
   const uint segment = args.cells.at[entry].segment;
-  const vec3 hip = args.pose.at[0].pose.hip;
+  const vec3 hip = args.gathered.header.hip;
   const vec3 centre = args.gathered.header.centre;
   const float reach = patchReach(args.radius);
   for (uint chunk = gl_WorkGroupID.x; chunk * kGatherChunk < taken; chunk += gl_NumWorkGroups.x) {
     const uint k = chunk * kGatherChunk + scanIndex();
     const uint i = first + k * stride;
     bool keep = false;
-    vec3 place;
+    vec4 place;
     if (k < taken) {
-      const vec3 position = args.cloud.positions.at[i].xyz;
-      place = placeInPatch(position, hip, centre);
+      const vec4 position = args.cloud.positions.at[i];
+      place = vec4(placeInPatch(position.xyz, hip, centre), position.w);
       // Another cell of this gather may share the bucket: its points are taken once, by that cell.
-      keep = cellOf(args.cloud.grid, position) == cell && inReach(place, reach);
+      keep = cellOf(args.cloud.grid, position.xyz) == cell && inReach(place.xyz, reach);
     }
     const uint slot = (segment + chunk) * kGatherChunk;
     uint kept;
     const uint at = slot + workgroupExclusiveScan(keep ? 1 : 0, kept);
     if (keep) {
-      args.gathered.points[2 * at] = vec4(place, 0.0);
+      args.gathered.points[2 * at] = place;
       args.gathered.points[2 * at + 1] = vec4(args.cloud.normals.at[i].xyz, 0.0);
     }
     if (gl_LocalInvocationIndex == 0) args.gathered.segments[segment + chunk] = uvec2(slot, kept);

@@ -65,6 +65,7 @@ void main() {
     args.launch.at[1] = largest;
   }
   args.gathered.header.centre = centre;
+  args.gathered.header.hip = probe.hip;
   args.gathered.header.segments = segments;
   args.gathered.header.steps = steps;
   args.gathered.header.thinned = thinned ? 1 : 0;

@@ -8,7 +8,7 @@
 struct Candidate {
   bool kept;
   uint point;
-  vec3 place;
+  vec4 place;  // and the bits of its id
   vec3 normal;
 };
 Candidate candidateAt(CellBox box, uint firstCell, uint candidate, vec3 hip, vec3 centre,
@@ -16,11 +16,12 @@ Candidate candidateAt(CellBox box, uint firstCell, uint candidate, vec3 hip, vec
   const uint slot = cellOfCandidate(candidate);
   Candidate found;
   found.point = cellFirst[slot] + candidate - cellStart[slot];
-  const vec3 position = args.cloud.positions.at[found.point].xyz;
+  const vec4 position = args.cloud.positions.at[found.point];
   found.normal = args.cloud.normals.at[found.point].xyz;  // of all of them: to ask for it later would be to wait twice
-  found.place = placeInPatch(position, hip, centre);
+  found.place = vec4(placeInPatch(position.xyz, hip, centre), position.w);
   // Another cell of this gather may share the bucket: its points are taken once, when it is that cell's turn.
-  found.kept = cellOf(args.cloud.grid, position) == cellAt(box, firstCell + slot) && inReach(found.place, reach);
+  found.kept =
+      cellOf(args.cloud.grid, position.xyz) == cellAt(box, firstCell + slot) && inReach(found.place.xyz, reach);
   return found;
 }
 

@@ -6,8 +6,11 @@
 #include "shaders/lib/candidates.glsl"
 
 layout(constant_id = 6) const uint kSharedPatch = kMostSharedPatch;
+layout(constant_id = 7) const bool kPointsMove = false;
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre
 shared vec3 patchNormals[kSharedPatch];
+const uint kSharedIds = kPointsMove ? kSharedPatch : 1;
+shared uint patchIds[kSharedIds];
 
 vec3 patchCentre = vec3(0.0);  // relative to the HIP, as every place in the step
 uint patchCount = 0;
@@ -23,12 +26,16 @@ vec3 patchPosition(SpilledPoints spill, uint i) {
 vec3 patchNormal(SpilledPoints spill, uint i) {
   return i < kSharedPatch ? patchNormals[i] : spill.at[spilledAt(i) + 1].xyz;
 }
-void keepPoint(SpilledPoints spill, uint i, vec3 position, vec3 normal) {
+uint patchId(SpilledPoints spill, uint i) {
+  return i < kSharedPatch ? patchIds[i] : floatBitsToUint(spill.at[spilledAt(i)].w);
+}
+void keepPoint(SpilledPoints spill, uint i, vec4 position, vec3 normal) {
   if (i < kSharedPatch) {
-    patchPositions[i] = position;
+    patchPositions[i] = position.xyz;
     patchNormals[i] = normal;
+    if (kPointsMove) patchIds[i] = floatBitsToUint(position.w);
   } else {
-    spill.at[spilledAt(i)] = vec4(position, 0.0);
+    spill.at[spilledAt(i)] = position;
     spill.at[spilledAt(i) + 1] = vec4(normal, 0.0);
   }
 }
@@ -56,7 +63,7 @@ void gatherPatch(SpilledPoints spill, vec3 hip, vec3 centre, float reach, uint m
     patchThinned = patchThinned || stride > 1;
     for (uint base = 0; base < taken; base += kContactWorkgroup) {
       const uint k = base + scanIndex();
-      Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
+      Candidate candidate = Candidate(false, 0, vec4(0.0), vec3(0.0));
       if (k < taken) candidate = candidateAt(box, first, k * stride, hip, centre, reach);
       uint kept;
       const uint place = count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
@@ -84,7 +91,7 @@ void takePatch(GatheredPatch gathered, SpilledPoints spill) {
     for (uint i = lane; i < total; i += kContactWorkgroup) {
       const uint at = cellOfCandidate(i);
       const uint slot = cellFirst[at] + i - cellStart[at];
-      keepPoint(spill, count + i, gathered.points[2 * slot].xyz, gathered.points[2 * slot + 1].xyz);
+      keepPoint(spill, count + i, gathered.points[2 * slot], gathered.points[2 * slot + 1].xyz);
     }
     count += total;
     barrier();

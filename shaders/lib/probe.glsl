@@ -1,5 +1,9 @@
 // Where the probe stands when a tick begins, and the place that its first patch is gathered around. Every method has
 // to find the same bits here: hence `precise`.
+//
+// Where points move, a step is taken in the frame of the surface that was felt last, at the time that the points are true
+// for: the HIP is looked up where that surface has come from since, and has come the way that it went relative to it. So
+// a proxy is carried along, and what crosses what is a matter of the relative way.
 #ifndef PALPATE_LIB_PROBE_GLSL
 #define PALPATE_LIB_PROBE_GLSL
 
@@ -8,7 +12,7 @@
 
 // Places relative to the HIP, but the HIP itself.
 struct Probe {
-  vec3 hip;  // model units relative to the cloud's origin
+  vec3 hip;  // model units relative to the cloud's origin, among the points as the index has them
   vec3 lastHip;
   vec3 proxy;
   bool traced;  // the sub-steps cover the way since the last tick
@@ -30,15 +34,19 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   const uint face = carried ? pose.at[i].carried.face : state.at[i].face;
   const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
   const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
-  probe.lastHip = started ? lastHip - probe.hip : vec3(0.0);
+  const vec3 velocity = carried ? pose.at[i].carried.velocity : state.at[i].velocity;
+  const float sinceLast = started ? pose.at[i].sinceLast : 0.0, pointsAge = started ? pose.at[i].pointsAge : 0.0;
+  precise vec3 way = lastHip - probe.hip, moved = sinceLast * velocity, age = pointsAge * velocity;
+  probe.lastHip = started ? way + moved : vec3(0.0);
+  probe.hip -= age;
   probe.touching = started && touching != kFree;
   probe.sticking = touching == kSticking;
   probe.face = started ? face : kFaceUnknown;
   probe.facing = started ? facing : vec3(0.0);
   probe.proxy = probe.touching ? spring + probe.lastHip : vec3(0.0);
-  precise float way = length(probe.lastHip) / (kLongestStep * radius);
-  probe.traced = started && way <= float(kMaxSubsteps);
-  probe.substeps = substepsOn(way);
+  precise float steps = length(probe.lastHip) / (kLongestStep * radius);
+  probe.traced = started && steps <= float(kMaxSubsteps);
+  probe.substeps = substepsOn(steps);
   return probe;
 }
 

@@ -14,12 +14,12 @@ uint fillSegment(GatheredPatch gathered, CellBox box, uint firstCell, uint strid
   uint count = 0;
   for (uint base = begin; base < end; base += kContactWorkgroup) {
     const uint k = base + scanIndex();
-    Candidate candidate = Candidate(false, 0, vec3(0.0), vec3(0.0));
+    Candidate candidate = Candidate(false, 0, vec4(0.0), vec3(0.0));
     if (k < end) candidate = candidateAt(box, firstCell, k * stride, hip, centre, reach);
     uint kept;
     const uint place = slot + count + workgroupExclusiveScan(candidate.kept ? 1 : 0, kept);
     if (candidate.kept) {
-      gathered.points[2 * place] = vec4(candidate.place, 0.0);
+      gathered.points[2 * place] = candidate.place;
       gathered.points[2 * place + 1] = vec4(candidate.normal, 0.0);
     }
     count += kept;

@@ -97,6 +97,21 @@ float wideWhereFlatAt(SpilledPoints spill, vec3 x, float narrow, vec3 facing) {
   return wideWhereFlat(narrow, wide, length(sums.normals.xyz) / max(sums.offsets.w, 1e-30));
 }
 
+// The velocity of the surface at `x`, relative to the patch's centre: the mean of those of the points within the support
+// radius that belong to the face with the normal `facing`.
+vec3 velocityAt(SpilledPoints spill, Vec4s velocities, vec3 x, float radius, vec3 facing) {
+  SurfaceSums sums = SurfaceSums(vec4(0.0), vec4(0.0), vec2(0.0));
+  for (uint i = firstSummed(); i < patchCount; i += summedStride()) {
+    const float r = distance(patchPosition(spill, i), x) / radius;
+    if (r >= 1.0) continue;
+    const float w = wendland(r) * facingWeight(dot(patchNormal(spill, i), facing));
+    sums.offsets.w += w;
+    sums.normals.xyz += w * velocities.at[patchId(spill, i)].xyz;
+  }
+  sums = sumOfAll(sums);
+  return sums.offsets.w > 0.0 ? sums.normals.xyz / sums.offsets.w : vec3(0.0);
+}
+
 // The surface at `x`, relative to the patch's centre, of the points of the face with the normal `facing`, or of
 // all where that is zero. All invocations call it together and get the same answer.
 Surface surfaceAt(SpilledPoints spill, vec3 x, float largestRadius, vec3 facing) {

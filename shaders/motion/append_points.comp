@@ -16,7 +16,7 @@ bool append(uint pixel, uint rank) {
   const Surfel surfel = bornAt(view, uvec2(pixel % view.width, pixel / view.width), args.depths.at[pixel],
                                surfaceAt(args.surfaces, pixel), color);
   args.positions.at[place.y] = vec4(surfel.place, uintBitsToFloat(place.x));
-  args.normals.at[place.y] = vec4(surfel.normal, 0);
+  args.normals.at[place.y] = vec4(surfel.normal, uintBitsToFloat(colorBeside(surfel.record)));
   args.records.at[place.x] = surfel.record;
   return true;
 }

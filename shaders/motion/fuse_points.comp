@@ -53,7 +53,7 @@ bool fusePoint(inout vec4 position, inout vec4 normal) {
   if (sight == kSightNone) return true;
   if (sight == kSightMatched) {
     position.xyz = surfel.place;
-    normal.xyz = surfel.normal;
+    normal = vec4(surfel.normal, uintBitsToFloat(colorBeside(surfel.record)));
     args.records.at[id] = surfel.record;
     atomicAdd(matchedPoints, 1);
     return true;

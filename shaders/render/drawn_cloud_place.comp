@@ -13,5 +13,7 @@ void main() {
   const uint id = floatBitsToUint(point.w);
   if (id >= args.pointCount) return;  // the slot is empty
   args.positions.at[id] = point;
-  args.normals.at[id].xyz = args.liveNormals.at[slot].xyz;
+  const vec4 normal = args.liveNormals.at[slot];
+  args.normals.at[id].xyz = normal.xyz;
+  if (args.colored != 0) args.colors.at[id] = frameColor(floatBitsToUint(normal.w));
 }

@@ -91,25 +91,29 @@ struct ContactState {
   uint face;      // kFace...; while touching, the one that is felt
   vec3 motion;    // of the HIP since the tick before
   vec3 facing;    // normal of the surface felt last, as the points have it; zero where there was none
+  vec3 velocity;  // of that surface, model units per second
   uint started;   // 0 before the first tick
 };
-PALPATE_SIZE(ContactState, 60);
+PALPATE_SIZE(ContactState, 72);
 
 const uint kSampleTruncated = 1;  // the work budget was spent before the proxy arrived
 const uint kSampleThinned = 2;    // more points were near than a step visits; every so-manyth was taken
 const uint kSampleFaceShift = 30;  // from this bit on: kFace... of the HIP
 
 // What the host writes before a tick. `carried`: where it has gone on from by itself since the last one, in its place;
-// not started: it has not.
+// not started: it has not. Where points move, they are so old, and move on from where they were; the surface has moved
+// for so long since the last tick. Both 0 where they stand still.
 struct ContactQuestion {
   ContactPose pose;
   ContactState carried;
+  float pointsAge;  // s
+  float sinceLast;  // s
   uint withdrawn;  // not 0: a step that waits for its question shall end without an answer
   uint seal;       // the sum of questionShare() of all words before it
 };
-PALPATE_SIZE(ContactQuestion, 84);
-const uint kQuestionWords = 21;
-const uint kQuestionTickAt = 3, kQuestionWithdrawnAt = 19, kQuestionSealAt = 20;  // words
+PALPATE_SIZE(ContactQuestion, 104);
+const uint kQuestionWords = 26;
+const uint kQuestionTickAt = 3, kQuestionWithdrawnAt = 24, kQuestionSealAt = 25;  // words
 
 // What one word gives to the seal, by which a question that has arrived whole is told from one whose words are still on
 // their way: in any order, by many invocations at once. The finaliser of MurmurHash3 (Appleby 2011).
@@ -130,8 +134,8 @@ struct ContactSample {
   uint trackingSteps;
   uint logHead;  // entries of the edit log complete before this tick
   uint flags;    // kSample...
-  uint seal;     // sealOf() the rest
-  uint unused[3];
+  vec3 velocity;  // of the surface there, model units per second; zero where points stand still
+  uint seal;      // sealOf() the rest
 };
 PALPATE_SIZE(ContactSample, 64);
 
@@ -145,6 +149,7 @@ PALPATE_FUNCTION uint sealedWith(uint seal, vec3 v) {
 }
 PALPATE_FUNCTION uint sealOf(ContactSample s) {
   uint seal = sealedWith(sealedWith(sealedWith(2166136261u, s.spring), s.normal), s.touching);
+  seal = sealedWith(seal, s.velocity);
   seal = sealedWith(sealedWith(sealedWith(seal, s.neighbours), s.tick), s.trackingSteps);
   return sealedWith(sealedWith(seal, s.logHead), s.flags);
 }
@@ -162,12 +167,13 @@ struct ContactStepArgs {
   PALPATE_ADDRESS(SpilledPoints) spill;  // 2 per point: place relative to the patch's centre, normal
   PALPATE_ADDRESS(Uints) logHead;
   PALPATE_ADDRESS(GatheredPatch) gathered;  // of the first gather, unless it is kGatherAlone
+  PALPATE_ADDRESS(Vec4s) velocities;        // by ids, model units per second; where points move
   float radius;                          // support radius, model units
   uint gather;                           // kGather...
   uint mostCells;                        // of one gather, by the room in its buffers
   uint spillSlots;                       // of each probe of a tool, where there are many
 };
-PALPATE_SIZE(ContactStepArgs, 120);
+PALPATE_SIZE(ContactStepArgs, 128);
 
 // A step that was submitted before its questions were there polls for them so many times at most.
 struct AwaitQuestionArgs {

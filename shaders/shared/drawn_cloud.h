@@ -29,10 +29,17 @@ struct PlaceArgs {
   PALPATE_ADDRESS(Vec4s) liveNormals;
   PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) normals;
+  PALPATE_ADDRESS(Uints) colors;  // RGBA8
   uint slots;
   uint pointCount;
+  uint colored;  // not 0: the live normals carry colours (frameColor())
+  uint unused;
 };
-PALPATE_SIZE(PlaceArgs, 40);
+PALPATE_SIZE(PlaceArgs, 56);
+
+// The colour of a point of a frame, opaque, from the bits beside its normal in the live cloud: red in the lowest byte. The
+// highest one stays 0 there, so that the bits are those of no NaN.
+PALPATE_FUNCTION uint frameColor(uint bits) { return bits | 0xff000000u; }
 
 PALPATE_SHARED_END
 #endif

@@ -32,6 +32,8 @@ const uint kDoubtsUnstable = 2u;
 const uint kPartsOfPixel = 4u;
 // The least share of a new colour: 8 bits would not take up a smaller one.
 const float kLeastColorShare = 0.125f;
+// RGBA8 of a point whose colour was never seen.
+const uint kUnseenColor = 0xffb0b0b0u;
 
 // What a frame says of a point of the map.
 const uint kSightNone = 0u;      // nothing: it is out of view, or no depth was measured there

@@ -14,16 +14,17 @@ const uint kBruteItems = 8;
 const uint kBruteChunk = kBruteItems * kContactWorkgroup;
 
 // A first patch that other workgroups have gathered, as the solve finds it: `segments` in order, each a run of points
-// (first slot, number). Two vec4 a slot: place relative to the centre, normal.
+// (first slot, number). Two vec4 a slot: place relative to the centre with the bits of the id, normal.
 struct GatherHeader {
   vec3 centre;    // relative to the HIP
   uint segments;
   uint steps;     // what the gather costs where one workgroup does it alone, loop steps (patchSteps)
   uint thinned;   // not 0: only every so-manyth candidate was taken
   uint finished;  // workgroups of a split gather that are done; 0 between ticks
-  uint unused;
+  vec3 hip;       // among the points as the index has them (probe.glsl), for passes that gather by a plan
+  uint unused[2];
 };
-PALPATE_SIZE(GatherHeader, 32);
+PALPATE_SIZE(GatherHeader, 48);
 
 // A cell of the gather with the candidates that its bucket holds: points first, first + stride, ...
 struct GatherCell {

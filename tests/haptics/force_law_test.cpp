@@ -151,4 +151,24 @@ TEST_CASE("a force turns no faster than it may grow") {
   CHECK(ticks < 10);
 }
 
+TEST_CASE("what a surface that moves does to the hand in a second is limited, and nothing else changes") {
+  ForceOptions options = kSpringOnly;
+  options.maxSurfacePower_W = 0.5;
+  const auto felt_N = [&](const DVec3& velocity) {
+    ForceLaw law(options, ModelScale{10});
+    Contact contact = onPlane(below(0.25));
+    contact.velocity = velocity;
+    return law.update(contact, below(0.25), kTick_s);
+  };
+  // 2 N; ten millimetres to the unit.
+  CHECK(felt_N({0, 0, 0}) == DVec3(0, 0, 2));
+  CHECK(felt_N({0, 0, 20}) == DVec3(0, 0, 2));  // 0.4 W
+  CHECK(felt_N({0, 0, 50}).z == doctest::Approx(1));
+  CHECK(felt_N({0, 0, 500}).z == doctest::Approx(0.1));
+  CHECK(felt_N({0, 0, -500}) == DVec3(0, 0, 2));  // it leaves: the hand works on it
+  CHECK(felt_N({500, -500, 0}) == DVec3(0, 0, 2));
+  options.maxSurfacePower_W = 0;
+  CHECK(felt_N({0, 0, 1e-3}) == DVec3(0));
+}
+
 }  // namespace palpate

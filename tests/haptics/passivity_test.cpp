@@ -140,4 +140,24 @@ TEST_CASE("jumps, numbers that are none and a mode of off count nothing") {
   CHECK(off.leastEnergy_mJ() == 0);
 }
 
+TEST_CASE("where the surface moves, what counts is the way of the hand relative to it") {
+  Passivity carried(PassivityMode::observe, DeviceLimits{}), pressed(PassivityMode::observe, DeviceLimits{});
+  const DVec3 velocity_mm_per_s(30, 0, 200);
+  for (int i = 0; i <= 500; ++i) {
+    // One hand is pressed in by 2 mm on a surface that rests, the other on one that takes it along meanwhile.
+    const double depth_mm = 2 * std::sin(0.01 * i);
+    const DVec3 force_N(0, 0, std::max(0.0, depth_mm));
+    for (const bool moves : {false, true}) {
+      Passivity& passivity = moves ? carried : pressed;
+      const DVec3 surface_mm_per_s = moves ? velocity_mm_per_s : DVec3(0);
+      const DVec3 place_mm = DVec3(0, 0, -depth_mm) + kTick_s * i * surface_mm_per_s;
+      CHECK(passivity.damped(force_N, place_mm, kTick_s, surface_mm_per_s) == force_N);
+      passivity.acted(force_N);
+    }
+    CHECK(std::abs(carried.energy_mJ() - pressed.energy_mJ()) < 1e-9);
+  }
+  CHECK(carried.leastEnergy_mJ() > -0.05);
+  CHECK(pressed.leastEnergy_mJ() > -0.05);
+}
+
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/motion/cloud_source.hpp"
 
@@ -74,7 +75,7 @@ TEST_CASE("no frame is torn between two threads") {
 TEST_CASE("a frame with another number of points, or with what is no number, does not come in") {
   const CloudFrame whole{.positions = {{1, 2, 3}, {4, 5, 6}}, .normals = {{0, 0, 1}, {1, 0, 0}}};
   CHECK_NOTHROW(requireWhole(whole, 2));
-  CHECK_THROWS_AS(requireWhole(whole, 3), Error);
+  CHECK_THROWS_AS(requireWhole(whole, 1), Error);
   CloudFrame wrong = whole;
   wrong.positions[1].z = std::numeric_limits<float>::quiet_NaN();
   CHECK_THROWS_WITH_AS(requireWhole(wrong, 2), "a frame for 0 s: of the positions, that of point 1 is no number",
@@ -85,6 +86,39 @@ TEST_CASE("a frame with another number of points, or with what is no number, doe
   wrong = whole;
   wrong.velocities = {Vec3(0)};
   CHECK_THROWS_AS(requireWhole(wrong, 2), Error);
+  wrong = whole;
+  wrong.normals.pop_back();
+  CHECK_THROWS_AS(requireWhole(wrong, 2), Error);
+  wrong = whole;
+  wrong.colors = {{1, 2, 3}};
+  CHECK_THROWS_AS(requireWhole(wrong, 2), Error);
+  for (const std::vector<std::uint32_t>& ids : {std::vector<std::uint32_t>{1}, {1, 1}, {3, 2}, {1, 4}}) {
+    wrong = whole;
+    wrong.ids = ids;
+    CHECK_THROWS_AS(requireWhole(wrong, 4), Error);
+  }
+  wrong.ids = {1, 3};
+  CHECK_NOTHROW(requireWhole(wrong, 4));
+}
+
+TEST_CASE("the points of a frame take the place of a cloud's: one by one, or all where they are others") {
+  PointCloud cloud;
+  cloud.positions = {{1, 2, 3}, {4, 5, 6}};
+  cloud.normals = {{0, 0, 1}, {1, 0, 0}};
+  cloud.extra.push_back({.name = "class", .type = ScalarType::u8, .data = std::vector<std::byte>(2)});
+  CloudFrame frame{.positions = {{1, 2, 3}, {4, 5, 7}}, .normals = {{0, 1, 0}, {0, 1, 0}}};
+  CHECK(placeAt(frame, cloud) == 1);
+  CHECK(cloud.positions == frame.positions);
+  CHECK(cloud.normals == frame.normals);
+  CHECK(cloud.extra.size() == 1);
+  CHECK_FALSE(cloud.hasColors());
+  frame.ids = {0, 7};
+  frame.colors = {{1, 2, 3}, {4, 5, 6}};
+  CHECK(placeAt(frame, cloud) == 2);
+  CHECK(cloud.extra.empty());
+  CHECK(cloud.colors.at(1) == std::array<std::uint8_t, 4>{4, 5, 6, 255});
+  CHECK(placeAt({}, cloud) == 0);
+  CHECK(cloud.empty());
 }
 
 }  // namespace palpate

@@ -43,7 +43,7 @@ class FewFrames final : public DepthStream {
 };
 
 bool areEqual(const CloudFrame& a, const CloudFrame& b) {
-  return a.time_s == b.time_s && a.positions == b.positions && a.normals == b.normals && a.colors == b.colors;
+  return a.time_s == b.time_s && a.positions == b.positions && a.normals == b.normals && a.ids == b.ids && a.colors == b.colors;
 }
 
 }  // namespace
@@ -57,7 +57,8 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
   source.makeFrame(0.25, first);
   CHECK(first.time_s == doctest::Approx(0.2));
   CHECK(source.fusion().fused() == 3);
-  CHECK(first.positions.size() == source.fusion().map().ids());
+  CHECK(first.positions.size() == source.fusion().map().count());
+  CHECK(first.ids.size() == first.positions.size());
   CHECK(first.positions.size() <= source.size());
   CHECK(first.normals.size() == first.positions.size());
   CHECK(first.colors.size() == first.positions.size());
@@ -120,14 +121,14 @@ TEST_CASE("ids that no point has are told apart by their normals") {
   FusedSource source(stream, smallMap());
   CloudFrame frame;
   source.makeFrame(1, frame);
-  std::size_t there = 0;
-  for (std::size_t id = 0; id < frame.normals.size(); ++id) {
-    const bool holds = source.fusion().map().holds(id);
-    CHECK((glm::length(frame.normals[id]) > 0.99f) == holds);
-    there += holds ? 1 : 0;
+  const SurfelMap& map = source.fusion().map();
+  CHECK(frame.size() == map.count());
+  CHECK(frame.size() < map.ids());
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    CHECK(map.holds(frame.ids[i]));
+    CHECK(frame.positions[i] == map.surfel(frame.ids[i]).place);
+    CHECK(glm::length(frame.normals[i]) > 0.99f);
   }
-  CHECK(there < frame.normals.size());
-  CHECK(there == source.fusion().map().count());
 }
 
 }  // namespace palpate

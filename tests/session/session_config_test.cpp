@@ -34,7 +34,7 @@ SessionConfig unusual() {
                                .falloff = 3,
                                .color = {1, 2, 255},
                                .keepsDensity = false},
-          .force = {.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 100},
+          .force = {.stiffness_N_per_mm = 0.4, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 100, .maxSurfacePower_W = 0.5},
           .undo = {.undo = 3, .redo = 2, .memory_MiB = 5},
           .hands = {{.device = "sim", .path = "p.csv", .penetration_mm = 1, .fit = WorkspaceFit::identity},
                     {.device = "dhd:1",
@@ -126,6 +126,8 @@ TEST_CASE("what is out of its bounds is refused by the name of the field") {
   CHECK(with([](auto& c) { c.brush->falloff = 17; }) == "brush.falloff");
   CHECK(with([](auto& c) { c.force.stiffness_N_per_mm = 1e30; }) == "force.stiffness_N_per_mm");
   CHECK(with([](auto& c) { c.force.maxRise_N_per_s = 0; }) == "force.max_rise_N_per_s");
+  CHECK(with([](auto& c) { c.force.maxSurfacePower_W = 0; }) == "force.max_surface_power_W");
+  CHECK(with([](auto& c) { c.force.maxSurfacePower_W = kNaN; }) == "force.max_surface_power_W");
   CHECK(with([](auto& c) { c.hands[1].device.clear(); }) == "hands[1].device");
   CHECK(with([](auto& c) { c.duration_s = -1; }) == "duration_s");
 }

@@ -10,6 +10,15 @@
 
 namespace palpate {
 
+namespace {
+
+std::unique_ptr<TouchBackend> makeCpu(const Scene& scene, CloudSource& source, double friction) {
+  return std::make_unique<CpuTouch>(
+      scene.cloud, CpuTouchOptions{.radius = scene.radius, .friction = friction, .threads = 1, .source = &source});
+}
+
+}  // namespace
+
 TEST_CASE("a sphere that comes and goes under a hand at rest is felt on the CPU as deep as it is there") {
   for (const DVec3 center : {DVec3(0), DVec3(1e6, -2e6, 3e6)}) {
     CAPTURE(center.x);
@@ -138,6 +147,30 @@ TEST_CASE("against the clock frames come between ticks on the CPU, one after ano
   CHECK(frames > 20);
   touch.finish();
   CHECK(touch.indexWork().built >= static_cast<std::uint64_t>(frames - 1));
+}
+
+TEST_CASE("frames that are old are felt where the surface is by now on the CPU") {
+  checkOldFrames(makeCpu);
+}
+
+TEST_CASE("where frames stop coming the surface stands still after a while on the CPU") {
+  checkStoppedFrames(makeCpu);
+}
+
+TEST_CASE("a proxy is carried along by a surface that slides, and dragged by the relative way alone on the CPU") {
+  checkCarriedProxy(makeCpu);
+}
+
+TEST_CASE("a sheet that comes at half a metre per second lets no stylus through, from either face on the CPU") {
+  checkFastSheet(makeCpu);
+}
+
+TEST_CASE("an object that leaves is felt no more, from that tick on on the CPU") {
+  checkLeaving(makeCpu);
+}
+
+TEST_CASE("a frame with holes is felt as the points that it has on the CPU") {
+  checkHoles(makeCpu);
 }
 
 }  // namespace palpate

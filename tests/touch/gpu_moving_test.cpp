@@ -59,8 +59,10 @@ TEST_CASE_FIXTURE(GpuFixture, "a source that stands still answers as none does, 
       moved.source = &source;
       TouchSide moving(device, scene.cloud, moved), alone(device, scene.cloud, options);
       std::size_t touched = 0, other = 0;
+      double time_s = 0;
       for (const DVec3& hip : wanderingPath(scene, 80, 0.5 * scene.radius, 3)) {
-        const Contact a = moving.query({.hip = hip}, 0), b = alone.query({.hip = hip}, 0);
+        const Pose pose{.time_s = time_s += kTick_s, .hip = hip};
+        const Contact a = moving.query(pose, 0), b = alone.query(pose, 0);
         touched += a.touching;
         other += !sameAnswer(a, b);
       }
@@ -199,6 +201,48 @@ TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one 
   CloudFrame truth;
   source.makeFrame(frame.time_s, truth);
   CHECK(frame.positions == truth.positions);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "frames that are old are felt where the surface is by now") {
+  checkOldFrames([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "where frames stop coming the surface stands still after a while") {
+  checkStoppedFrames([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
+  checkCarriedProxy([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a sheet that comes at half a metre per second lets no stylus through, from either face") {
+  checkFastSheet([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "an object that leaves is felt no more, from that tick on") {
+  checkLeaving([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a frame with holes is felt as the points that it has") {
+  checkHoles([this](const Scene& scene, CloudSource& source, double friction) {
+    return std::make_unique<TouchSide>(device, scene.cloud,
+                                       TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
+  });
 }
 
 }  // namespace palpate

@@ -162,4 +162,35 @@ TEST_CASE("without a patch nothing is felt before the first answer, and nothing 
   CHECK_FALSE(patch.isAhead());
 }
 
+TEST_CASE_FIXTURE(PressedSphere, "a patch of points that move goes on from its time with the velocity that was felt last") {
+  const double deep = spring(pressed, {.hip = {0, 0, 49.5}});
+  const DVec3 velocity(40, 0, 100);
+  pressed.velocity = velocity;
+  const double asked_s = 0.003, points_s = 0.002;  // the frame was a millisecond old
+  patch.take({.centre = Vec3(pressed.proxy), .reach = kReach * scene.radius, .points = points}, {}, points_s);
+  // As the surface was then, the hand 0.5 mm deep.
+  const DVec3 moved = (asked_s - points_s) * velocity;
+  Contact felt = pressed;
+  felt.proxy += moved;
+  const Pose asked{.time_s = asked_s, .hip = DVec3(0, 0, 49.5) + moved};
+  patch.goOnFrom(felt, asked,
+                 {.started = true,
+                  .touching = true,
+                  .face = shared::kFaceOutside,
+                  .facing = pressed.normal,
+                  .lastHip = asked.hip,
+                  .proxy = felt.proxy,
+                  .velocity = velocity,
+                  .time_s = asked_s});
+  for (int i = 1; i <= 15; ++i) {
+    const double time_s = asked_s + 1e-3 * i;
+    const Pose pose{.time_s = time_s, .hip = DVec3(0, 0, 49.5) + (time_s - points_s) * velocity};
+    const Contact contact = patch.answer(pose);
+    CHECK(contact.touching);
+    CHECK(contact.velocity == velocity);
+    CHECK(spring(contact, pose) == doctest::Approx(deep).scale(0).epsilon(0.002));
+    CHECK(std::abs(contact.proxy.x - pose.hip.x) < 0.01);
+  }
+}
+
 }  // namespace palpate

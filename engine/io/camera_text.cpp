@@ -1,0 +1,104 @@
+#include "engine/io/camera_text.hpp"
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/io/camera_pose.hpp"
+#include "engine/io/chunked_file.hpp"
+#include "engine/io/image_file.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kLongestFile = std::size_t{1} << 20;  // bytes
+
+[[noreturn]] void failType(const char* name, const Json& json) {
+  throw Error("\"{}\" cannot be {}", name, json.dump().substr(0, 40));
+}
+
+std::optional<double> numberIn(const Json& json, const char* name) {
+  const auto found = json.find(name);
+  if (found == json.end()) return std::nullopt;
+  if (!found->is_number() || !std::isfinite(found->get<double>())) failType(name, *found);
+  return found->get<double>();
+}
+
+double needed(const Json& json, const char* name) {
+  const auto value = numberIn(json, name);
+  if (!value) throw Error("has no \"{}\"", name);
+  return *value;
+}
+
+template <std::size_t count>
+std::array<double, count> numbersOf(const char* name, const Json& json) {
+  if (!json.is_array() || json.size() != count) throw Error("\"{}\" is no list of {} numbers", name, count);
+  std::array<double, count> numbers;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!json[k].is_number()) failType(name, json[k]);
+    numbers[k] = json[k].get<double>();
+  }
+  return numbers;
+}
+
+std::uint32_t sideIn(const Json& json, const char* name) {
+  const double side = needed(json, name);
+  if (!(side >= 1 && side <= kLongestImageSide) || side != std::floor(side))
+    throw Error("\"{}\" is {}; sides are whole numbers of pixels from 1 to {}", name, side, kLongestImageSide);
+  return static_cast<std::uint32_t>(side);
+}
+
+DepthCamera cameraIn(const Json& json) {
+  DepthCamera camera{.width = sideIn(json, "width"), .height = sideIn(json, "height")};
+  if (const auto matrix = json.find("intrinsic_matrix"); matrix != json.end()) {
+    const auto columns = numbersOf<9>("intrinsic_matrix", *matrix);
+    camera.fx = columns[0], camera.fy = columns[4], camera.cx = columns[6], camera.cy = columns[7];
+    if (columns[8] != 1 || columns[2] != 0 || columns[5] != 0)
+      throw Error("\"intrinsic_matrix\" has another last row than 0 0 1; it is written column by column");
+    if (columns[3] != 0 || columns[1] != 0) throw Error("\"intrinsic_matrix\" is skewed, which no depth camera here is");
+  } else {
+    camera.fx = needed(json, "fx"), camera.fy = needed(json, "fy");
+    camera.cx = needed(json, "cx"), camera.cy = needed(json, "cy");
+  }
+  if (!(camera.fx > 0 && camera.fy > 0))
+    throw Error("the focal lengths are {} and {} pixels; they are above 0", camera.fx, camera.fy);
+  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy)) throw Error("the middle of the picture is not finite");
+  return camera;
+}
+
+}  // namespace
+
+CameraText parseCamera(std::string_view json) {
+  const Json parsed = Json::parse(json, nullptr, false);
+  if (parsed.is_discarded()) throw Error("is no JSON");
+  if (!parsed.is_object()) throw Error("is no JSON object");
+  CameraText text{.camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
+  if (text.depthScale && !(*text.depthScale >= kLeastDepthScale && *text.depthScale <= kMostDepthScale))
+    throw Error("\"depth_scale\" is {}; it says how many values a metre has, {} to {}", *text.depthScale,
+                kLeastDepthScale, kMostDepthScale);
+  if (text.rate_Hz && !(*text.rate_Hz > 0)) throw Error("\"fps\" is {}; it is above 0", *text.rate_Hz);
+  if (const auto format = parsed.find("format"); format != parsed.end()) {
+    if (!format->is_string()) failType("format", *format);
+    text.format = format->get<std::string>();
+  }
+  if (const auto pose = parsed.find("pose"); pose != parsed.end()) text.pose = cameraPose(numbersOf<16>("pose", *pose));
+  return text;
+}
+
+CameraText readCamera(const std::filesystem::path& file) {
+  ChunkedFile in(file);
+  const auto bytes = in.peek(kLongestFile + 1);
+  if (bytes.size() > kLongestFile) throw FileError(file, "is too long for the intrinsics of a camera");
+  try {
+    return parseCamera({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  } catch (const Error& error) {
+    throw FileError(file, fmt::format("{}; intrinsics are a JSON with width, height, fx, fy, cx, cy", error.what()));
+  }
+}
+
+}  // namespace palpate

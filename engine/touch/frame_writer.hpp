@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/spatial/live_cloud.hpp"
+
+namespace palpate {
+
+/// Where the frames of a live cloud come from: whoever writes the points that its next index is built from. make() runs on
+/// a thread of its own, and not while a list that was recorded here runs.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+
+  /// Slots of the live cloud.
+  virtual std::size_t size() const = 0;
+  /// Makes ready what the next run of a recorded list brings: the next one of the frames that are due by `time_s`. False
+  /// where all have been made. Throws Error where it cannot.
+  virtual bool make(double time_s) = 0;
+  /// Records how it becomes the points `incoming`, in any order, and the velocities by id. `front`: the points so far.
+  virtual void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+                      const Buffer& velocities) const = 0;
+  /// Of what was made last: the time that it is true for, and whether the normals' fourth words have colours.
+  virtual double time_s() const = 0;
+  virtual bool isColored() const = 0;
+};
+
+}  // namespace palpate

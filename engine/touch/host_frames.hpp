@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "engine/gpu/buffer.hpp"
+#include "engine/motion/cloud_source.hpp"
+#include "engine/touch/frame_writer.hpp"
+
+namespace palpate {
+
+/// Frames that a source makes on the host: copied to the GPU as a whole.
+class HostFrames final : public FrameWriter {
+ public:
+  /// `source` must outlive it.
+  HostFrames(Device& device, CloudSource& source);
+
+  std::size_t size() const override { return source_.size(); }
+  bool make(double time_s) override;
+  void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
+              const Buffer& velocities) const override;
+  double time_s() const override { return frame_.time_s; }
+  bool isColored() const override { return !frame_.colors.empty(); }
+
+ private:
+  void stage();
+
+  CloudSource& source_;
+  CloudFrame frame_;
+  std::optional<double> made_s_;  // asked for last
+  Buffer positions_, normals_, velocities_;  // as the GPU copies them
+};
+
+/// The colour beside a normal: red in the lowest byte, and the highest one 0, so that the bits are those of no NaN.
+std::uint32_t bitsOfColor(const std::array<std::uint8_t, 3>& color);
+std::array<std::uint8_t, 3> colorOfBits(std::uint32_t bits);
+
+}  // namespace palpate
