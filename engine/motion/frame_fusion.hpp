@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "engine/core/log.hpp"
-#include "engine/motion/icp.hpp"
+#include "engine/motion/map_pairs.hpp"
 
 namespace palpate {
 

@@ -99,9 +99,23 @@ void FusionPass::reset(Queue& queue, std::uint32_t points) {
 
 void FusionPass::put(const FrameImages& images, const CameraPose& pose, const DVec3& origin) {
   PALPATE_CHECK(images.camera == camera_);
-  images_.view.mapped<shared::FusionView>()[0] = fusionView(images, pose, origin, options_);
+  setPose(images, pose, origin);
   std::ranges::copy(images.depths, images_.depths.mapped<float>().begin());
   std::ranges::copy(images.colors, images_.colors.mapped<std::uint32_t>().begin());
+}
+
+void FusionPass::setPose(const FrameImages& images, const CameraPose& pose, const DVec3& origin) {
+  images_.view.mapped<shared::FusionView>()[0] = fusionView(images, pose, origin, options_);
+}
+
+void FusionPass::recordSurfaces(CommandList& list) const {
+  list.dispatch(passes_.pixelSurface, pixels(),
+                shared::PixelSurfaceArgs{.view = images_.view.address(),
+                                         .depths = images_.depths.address(),
+                                         .surfaces = images_.surfaces.address(),
+                                         .covered = images_.covered.address(),
+                                         .pixels = pixels(),
+                                         .unused = 0});
 }
 
 void FusionPass::record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const {
@@ -115,13 +129,7 @@ void FusionPass::recordUpdate(CommandList& list, const LiveCloud::Half& from, co
   {
     const auto overlap = list.independent();
     list.fill(totals_, 0, totals_.bytes());
-    list.dispatch(passes_.pixelSurface, pixels(),
-                  shared::PixelSurfaceArgs{.view = images_.view.address(),
-                                           .depths = images_.depths.address(),
-                                           .surfaces = images_.surfaces.address(),
-                                           .covered = images_.covered.address(),
-                                           .pixels = pixels(),
-                                           .unused = 0});
+    recordSurfaces(list);
   }
   list.dispatch(passes_.fusePoints, slots_,
                 shared::FusePointsArgs{.view = images_.view.address(),

@@ -25,14 +25,27 @@ class FusionPass {
   /// What the next run of a recorded list fuses: a frame of this camera, as readFrame() gives it, seen from `pose` in
   /// the world, into a map of that origin. Not while such a list is running. Throws as requirePose().
   void put(const FrameImages& images, const CameraPose& pose, const DVec3& origin);
+  /// The same for a frame that was put already, whose pose is found only now.
+  void setPose(const FrameImages& images, const CameraPose& pose, const DVec3& origin);
   /// Fuses what was put. Reads all slots of `from` and writes all of `to`, which must be other memory. May be recorded
   /// ahead for both halves and submitted again and again.
   void record(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to) const;
+
+  /// What the frame's pixels see, for who looks for its pose first; record() has it with the rest.
+  void recordSurfaces(CommandList& list) const;
 
   /// What became of the points in the last run, once it is done.
   FusionCounts counts() const;
   /// By id: weight, age and colour (shared::SurfelRecord).
   const Buffer& records() const { return records_; }
+  const DepthCamera& camera() const { return camera_; }
+  /// The frame that was put, in memory of the GPU; the surfaces from recordSurfaces() on.
+  struct FrameAddresses {
+    DeviceAddress view, depths, surfaces;
+  };
+  FrameAddresses frame() const {
+    return {images_.view.address(), images_.depths.address(), images_.surfaces.address()};
+  }
   /// On the GPU, besides the cloud.
   std::uint64_t bytes() const;
 

@@ -1,18 +1,20 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 
-#include "engine/motion/map_view.hpp"
+#include "engine/motion/fusion.hpp"
+#include "engine/motion/normal_equations.hpp"
 
 namespace palpate {
 
 /// How a pose is looked for. Distances in metres.
 struct IcpOptions {
   struct Level {
-    std::uint32_t stride;  ///< every so many pixels, along rows and columns
-    double gate_m;         ///< pairs are no farther apart
-    int iterations;        ///< at most
+    std::uint32_t stride = 1;  ///< every so many pixels, along rows and columns
+    double gate_m = 0;         ///< pairs are no farther apart
+    int iterations = 1;        ///< at most
   };
   std::array<Level, 3> levels{{{4, 0.2, 10}, {2, 0.1, 8}, {1, 0.05, 6}}};  ///< from coarse to fine
   double fewestMatched = 0.3;    ///< share of the pixels with a surface that must find a point of the map
@@ -43,9 +45,29 @@ struct IcpResult {
   std::string why() const;
 };
 
-/// The pose from which the frame's surfaces lie on the map, looked for about `expected`. Computes in double precision,
-/// with sums in the order of the rows: the same for any number of threads.
-IcpResult findPose(const SurfelMap& map, const FrameImages& images, const std::vector<shared::PixelSurface>& surfaces,
-                   const CameraPose& expected, const IcpOptions& options = {});
+/// Which pairs of pixels and points of the map are asked for. In the world.
+struct IcpQuery {
+  IcpOptions::Level level;
+  CameraPose pose;   ///< from which the frame is taken to be seen
+  DVec3 pivot{0};    ///< that rotations are about
+  double scale = 1;  ///< m; an angle times this is the unknown
+};
+
+/// What the pairs say, all together: unknowns are a rotation (times the scale), then a translation.
+struct IcpSums {
+  NormalEquations equations;
+  std::uint64_t seen = 0;   ///< pixels with a surface
+  std::uint64_t pairs = 0;  ///< that have found a point
+  double feigned = 0;       ///< sum of w times the variance of the points' normals
+
+  IcpSums& operator+=(const IcpSums& other);
+};
+using SumPairs = std::function<IcpSums(const IcpQuery&)>;
+
+/// The pose from which a frame lies on the map whose pairs `sumPairs` sums up, looked for about `expected`, by
+/// point-to-plane ICP (Chen and Medioni 1992; Low 2004) from coarse to fine. In directions that the pairs tell nothing
+/// of it does not move.
+IcpResult searchPose(const FrameImages& images, const CameraPose& expected, const IcpOptions& options,
+                     const SumPairs& sumPairs);
 
 }  // namespace palpate

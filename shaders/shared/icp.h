@@ -2,7 +2,7 @@
 // of a pixel and the point of the map that it falls on, as a row of six unknowns. Who sums up: engine/motion/icp.cpp.
 #ifndef PALPATE_SHARED_ICP_H
 #define PALPATE_SHARED_ICP_H
-#include "shaders/shared/real.h"
+#include "shaders/shared/fusion.h"
 
 PALPATE_SHARED_BEGIN
 
@@ -38,6 +38,21 @@ PALPATE_FORMULA PALPATE_OF(IcpPair)
   pair.residual = dot(placeNormal, offset);
   pair.weight = huberWeight(pair.residual, deviation) / (deviation * deviation);
   return pair;
+}
+
+// Whether a point of the map may be the one in front in its pixel.
+PALPATE_FUNCTION bool isFront(FusionView view, Projection projection, vec3 normal) {
+  return projection.inView && dot(directionInCamera(view, normal), projection.place) < 0.0f;
+}
+
+// The variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of a
+// slope over the square of pixels that a plane is fitted to, less by how often it was measured.
+PALPATE_FUNCTION float normalVariance(FusionView view, float depth, float weight) {
+  const float side = float(2 * kFitReach + 1);
+  const float squares = side * side * (side * side - 1.0f) / 12.0f;  // sum of x^2 over the square
+  const float footprint = depth / min(view.camera.fx, view.camera.fy);
+  const float slope = depthDeviation(view.noise, depth) / footprint;
+  return slope * slope / squares * min(1.0f, measurementWeight(view, depth) / weight);
 }
 
 PALPATE_SHARED_END

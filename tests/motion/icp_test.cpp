@@ -6,7 +6,6 @@
 #include <random>
 
 #include "engine/core/error.hpp"
-#include "engine/motion/normal_equations.hpp"
 #include "engine/motion/pixel_surface.hpp"
 #include "tests/motion/depth_scene.hpp"
 

@@ -285,7 +285,7 @@ TEST_CASE("colours are averaged, and grey where none was seen") {
   CHECK(fusion.map().cloud().colors.empty());
   frame.colors.assign(frame.depth_m.size(), {200, 100, 0});
   fusion.fuse(smallCamera(), frame);
-  const std::array<std::uint8_t, 4> first{200, 100, 0, 255};
+  const std::array<std::uint8_t, 3> first{200, 100, 0};
   CHECK(colorOf(fusion.map().surfel(0).record) == first);
   frame.colors.assign(frame.depth_m.size(), {0, 100, 200});
   for (int i = 0; i < 60; ++i) fusion.fuse(smallCamera(), frame);

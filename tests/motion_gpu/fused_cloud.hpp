@@ -1,0 +1,80 @@
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <vector>
+
+#include "engine/gpu/queue.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/motion/fusion_pass.hpp"
+#include "engine/spatial/spatial_hash.hpp"
+#include "tests/motion/depth_scene.hpp"
+
+namespace palpate {
+
+// A live cloud that depth frames are fused into, with its index.
+class FusedCloud {
+ public:
+  FusedCloud(Device& device, const DepthCamera& camera, const FusionOptions& options, const PointCloud& begun = {})
+      : device_(device),
+        options_(options),
+        cloud_(device, begun, static_cast<std::uint32_t>(options.capacity - begun.size())),
+        hash_(device, makeHashGrid(Vec3(0), 0.01f, cloud_.slots()), cloud_.slots(), kDefaultSort, BucketOrder::stable,
+              Slots::spare),
+        incoming_{Buffer::of<Vec4>(device, cloud_.slots(), Memory::device, "incoming positions"),
+                  Buffer::of<Vec4>(device, cloud_.slots(), Memory::device, "incoming normals"), 0},
+        pass_(device, camera, options, cloud_.slots()) {
+    pass_.reset(device.latencyQueue(), cloud_.count());
+  }
+
+  FusionCounts fuse(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin = DVec3(0)) {
+    put(camera, frame, *frame.pose, origin);
+    CommandList list(device_, device_.latencyQueue(), "fuse");
+    list.begin();
+    pass_.record(list, cloud_.front(), incoming_);
+    hash_.recordBuild(list, incoming_, cloud_.back(), cloud_.slots(), hash_.sort());
+    list.end();
+    device_.latencyQueue().run(list);
+    cloud_.flip();
+    return pass_.counts();
+  }
+
+  // By id; of weight 0 where no slot has it.
+  std::vector<shared::Surfel> surfels() const {
+    std::vector<shared::Surfel> all(cloud_.slots());
+    const auto records = download<shared::SurfelRecord>(device_, pass_.records(), cloud_.slots());
+    const auto positions = download<Vec4>(device_, cloud_.front().positions, cloud_.slots());
+    const auto normals = download<Vec4>(device_, cloud_.front().normals, cloud_.slots());
+    for (std::size_t slot = 0; slot < positions.size(); ++slot) {
+      const auto id = std::bit_cast<std::uint32_t>(positions[slot].w);
+      if (id == shared::kEmptySlot) continue;
+      REQUIRE(id < options_.capacity);
+      CHECK(all[id].record.weight == 0);  // no id twice
+      CHECK(std::bit_cast<std::uint32_t>(normals[slot].w) == shared::colorBeside(records[id]));
+      all[id] = {.place = Vec3(positions[slot]), .normal = Vec3(normals[slot]), .record = records[id]};
+    }
+    return all;
+  }
+
+  const FrameImages& put(const DepthCamera& camera, const DepthFrame& frame, const CameraPose& pose,
+                         const DVec3& origin = DVec3(0)) {
+    readFrame(camera, frame, options_, images_);
+    pass_.put(images_, pose, origin);
+    return images_;
+  }
+
+  FusionPass& pass() { return pass_; }
+  const LiveCloud& cloud() const { return cloud_; }
+
+ private:
+  Device& device_;
+  FusionOptions options_;
+  LiveCloud cloud_;
+  SpatialHash hash_;
+  LiveCloud::Half incoming_;
+  FusionPass pass_;
+  FrameImages images_;
+};
+
+}  // namespace palpate
