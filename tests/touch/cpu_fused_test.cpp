@@ -1,0 +1,17 @@
+// Depth frames that fuse while they are felt, on the CPU. Needs no GPU.
+#include "engine/motion/fused_source.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/touch/fused_scene.hpp"
+
+namespace palpate {
+
+TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken away is felt no more") {
+  checkFusedTouch([](TableStream& stream, const PointCloud& cloud, double radius) {
+    FusedTouch touch{.source = std::make_unique<FusedSource>(stream, smallMap())};
+    touch.backend = std::make_unique<CpuTouch>(
+        cloud, CpuTouchOptions{.radius = radius, .threads = 1, .source = touch.source.get()});
+    return touch;
+  });
+}
+
+}  // namespace palpate

@@ -1,0 +1,105 @@
+// Depth frames that are felt while they fuse, for each back end: a sphere on a table, which is taken away.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <functional>
+
+#include "engine/cloud/spacing.hpp"
+#include "engine/core/touch_backend.hpp"
+#include "shaders/shared/contact.h"
+#include "tests/motion/depth_scene.hpp"
+
+namespace palpate {
+
+/// Frames at 30 Hz without noise. From frame kTaken on the sphere is gone.
+class TableStream final : public DepthStream {
+ public:
+  static constexpr std::uint64_t kFrames = 18, kTaken = 8;
+  static constexpr double kPeriod_s = 1.0 / 30;
+
+  TableStream() : camera_(smallCamera()) {
+    DepthScene empty, whole;
+    empty.add("plane", 0.8, DVec3(0));
+    whole.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, {0, 0, 0.04});
+    for (std::uint64_t i = 0; i < kFrames; ++i) {
+      const CameraPose pose = onArc(DVec3(0, 0, 0.02), 0.8, 0.03 * static_cast<double>(i));
+      frames_.push_back((i < kTaken ? whole : empty).frame(camera_, pose, 0, i));
+      frames_.back().time_s = kPeriod_s * static_cast<double>(i);
+      frames_.back().colors.assign(frames_.back().depth_m.size(), {10, 200, 30});
+    }
+  }
+
+  const DepthCamera& camera() const override { return camera_; }
+  bool next(DepthFrame& frame) override {
+    if (at_ == frames_.size()) return false;
+    frame = frames_[at_++];
+    return true;
+  }
+  bool isRecorded() const override { return true; }
+  void rewind() override { at_ = 0; }
+  /// What is there before anything is felt: the first frame.
+  PointCloud firstCloud() const {
+    FrameFusion fusion(smallMap());
+    fusion.fuse(camera_, frames_.front());
+    return fusion.map().cloud();
+  }
+
+ private:
+  DepthCamera camera_;
+  std::vector<DepthFrame> frames_;
+  std::size_t at_ = 0;
+};
+
+struct FusedTouch {
+  std::unique_ptr<TouchBackend> backend;
+  std::unique_ptr<CloudSource> source;  // goes after it
+};
+/// A back end that feels the map which the stream's frames fuse into, begun with `cloud`.
+using MakeFusedTouch = std::function<FusedTouch(TableStream& stream, const PointCloud& cloud, double radius)>;
+
+/// The table is felt where it is, and so is the sphere; once free space has contradicted it nothing is left of it.
+inline void checkFusedTouch(const MakeFusedTouch& make) {
+  constexpr double kTick_s = 1e-3, kDepth = 0.001;
+  for (const bool onSphere : {false, true}) {
+    CAPTURE(onSphere);
+    TableStream stream;
+    const PointCloud cloud = stream.firstCloud();
+    const double spacing = meanSpacing(cloud);
+    CHECK(spacing < 0.003);
+    FusedTouch touch = make(stream, cloud, 4 * spacing);
+    const DVec3 on = onSphere ? DVec3(0, 0, 0.08) : DVec3(0.09, -0.03, 0);
+    const double duration_s = TableStream::kPeriod_s * TableStream::kFrames;
+    int touched = 0, free = 0;
+    Contact contact;
+    for (int i = 0; kTick_s * i < duration_s; ++i) {
+      const double time_s = kTick_s * i, height = std::max(0.01 - 0.0005 * i, -kDepth);
+      contact = touch.backend->query({.time_s = time_s, .hip = on + DVec3(0, 0, height)}, 0);
+      touch.backend->prepare();
+      CHECK(contact.valid);
+      if (height > -kDepth) continue;
+      (contact.touching ? touched : free) += 1;
+      // The averaged surface lies 0.07 R^2 / rho inside the sphere.
+      if (contact.touching && time_s < TableStream::kPeriod_s * TableStream::kTaken)
+        CHECK(std::abs(contact.proxy.z - on.z) < (onSphere ? 0.0008 : 0.0002));
+    }
+    CHECK(touched > 200);
+    CHECK(contact.touching == !onSphere);
+    if (!onSphere) CHECK(free == 0);
+    touch.backend->finish();
+    CloudFrame seen;
+    CHECK(touch.backend->takeFrame(seen));
+    CHECK(seen.time_s == doctest::Approx(TableStream::kPeriod_s * (TableStream::kFrames - 1)));
+    std::size_t left = 0;
+    for (const Vec3& place : seen.positions) left += place.z > 0.01f;
+    CHECK(left < shared::kMinNeighbours);  // which are no surface: points at the rim that no ray has passed
+    CHECK(seen.size() > 5'000);
+    CHECK(seen.colors.front() == std::array<std::uint8_t, 3>{10, 200, 30});
+    PointCloud end = cloud;
+    touch.backend->readBack(end);
+    CHECK(end.positions == seen.positions);
+    CHECK(end.colors.size() == end.size());
+  }
+}
+
+}  // namespace palpate
