@@ -164,6 +164,7 @@ void addBench(Options& app, Context& context, Command& command) {
   addMeshBench(sub, context, command);
   addSplatBench(sub, context, command);
   addCoexistBench(sub, context, command);
+  addStreamBench(sub, context, command);
   addLocalityBench(sub, context, command);
   for (const auto& bench : sub.subcommands())
     if (!std::ranges::count(together, bench.get())) bench->under("Alone, with tables of their own");

@@ -95,6 +95,8 @@ void addMeshBench(Options& bench, Context& context, Command& command);
 void addSplatBench(Options& bench, Context& context, Command& command);
 /// How touch fares beside pictures that are drawn as fast as they go, and those beside it.
 void addCoexistBench(Options& bench, Context& context, Command& command);
+/// What depth frames cost that fuse into a map while it is touched, and how true that map is.
+void addStreamBench(Options& bench, Context& context, Command& command);
 /// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of
 /// each brush, judged by what is known of the points before and after alone (engine/cloud/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);

@@ -33,7 +33,7 @@ LiveCloud::Half makeHalf(Device& device, std::uint32_t slots, std::uint32_t pari
 
 }  // namespace
 
-LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare, Queue* queue)
+LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spare, Queue* queue, bool colored)
     : device_(device),
       count_(checkedCount(device, cloud)),
       slots_(checkedSlots(device, count_, spare)),
@@ -44,6 +44,8 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
   upload(device, way, halves_[0].positions, packed);
   std::ranges::fill(packed, Vec4(0));
   for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
+  for (std::uint32_t i = 0; colored && i < cloud.colors.size(); ++i)
+    packed[i].w = std::bit_cast<float>(bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]));
   upload(device, way, halves_[0].normals, packed);
 }
 

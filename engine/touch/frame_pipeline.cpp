@@ -5,7 +5,6 @@
 
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/touch/host_frames.hpp"
 
 namespace palpate {
 

@@ -1,19 +1,12 @@
 #include "engine/touch/host_frames.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "shaders/shared/spatial_hash.h"
 
 namespace palpate {
-
-std::uint32_t bitsOfColor(const std::array<std::uint8_t, 3>& color) {
-  return std::uint32_t{color[0]} | std::uint32_t{color[1]} << 8 | std::uint32_t{color[2]} << 16;
-}
-
-std::array<std::uint8_t, 3> colorOfBits(std::uint32_t bits) {
-  return {static_cast<std::uint8_t>(bits), static_cast<std::uint8_t>(bits >> 8), static_cast<std::uint8_t>(bits >> 16)};
-}
 
 HostFrames::HostFrames(Device& device, CloudSource& source)
     : source_(source),
@@ -34,9 +27,10 @@ void HostFrames::stage() {
   const std::span<Vec4> positions = positions_.mapped<Vec4>(), normals = normals_.mapped<Vec4>();
   const std::span<Vec4> velocities = velocities_.mapped<Vec4>();
   for (std::size_t i = 0; i < frame_.size(); ++i) {
-    const std::uint32_t id = frame_.idOf(i), color = frame_.colors.empty() ? 0 : bitsOfColor(frame_.colors[i]);
+    const std::uint32_t id = frame_.idOf(i);
+    const auto [red, green, blue] = frame_.colors.empty() ? std::array<std::uint8_t, 3>{} : frame_.colors[i];
     positions[i] = Vec4(frame_.positions[i], std::bit_cast<float>(id));
-    normals[i] = Vec4(frame_.normals[i], std::bit_cast<float>(color));
+    normals[i] = Vec4(frame_.normals[i], std::bit_cast<float>(bitsOfColor(red, green, blue)));
     velocities[id] = frame_.velocities.empty() ? Vec4(0) : Vec4(frame_.velocities[i], 0.0f);
   }
   std::ranges::fill(positions.subspan(frame_.size()), Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));

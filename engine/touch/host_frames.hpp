@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <optional>
 
 #include "engine/gpu/buffer.hpp"
@@ -31,9 +29,5 @@ class HostFrames final : public FrameWriter {
   std::optional<double> made_s_;  // asked for last
   Buffer positions_, normals_, velocities_;  // as the GPU copies them
 };
-
-/// The colour beside a normal: red in the lowest byte, and the highest one 0, so that the bits are those of no NaN.
-std::uint32_t bitsOfColor(const std::array<std::uint8_t, 3>& color);
-std::array<std::uint8_t, 3> colorOfBits(std::uint32_t bits);
 
 }  // namespace palpate

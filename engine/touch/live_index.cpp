@@ -8,7 +8,7 @@ namespace palpate {
 
 LiveIndex::LiveIndex(Device& device, const PointCloud& cloud, const LiveIndexOptions& options)
     : device_(device),
-      live_(device, cloud, options.spareSlots),
+      live_(device, cloud, options.spareSlots, nullptr, options.colored),
       hash_(device, options.grid, live_.slots(), options.sort, options.bucketOrder, options.slots),
       buildTime_us_(hash_.build(live_)) {}
 

@@ -16,6 +16,7 @@ struct LiveIndexOptions {
   SortMethod sort = kDefaultSort;
   BucketOrder bucketOrder = BucketOrder::stable;
   Slots slots = Slots::full;
+  bool colored = false;  ///< the points carry their colours (LiveCloud)
 };
 
 /// What came of bringing the index together again in the background.

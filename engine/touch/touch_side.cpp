@@ -63,7 +63,8 @@ LiveIndexOptions indexOptions(const PointCloud& cloud, const TouchOptions& optio
           .spareSlots = spareSlots(cloud, options),
           .sort = options.sort,
           .bucketOrder = options.bucketOrder,
-          .slots = options.brush || moves(options) ? Slots::spare : Slots::full};
+          .slots = options.brush || moves(options) ? Slots::spare : Slots::full,
+          .colored = moves(options)};
 }
 
 EditOptions editOptions(const TouchOptions& options) {

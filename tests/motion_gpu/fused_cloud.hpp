@@ -55,9 +55,9 @@ class FusedCloud {
         ++wrong;  // none, or one twice
         continue;
       }
-      // A point that was there from the beginning, and that no frame has measured, has none.
+      // A point that was there, and whose colour no frame has seen, has the cloud's.
       const auto color = std::bit_cast<std::uint32_t>(normals[slot].w);
-      wrong += color != shared::colorBeside(records[id]) && (color != 0 || records[id].seen != 0);
+      wrong += records[id].color != 0 && color != shared::colorBeside(records[id]);
       all[id] = {.place = Vec3(positions[slot]), .normal = Vec3(normals[slot]), .record = records[id]};
     }
     CHECK(wrong == 0);

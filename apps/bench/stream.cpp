@@ -1,0 +1,211 @@
+// What it costs to take depth frames into a map that is touched, and how true that map is.
+#include <algorithm>
+#include <deque>
+
+#include "apps/bench/bench.hpp"
+#include "apps/cli/parse_list.hpp"
+#include "engine/cloud/analytic_shape.hpp"
+#include "engine/cloud/counter_random.hpp"
+#include "engine/cloud/ray_cast.hpp"
+#include "engine/core/parallel.hpp"
+#include "engine/motion/frame_fusion.hpp"
+#include "engine/motion/fusion_pass.hpp"
+#include "engine/spatial/spatial_hash.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A sphere of six metres, seen from two metres before it: points of it are as far from one another, when there are five
+// million, as the pixels of a camera of 640 x 480 are there.
+constexpr double kSize_m = 6, kBefore_m = 2;
+// Frames go round and round, each from a place of its own.
+constexpr std::uint64_t kViews = 8;
+constexpr double kTurn_rad = 0.01;  // from one to the next
+
+struct StreamBenchOptions : BenchOptions {
+  std::vector<std::string> frames{"640x480", "1280x720"};
+  double noise = 1;
+};
+
+// A camera with the field of view of the usual ones.
+DepthCamera cameraOf(const std::string& size) {
+  const auto [width, height] = parseList<std::uint32_t, 2>(size, 'x', "--frames", "WIDTHxHEIGHT in pixels");
+  const double focal = 525.0 / 640 * width;
+  return {.width = width, .height = height, .fx = focal, .fy = focal, .cx = 0.5 * width - 0.5, .cy = 0.5 * height - 0.5};
+}
+
+CameraPose viewOf(std::uint64_t view) {
+  const double angle = kTurn_rad * static_cast<double>(view);
+  const DQuat turn(std::cos(0.5 * angle), 0, std::sin(0.5 * angle), 0);
+  return {.turn = turn, .centre = turn * DVec3(0, 0, -0.5 * kSize_m - kBefore_m)};
+}
+
+// Depths of the sphere with a depth camera's noise, `noise` times as strong.
+DepthFrame frameOf(const AnalyticShape& shape, const DepthCamera& camera, std::uint64_t view, double noise,
+                   unsigned threads) {
+  const FusionOptions usual;
+  const TracedSurface surface = traced(shape);
+  DepthFrame frame{.number = view, .pose = viewOf(view)};
+  frame.depth_m.resize(std::size_t{camera.width} * camera.height);
+  frame.colors.assign(frame.depth_m.size(), {180, 170, 150});
+  parallelFor(frame.depth_m.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      const DVec3 ray =
+          camera.placeAt(static_cast<double>(pixel % camera.width), static_cast<double>(pixel / camera.width), 1);
+      const auto hit = castRay(surface, {.from = frame.pose->centre, .along = frame.pose->turn * ray});
+      if (!hit) continue;
+      const double beyond = std::max(hit->depth - usual.noiseFrom_m, 0.0);
+      const double deviation = usual.noiseLeast_m + usual.noiseGrowth_per_m * beyond * beyond;
+      frame.depth_m[pixel] =
+          static_cast<float>(hit->depth + noise * deviation * static_cast<double>(randomNormal3(view, pixel).x));
+    }
+  });
+  return frame;
+}
+
+struct Fused {
+  Summary fuse_us, index_us, arrival_us;
+  FusionCounts counts;  // of the last frame
+};
+
+// Frames into a map that is there, with its index, as the touch side does it.
+Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
+           const StreamBenchOptions& options) {
+  FusionOptions fusion;
+  fusion.capacity = map.size() + map.size() / 5 + frames.front().depth_m.size();
+  LiveCloud live(device, map, static_cast<std::uint32_t>(fusion.capacity - map.size()));
+  const double spacing = std::sqrt(std::acos(-1.0) * kSize_m * kSize_m / static_cast<double>(map.size()));
+  const HashGrid grid = makeHashGrid(Vec3(boundsOf(map).min), 4 * spacing, live.slots());
+  const SpatialHash hash(device, grid, live.slots(), kDefaultSort, BucketOrder::arrival, Slots::spare);
+  const LiveCloud::Half incoming{Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming positions"),
+                                 Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming normals"), 0};
+  FusionPass pass(device, camera, fusion, live.slots());
+  pass.reset(device.latencyQueue(), live.count());
+  std::deque<CommandList> lists;
+  for (int turn = 0; turn < 2; ++turn) {
+    CommandList& list = lists.emplace_back(device, device.latencyQueue(), "frame", CommandList::Timing::sections);
+    list.begin();
+    pass.record(list, live.front(), incoming);
+    hash.recordBuild(list, incoming, live.back(), live.slots(), kDefaultSort);
+    list.end();
+    live.flip();
+  }
+  std::vector<double> fuse_us, index_us, arrival_us;
+  FrameImages images;
+  const auto bring = [&](std::int64_t i) {
+    const Stopwatch watch;
+    const DepthFrame& frame = frames[static_cast<std::size_t>(i) % frames.size()];
+    readFrame(camera, frame, fusion, images);
+    pass.put(images, *frame.pose, DVec3(0));
+    const CommandList& list = lists[live.parity()];
+    device.latencyQueue().run(list);
+    live.flip();
+    arrival_us.push_back(watch.elapsed_us());
+    fuse_us.push_back(list.sectionTime_us("fusion"));
+    index_us.push_back(list.sectionTime_us("hash"));
+  };
+  for (std::uint64_t view = 0; view < kViews; ++view) bring(static_cast<std::int64_t>(view));  // all is seen once
+  for (auto* times : {&fuse_us, &index_us, &arrival_us}) times->clear();
+  repeatMeasurement(options, bring);
+  return {.fuse_us = summarize(fuse_us),
+          .index_us = summarize(index_us),
+          .arrival_us = summarize(arrival_us),
+          .counts = pass.counts()};
+}
+
+// How far the points of a map are from the shape, root of the mean square, m, that begins empty and takes in the frames.
+Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vector<DepthFrame>& frames,
+           unsigned threads) {
+  FusionOptions options;
+  options.threads = threads;
+  FrameFusion fusion(options);
+  double noise = 0;
+  std::size_t measured = 0;
+  for (const DepthFrame& frame : frames) {
+    fusion.fuse(camera, frame);
+    for (std::size_t pixel = 0; pixel < frame.depth_m.size(); ++pixel) {
+      if (frame.depth_m[pixel] <= 0) continue;
+      const auto column = static_cast<double>(pixel % camera.width), row = static_cast<double>(pixel / camera.width);
+      const DVec3 place = frame.pose->toWorld(camera.placeAt(column, row, static_cast<double>(frame.depth_m[pixel])));
+      noise += std::pow(shape.signedDistance(place), 2);
+      ++measured;
+    }
+  }
+  double squares = 0;
+  const PointCloud cloud = fusion.map().cloud();
+  for (std::size_t i = 0; i < cloud.size(); ++i) squares += std::pow(shape.signedDistance(cloud.fileCoordinates(i)), 2);
+  return {{"frames", frames.size()},
+          {"points", cloud.size()},
+          {"depth_rms_mm", 1e3 * std::sqrt(noise / static_cast<double>(std::max<std::size_t>(measured, 1)))},
+          {"map_rms_mm", 1e3 * std::sqrt(squares / static_cast<double>(std::max<std::size_t>(cloud.size(), 1)))}};
+}
+
+Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) {
+  return {{"frames", frames},
+          {"surfels", surfels},
+          {"matched", fused.counts.matched},
+          {"appended", fused.counts.appended},
+          {"removed", fused.counts.removed},
+          {"fuse_us", summaryOf(fused.fuse_us)},
+          {"index_us", summaryOf(fused.index_us)},
+          {"arrival_us", summaryOf(fused.arrival_us)}};
+}
+
+Json benchStream(Context& context, const StreamBenchOptions& options) {
+  const auto shape = makeShape("sphere", kSize_m);
+  Json result{{"rows", Json::array()}, {"truth", Json::array()}};
+  fmt::print(context.tables(), "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n",
+             "frames", "surfels", "matched", "fuse", "index", "arrival to index");
+  const auto pair = [](const Summary& us) { return fmt::format("{:.1f} / {:.1f}", us.p50, us.p999); };
+  for (const std::string& size : options.frames) {
+    const DepthCamera camera = cameraOf(size);
+    std::vector<DepthFrame> frames;
+    for (std::uint64_t view = 0; view < kViews; ++view)
+      frames.push_back(frameOf(*shape, camera, view, options.noise, context.threads()));
+    for (const std::int64_t surfels : options.sizes) {
+      const PointCloud map =
+          sampleShape(*shape, {.count = static_cast<std::size_t>(surfels), .threads = context.threads()});
+      const Fused fused = fuse(context.device(), map, camera, frames, options);
+      fmt::print(context.tables(), "{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", size, surfels, fused.counts.matched,
+                 pair(fused.fuse_us), pair(fused.index_us), pair(fused.arrival_us));
+      result["rows"].push_back(toJson(size, map.size(), fused));
+    }
+    Json truth = judge(*shape, camera, frames, context.threads());
+    truth["size"] = size;
+    result["truth"].push_back(truth);
+  }
+  fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n", "frames",
+             "views", "points", "depths", "map");
+  for (const Json& truth : result["truth"])
+    fmt::print(context.tables(), "{:<12}{:>8}{:>10}{:>10.2f}{:>10.2f}\n", truth["size"].get<std::string>(),
+               truth["frames"].get<std::size_t>(), truth["points"].get<std::size_t>(),
+               truth["depth_rms_mm"].get<double>(), truth["map_rms_mm"].get<double>());
+  return result;
+}
+
+}  // namespace
+
+void addStreamBench(Options& bench, Context& context, Command& command) {
+  Options& sub = bench.addSubcommand("stream", "depth frames that fuse into a map, and its index");
+  const auto options = std::make_shared<StreamBenchOptions>();
+  sub.add("--sizes", options->sizes, "numbers of points of the map").check(wholeBetween(1, 1e8)).typeName("N...");
+  sub.add("--frames", options->frames, "sizes of the frames, width x height, pixels").separatedBy(',').showDefault();
+  sub.add("--noise", options->noise, "of the depths, times that of a structured-light camera")
+      .check(between(0, 100))
+      .showDefault();
+  addRepeatOptions(sub, *options);
+  sub.footer(
+      "A sphere of six metres, seen from two metres before it by a camera that goes round a little, is fused into a map "
+      "of it; on 1 and 5 million points unless --sizes says otherwise. Tables of the time on the GPU that a frame takes "
+      "to be fused and indexed, of all that passes from a decoded frame to the points that a hand feels, and of how far "
+      "the points of a map that began empty are from the sphere.\n");
+  sub.whenNamed([&, options] {
+    if (options->sizes.empty()) options->sizes = {1'000'000, 5'000'000};
+    command = [&context, options] {
+      measureAlone(context, *options, "stream", [&] { return benchStream(context, *options); });
+    };
+  });
+}
+
+}  // namespace palpate

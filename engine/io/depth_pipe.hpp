@@ -1,0 +1,58 @@
+// Depth frames that another program writes, as they come.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/core/depth_stream.hpp"
+#include "engine/io/interruptible_input.hpp"
+
+namespace palpate {
+
+/// Raw frames from a pipe. First comes a line of JSON (parseCamera()) with `depth_scale` and `format`: "z16", depth of 16
+/// bits, little-endian, or "z16+rgb8", and behind it red, green and blue of each pixel. Then come frames, each a line
+/// `frame TIME_S`, with the 16 numbers of the matrix from the camera to the world behind it where they are known, and its
+/// bytes. A frame that is torn, or does not come after the one before, is lost; the next one begins where its line does.
+class DepthPipe final : public DepthStream {
+ public:
+  /// Waits for the first line. `descriptor` stays the caller's and outlives it; `name` is for messages. `depthScale`: values
+  /// per metre, in place of what the line says; 0: as that says. Throws Error for a line that makes no camera.
+  DepthPipe(int descriptor, std::string name, double depthScale = 0);
+
+  const DepthCamera& camera() const override { return camera_; }
+  bool next(DepthFrame& frame) override;
+  void stop() noexcept override { input_.stop(); }
+  bool isRecorded() const override { return false; }
+  /// It cannot.
+  void rewind() override;
+
+ private:
+  struct FrameLine {
+    double time_s = 0;
+    std::optional<CameraPose> pose;
+  };
+  bool fill(std::size_t wanted);
+  std::string_view unread() const;
+  std::optional<std::string> peekLine(std::size_t longest);
+  static std::optional<FrameLine> parseLine(std::string_view line);
+  std::optional<FrameLine> findLine();
+  void skipToFrame();
+  std::size_t tornAt(std::size_t bytes) const;
+  void take(const std::byte* pixels, DepthFrame& frame) const;
+  [[noreturn]] void lose(std::string_view why) const;
+
+  InterruptibleInput input_;
+  std::string name_;
+  DepthCamera camera_;
+  double depthScale_ = 0;
+  bool hasColors_ = false, hasPoses_ = false;
+  std::optional<CameraPose> pose_;   // of all frames, where they say none
+  std::vector<std::byte> buffer_;
+  std::size_t begin_ = 0, end_ = 0;  // unread part of buffer_
+  std::optional<double> first_s_, last_s_;
+  std::uint64_t count_ = 0;
+};
+
+}  // namespace palpate

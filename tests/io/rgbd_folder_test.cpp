@@ -1,0 +1,392 @@
+// Folders of depth pictures: frames are what stood before the camera, and what is wrong is said with its place.
+#include "engine/io/rgbd_folder.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <functional>
+
+#include "engine/core/error.hpp"
+#include "tests/content_of.hpp"
+#include "tests/rgbd_writer.hpp"
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+using Write = void (*)(const std::filesystem::path&, const RecordingPlan&);
+
+void replaceIn(const std::filesystem::path& file, const std::string& what, const std::string& by) {
+  std::string text = contentOf(file);
+  const std::size_t at = text.find(what);
+  REQUIRE(at != text.npos);
+  writeBytes(file, text.replace(at, what.size(), by));
+}
+
+/// All that next() gives: frames, and in words what was lost.
+struct Played {
+  std::vector<DepthFrame> frames;
+  std::vector<std::string> lost;
+};
+Played play(DepthStream& stream) {
+  Played played;
+  for (int guard = 0; guard < 1000; ++guard) {
+    DepthFrame frame;
+    try {
+      if (!stream.next(frame)) return played;
+      played.frames.push_back(frame);
+    } catch (const Error& error) {
+      played.lost.emplace_back(error.what());
+    }
+  }
+  FAIL("a stream without end");
+  return played;
+}
+
+Played playAfter(Write write, const std::function<void(const std::filesystem::path&)>& harm) {
+  const ScratchFolder folder;
+  write(folder.path(), {});
+  harm(folder.path());
+  RgbdFolder stream(folder.path());
+  return play(stream);
+}
+
+std::string refusalAfter(Write write, const std::function<void(const std::filesystem::path&)>& harm) {
+  const ScratchFolder folder;
+  write(folder.path(), {});
+  harm(folder.path());
+  try {
+    RgbdFolder stream(folder.path());
+  } catch (const FileError& error) {
+    const std::string text = error.what(), place = folder.path().string() + "/";
+    return text.starts_with(place) ? text.substr(place.size()) : text;
+  }
+  return "opened";
+}
+
+class Remarks final : public LogListener {
+ public:
+  Remarks() { log.listen(this); }
+  void said(std::string_view line) override { lines.emplace_back(line); }
+  void progressed(std::string_view, double) override {}
+  Log log{true};
+  std::vector<std::string> lines;
+};
+
+const std::filesystem::path& livingRoom() {
+  static const std::filesystem::path folder = [] {
+    const char* given = std::getenv("PALPATE_MODELS");
+    return (given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models") /
+           "rgbd_livingroom_a";
+  }();
+  return folder;
+}
+
+}  // namespace
+
+TEST_CASE("frames of both kinds of folder are what stood before the camera, with its poses and colours") {
+  for (const auto& [write, scale, late_s] : {std::tuple{&writeRedwood, 1000.0, 1e-12}, std::tuple{&writeTum, 5000.0, 1e-6}}) {
+    const ScratchFolder folder;
+    const RecordingPlan plan{.frames = 5, .rate_Hz = 30};
+    write(folder.path(), plan);
+    REQUIRE(isRgbdFolder(folder.path()));
+    RgbdFolder stream(folder.path());
+    CAPTURE(stream.kind());
+    CHECK(stream.camera() == recordedCamera());
+    CHECK(stream.isRecorded());
+    CHECK(stream.frames() == 5);
+    CHECK(stream.duration_s() == doctest::Approx(4.0 / 30).epsilon(1e-5));
+    CHECK(stream.depthScale() == scale);
+    CHECK(stream.poses() == 5);
+    CHECK(stream.colors() == 5);
+    const Played played = play(stream);
+    CHECK(played.lost.empty());
+    REQUIRE(played.frames.size() == 5);
+    for (std::size_t i = 0; i < played.frames.size(); ++i) {
+      const DepthFrame& frame = played.frames[i];
+      const double time_s = static_cast<double>(i) / plan.rate_Hz;
+      CHECK(frame.number == i);
+      CHECK(std::abs(frame.time_s - time_s) < late_s);
+      REQUIRE(frame.pose.has_value());
+      const CameraPose truth = recordedPose(time_s);
+      CHECK(glm::distance(frame.pose->centre, truth.centre) < 1e-6);
+      CHECK(angleBetween_deg(frame.pose->turn * DVec3(0, 0, 1), truth.turn * DVec3(0, 0, 1)) < 1e-4);
+      const std::vector<float> depth_m = depthSeen(recordedCamera(), truth);
+      REQUIRE(frame.depth_m.size() == depth_m.size());
+      double farthest = 0;
+      std::size_t seen = 0;
+      for (std::size_t pixel = 0; pixel < depth_m.size(); ++pixel) {
+        farthest = std::max(farthest, std::abs(double{frame.depth_m[pixel]} - double{depth_m[pixel]}));
+        seen += frame.depth_m[pixel] > 0;
+      }
+      CHECK(farthest <= 0.51 / scale);
+      CHECK(seen > 40);
+      CHECK(seen < depth_m.size());
+      CHECK(frame.colors.at(24 * 3 + 5) == std::array<std::uint8_t, 3>{5, 3, static_cast<std::uint8_t>(i)});
+    }
+  }
+}
+
+TEST_CASE("a folder plays again from its first frame, and passes over frames up to a time") {
+  const ScratchFolder folder;
+  writeRedwood(folder.path(), {.frames = 6});
+  RgbdFolder stream(folder.path());
+  const Played first = play(stream);
+  stream.rewind();
+  const Played again = play(stream);
+  REQUIRE(again.frames.size() == first.frames.size());
+  for (std::size_t i = 0; i < first.frames.size(); ++i) CHECK(again.frames[i].depth_m == first.frames[i].depth_m);
+  stream.rewind();
+  CHECK(stream.skipTo(0) == 0);
+  CHECK(stream.skipTo(3.4 / 30) == 3);
+  DepthFrame frame;
+  REQUIRE(stream.next(frame));
+  CHECK(frame.number == 3);
+  CHECK(stream.skipTo(1e9) == 1);
+  REQUIRE(stream.next(frame));
+  CHECK(frame.number == 5);
+  CHECK_FALSE(stream.next(frame));
+  CHECK(stream.skipTo(1e9) == 0);
+}
+
+TEST_CASE("numbers of Redwood's files are times, and frames between them are none") {
+  const ScratchFolder folder;
+  writeRedwood(folder.path(), {.frames = 3});
+  std::string log = contentOf(folder / "trajectory.log");
+  for (const int i : {2, 1}) {
+    std::filesystem::rename(folder / fmt::format("depth/{:05}.png", i), folder / fmt::format("depth/{:05}.png", 5 * i));
+    std::filesystem::rename(folder / fmt::format("color/{:05}.png", i), folder / fmt::format("color/frame-{:06}.rgb.png", 5 * i));
+    const std::string head = fmt::format("{} {} {}\n", i, i, i + 1);
+    log.replace(log.find(head), head.size(), fmt::format("{0} {0} {1}\n", 5 * i, 5 * i + 1));
+  }
+  writeBytes(folder / "trajectory.log", log);
+  RgbdFolder stream(folder.path());
+  const Played played = play(stream);
+  CHECK(played.lost.empty());
+  REQUIRE(played.frames.size() == 3);
+  CHECK(played.frames[1].time_s == doctest::Approx(5.0 / 30));
+  CHECK(played.frames[2].time_s == doctest::Approx(10.0 / 30));
+  CHECK(played.frames[2].colors.front()[2] == 2);
+}
+
+TEST_CASE("poses that are numbered from 1 belong to the pictures one after another") {
+  const Played played = playAfter(&writeRedwood, [](const auto& folder) {
+    std::string log = contentOf(folder / "trajectory.log");
+    for (const int i : {3, 2, 1, 0}) {
+      const std::string head = fmt::format("{} {} {}\n", i, i, i + 1);
+      log.replace(log.find(head), head.size(), fmt::format("{0} {0} {1}\n", i + 1, i + 2));
+    }
+    writeBytes(folder / "trajectory.log", log);
+  });
+  REQUIRE(played.frames.size() == 4);
+  CHECK(glm::distance(played.frames[3].pose->centre, recordedPose(0.1).centre) < 1e-6);
+}
+
+TEST_CASE("without a trajectory frames have no poses, and without pictures no colours") {
+  for (const Write write : {&writeRedwood, &writeTum}) {
+    const Played played = playAfter(write, [](const auto& folder) {
+      for (const char* name : {"trajectory.log", "groundtruth.txt", "rgb.txt", "color"})
+        std::filesystem::remove_all(folder / name);
+    });
+    REQUIRE(played.frames.size() == 4);
+    CHECK_FALSE(played.frames[2].pose.has_value());
+    CHECK(played.frames[2].colors.empty());
+    CHECK(played.lost.empty());
+  }
+}
+
+TEST_CASE("intrinsics that nobody gave are said; those that were given count more than the folder's own") {
+  const ScratchFolder folder;
+  writeRedwood(folder.path());
+  writeBytes(folder / "other.json", intrinsicsJson({.width = 24, .height = 18, .fx = 30, .fy = 30, .cx = 1, .cy = 2},
+                                                   R"(, "depth_scale": 500, "fps": 10)"));
+  RgbdFolder given(folder.path(), {.intrinsics = folder / "other.json"});
+  CHECK(given.camera().fx == 30);
+  CHECK(given.depthScale() == 500);
+  CHECK(given.duration_s() == doctest::Approx(0.3));
+  CHECK(RgbdFolder(folder.path(), {.intrinsics = folder / "other.json", .depthScale = 200}).depthScale() == 200);
+
+  std::filesystem::remove(folder / "intrinsics.json");
+  Remarks remarks;
+  CHECK_THROWS_WITH_AS(RgbdFolder(folder.path(), {}, &remarks.log),
+                       doctest::Contains("00000.png: has 24 x 18 pixels, and the camera 640 x 480; give the intrinsics"),
+                       FileError);
+  REQUIRE(remarks.lines.size() == 1);
+  CHECK(says(remarks.lines[0], "has no intrinsics; taken are 640 x 480 pixels, focal lengths 525 and 525, middle 319.5, 239.5"));
+}
+
+TEST_CASE("colours of another size come along, and that is said once") {
+  const ScratchFolder folder;
+  writeTum(folder.path());
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "rgb")) writeBytes(entry.path(), colorPng(48, 36, 9));
+  Remarks remarks;
+  RgbdFolder stream(folder.path(), {}, &remarks.log);
+  const Played played = play(stream);
+  REQUIRE(played.frames.size() == 4);
+  CHECK(played.frames[0].colors.at(24 * 2 + 7) == std::array<std::uint8_t, 3>{15, 5, 9});
+  REQUIRE(remarks.lines.size() == 1);
+  CHECK(says(remarks.lines[0], "has 48 x 36 pixels; colours are brought to the 24 x 18 of depth"));
+}
+
+TEST_CASE("a frame that cannot be read is lost with its file, and those behind it come") {
+  const auto lostAfter = [](Write write, const std::function<void(const std::filesystem::path&)>& harm) {
+    const Played played = playAfter(write, harm);
+    REQUIRE(played.lost.size() == 1);
+    REQUIRE(played.frames.size() == 3);
+    CHECK(played.frames[1].number == 2);  // that of the lost one is not given again
+    return played.lost[0];
+  };
+  const auto second = [](const std::filesystem::path& folder) { return folder / "depth" / "00001.png"; };
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), greyPng(2, 2, std::vector<std::uint16_t>(4, 9))); }),
+             "00001.png: has 2 x 2 pixels, and the camera 24 x 18"));
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); }),
+             "00001.png: is no grey PNG of 16 bits"));
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); }),
+             "00001.png: has no depth at all"));
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::resize_file(second(f), 300); }), "ends within the picture"));
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::remove(second(f)); }),
+             "trajectory.log:6: frame 1 has a pose and no picture in depth"));
+  CHECK(says(lostAfter(&writeRedwood, [](const auto& f) { std::filesystem::remove(f / "color" / "00001.png"); }),
+             "00001.png: has no picture of its number with the colours"));
+  CHECK(says(lostAfter(&writeTum, [](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); }),
+             "depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s"));
+  CHECK(says(lostAfter(&writeTum, [](const auto& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); }),
+             "1305031102.208637.png: cannot be read"));
+}
+
+TEST_CASE("frames without a pose where others have one are lost, whatever ends first") {
+  const Played shorter = playAfter(&writeRedwood, [](const auto& folder) {
+    const std::string log = contentOf(folder / "trajectory.log");
+    writeBytes(folder / "trajectory.log", log.substr(0, log.find("2 2 3\n")));
+  });
+  CHECK(shorter.frames.size() == 2);
+  REQUIRE(shorter.lost.size() == 2);
+  CHECK(says(shorter.lost[0], "00002.png: has no pose in trajectory.log"));
+  const Played early = playAfter(&writeTum, [](const auto& folder) {
+    const std::string poses = contentOf(folder / "groundtruth.txt");
+    writeBytes(folder / "groundtruth.txt", "# late\n" + poses.substr(poses.find("1305031102.24")));
+  });
+  CHECK(early.frames.size() == 1);
+  REQUIRE(early.lost.size() == 3);
+  CHECK(says(early.lost[0], "depth.txt:2: 1305031102.175304.png has no pose in groundtruth.txt"));
+}
+
+TEST_CASE("colours go to the depth that is nearest, and to one only") {
+  const ScratchFolder folder;
+  writeTum(folder.path(), {.frames = 2, .rate_Hz = 100});
+  // The first depth is 4 ms from the only colour, the second one 6 ms.
+  const std::string name = "1305031102.175304.png";
+  writeBytes(folder / "rgb.txt", "1305031102.179304 rgb/" + name + "\n");
+  RgbdFolder stream(folder.path());
+  const Played played = play(stream);
+  REQUIRE(played.frames.size() == 1);
+  CHECK(played.frames[0].number == 0);
+  CHECK(played.lost.size() == 1);
+}
+
+TEST_CASE("lists that are wrong are refused at once, with file and line") {
+  const auto redwood = [](const auto& harm) { return refusalAfter(&writeRedwood, harm); };
+  const auto tum = [](const auto& harm) { return refusalAfter(&writeTum, harm); };
+  CHECK(redwood([](const auto&) {}) == "opened");
+  CHECK(tum([](const auto&) {}) == "opened");
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "depth.txt", "# nothing\n\n"); }), "depth.txt: names no pictures"));
+  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "noon "); }),
+             "depth.txt:3: found 'noon', expected a time in seconds and the name of a picture"));
+  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
+  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "1305031102.175304 "); }),
+             "depth.txt:3: time 1305031102.175304 s does not come after"));
+  CHECK(says(tum([](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637 ", "7 "); }), "rgb.txt:4: time 7 s"));
+  CHECK(says(tum([](const auto& f) { replaceIn(f / "groundtruth.txt", "1305031102.172304 ", "1305031102.172304 7 "); }),
+             "groundtruth.txt:3: expected eight numbers"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 0 0 0 0 2\n"); }),
+             "groundtruth.txt:1: the pose's quaternion has the length 2"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 nan 0 0 0 1\n"); }), "groundtruth.txt:1: the pose's place"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"); }), "groundtruth.txt:2: time 1 s"));
+  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "one"); }), "trajectory.log:6: found 'one'"));
+  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "0 0 1"); }),
+             "trajectory.log:6: frame 0 does not come after frame 0"));
+  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "1e18 1 2"); }), "trajectory.log:6: found"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n"); }),
+             "trajectory.log:3: ends within the pose that begins in line 1"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0\n"); }),
+             "trajectory.log:3: found '0 1 0', expected the four numbers of a row"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
+             "trajectory.log:1: the pose's first three columns are no rotation"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }), "none of its 4 frames can be read; the first one: "));
+  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }), "has the number of"));
+  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/last.png"); }), "has no number"));
+  CHECK(says(redwood([](const auto& f) {
+               std::filesystem::remove_all(f / "depth");
+               std::filesystem::create_directory(f / "depth");
+             }),
+             "depth: has no pictures"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "intrinsics.json", "{}"); }), "intrinsics.json: has no \"width\""));
+  const ScratchFolder empty;
+  CHECK_FALSE(isRgbdFolder(empty.path()));
+  CHECK_FALSE(isRgbdFolder(empty / "none"));
+  CHECK_THROWS_WITH_AS(RgbdFolder(empty.path()), doctest::Contains("is not a TUM folder"), FileError);
+}
+
+TEST_CASE("a list that is cut off at any byte is read or refused, and nothing else") {
+  for (const auto& [write, name] : {std::pair{&writeRedwood, "trajectory.log"}, std::pair{&writeTum, "depth.txt"},
+                                    std::pair{&writeTum, "groundtruth.txt"}, std::pair{&writeRedwood, "intrinsics.json"}}) {
+    CAPTURE(name);
+    const ScratchFolder folder;
+    write(folder.path(), {.frames = 2});
+    const std::string whole = contentOf(folder / name);
+    std::size_t opened = 0;
+    for (std::size_t size = 0; size < whole.size(); size += whole.size() > 400 ? 7 : 1) {
+      writeBytes(folder / name, whole.substr(0, size));
+      try {
+        RgbdFolder stream(folder.path());
+        play(stream);
+        ++opened;
+      } catch (const FileError&) {
+      }
+    }
+    CHECK(opened < whole.size());
+  }
+}
+
+TEST_CASE("what is up follows from how the cameras were held") {
+  const ScratchFolder folder;
+  writeRedwood(folder.path());
+  CHECK(RgbdFolder(folder.path()).up() == UpAxis::minusY);
+  // The camera's right is the world's x, its down the world's -z.
+  writeBytes(folder / "trajectory.log", "0 0 1\n1 0 0 0\n0 0 1 0\n0 -1 0 0\n0 0 0 1\n");
+  CHECK(RgbdFolder(folder.path()).up() == UpAxis::z);
+}
+
+TEST_CASE("a real recording is read whole") {
+  if (!isRgbdFolder(livingRoom())) {
+    MESSAGE("skipped: no ", livingRoom().string());
+    return;
+  }
+  RgbdFolder stream(livingRoom());
+  CHECK(stream.camera() == DepthCamera{.width = 640, .height = 480, .fx = 525, .fy = 525, .cx = 319.5, .cy = 239.5});
+  CHECK(stream.depthScale() == 1000);
+  CHECK(stream.kind() == "Redwood");
+  CHECK(stream.duration_s() == doctest::Approx(3.2));
+  CHECK(stream.up() == UpAxis::minusY);
+  const Played played = play(stream);
+  CHECK(played.lost.empty());
+  REQUIRE(played.frames.size() == 25);
+  double last_s = -1;
+  for (const DepthFrame& frame : played.frames) {
+    CHECK(frame.time_s > last_s);
+    last_s = frame.time_s;
+    REQUIRE(frame.depth_m.size() == 640 * 480);
+    CHECK(frame.colors.size() == 640 * 480);
+    REQUIRE(frame.pose.has_value());
+    const auto [least, most] = std::ranges::minmax(frame.depth_m);
+    CHECK(least >= 0);
+    CHECK(most > 1);
+    CHECK(most < 10);
+  }
+  CHECK(played.frames[0].pose->centre == DVec3(0));
+  CHECK(glm::distance(played.frames[1].pose->centre, DVec3(0.00622254, -0.09654850, -0.00728249)) < 1e-9);
+}
+
+}  // namespace palpate
