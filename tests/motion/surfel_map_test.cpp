@@ -148,6 +148,26 @@ TEST_CASE("what has gone leaves no ghost once the camera has seen through it, an
   CHECK(standing({0.05, 0, 0.06}) > 500);
 }
 
+TEST_CASE("a pose that is a little off does not eat the rim of what stands before a wall") {
+  DepthScene scene;
+  scene.add("cube", 0.1, {0, 0, 0.05}).add("plane", 2, {0, 0, -0.5});
+  FrameFusion fusion(smallMap());
+  const CameraPose pose = lookingAt({0, 0, 1}, {0, 0, 0});
+  const DepthFrame frame = scene.frame(smallCamera(), pose);
+  for (int i = 0; i < 6; ++i) fusion.fuse(smallCamera(), frame);
+  const std::size_t ids = fusion.map().ids();
+  DepthFrame aside = frame;
+  aside.pose->centre.x += 0.9 * footprint(0.9);
+  for (int i = 0; i < 12; ++i) fusion.fuse(smallCamera(), aside);
+  std::size_t kept = 0;
+  for (std::size_t id = 0; id < ids; ++id) kept += fusion.map().holds(id) ? 1 : 0;
+  CHECK(kept == ids);
+  // By three pixels it is the other place that counts.
+  aside.pose->centre.x += 2.1 * footprint(0.9);
+  for (int i = 0; i < 12; ++i) fusion.fuse(smallCamera(), aside);
+  CHECK(fusion.map().totals().removed > 20);
+}
+
 TEST_CASE("what is not seen keeps every bit: behind the camera, beside its view, and behind what stands in front") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap());
