@@ -95,11 +95,8 @@ void SurfelMap::updatePoint(std::size_t id, Frame& frame) {
 void SurfelMap::appendPoints(Frame& frame) {
   const std::uint32_t width = frame.view.width, height = frame.view.height;
   const auto isCovered = [&](std::size_t pixel, std::uint32_t x, std::uint32_t y) {
-    return (covered_[pixel] & shared::kPartsWithin) != 0 ||
-           (x > 0 && (covered_[pixel - 1] & shared::kPartsLeft) != 0) ||
-           (x + 1 < width && (covered_[pixel + 1] & shared::kPartsRight) != 0) ||
-           (y > 0 && (covered_[pixel - width] & shared::kPartsAbove) != 0) ||
-           (y + 1 < height && (covered_[pixel + width] & shared::kPartsBelow) != 0);
+    return shared::isCovered(covered_[pixel], x > 0 ? covered_[pixel - 1] : 0, x + 1 < width ? covered_[pixel + 1] : 0,
+                             y > 0 ? covered_[pixel - width] : 0, y + 1 < height ? covered_[pixel + width] : 0);
   };
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {

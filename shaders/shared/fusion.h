@@ -230,5 +230,11 @@ const uint kPartsRight = 0x1111u;
 const uint kPartsAbove = 0xf000u;
 const uint kPartsBelow = 0x000fu;
 
+// Whether points stand close to a pixel's middle, by the parts of it and of those beside it.
+PALPATE_FUNCTION bool isCovered(uint within, uint left, uint right, uint above, uint below) {
+  return (within & kPartsWithin) != 0u || (left & kPartsLeft) != 0u || (right & kPartsRight) != 0u ||
+         (above & kPartsAbove) != 0u || (below & kPartsBelow) != 0u;
+}
+
 PALPATE_SHARED_END
 #endif

@@ -119,6 +119,23 @@ TEST_CASE("a point is looked for in the pixel that sees it, and in that part of 
   CHECK_FALSE(shared::projectionOf(view, Vec3(nan, 0, 0)).inView);
 }
 
+TEST_CASE("a point covers the pixel that it stands in, and the one beside it by a quarter of a pixel") {
+  // In parts of a pixel from the corner of the pixel that is asked about.
+  for (int v = -4; v < 8; ++v) {
+    for (int u = -4; u < 8; ++u) {
+      std::array<std::array<uint, 3>, 3> covered{};  // rows of pixels
+      covered[static_cast<std::size_t>(v + 4) / 4][static_cast<std::size_t>(u + 4) / 4] =
+          1u << (static_cast<uint>(v + 4) % 4 * 4 + static_cast<uint>(u + 4) % 4);
+      const double x = (u + 0.5) / 4 - 0.5, y = (v + 0.5) / 4 - 0.5;  // pixels from its middle
+      const double least = std::min(std::abs(x), std::abs(y)), most = std::max(std::abs(x), std::abs(y));
+      CAPTURE(x);
+      CAPTURE(y);
+      const bool is = shared::isCovered(covered[1][1], covered[1][0], covered[1][2], covered[0][1], covered[2][1]);
+      CHECK(is == (least < 0.5 && most < 0.75));
+    }
+  }
+}
+
 TEST_CASE("a point is measured, hidden, seen through, or none of it, by where it stands before its pixel") {
   const shared::FusionView view = viewFrom({});
   const shared::PixelSurface wall{.normal = Vec3(0, 0, -1), .depth = 1};
