@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include <glm/common.hpp>
@@ -69,9 +71,12 @@ class ParametricShape final : public AnalyticShape {
   }
 
   AreaMap areaMap(unsigned threads) const override {
-    const auto density = [this](const DVec2& square) { return form_.areaDensity(square); };
-    auto table = std::make_shared<const AreaTable>(Form::kTable.rows, Form::kTable.columns, density, threads);
-    return [this, table](const DVec2& uniform) { return place(form_.at(form_.site((*table)(uniform)))); };
+    // It takes longer than a small sampling, and is the same for all.
+    std::call_once(tableMade_, [&] {
+      const auto density = [this](const DVec2& square) { return form_.areaDensity(square); };
+      table_ = std::make_unique<const AreaTable>(Form::kTable.rows, Form::kTable.columns, density, threads);
+    });
+    return [this](const DVec2& uniform) { return place(form_.at(form_.site((*table_)(uniform)))); };
   }
 
  private:
@@ -136,6 +141,8 @@ class ParametricShape final : public AnalyticShape {
   std::unique_ptr<PointTree> tree_;
   DVec3 middle_{0};   // of the form's box, in its units
   double scale_ = 1;  // model units per unit of the form
+  mutable std::once_flag tableMade_;
+  mutable std::unique_ptr<const AreaTable> table_;
 };
 
 }  // namespace palpate
