@@ -3,9 +3,9 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
 
 #include "engine/motion/depth_read_ahead.hpp"
+#include "engine/motion/play_counts.hpp"
 #include "engine/motion/playback_time.hpp"
 
 namespace palpate {
@@ -16,17 +16,6 @@ struct PlayOptions {
   /// Of a recorded stream: the frame that is due is waited for, so that the same time has the same frame. Otherwise it is
   /// played against the clock: what comes too late is dropped.
   bool exact = true;
-};
-
-/// What became of the frames so far.
-struct PlayCounts {
-  std::uint64_t played = 0;   ///< were the newest one at a time that was asked for
-  std::uint64_t lost = 0;     ///< could not be read
-  std::uint64_t dropped = 0;  ///< were not played: a later one was due, or had come already
-  std::string lastLoss;       ///< why the last one of those was lost; empty where none was
-  /// Of a live stream: the session's time at which its last frame came, where that is more than a second ago, or no more
-  /// will come.
-  std::optional<double> silentSince_s;
 };
 
 /// Plays a depth stream in the time of a session. Calls are for one thread at a time, but for counts().

@@ -22,8 +22,7 @@ class DepthSource final : public CloudSource {
   bool hasNewer(double time_s, double than_s) override;
 
   DepthPlayer& player() { return player_; }
-  /// From any thread.
-  PlayCounts counts() const { return player_.counts(); }
+  std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
 
  private:
   DepthPlayer player_;
