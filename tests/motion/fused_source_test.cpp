@@ -51,7 +51,7 @@ bool areEqual(const CloudFrame& a, const CloudFrame& b) {
 
 TEST_CASE("the same time gives the same points, whatever was asked for before") {
   FewFrames stream(Kind::recorded, 99);
-  FusedSource source(stream, smallMap(50'000));
+  FusedSource source(unowned(stream), smallMap(50'000));
   CHECK(source.size() == 50'000);
   CHECK(source.keepsPoints());
   CloudFrame first, later, again;
@@ -74,7 +74,7 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
 
 TEST_CASE("a frame that cannot be read is counted as lost, and the next ones come") {
   FewFrames stream(Kind::recorded, 2);
-  FusedSource source(stream, smallMap());
+  FusedSource source(unowned(stream), smallMap());
   CloudFrame frame;
   source.makeFrame(1, frame);
   CHECK(source.fusion().fused() == 5);
@@ -83,7 +83,7 @@ TEST_CASE("a frame that cannot be read is counted as lost, and the next ones com
 
 TEST_CASE("a live camera's next frame is waited for, one at a time, and its end keeps the map") {
   FewFrames stream(Kind::live, 99);
-  FusedSource source(stream, smallMap());
+  FusedSource source(unowned(stream), smallMap());
   CloudFrame frame;
   for (std::uint64_t i = 1; i <= 6; ++i) {
     source.makeFrame(0, frame);
@@ -119,7 +119,7 @@ TEST_CASE("a frame has the points that there are, by their ids") {
     DepthFrame near_, far_;
     int at_ = 0;
   } stream(near, far);
-  FusedSource source(stream, smallMap());
+  FusedSource source(unowned(stream), smallMap());
   CloudFrame frame;
   source.makeFrame(1, frame);
   const SurfelMap& map = source.fusion().map();
