@@ -133,7 +133,7 @@ Outcome compare(const Recorded& recorded, const Again& again, double tolerance) 
   const bool ordered = config.backend.name == "cpu" || config.backend.deterministic;
   const Tolerance allowed{tolerance, recorded.scale};
   Outcome outcome{.comparable = comparableTicks(recorded.record, config.rate_Hz, config.realtime, ordered)};
-  if (config.realtime && config.motion)
+  if (config.realtime && config.moves())
     outcome.comparable = {0, "in real time the frames of a model that moves come when they are ready"};
   outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
                                      outcome.comparable.count, allowed);

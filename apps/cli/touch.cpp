@@ -108,7 +108,8 @@ TouchReport reportOf(const Session& session, const ServoResult& result, const Sc
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
-  if (backend.points(0).empty() && !(config.motion && config.realtime))
+  // Of a depth camera's frames the first one alone is known here.
+  if (backend.points(0).empty() && !config.stream && !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
   return report;
@@ -200,7 +201,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
   });
 
-  const bool changes = config.brush || config.motion;
+  const bool changes = config.brush || config.moves();
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
   report.tool = options.backend.tool;

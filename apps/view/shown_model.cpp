@@ -36,7 +36,7 @@ void ShownModel::follow(WindowSession& session, ViewSettings& view, Messages& me
   edited_ = session.takeBatch();
   if (!view.mesh) return mesh_.clear();
   try {
-    if (session.config().motion) throw Error("a model that moves is not shown as triangles yet");
+    if (session.config().moves()) throw Error("a model that moves is not shown as triangles yet");
     if (!mesh_.follow(session, static_cast<std::uint32_t>(view.lattice), edited_.points))
       messages.say("making the triangles");
   } catch (const DeviceLost&) {

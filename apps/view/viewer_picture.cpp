@@ -42,7 +42,7 @@ void Viewer::draw(double dt_s) {
 
   Screen::Layers layers{.panels = panels, .dark = settings_.view.dark};
   WindowSession* session = document_.session();
-  shown_.choosePace(pointing_.isMoving() || (session && session->config().motion), script_.clock_s(), script_.hasOwnClock());
+  shown_.choosePace(pointing_.isMoving() || (session && session->config().moves()), script_.clock_s(), script_.hasOwnClock());
   if (session) {
     if (pace_.count() > 0) shown_.takePick();
     session->drawn().closeSurface();

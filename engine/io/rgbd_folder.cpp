@@ -5,6 +5,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/camera_text.hpp"
+#include "engine/io/colmap_model.hpp"
 #include "engine/io/image_file.hpp"
 
 namespace palpate {
@@ -28,7 +29,10 @@ std::filesystem::path ownIntrinsics(const std::filesystem::path& folder) {
 
 }  // namespace
 
-bool isRgbdFolder(const std::filesystem::path& path) { return isTumFolder(path) || isRedwoodFolder(path); }
+bool isRgbdFolder(const std::filesystem::path& path) {
+  // A reconstruction may have kept its depth beside it.
+  return (isTumFolder(path) || isRedwoodFolder(path)) && !isColmapFolder(path);
+}
 
 std::string_view rgbdFoldersRead() { return "a TUM folder (with depth.txt) or a Redwood one (with a folder depth)"; }
 

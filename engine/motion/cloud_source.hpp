@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "engine/core/cloud_frame.hpp"
+#include "engine/motion/play_counts.hpp"
 
 namespace palpate {
 
@@ -24,6 +26,8 @@ class CloudSource {
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
   /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
   virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
+  /// What became of the frames of a depth camera, where it plays one. From any thread.
+  virtual std::optional<PlayCounts> playCounts() const { return std::nullopt; }
 };
 
 /// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that

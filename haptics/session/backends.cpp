@@ -54,6 +54,8 @@ void BackendKind::check(const SessionConfig& config) const {
                       nameOf(kBrushKinds, config.brush->kind));
   if (!can.followsMotion && config.motion)
     throw ConfigError("motion.kind", "backend.name {} feels only what stands still; take vulkan or cpu", name());
+  if (!can.followsMotion && config.stream)
+    throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for a depth camera", name());
   if (!can.keepsEdits && config.undo.undo > 0)
     throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
 }

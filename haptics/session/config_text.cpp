@@ -285,6 +285,14 @@ void describe(auto&& in, auto& config, const MotionConfig*) {
   in.field("speed_mm_per_s", config.speed_mm_per_s);
 }
 
+void describe(auto&& in, auto& config, const StreamConfig*) {
+  in.field("live", config.live);
+  in.field("speed", config.speed);
+  in.field("loop", config.loop);
+  in.field("depth_scale", config.depthScale);
+  in.field("intrinsics", config.intrinsics);
+}
+
 void describe(auto&& in, auto& config, const UndoConfig*) {
   in.field("undo", config.undo);
   in.field("redo", config.redo);
@@ -304,6 +312,7 @@ void describeSession(auto&& in, auto& config) {
   in.part("force", config.force, describer<ForceOptions>);
   in.part("undo", config.undo, describer<UndoConfig>);
   in.partWhereGiven("motion", config.motion, describer<MotionConfig>);
+  in.partWhereGiven("stream", config.stream, describer<StreamConfig>);
   in.parts("hands", config.hands, describer<HandConfig>);
   in.field("rate_Hz", config.rate_Hz);
   in.field("duration_s", config.duration_s);

@@ -24,7 +24,7 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
 // Whichever brush comes first, others may follow; to what moves none does.
 SessionConfig withBrush(SessionConfig config) {
   config.realtime = true;
-  if (config.motion) return config;
+  if (config.moves()) return config;
   BrushConfig brush = config.brush.value_or(BrushConfig{});
   brush.kind = BrushKind::push;
   config.brush = brush;
@@ -51,7 +51,7 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
       stylus_(mapFor(this->model(), bounds_), parkingPlace(this->model(), bounds_)),
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       seen_(1 / config.rate_Hz) {
-  if (!config.motion && (!config.brush || config.brush->kind != BrushKind::push)) session_.setBrush(config.brush);
+  if (!config.moves() && (!config.brush || config.brush->kind != BrushKind::push)) session_.setBrush(config.brush);
   start();
 }
 

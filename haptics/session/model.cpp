@@ -7,7 +7,10 @@
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/rgbd_folder.hpp"
+#include "haptics/session/stream_model.hpp"
 #include "shaders/shared/contact.h"
 
 namespace palpate {
@@ -19,7 +22,23 @@ std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads) {
   return fmt::format("{:.0f} ms on the CPU", watch.elapsed_us() * 1e-3);
 }
 
+namespace {
+
+/// What follows from the points.
+void measure(Model& model, const ModelConfig& config, unsigned threads) {
+  model.scale =
+      config.mm_per_unit > 0 ? ModelScale{config.mm_per_unit} : ModelScale::fitting(boundsOf(model.cloud).longestSide());
+  const SpacingRange spacing = spacingRange(model.cloud, threads);
+  model.spacing = spacing.mean;
+  model.wideSpacing = spacing.wide;
+  model.noise = spacing.noise;
+}
+
+}  // namespace
+
 Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
+  if (isRgbdFolder(config.file))
+    throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
   Model model;
   model.cloud =
       readCloud(config.file, &loading.log,
@@ -36,12 +55,19 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
     constexpr std::size_t kNoPlane = 2;
     if (cloud.size() <= kNoPlane) cloud.normals.assign(cloud.size(), Vec3(frontOf(model.upright.up)));
   }
-  model.scale =
-      config.mm_per_unit > 0 ? ModelScale{config.mm_per_unit} : ModelScale::fitting(boundsOf(cloud).longestSide());
-  const SpacingRange spacing = spacingRange(cloud, loading.threads);
-  model.spacing = spacing.mean;
-  model.wideSpacing = spacing.wide;
-  model.noise = spacing.noise;
+  measure(model, config, loading.threads);
+  return model;
+}
+
+Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
+  if (!config.stream) return loadModel(config.model, loading);
+  FirstFrame first = readFirstFrame(config, loading.log);
+  Model model;
+  model.cloud = std::move(first.cloud);
+  model.live = std::move(first.live);
+  model.upright = findUp(model.cloud);
+  model.shown = coreBoundsOf(model.cloud);
+  measure(model, config.model, loading.threads);
   return model;
 }
 

@@ -3,17 +3,25 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/contact/surface.hpp"
+#include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
 #include "haptics/session/session_config.hpp"
 
 namespace palpate {
+
+/// A live depth camera, of whose frames the first one was taken.
+struct LiveFrames {
+  std::shared_ptr<DepthStream> stream;  ///< null once a session plays it
+  DepthFrame first;
+};
 
 struct Model {
   PointCloud cloud;
@@ -24,6 +32,7 @@ struct Model {
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
+  std::shared_ptr<LiveFrames> live;  ///< null where the model is a file or a recording
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 
@@ -39,6 +48,8 @@ struct ModelLoading {
 };
 /// Reads the file, and sees to normals as the configuration says. Throws FileError, UsageError.
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
+/// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
+Model loadModel(const SessionConfig& config, const ModelLoading& loading);
 
 /// The checksum of a model as it was loaded, normals included.
 std::uint64_t checksumOf(const Model& model);

@@ -1,6 +1,7 @@
 #include "haptics/session/moving_model.hpp"
 
 #include "engine/motion/moving_cloud.hpp"
+#include "haptics/session/stream_model.hpp"
 
 namespace palpate {
 
@@ -16,6 +17,7 @@ std::optional<RigidMotion> rigidMotion(const SessionConfig& config, const Model&
 }
 
 std::unique_ptr<CloudSource> makeSource(const SessionConfig& config, const Model& model) {
+  if (config.stream) return makeStreamSource(config, model);
   const std::optional<RigidMotion> motion = rigidMotion(config, model);
   if (!motion) return nullptr;
   return std::make_unique<MovingCloud>(model.cloud, *motion);

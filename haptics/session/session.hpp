@@ -66,6 +66,8 @@ class Session {
   const TouchBackend& backend() const { return *backend_; }
   /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
   void checkFollower() const { relay_.checkFollower(); }
+  /// What became of the frames of a depth camera, where the model is one. From any thread.
+  std::optional<PlayCounts> playCounts() const { return source_ ? source_->playCounts() : std::nullopt; }
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }

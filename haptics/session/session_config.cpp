@@ -68,6 +68,19 @@ void validate(const MotionConfig& motion) {
   inBounds("motion.speed_mm_per_s", motion.speed_mm_per_s, 0, bounds::kLongest_mm);
 }
 
+void validate(const StreamConfig& stream, const SessionConfig& config) {
+  inBounds("stream.speed", stream.speed, bounds::kLeastSpeed, bounds::kMostSpeed);
+  inBoundsOrZero("stream.depth_scale", stream.depthScale, bounds::kLeastDepthScale, bounds::kMostDepthScale);
+  if (config.brush) throw ConfigError("brush.kind", "the frames of a depth camera cannot be sculpted");
+  if (config.motion) throw ConfigError("motion.kind", "the frames of a depth camera move by themselves; leave it out");
+  if (config.model.normals != NormalSource::keep)
+    throw ConfigError("model.normals", "the frames of a depth camera bring their own; leave it at keep");
+  if (!stream.live) return;
+  if (stream.speed != 1) throw ConfigError("stream.speed", "what is live comes at its own; leave it out");
+  if (stream.loop) throw ConfigError("stream.loop", "what is live does not come again; leave it out");
+  if (!config.realtime) throw ConfigError("realtime", "what is live goes by the clock; turn it on");
+}
+
 }  // namespace
 
 void validate(const SessionConfig& config) {
@@ -86,6 +99,7 @@ void validate(const SessionConfig& config) {
     validate(*config.motion);
     if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
   }
+  if (config.stream) validate(*config.stream, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);
   inBounds("rate_Hz", config.rate_Hz, 1, bounds::kMostRate_Hz);

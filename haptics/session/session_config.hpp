@@ -136,6 +136,17 @@ struct MotionConfig {
   bool operator==(const MotionConfig&) const = default;
 };
 
+/// A depth camera, whose newest frame is the model: recorded in the folder that ModelConfig::file names, or live.
+struct StreamConfig {
+  bool live = false;   ///< ModelConfig::file is a camera's device, or "-": raw frames on standard input
+  double speed = 1;    ///< of a recording: its seconds in one of the session's
+  bool loop = false;   ///< of a recording: after its last frame it begins again
+  double depthScale = 0;   ///< depth values per metre; 0: as the source says
+  std::string intrinsics;  ///< a JSON file; empty: as the source says
+
+  bool operator==(const StreamConfig&) const = default;
+};
+
 /// What is taken back once the path of a session has ended.
 struct UndoConfig {
   std::size_t undo = 0, redo = 0;  ///< strokes
@@ -156,13 +167,16 @@ struct SessionConfig {
   std::optional<BrushConfig> brush;  ///< nothing: only feel
   ForceOptions force;
   UndoConfig undo;
-  std::optional<MotionConfig> motion;  ///< nothing: the model stands still
+  std::optional<MotionConfig> motion;  ///< nothing: the model stands still, unless it is a stream
+  std::optional<StreamConfig> stream;  ///< nothing: the model is a cloud in a file
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths
   bool realtime = false;  ///< against the wall clock; otherwise in virtual time, as fast as it goes
 
   bool operator==(const SessionConfig&) const = default;
+  /// Whether the points move by themselves.
+  bool moves() const { return motion || stream; }
 };
 
 /// Throws ConfigError that names the first field which is out of its bounds, and the bounds.

@@ -1,0 +1,42 @@
+#pragma once
+
+namespace palpate {
+
+/// Which place of a recording is due at a time of a session: it goes on with a speed, or stands still. Both in seconds.
+class PlaybackTime {
+ public:
+  explicit PlaybackTime(double speed) : speed_(speed) {}
+
+  double placeAt(double time_s) const { return isPaused_ ? begin_s_ : begin_s_ + speed_ * (time_s - since_s_); }
+  /// When a place is due, or was.
+  double timeOf(double place_s) const { return since_s_ + (place_s - begin_s_) / speed_; }
+
+  // From a time of the session on.
+  void pause(double time_s) {
+    goTo(placeAt(time_s), time_s);
+    isPaused_ = true;
+  }
+  void play(double time_s) {
+    goTo(placeAt(time_s), time_s);
+    isPaused_ = false;
+  }
+  void setSpeed(double speed, double time_s) {
+    goTo(placeAt(time_s), time_s);
+    speed_ = speed;
+  }
+  /// While it is paused.
+  void stepTo(double place_s) { begin_s_ = place_s; }
+  bool isPaused() const { return isPaused_; }
+
+ private:
+  void goTo(double place_s, double time_s) {
+    begin_s_ = place_s;
+    since_s_ = time_s;
+  }
+
+  double speed_;
+  double since_s_ = 0, begin_s_ = 0;  // at that time of the session that place is due
+  bool isPaused_ = false;
+};
+
+}  // namespace palpate

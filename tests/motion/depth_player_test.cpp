@@ -1,0 +1,193 @@
+// The pace of depth streams: which frame is due when, and what becomes of those that are lost or late.
+#include "engine/motion/depth_player.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "engine/motion/depth_source.hpp"
+#include "tests/motion/depth_stream.hpp"
+
+namespace palpate {
+
+namespace {
+
+const std::vector<double> kTimes_s{0, 0.1, 0.2, 0.35, 0.4};
+constexpr double kPeriod_s = 0.5;  // 0.4 and a mean interval
+
+std::shared_ptr<DepthStream> recorded(std::set<std::uint64_t> lost = {}) {
+  return std::make_shared<RecordedStream>(kTimes_s, std::move(lost));
+}
+
+/// Independently: the last frame that can be read up to that time, or the first one.
+std::uint64_t dueAt(double stream_s, const std::set<std::uint64_t>& lost, bool loops) {
+  double pass_s = stream_s;
+  if (loops && stream_s >= 0) pass_s -= kPeriod_s * std::floor(stream_s / kPeriod_s);
+  std::uint64_t due = 0;
+  while (lost.contains(due)) ++due;
+  for (std::uint64_t k = 0; k < kTimes_s.size(); ++k)
+    if (!lost.contains(k) && kTimes_s[k] <= pass_s) due = std::max(due, k);
+  return due;
+}
+
+/// Waits until the player has read what there is.
+template <class Ready>
+void until(Ready&& ready) {
+  for (int guard = 0; guard < 5000 && !ready(); ++guard) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  CHECK(ready());
+}
+
+}  // namespace
+
+TEST_CASE("in virtual time the frame that is due comes, forwards, backwards and in leaps") {
+  for (const bool loops : {false, true})
+    for (const std::set<std::uint64_t>& lost : {std::set<std::uint64_t>{}, {2}, {0}, {0, 1, 4}})
+      for (const double speed : {1.0, 0.5, 3.0}) {
+        CAPTURE(loops);
+        CAPTURE(speed);
+        DepthPlayer player(recorded(lost), {.speed = speed, .loop = loops});
+        std::vector<double> asked_s;
+        for (int k = 0; k < 40; ++k) asked_s.push_back(0.031 * k);
+        for (const double time_s : {0.9, 0.12, 0.121, 0.05, -1.0, 0.4, 7.03, 0.0, 0.36, 0.0}) asked_s.push_back(time_s);
+        for (const double time_s : asked_s) {
+          CAPTURE(time_s);
+          const DepthPlayer::Played played = player.frameAt(time_s);
+          const std::uint64_t due = dueAt(speed * time_s, lost, loops);
+          CHECK(played.frame.number == due);
+          CHECK(played.frame.depth_m[5] == 1 + static_cast<float>(due));
+          CHECK(played.time_s <= std::max(time_s, 0.0) + 1e-12);
+        }
+      }
+}
+
+TEST_CASE("a frame is of the time from which on it is due, whatever was asked for before") {
+  DepthPlayer straight(recorded(), {.speed = 2, .loop = true}), astray(recorded(), {.speed = 2, .loop = true});
+  for (const double time_s : {0.7, 0.1, 0.33, 0.0}) astray.frameAt(time_s);
+  for (const double time_s : {0.06, 0.11, 0.3, 0.31, 0.6}) {
+    const DepthPlayer::Played one = straight.frameAt(time_s), other = astray.frameAt(time_s);
+    CHECK(one.time_s == other.time_s);
+    CHECK(one.serial == other.serial);
+  }
+  CHECK(straight.frameAt(0.11).time_s == doctest::Approx(0.1));
+  CHECK(straight.frameAt(0.31).time_s == doctest::Approx(0.3));  // in the second pass, whose first frame came at 0.25
+}
+
+TEST_CASE("lost frames are counted and the last reason kept; none at all is an error") {
+  DepthPlayer player(recorded({1, 3}));
+  CHECK(player.frameAt(0.36).frame.number == 2);
+  until([&] { return player.counts().lost == 2; });
+  CHECK(player.counts().lastLoss == "frame 3 is torn");
+  CHECK(player.counts().dropped == 0);
+  CHECK_FALSE(player.counts().silentSince_s.has_value());
+  for (const bool loops : {false, true}) {
+    DepthPlayer none(recorded({0, 1, 2, 3, 4}), {.loop = loops});
+    CHECK_THROWS_WITH_AS(none.frameAt(0), "no frame of the depth stream could be read; the last one: frame 4 is torn", Error);
+    CHECK_THROWS_AS(none.frameAt(0.3), Error);
+  }
+}
+
+TEST_CASE("paused, the frame stays; a step goes to the next one, and play on from there") {
+  DepthPlayer player(recorded());
+  CHECK(player.frameAt(0.15).frame.number == 1);
+  player.pause(0.15);
+  CHECK(player.frameAt(3).frame.number == 1);
+  player.step();
+  CHECK(player.frameAt(3).frame.number == 2);
+  player.step();
+  CHECK(player.frameAt(4).frame.number == 3);
+  player.play(10);
+  CHECK(player.frameAt(10.04).frame.number == 3);
+  CHECK(player.frameAt(10.06).frame.number == 4);
+  player.pause(11);
+  player.step();
+  CHECK(player.frameAt(12).frame.number == 4);
+}
+
+TEST_CASE("another speed counts from then on") {
+  DepthPlayer player(recorded());
+  CHECK(player.frameAt(0.2).frame.number == 2);
+  player.setSpeed(0.1, 0.2);
+  CHECK(player.frameAt(1.6).frame.number == 2);
+  CHECK(player.frameAt(1.8).frame.number == 3);
+}
+
+TEST_CASE("against the clock what comes too late is dropped and counted, and nobody waits but for the first frame") {
+  std::vector<double> times_s;
+  for (int k = 0; k < 1000; ++k) times_s.push_back(0.01 * k);
+  DepthPlayer player(std::make_shared<RecordedStream>(times_s), {.exact = false});
+  CHECK(player.frameAt(0).frame.number == 0);
+  until([&] { return player.frameAt(5).frame.number >= 499; });
+  const PlayCounts counts = player.counts();
+  CHECK(player.frameAt(5).frame.number <= 500);
+  CHECK(counts.dropped > 400);
+  CHECK(counts.dropped + counts.played <= 502);
+}
+
+TEST_CASE("of a live stream the newest frame is played, and what came before is dropped") {
+  const auto stream = std::make_shared<LiveStream>();
+  DepthPlayer player(stream, {}, tinyFrame(0, 20));
+  CHECK(player.frameAt(0.5).frame.number == 0);
+  CHECK(player.frameAt(0.6).frame.number == 0);
+  for (std::uint64_t k = 1; k <= 9; ++k) stream->give(tinyFrame(k, 20 + 0.1 * static_cast<double>(k)));
+  until([&] { return player.frameAt(1).frame.number == 9; });
+  CHECK(player.counts().dropped + player.counts().played == 10);
+  CHECK(player.frameAt(1).time_s <= 1);
+  CHECK_FALSE(player.counts().silentSince_s.has_value());
+}
+
+TEST_CASE("a live stream that falls silent, or ends, leaves its last frame and says since when") {
+  const auto stream = std::make_shared<LiveStream>();
+  DepthPlayer player(stream, {}, tinyFrame(0, 0));
+  CHECK(player.frameAt(2).frame.number == 0);
+  CHECK(player.frameAt(2.9).frame.number == 0);
+  CHECK_FALSE(player.counts().silentSince_s.has_value());
+  player.frameAt(3.1);
+  CHECK(player.counts().silentSince_s == 2.0);
+  stream->give(tinyFrame(1, 1));
+  until([&] { return player.frameAt(4).frame.number == 1; });
+  CHECK_FALSE(player.counts().silentSince_s.has_value());
+  stream->end();
+  until([&] { return player.counts().silentSince_s == 4.0; });
+  CHECK(player.frameAt(100).frame.number == 1);
+  const auto ended = std::make_shared<LiveStream>();
+  ended->end();
+  DepthPlayer none(ended);
+  CHECK_THROWS_WITH_AS(none.frameAt(0), "the depth stream ended before its first frame", Error);
+}
+
+TEST_CASE("a player that goes ends the read that waits") {
+  for (int k = 0; k < 20; ++k) {
+    const auto stream = std::make_shared<LiveStream>();
+    DepthPlayer player(stream);
+    if (k % 2 == 0) stream->give(tinyFrame(0, 0));
+    if (k % 2 == 0) player.frameAt(0);
+  }
+}
+
+TEST_CASE("a source makes points of the frame that is due, the same bytes for the same time") {
+  DepthSource source(recorded(), {}), other(recorded(), {});
+  CHECK(source.size() == 12);
+  CHECK_FALSE(source.keepsPoints());
+  CloudFrame frame, again;
+  CHECK(source.hasNewer(0.25, 0));
+  source.makeFrame(0.25, frame);
+  CHECK(frame.size() == 12);
+  CHECK(frame.time_s == 0.2);
+  CHECK(frame.positions[0].z == 3);
+  CHECK_FALSE(source.hasNewer(0.34, frame.time_s));
+  CHECK(source.hasNewer(0.36, frame.time_s));
+  CHECK(source.hasNewer(0.1, frame.time_s));
+  for (const double time_s : {0.4, 0.0, 0.3}) other.makeFrame(time_s, again);
+  other.makeFrame(0.22, again);
+  CHECK(again.positions == frame.positions);
+  CHECK(again.normals == frame.normals);
+  CHECK(again.time_s == frame.time_s);
+  DepthSource shifted(recorded(), {}, DVec3(0, 0, 1));
+  shifted.makeFrame(0.25, again);
+  CHECK(again.positions[0].z == 2);
+}
+
+}  // namespace palpate
