@@ -71,9 +71,7 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   session_ = std::move(session);
   saveQuestion_.reset();
   if (!session_) return;
-  std::error_code ignored;  // a folder is not saved over
-  saveFile_ = session_->file();
-  if (std::filesystem::is_directory(saveFile_, ignored)) saveFile_ = nameBeside(saveFile_).string();
+  saveFile_ = whereToSave(session_->file()).string();
 }
 
 void Document::follow() {
