@@ -3,6 +3,7 @@
 #include "apps/cli/context.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
@@ -39,6 +40,9 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
 }
 
 void convert(Context& context, const ConvertOptions& options) {
+  if (isRgbdFolder(options.input))
+    throw Error("{}: is a recorded depth camera, and convert does not make one cloud of its frames yet; palpate view plays "
+                "them", options.input);
   const CloudFormat &from = cloudFormats().toRead(options.input), &to = cloudFormats().toWrite(options.output);
   checkTarget(options);
   context.checkWritable(options.output);

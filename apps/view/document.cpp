@@ -7,9 +7,23 @@
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
+
+namespace {
+
+/// Nothing where the file is a cloud. The live camera is the first model, if any is.
+std::optional<StreamConfig> streamOf(const std::string& file, const WindowOptions& options) {
+  if (options.stream.live && file == options.config.model.file) return options.stream;
+  if (!isRgbdFolder(file)) return std::nullopt;
+  StreamConfig stream = options.stream;
+  stream.live = false;
+  return stream;
+}
+
+}  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
     : parts_(parts),
@@ -27,6 +41,7 @@ void Document::open(const std::string& file) {
   leave([this, file] {
     WindowOptions options = options_;
     options.config.model.file = file;
+    options.config.stream = streamOf(file, options_);
     loader_.open(options, parts_.settings.brush, parts_.settings.feel);
   });
 }
