@@ -23,6 +23,8 @@ std::optional<StreamConfig> streamOf(const std::string& file, const WindowOption
   return stream;
 }
 
+bool isLive(const WindowSession& session) { return session.config().stream && session.config().stream->live; }
+
 }  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
@@ -67,7 +69,7 @@ bool Document::load(const std::function<void()>& letGo) {
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    recent_.add(result->session->file());
+    if (!isLive(*result->session)) recent_.add(result->session->file());
     letGo();
     install(std::move(result->session));
     return true;
@@ -87,13 +89,25 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   saveQuestion_.reset();
   if (!session_) return;
   std::error_code ignored;  // a folder is not saved over
-  saveFile_ = session_->file();
+  saidOfFrames_ = {};
+  saveFile_ = isLive(*session_) ? "camera.ply" : session_->file();
   if (std::filesystem::is_directory(saveFile_, ignored)) saveFile_ = nameBeside(saveFile_).string();
 }
 
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
+  sayWhatFramesLack();
+}
+
+void Document::sayWhatFramesLack() {
+  const auto counts = session_->playCounts();
+  if (!counts) return;
+  const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
+  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame is lost: " + counts->lastLoss);
+  if (isSilent && !saidOfFrames_.silent)
+    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays", *counts->silentSince_s));
+  saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
 }
 
 void Document::finishSaving(const WindowSession::Saved& saved) {
