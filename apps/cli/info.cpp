@@ -15,6 +15,7 @@ double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20);
 
 void info(Context& context, const std::string& file, const LookOptions& look) {
   const FileContents contents = contentsOf(file);
+  const std::string_view format = cloudFormats().toRead(file).name;
   Model model{.cloud = readCloud(file, nullptr, {.pointsOnly = true}).cloud};
   const PointCloud& cloud = model.cloud;
   model.upright = findUp(cloud);
@@ -30,7 +31,8 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
   const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
 
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} points\n", file, cloud.size());
+  fmt::print(out, "{}: {} points, {}\n", file, cloud.size(), format);
+  if (!contents.madeFrom.empty()) fmt::print(out, "  made from: {}\n", contents.madeFrom);
   Json elements = Json::object();
   for (const FileElement& element : contents.elements) {
     elements[element.name] = element.count;
@@ -57,6 +59,8 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
   Json attributes = Json::array();
   for (const Attribute& attribute : cloud.extra) attributes.push_back(attribute.name);
   context.writeJson({{"points", cloud.size()},
+                     {"format", format},
+                     {"made_from", contents.madeFrom.empty() ? Json(nullptr) : Json(contents.madeFrom)},
                      {"elements", elements},
                      {"normals", cloud.hasNormals()},
                      {"colors", cloud.hasColors()},

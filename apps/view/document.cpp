@@ -88,10 +88,8 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   session_ = std::move(session);
   saveQuestion_.reset();
   if (!session_) return;
-  std::error_code ignored;  // a folder is not saved over
   saidOfFrames_ = {};
-  saveFile_ = isLive(*session_) ? "camera.ply" : session_->file();
-  if (std::filesystem::is_directory(saveFile_, ignored)) saveFile_ = nameBeside(saveFile_).string();
+  saveFile_ = isLive(*session_) ? "camera.ply" : whereToSave(session_->file()).string();
 }
 
 void Document::follow() {

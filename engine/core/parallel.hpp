@@ -15,17 +15,10 @@ inline unsigned threadCount(unsigned wanted) {
   return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
-/// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result
-/// with any number of threads.
+/// Calls body(part) for every part in [0, parts), each on a thread of its own; the first exception is thrown again here.
 template <class Body>
-void parallelFor(std::size_t count, unsigned threads, Body&& body) {
-  constexpr std::size_t kSmallestRange = 1024;  // below this a thread costs more than it saves
-  const std::size_t parts = std::clamp<std::size_t>(count / kSmallestRange, 1, threadCount(threads));
-  if (parts == 1) {
-    if (count) body(std::size_t{0}, count);
-    return;
-  }
+void parallelParts(std::size_t parts, Body&& body) {
+  if (parts == 1) return body(std::size_t{0});
   std::exception_ptr failure;
   std::mutex failureLock;
   std::vector<std::jthread> workers;
@@ -33,7 +26,7 @@ void parallelFor(std::size_t count, unsigned threads, Body&& body) {
   for (std::size_t part = 0; part < parts; ++part) {
     workers.emplace_back([&, part] {
       try {
-        body(count * part / parts, count * (part + 1) / parts);
+        body(part);
       } catch (...) {
         const std::scoped_lock hold(failureLock);
         if (!failure) failure = std::current_exception();
@@ -42,6 +35,17 @@ void parallelFor(std::size_t count, unsigned threads, Body&& body) {
   }
   workers.clear();
   if (failure) std::rethrow_exception(failure);
+}
+
+/// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
+/// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result
+/// with any number of threads.
+template <class Body>
+void parallelFor(std::size_t count, unsigned threads, Body&& body) {
+  constexpr std::size_t kSmallestRange = 1024;  // below this a thread costs more than it saves
+  const std::size_t parts = std::clamp<std::size_t>(count / kSmallestRange, 1, threadCount(threads));
+  if (count == 0) return;
+  parallelParts(parts, [&](std::size_t part) { body(count * part / parts, count * (part + 1) / parts); });
 }
 
 }  // namespace palpate

@@ -16,7 +16,8 @@
 
 namespace palpate {
 
-/// Rows of one kind, as a file announces them. Those of the points are called `vertex`, whatever the format.
+/// Rows of one kind, as a file announces them. Those of the points are called `vertex`, whatever the format; others are
+/// what a cloud cannot keep.
 struct FileElement {
   struct Property {
     std::string name;
@@ -31,6 +32,8 @@ struct FileElement {
 struct FileContents {
   std::vector<FileElement> elements;  ///< in the order of the file
   std::vector<std::string> comments;  ///< as in StoredAs
+  /// What the points are made from where they are no rows of the file, in words: "9080 Gaussians of degree 3".
+  std::string madeFrom = {};
 };
 
 /// A cloud as a file holds it, with what came along.
@@ -63,7 +66,8 @@ struct CloudFormat {
   std::span<const std::string_view> endings = {};  ///< of file names, lower case, with the dot; the usual one first
   /// What a format of folders is called in the help, "a NAME folder"; empty for one of files.
   std::string_view folder = {};
-  /// Of a format of folders: whether the path is one.
+  /// Of a format that no name tells, of folders or of files that share their endings with another one: whether the
+  /// path is of it. Throws nothing, and reads nothing that can be read only once.
   bool (*holds)(const std::filesystem::path& path) = nullptr;
   /// Reads no further than it must. Throws FileError.
   FileContents (*contents)(const std::filesystem::path& file) = nullptr;

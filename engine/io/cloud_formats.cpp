@@ -8,6 +8,7 @@
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/colmap_format.hpp"
+#include "engine/io/gaussian_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
@@ -84,6 +85,7 @@ const CloudFormats& cloudFormats() {
       plyFormat(),
       xyzFormat(),
       colmapFormat(),
+      gaussianFormat(),
   };
   static const CloudFormats table{formats};
   return table;

@@ -11,15 +11,15 @@ class CloudFormats {
   /// The first one is that of files whose ending nobody knows, and both reads and writes.
   explicit CloudFormats(std::span<const CloudFormat> formats);
 
-  /// By what a folder holds, or by the file's ending, in any case; where nobody knows it the first one, whose reader
-  /// says what it found.
+  /// By what a folder or a file holds, or else by the file's ending, in any case; where nobody knows it the first one,
+  /// whose reader says what it found.
   const CloudFormat& toRead(const std::filesystem::path& file) const;
   /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
   const CloudFormat& toWrite(const std::filesystem::path& file) const;
   /// By the file's ending; where nobody knows it the first one, as for reading: what was opened can be saved.
   const CloudFormat& toSave(const std::filesystem::path& file) const;
 
-  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP"
+  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
   std::string endingsWritten() const;  ///< as above
 

@@ -6,12 +6,17 @@
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/ply_faces.hpp"
 #include "engine/io/ply_header.hpp"
-#include "engine/io/ply_vertices.hpp"
+#include "engine/io/ply_row_sink.hpp"
 
 namespace palpate {
 
-void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices);
-void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyVertices& vertices);
+/// Walks the whole body that `info` announces, so that a truncated one is refused wherever it ends: hands the rows of
+/// the element `vertex` to `vertices`, the polygons of others to `faces` where that is not null. Bytes after the last
+/// element are ignored and said through `log`.
+void readPlyBody(ChunkedFile& file, const PlyInfo& info, PlyRowSink& vertices, PlyFaces* faces, Log* log);
+
+void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices);
+void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink& vertices);
 
 /// Passes over an element that is no vertex; hands its polygons to `faces` where that is not null.
 void passBinaryElement(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyFaces* faces);

@@ -90,7 +90,7 @@ std::string brokenAsciiPromise(const ChunkedFile& file, const PlyElement& elemen
 
 }  // namespace
 
-void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyVertices& vertices) {
+void readAsciiVertices(ChunkedFile& file, const PlyElement& element, PlyRowSink& vertices) {
   constexpr std::size_t kBatch = 4096;
   const std::string broken = brokenAsciiPromise(file, element);
   if (!broken.empty()) throw FileError::atLine(file.path(), element.line, broken);

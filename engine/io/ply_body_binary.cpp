@@ -80,7 +80,7 @@ std::uint64_t leastRowBytes(const PlyElement& element) {
   return bytes;
 }
 
-void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
   const std::size_t rowBytes = vertices.rowBytes();
   for (std::uint64_t done = 0; done < element.count;) {
     const auto unread = file.peek(rowBytes);
@@ -94,7 +94,7 @@ void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapB
 }
 
 /// Packs the scalars of rows that also have lists, some thousand rows at a time.
-void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+void readVerticesWithLists(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
   constexpr std::size_t kBatch = 4096;
   BinaryRows walk(file, element, swapBytes);
   std::vector<std::byte> packed;
@@ -130,7 +130,7 @@ std::string brokenPromise(const ChunkedFile& file, const PlyElement& element, st
       element.count, element.name, rowBytes, *left);
 }
 
-void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyVertices& vertices) {
+void readBinaryVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
   const std::string broken = brokenPromise(file, element, leastRowBytes(element));
   if (!broken.empty()) throw FileError::atByte(file.path(), file.offset(), broken);
   if (file.remaining()) vertices.reserve(element.count);

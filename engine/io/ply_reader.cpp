@@ -1,10 +1,10 @@
 #include "engine/io/ply_reader.hpp"
 
-#include <bit>
 #include <optional>
 
 #include "engine/core/error.hpp"
 #include "engine/io/ply_body.hpp"
+#include "engine/io/ply_vertices.hpp"
 
 namespace palpate {
 namespace {
@@ -24,17 +24,6 @@ void remarkOnLostElements(const PlyInfo& info, const std::filesystem::path& path
   if (!lost.empty()) log->say("{}: only the points are kept, not: {}", path.filename().string(), lost);
 }
 
-/// Says when something follows the last element; blank lines do not count.
-void remarkOnRest(ChunkedFile& file, Log* log) {
-  const std::uint64_t offset = file.offset();
-  const auto rest = file.peek(1);
-  for (const std::byte b : rest) {
-    if (b == std::byte{'\n'} || b == std::byte{'\r'} || b == std::byte{' '}) continue;
-    log->say("{}: what follows the last element, from byte {} on, is ignored", file.path().filename().string(), offset);
-    return;
-  }
-}
-
 }  // namespace
 
 PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions options) {
@@ -47,26 +36,11 @@ PointCloud readPly(const std::filesystem::path& path, Log* log, PlyReadOptions o
     throw FileError::atLine(path, file.line(),
                             fmt::format("no element 'vertex'; elements: {}", namesOf(info.elements)));
   }
-  const bool ascii = info.format == PlyFormat::ascii;
-  const bool littleEndian = info.format == PlyFormat::binaryLittleEndian;
-  const bool swapBytes = littleEndian != (std::endian::native == std::endian::little);
-
   PlyVertices vertices(path, *vertex, log);
   std::optional<PlyFaces> faces;
   if (options.normalsFromFaces || options.triangles) faces.emplace(vertex->count);
-  PlyFaces* const wanted = faces ? &*faces : nullptr;
-  for (const PlyElement& element : info.elements) {
-    const bool isVertex = &element == vertex;
-    if (ascii)
-      isVertex ? readAsciiVertices(file, element, vertices) : passAsciiElement(file, element, wanted);
-    else
-      isVertex ? readBinaryVertices(file, element, swapBytes, vertices)
-               : passBinaryElement(file, element, swapBytes, wanted);
-  }
-  if (log) {
-    if (!options.info) remarkOnLostElements(info, path, log);
-    remarkOnRest(file, log);
-  }
+  readPlyBody(file, info, vertices, faces ? &*faces : nullptr, log);
+  if (log && !options.info) remarkOnLostElements(info, path, log);
 
   PointCloud cloud = vertices.finish(log);
   cloud.storedAs.comments = info.comments;

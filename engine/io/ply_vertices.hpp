@@ -9,26 +9,21 @@
 #include "engine/core/log.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/ply_header.hpp"
+#include "engine/io/ply_row_sink.hpp"
 
 namespace palpate {
 
 /// Takes packed rows (scalars in the order of the header, lists left out) and sorts their columns into a PointCloud:
 /// x y z; nx ny nz; red green blue [alpha], also as diffuse_red or r; everything else is carried as an Attribute.
-class PlyVertices {
+class PlyVertices final : public PlyRowSink {
  public:
   /// Throws FileError at the element's line when x, y or z is missing. Says through `log` which properties are lost.
   PlyVertices(const std::filesystem::path& file, const PlyElement& vertex, Log* log);
 
-  std::size_t rowBytes() const { return rowBytes_; }
-  /// For a number of rows that is known to be in the file.
-  void reserve(std::uint64_t promised);
-
-  struct BadRow {
-    std::size_t row;  ///< within the rows given
-    std::string what;
-  };
-  /// Appends `count` rows; names the first whose position or normal is not a finite number.
-  std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes);
+  std::size_t rowBytes() const override { return rowBytes_; }
+  void reserve(std::uint64_t promised) override;
+  /// Names the first row whose position or normal is not a finite number.
+  std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
   /// The cloud. Normals are made unit length; where some are zero they are taken from the nearest point that has one,
   /// and where more than a tenth are zero the cloud counts as having none, so that they get estimated.

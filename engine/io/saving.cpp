@@ -70,6 +70,10 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
   return kept;
 }
 
+std::filesystem::path whereToSave(const std::filesystem::path& file) {
+  return cloudFormats().toRead(file).write ? file : nameBeside(file);
+}
+
 std::filesystem::path nameBeside(const std::filesystem::path& file) {
   // A folder is not written, so that its cloud goes into a file of the usual format.
   std::error_code isNone;

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <optional>
-
 #include "engine/core/log.hpp"
 #include "engine/motion/map_pairs.hpp"
+#include "engine/motion/pose_tracker.hpp"
 
 namespace palpate {
 
@@ -44,16 +43,13 @@ class FrameFusion {
   std::uint64_t lost() const { return lost_; }
 
  private:
-  std::optional<CameraPose> place(const DepthFrame& frame);
   void leaveOut(FrameFate fate, std::uint64_t number, std::string why);
 
-  IcpOptions icp_;
   Log* log_;
   SurfelMap map_;
   FrameImages images_;
   std::vector<shared::PixelSurface> surfaces_;
-  std::optional<CameraPose> last_;  // from which a frame was fused
-  std::uint64_t sinceLast_ = 0;     // frames that were not
+  PoseTracker tracker_;
   std::uint64_t fused_ = 0, unplaced_ = 0, lost_ = 0;
   bool saidFull_ = false;
   FrameOutcome outcome_;

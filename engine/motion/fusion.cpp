@@ -59,17 +59,14 @@ void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionO
   }
 }
 
-shared::Pinhole pinholeOf(const DepthCamera& camera) {
-  return {.fx = static_cast<float>(camera.fx),
-          .fy = static_cast<float>(camera.fy),
-          .cx = static_cast<float>(camera.cx),
-          .cy = static_cast<float>(camera.cy)};
-}
-
-shared::DepthNoise noiseOf(const FusionOptions& options) {
-  return {.least = static_cast<float>(options.noiseLeast_m),
-          .growth = static_cast<float>(options.noiseGrowth_per_m),
-          .from = static_cast<float>(options.noiseFrom_m)};
+shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& options) {
+  return {.camera = {.fx = static_cast<float>(camera.fx),
+                     .fy = static_cast<float>(camera.fy),
+                     .cx = static_cast<float>(camera.cx),
+                     .cy = static_cast<float>(camera.cy)},
+          .noise = {.least = static_cast<float>(options.noiseLeast_m),
+                    .growth = static_cast<float>(options.noiseGrowth_per_m),
+                    .from = static_cast<float>(options.noiseFrom_m)}};
 }
 
 void requirePose(const CameraPose& pose, std::uint64_t frame) {
@@ -87,8 +84,7 @@ shared::FusionView fusionView(const FrameImages& images, const CameraPose& pose,
           .down = Vec3(turn * DVec3(0, 1, 0)),
           .ahead = Vec3(turn * DVec3(0, 0, 1)),
           .centre = Vec3(pose.centre - origin),
-          .camera = pinholeOf(images.camera),
-          .noise = noiseOf(options),
+          .sensor = sensorOf(images.camera, options),
           .memory = static_cast<float>(options.memory_frames),
           .width = images.camera.width,
           .height = images.camera.height,

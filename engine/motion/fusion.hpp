@@ -55,8 +55,7 @@ struct FrameImages {
 /// or colours, and for a depth that is negative or no number, with its pixel; for a camera as requireCamera().
 void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options, FrameImages& images);
 
-shared::Pinhole pinholeOf(const DepthCamera& camera);
-shared::DepthNoise noiseOf(const FusionOptions& options);
+shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& options);
 
 /// Throws Error for a pose that is no number, or whose turn is not of unit length.
 void requirePose(const CameraPose& pose, std::uint64_t frame);

@@ -87,7 +87,7 @@ void FusionPass::reset(Queue& queue, std::uint32_t points) {
   for (std::size_t id = points; id < options_.capacity; ++id) ids[id / kMaskBits] |= 1u << id % kMaskBits;
   upload(device_, queue, free_.ids, ids);
   // As if each had been measured so often from 1 m.
-  const float deviation = shared::depthDeviation(noiseOf(options_), 1.0f);
+  const float deviation = shared::depthDeviation(sensorOf(camera_, options_).noise, 1.0f);
   std::vector<shared::SurfelRecord> records(slots_);
   std::fill_n(records.begin(), points,
               shared::SurfelRecord{.weight = static_cast<float>(shared::kStableCount) / (deviation * deviation),

@@ -72,10 +72,11 @@ void MapPairs::addPixel(UVec2 pixel, const IcpQuery& query, IcpSums& sums) const
   const std::uint32_t id = ids_[std::size_t{projection.pixel.y} * view_.width + projection.pixel.x];
   if (id == kNoPoint) return;
   const shared::Surfel& surfel = map_.surfel(id);
-  const double deviation = static_cast<double>(shared::depthDeviation(view_.noise, depth));
-  const auto pair =
-      shared::icpPair(measured, query.pose.turn * DVec3(surface.normal), DVec3(surfel.place), DVec3(surfel.normal),
-                      query.pivot - map_.origin(), query.scale, query.level.gate_m, deviation);
+  const double deviation = static_cast<double>(shared::depthDeviation(view_.sensor.noise, depth));
+  const auto pair = shared::icpPair<double>(
+      {.place = measured, .normal = query.pose.turn * DVec3(surface.normal)},
+      {.place = DVec3(surfel.place), .normal = DVec3(surfel.normal)},
+      {.pivot = query.pivot - map_.origin(), .scale = query.scale, .gate = query.level.gate_m}, deviation);
   if (!pair.isPair) return;
   ++sums.pairs;
   sums.equations.add({pair.turn.x, pair.turn.y, pair.turn.z, pair.shift.x, pair.shift.y, pair.shift.z}, pair.residual,

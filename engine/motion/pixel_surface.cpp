@@ -6,12 +6,11 @@ namespace palpate {
 
 void findPixelSurfaces(const FrameImages& images, const FusionOptions& options,
                        std::vector<shared::PixelSurface>& surfaces) {
-  const shared::Pinhole pinhole = pinholeOf(images.camera);
-  const shared::DepthNoise noise = noiseOf(options);
+  const shared::DepthSensor sensor = sensorOf(images.camera, options);
   surfaces.resize(images.depths.size());
   parallelFor(surfaces.size(), options.threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t pixel = begin; pixel < end; ++pixel)
-      surfaces[pixel] = pixelSurface(images, pinhole, noise, static_cast<int>(pixel % images.camera.width),
+      surfaces[pixel] = pixelSurface(images, sensor, static_cast<int>(pixel % images.camera.width),
                                      static_cast<int>(pixel / images.camera.width));
   });
 }

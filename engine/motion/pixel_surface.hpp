@@ -13,8 +13,8 @@ void findPixelSurfaces(const FrameImages& images, const FusionOptions& options,
 
 /// The plane that fits the depths about a pixel, in single or double precision. Depth 0 where there is none.
 template <class Real>
-shared::PixelSurfaceOf<Real> pixelSurface(const FrameImages& images, const shared::PinholeOf<Real>& pinhole,
-                                          const shared::DepthNoiseOf<Real>& noise, int column, int row) {
+shared::PixelSurfaceOf<Real> pixelSurface(const FrameImages& images, const shared::DepthSensorOf<Real>& sensor,
+                                          int column, int row) {
   const int width = static_cast<int>(images.camera.width), height = static_cast<int>(images.camera.height);
   const auto depthAt = [&](int x, int y) {
     return static_cast<Real>(images.depths[static_cast<std::size_t>(y * std::int64_t{width} + x)]);
@@ -24,8 +24,8 @@ shared::PixelSurfaceOf<Real> pixelSurface(const FrameImages& images, const share
   auto sums = shared::noPixels(Real(0));
   for (int y = std::max(row - shared::kFitReach, 0); y <= std::min(row + shared::kFitReach, height - 1); ++y)
     for (int x = std::max(column - shared::kFitReach, 0); x <= std::min(column + shared::kFitReach, width - 1); ++x)
-      shared::addPixel(sums, pinhole, noise, middle, glm::vec<2, Real>(x - column, y - row), depthAt(x, y));
-  return shared::surfaceOf(sums, pinhole, noise, glm::vec<2, Real>(column, row), middle);
+      shared::addPixel(sums, sensor, middle, glm::vec<2, Real>(x - column, y - row), depthAt(x, y));
+  return shared::surfaceOf(sums, sensor, glm::vec<2, Real>(column, row), middle);
 }
 
 }  // namespace palpate

@@ -16,12 +16,6 @@ std::uint32_t groupsFor(const DepthCamera& camera, std::uint32_t stride) {
   return static_cast<std::uint32_t>((columns * rows + perGroup - 1) / perGroup);
 }
 
-std::uint32_t mostGroups(const DepthCamera& camera, const IcpOptions& options) {
-  std::uint32_t most = 0;
-  for (const IcpOptions::Level& level : options.levels) most = std::max(most, groupsFor(camera, level.stride));
-  return most;
-}
-
 Buffer byPixel(Device& device, const DepthCamera& camera, std::uint64_t bytes, const char* name) {
   return Buffer(device, std::uint64_t{camera.width} * camera.height * bytes, Memory::device, name);
 }
@@ -46,11 +40,11 @@ void add(IcpSums& sums, std::span<const float> group) {
 
 }  // namespace
 
-PoseSearchPass::PoseSearchPass(Device& device, FusionPass& fusion, const LiveCloud& cloud, const IcpOptions& options)
+PoseSearchPass::PoseSearchPass(Device& device, Queue& queue, FusionPass& fusion, const LiveCloud& cloud)
     : device_(device),
+      queue_(queue),
       fusion_(fusion),
       cloud_(cloud),
-      options_(options),
       frontPass_(device, shader_code::motion_map_front, {.pushBytes = sizeof(shared::MapFrontArgs)}),
       sumsPass_(device, shader_code::motion_icp_sums,
                 {.workgroupSize = shared::kIcpWorkgroup, .pushBytes = sizeof(shared::IcpSumsArgs)}),
@@ -59,15 +53,14 @@ PoseSearchPass::PoseSearchPass(Device& device, FusionPass& fusion, const LiveClo
       ids_(byPixel(device, fusion.camera(), sizeof(std::uint32_t), "icp ids")),
       frontPlaces_(byPixel(device, fusion.camera(), sizeof(Vec4), "icp places")),
       frontNormals_(byPixel(device, fusion.camera(), sizeof(Vec4), "icp normals")),
-      sums_(Buffer::of<float>(device, std::uint64_t{mostGroups(fusion.camera(), options)} * shared::kIcpSums,
-                              Memory::readback, "icp sums")) {
+      sums_(Buffer::of<float>(device, std::uint64_t{groupsFor(fusion.camera(), 1)} * shared::kIcpSums, Memory::readback,
+                              "icp sums")) {
   for (std::uint32_t half = 0; half < 2; ++half) recordFront(half);
-  for (std::size_t level = 0; level < levels_.size(); ++level) recordLevel(level);
 }
 
 void PoseSearchPass::recordFront(std::uint32_t half) {
   auto& list = fronts_[half];
-  list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "icp front");
+  list = std::make_unique<CommandList>(device_, queue_, "icp front");
   list->begin();
   {
     const auto overlap = list->independent();
@@ -91,10 +84,11 @@ void PoseSearchPass::recordFront(std::uint32_t half) {
   list->end();
 }
 
-void PoseSearchPass::recordLevel(std::size_t level) {
-  auto& list = levels_[level];
-  const std::uint32_t stride = options_.levels[level].stride, groups = groupsFor(fusion_.camera(), stride);
-  list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "icp sums");
+const CommandList& PoseSearchPass::listFor(std::uint32_t stride) {
+  auto& list = levels_[stride];
+  if (list) return *list;
+  const std::uint32_t groups = groupsFor(fusion_.camera(), stride);
+  list = std::make_unique<CommandList>(device_, queue_, "icp sums");
   list->begin();
   list->dispatch(sumsPass_, std::uint64_t{groups} * shared::kIcpWorkgroup,
                  shared::IcpSumsArgs{.view = fusion_.frame().view,
@@ -108,23 +102,17 @@ void PoseSearchPass::recordLevel(std::size_t level) {
                                      .stride = stride,
                                      .groups = groups});
   list->end();
+  return *list;
 }
 
 IcpResult PoseSearchPass::find(const FrameImages& images, const CameraPose& expected, const DVec3& origin,
-                               double patience) {
+                               const IcpOptions& options) {
   fusion_.setPose(images, expected, origin);
-  device_.latencyQueue().run(*fronts_[cloud_.parity()]);
-  IcpOptions options = options_;
-  options.longestStep_m *= patience;
-  options.largestTurn_deg *= patience;
-  return searchPose(images, expected, options, [&](const IcpQuery& query) {
-    std::size_t level = 0;
-    while (options_.levels[level].stride != query.level.stride) ++level;
-    return sum(query, origin, level);
-  });
+  queue_.run(*fronts_[cloud_.parity()]);
+  return searchPose(images, expected, options, [&](const IcpQuery& query) { return sum(query, origin); });
 }
 
-IcpSums PoseSearchPass::sum(const IcpQuery& query, const DVec3& origin, std::size_t level) const {
+IcpSums PoseSearchPass::sum(const IcpQuery& query, const DVec3& origin) {
   const auto axis = [&](const DVec3& direction) { return Vec3(query.pose.turn * direction); };
   query_.mapped<shared::IcpView>()[0] = {.right = axis({1, 0, 0}),
                                          .down = axis({0, 1, 0}),
@@ -133,8 +121,8 @@ IcpSums PoseSearchPass::sum(const IcpQuery& query, const DVec3& origin, std::siz
                                          .pivot = Vec3(query.pivot - origin),
                                          .scale = static_cast<float>(query.scale),
                                          .gate = static_cast<float>(query.level.gate_m)};
-  device_.latencyQueue().run(*levels_[level]);
-  const std::uint32_t groups = groupsFor(fusion_.camera(), options_.levels[level].stride);
+  queue_.run(listFor(query.level.stride));
+  const std::uint32_t groups = groupsFor(fusion_.camera(), query.level.stride);
   const auto all = sums_.mapped<const float>();
   IcpSums sums;
   for (std::uint32_t group = 0; group < groups; ++group)

@@ -20,7 +20,13 @@ struct SurfelMap::Frame {
   std::vector<std::uint32_t> removed = {};
 
   std::size_t indexOf(UVec2 pixel) const { return std::size_t{pixel.y} * view.width + pixel.x; }
-  std::uint32_t colorAt(std::size_t pixel) const { return view.colored ? images.colors[pixel] : 0u; }
+  shared::Measurement measurementOf(UVec2 pixel) const {
+    const std::size_t index = indexOf(pixel);
+    return {.pixel = pixel,
+            .depth = images.depths[index],
+            .color = view.colored ? images.colors[index] : 0u,
+            .surface = surfaces[index]};
+  }
 
   // Whether no depth about the pixel hides a place at that depth.
   bool seesThroughAt(UVec2 pixel, float placeDepth) const {
@@ -73,13 +79,13 @@ void SurfelMap::updatePoint(std::size_t id, Frame& frame) {
   const shared::FusionView& view = frame.view;
   const shared::Projection projection = shared::projectionOf(view, surfel.place);
   if (!projection.inView) return;
-  const std::size_t pixel = frame.indexOf(projection.pixel);
-  const float depth = frame.images.depths[pixel];
+  const shared::Measurement measured = frame.measurementOf(projection.pixel);
   const Vec3 normal = shared::directionInCamera(view, surfel.normal);
-  shared::Sight sight = shared::sightOf(view, projection, normal, depth, frame.surfaces[pixel]);
-  if (sight.covers) std::atomic_ref(covered_[pixel]).fetch_or(projection.part, std::memory_order_relaxed);
+  shared::Sight sight = shared::sightOf(view, projection, normal, measured);
+  if (sight.covers)
+    std::atomic_ref(covered_[frame.indexOf(projection.pixel)]).fetch_or(projection.part, std::memory_order_relaxed);
   if (sight.kind == shared::kSightMatched) {
-    surfel = shared::averaged(view, surfel, projection.pixel, depth, frame.surfaces[pixel], frame.colorAt(pixel));
+    surfel = shared::averaged(view, surfel, measured);
     frame.matched.fetch_add(1, std::memory_order_relaxed);
     return;
   }
@@ -95,19 +101,14 @@ void SurfelMap::updatePoint(std::size_t id, Frame& frame) {
 void SurfelMap::appendPoints(Frame& frame) {
   const std::uint32_t width = frame.view.width, height = frame.view.height;
   const auto isCovered = [&](std::size_t pixel, std::uint32_t x, std::uint32_t y) {
-    return (covered_[pixel] & shared::kPartsWithin) != 0 ||
-           (x > 0 && (covered_[pixel - 1] & shared::kPartsLeft) != 0) ||
-           (x + 1 < width && (covered_[pixel + 1] & shared::kPartsRight) != 0) ||
-           (y > 0 && (covered_[pixel - width] & shared::kPartsAbove) != 0) ||
-           (y + 1 < height && (covered_[pixel + width] & shared::kPartsBelow) != 0);
+    return shared::isCovered(covered_[pixel], x > 0 ? covered_[pixel - 1] : 0, x + 1 < width ? covered_[pixel + 1] : 0,
+                             y > 0 ? covered_[pixel - width] : 0, y + 1 < height ? covered_[pixel + width] : 0);
   };
   for (std::uint32_t y = 0; y < height; ++y) {
     for (std::uint32_t x = 0; x < width; ++x) {
       const std::size_t pixel = frame.indexOf({x, y});
-      const shared::PixelSurface& surface = frame.surfaces[pixel];
-      if (!(surface.depth > 0) || isCovered(pixel, x, y)) continue;
-      const shared::Surfel born =
-          shared::bornAt(frame.view, {x, y}, frame.images.depths[pixel], surface, frame.colorAt(pixel));
+      if (!(frame.surfaces[pixel].depth > 0) || isCovered(pixel, x, y)) continue;
+      const shared::Surfel born = shared::bornAt(frame.view, frame.measurementOf({x, y}));
       if (!free_.empty()) {
         surfels_[free_.back()] = born;
         free_.pop_back();

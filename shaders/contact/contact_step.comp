@@ -157,7 +157,7 @@ void main() {
   args.state.at[i].started = 1;
   args.state.at[i].motion = -probe.lastHip;
   args.state.at[i].spring = proxy;
-  args.state.at[i].velocity = velocity;
+  if (kPointsMove) args.state.at[i].velocity = velocity;
   ContactSample answer;
   answer.spring = proxy;
   answer.touching = !touching ? kFree : sticking ? kSticking : kSliding;
@@ -177,6 +177,6 @@ void main() {
   args.result.at[i].trackingSteps = answer.trackingSteps;
   args.result.at[i].logHead = answer.logHead;
   args.result.at[i].flags = answer.flags;
-  args.result.at[i].velocity = answer.velocity;
+  if (kPointsMove) args.result.at[i].velocity = answer.velocity;
   args.result.at[i].seal = sealOf(answer);
 }

@@ -4,9 +4,9 @@
 #define PALPATE_LIB_PATCH_GLSL
 
 #include "shaders/lib/candidates.glsl"
+#include "shaders/lib/probe.glsl"
 
 layout(constant_id = 6) const uint kSharedPatch = kMostSharedPatch;
-layout(constant_id = 7) const bool kPointsMove = false;
 shared vec3 patchPositions[kSharedPatch];  // relative to patchCentre
 shared vec3 patchNormals[kSharedPatch];
 const uint kSharedIds = kPointsMove ? kSharedPatch : 1;

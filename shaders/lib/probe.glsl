@@ -10,6 +10,9 @@
 #include "shaders/lib/contact_buffers.glsl"
 #include "shaders/shared/proxy.h"
 
+// Where they are known to stand still, nothing is read for it.
+layout(constant_id = 7) const bool kPointsMove = true;
+
 // Places relative to the HIP, but the HIP itself.
 struct Probe {
   vec3 hip;  // model units relative to the cloud's origin, among the points as the index has them
@@ -34,11 +37,14 @@ Probe probeOf(ContactPoses pose, ContactStates state, uint i, float radius) {
   const uint face = carried ? pose.at[i].carried.face : state.at[i].face;
   const vec3 facing = carried ? pose.at[i].carried.facing : state.at[i].facing;
   const vec3 spring = carried ? pose.at[i].carried.spring : state.at[i].spring;
-  const vec3 velocity = carried ? pose.at[i].carried.velocity : state.at[i].velocity;
-  const float sinceLast = started ? pose.at[i].sinceLast : 0.0, pointsAge = started ? pose.at[i].pointsAge : 0.0;
-  precise vec3 way = lastHip - probe.hip, moved = sinceLast * velocity, age = pointsAge * velocity;
-  probe.lastHip = started ? way + moved : vec3(0.0);
-  probe.hip -= age;
+  precise vec3 way = started ? lastHip - probe.hip : vec3(0.0);
+  if (kPointsMove && started) {
+    const vec3 velocity = carried ? pose.at[i].carried.velocity : state.at[i].velocity;
+    precise vec3 moved = pose.at[i].sinceLast * velocity, age = pose.at[i].pointsAge * velocity;
+    way += moved;
+    probe.hip -= age;
+  }
+  probe.lastHip = way;
   probe.touching = started && touching != kFree;
   probe.sticking = touching == kSticking;
   probe.face = started ? face : kFaceUnknown;

@@ -12,9 +12,12 @@ bool append(uint pixel, uint rank) {
   const uvec2 place = args.places.at[rank];
   if (place.x == kEmptySlot || place.y == kEmptySlot) return false;
   const FusionView view = viewOf(args.view);
-  const uint color = view.colored != 0 ? args.colors.at[pixel] : 0;
-  const Surfel surfel = bornAt(view, uvec2(pixel % view.width, pixel / view.width), args.depths.at[pixel],
-                               surfaceAt(args.surfaces, pixel), color);
+  Measurement measured;
+  measured.pixel = uvec2(pixel % view.width, pixel / view.width);
+  measured.depth = args.depths.at[pixel];
+  measured.color = view.colored != 0 ? args.colors.at[pixel] : 0;
+  measured.surface = surfaceAt(args.surfaces, pixel);
+  const Surfel surfel = bornAt(view, measured);
   args.positions.at[place.y] = vec4(surfel.place, uintBitsToFloat(place.x));
   args.normals.at[place.y] = vec4(surfel.normal, uintBitsToFloat(colorBeside(surfel.record)));
   args.records.at[place.x] = surfel.record;

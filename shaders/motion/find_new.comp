@@ -10,11 +10,10 @@ shared uint newMask[kMaxMaskWords];
 
 bool isCovered(FusionView view, uint pixel) {
   const uint column = pixel % view.width, row = pixel / view.width;
-  if ((args.covered.at[pixel] & kPartsWithin) != 0) return true;
-  if (column > 0 && (args.covered.at[pixel - 1] & kPartsLeft) != 0) return true;
-  if (column + 1 < view.width && (args.covered.at[pixel + 1] & kPartsRight) != 0) return true;
-  if (row > 0 && (args.covered.at[pixel - view.width] & kPartsAbove) != 0) return true;
-  return row + 1 < view.height && (args.covered.at[pixel + view.width] & kPartsBelow) != 0;
+  return isCovered(args.covered.at[pixel], column > 0 ? args.covered.at[pixel - 1] : 0,
+                   column + 1 < view.width ? args.covered.at[pixel + 1] : 0,
+                   row > 0 ? args.covered.at[pixel - view.width] : 0,
+                   row + 1 < view.height ? args.covered.at[pixel + view.width] : 0);
 }
 
 void main() {

@@ -26,14 +26,16 @@ bool seesThroughAt(FusionView view, uvec2 pixel, float placeDepth) {
 // kSight... of a point that is in view; where it was measured, `surfel` is what it is then.
 uint look(FusionView view, Projection projection, inout Surfel surfel) {
   const uint pixel = pixelIndex(view, projection.pixel);
-  const float depth = args.depths.at[pixel];
-  if (!(depth > 0)) return kSightNone;
-  const PixelSurface surface = surfaceAt(args.surfaces, pixel);
-  const Sight sight = sightOf(view, projection, directionInCamera(view, surfel.normal), depth, surface);
+  Measurement measured;
+  measured.pixel = projection.pixel;
+  measured.depth = args.depths.at[pixel];
+  if (!(measured.depth > 0)) return kSightNone;
+  measured.surface = surfaceAt(args.surfaces, pixel);
+  const Sight sight = sightOf(view, projection, directionInCamera(view, surfel.normal), measured);
   if (sight.covers) atomicOr(args.covered.at[pixel], projection.part);
   if (sight.kind == kSightMatched) {
-    const uint color = view.colored != 0 ? args.colors.at[pixel] : 0;
-    surfel = averaged(view, surfel, projection.pixel, depth, surface, color);
+    measured.color = view.colored != 0 ? args.colors.at[pixel] : 0;
+    surfel = averaged(view, surfel, measured);
   }
   if (sight.kind == kSightFree && !seesThroughAt(view, projection.pixel, projection.place.z)) return kSightUnclear;
   return sight.kind;

@@ -48,8 +48,10 @@ void addPixel(FusionView view, IcpView query, uvec2 pixel, uint own) {
   const uint front = projection.pixel.y * view.width + projection.pixel.x;
   if (args.ids.at[front] == kEmptySlot) return;
   const vec4 place = args.frontPlaces.at[front];
-  const IcpPair pair = icpPair(measured, turn * surface.normal, place.xyz, args.frontNormals.at[front].xyz, query.pivot,
-                               query.scale, query.gate, depthDeviation(view.noise, depth));
+  const Oriented seen = Oriented(measured, turn * surface.normal);
+  const Oriented mapped = Oriented(place.xyz, args.frontNormals.at[front].xyz);
+  const Pairing pairing = Pairing(query.pivot, query.scale, query.gate);
+  const IcpPair pair = icpPair(seen, mapped, pairing, depthDeviation(view.sensor.noise, depth));
   if (pair.isPair) addPair(pair, normalVariance(view, depth, place.w), own);
 }
 

@@ -23,9 +23,9 @@ void main() {
     PlaneSums sums = noPixels(0.0);
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x)
-        addPixel(sums, view.camera, view.noise, middle, vec2(float(x - column), float(y - row)),
+        addPixel(sums, view.sensor, middle, vec2(float(x - column), float(y - row)),
                  args.depths.at[y * width + x]);
-    surface = surfaceOf(sums, view.camera, view.noise, vec2(float(column), float(row)), middle);
+    surface = surfaceOf(sums, view.sensor, vec2(float(column), float(row)), middle);
   }
   args.surfaces.at[pixel].normal = surface.normal;
   args.surfaces.at[pixel].depth = surface.depth;

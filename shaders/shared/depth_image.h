@@ -42,6 +42,13 @@ PALPATE_STRUCT(DepthNoise) {
 };
 PALPATE_SINGLE(DepthNoise);
 
+// What measures depth.
+PALPATE_STRUCT(DepthSensor) {
+  PALPATE_OF(Pinhole) camera;
+  PALPATE_OF(DepthNoise) noise;
+};
+PALPATE_SINGLE(DepthSensor);
+
 PALPATE_FORMULA Real depthDeviation(PALPATE_OF(DepthNoise) noise, Real depth) {
   const Real beyond = max(depth - noise.from, Real(0.0));
   return noise.least + noise.growth * beyond * beyond;
@@ -80,12 +87,12 @@ PALPATE_FORMULA PALPATE_OF(PlaneSums) noPixels(Real zero) {
 }
 
 // Adds a pixel at `offset` from the middle, where depth is measured and belongs to the same surface.
-PALPATE_FORMULA void addPixel(PALPATE_INOUT(PALPATE_OF(PlaneSums)) sums, PALPATE_OF(Pinhole) camera,
-                              PALPATE_OF(DepthNoise) noise, Real middle, PALPATE_VEC2 offset, Real depth) {
+PALPATE_FORMULA void addPixel(PALPATE_INOUT(PALPATE_OF(PlaneSums)) sums, PALPATE_OF(DepthSensor) sensor, Real middle,
+                              PALPATE_VEC2 offset, Real depth) {
   if (!(depth > Real(0.0))) return;
-  const Real footprint = middle / min(camera.fx, camera.fy);
+  const Real footprint = middle / min(sensor.camera.fx, sensor.camera.fy);
   const Real jump = Real(kSteepestSlope) * footprint * max(abs(offset.x), abs(offset.y)) +
-                    Real(kJumpDeviations) * depthDeviation(noise, middle);
+                    Real(kJumpDeviations) * depthDeviation(sensor.noise, middle);
   if (abs(depth - middle) > jump) return;
   const Real q = (middle - depth) / (middle * depth);
   sums.count += Real(1.0);
@@ -96,8 +103,9 @@ PALPATE_FORMULA void addPixel(PALPATE_INOUT(PALPATE_OF(PlaneSums)) sums, PALPATE
 }
 
 // The surface that the sums about a pixel of depth `middle` show.
-PALPATE_FORMULA PALPATE_OF(PixelSurface) surfaceOf(PALPATE_OF(PlaneSums) sums, PALPATE_OF(Pinhole) camera,
-                                                   PALPATE_OF(DepthNoise) noise, PALPATE_VEC2 pixel, Real middle) {
+PALPATE_FORMULA PALPATE_OF(PixelSurface)
+    surfaceOf(PALPATE_OF(PlaneSums) sums, PALPATE_OF(DepthSensor) sensor, PALPATE_VEC2 pixel, Real middle) {
+  const PALPATE_OF(Pinhole) camera = sensor.camera;
   PALPATE_OF(PixelSurface) none;
   none.normal = PALPATE_VEC3(Real(0.0));
   none.depth = Real(0.0);
@@ -115,7 +123,7 @@ PALPATE_FORMULA PALPATE_OF(PixelSurface) surfaceOf(PALPATE_OF(PlaneSums) sums, P
   const Real inverse = Real(1.0) / middle + (sums.rise - a * sums.offsets.x - b * sums.offsets.y) / n;
   if (!(inverse > Real(0.0))) return none;
   const Real depth = Real(1.0) / inverse;
-  if (abs(depth - middle) > Real(kOutlierDeviations) * depthDeviation(noise, middle)) return none;
+  if (abs(depth - middle) > Real(kOutlierDeviations) * depthDeviation(sensor.noise, middle)) return none;
   // A plane m.p = 1 has the inverse depth m.ray, whose slopes are m.x / fx and m.y / fy.
   const PALPATE_VEC3 away = PALPATE_VEC3(a * camera.fx, b * camera.fy,
                                          inverse - a * (pixel.x - camera.cx) - b * (pixel.y - camera.cy));

@@ -48,8 +48,7 @@ struct FusionView {
   vec3 down;
   vec3 ahead;
   vec3 centre;  // of the camera, in the map, m
-  Pinhole camera;
-  DepthNoise noise;
+  DepthSensor sensor;
   float memory;    // measurements that a point remembers at most
   uint width;      // pixels
   uint height;
@@ -82,7 +81,7 @@ PALPATE_FUNCTION vec3 placeInCamera(FusionView view, vec3 place) {
 }
 PALPATE_FUNCTION vec3 placeInMap(FusionView view, vec3 place) { return view.centre + directionInMap(view, place); }
 PALPATE_FUNCTION vec3 placeOfPixel(FusionView view, uvec2 pixel, float depth) {
-  return depth * rayThrough(view.camera, vec2(float(pixel.x), float(pixel.y)));
+  return depth * rayThrough(view.sensor.camera, vec2(float(pixel.x), float(pixel.y)));
 }
 
 // Where a point of the map is looked for in the frame.
@@ -102,8 +101,8 @@ PALPATE_FUNCTION Projection projectionOf(FusionView view, vec3 placeInTheMap) {
   const vec3 p = projection.place;
   if (!(p.z > 0.0f)) return projection;
   // From the corner of the first pixel, not from its middle.
-  const float column = view.camera.fx * p.x / p.z + view.camera.cx + 0.5f;
-  const float row = view.camera.fy * p.y / p.z + view.camera.cy + 0.5f;
+  const float column = view.sensor.camera.fx * p.x / p.z + view.sensor.camera.cx + 0.5f;
+  const float row = view.sensor.camera.fy * p.y / p.z + view.sensor.camera.cy + 0.5f;
   if (!(column >= 0.0f && row >= 0.0f && column < float(view.width) && row < float(view.height))) return projection;
   projection.inView = true;
   projection.pixel = uvec2(uint(column), uint(row));
@@ -113,25 +112,34 @@ PALPATE_FUNCTION Projection projectionOf(FusionView view, vec3 placeInTheMap) {
   return projection;
 }
 
+// What a pixel has measured.
+struct Measurement {
+  uvec2 pixel;
+  float depth;           // m; 0: none
+  uint color;            // RGBA8, where the frame has any
+  PixelSurface surface;  // fitted there
+};
+
 // What a pixel says of a point that is looked for there, before anyone has looked whether the camera sees through it.
 struct Sight {
   uint kind;    // kSight...; kSightFree: may be, and the depths around have to say so, too
   bool covers;  // no new point is needed where it is
 };
 
-// `normal`: of the point, in the camera's coordinates. `depth`: measured by the pixel; `surface`: fitted there.
-PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 normal, float depth, PixelSurface surface) {
+// `normal`: of the point, in the camera's coordinates.
+PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 normal, Measurement measured) {
   Sight sight;
   sight.kind = kSightNone;
   sight.covers = false;
+  const float depth = measured.depth;
   if (!(depth > 0.0f)) return sight;
   const vec3 p = projection.place;
-  const float deviation = depthDeviation(view.noise, depth);
-  if (surface.depth > 0.0f) {
-    const vec3 offset = p - placeOfPixel(view, projection.pixel, surface.depth);
-    if (abs(dot(surface.normal, offset)) <= kGateDeviations * deviation) {
+  const float deviation = depthDeviation(view.sensor.noise, depth);
+  if (measured.surface.depth > 0.0f) {
+    const vec3 offset = p - placeOfPixel(view, measured.pixel, measured.surface.depth);
+    if (abs(dot(measured.surface.normal, offset)) <= kGateDeviations * deviation) {
       sight.covers = dot(normal, p) < 0.0f;
-      sight.kind = dot(surface.normal, normal) >= kSameNormal ? kSightMatched : kSightUnclear;
+      sight.kind = dot(measured.surface.normal, normal) >= kSameNormal ? kSightMatched : kSightUnclear;
       return sight;
     }
   }
@@ -146,11 +154,11 @@ PALPATE_FUNCTION Sight sightOf(FusionView view, Projection projection, vec3 norm
 
 // Whether a depth beside the point's pixel lets it stand where the camera has seen through; no depth says nothing.
 PALPATE_FUNCTION bool seesThrough(FusionView view, float placeDepth, float depth) {
-  return !(depth > 0.0f) || placeDepth < depth - kFreeDeviations * depthDeviation(view.noise, depth);
+  return !(depth > 0.0f) || placeDepth < depth - kFreeDeviations * depthDeviation(view.sensor.noise, depth);
 }
 
 PALPATE_FUNCTION float measurementWeight(FusionView view, float depth) {
-  const float deviation = depthDeviation(view.noise, depth);
+  const float deviation = depthDeviation(view.sensor.noise, depth);
   return 1.0f / (deviation * deviation);
 }
 
@@ -180,35 +188,34 @@ struct Surfel {
   SurfelRecord record;
 };
 
-// The weighted average of a point and what its pixel has measured (`color`: where the frame has any). It moves along
-// the ray from the camera, towards the plane through the place that was measured: noise of depth, which has put it
-// where it is, leads back along the same ray, and not beside its neighbours.
-PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, uvec2 pixel, float depth, PixelSurface surface,
-                                 uint color) {
+// The weighted average of a point and what its pixel has measured. It moves along the ray from the camera, towards the
+// plane through the place that was measured: noise of depth, which has put it where it is, leads back along the same
+// ray, and not beside its neighbours.
+PALPATE_FUNCTION Surfel averaged(FusionView view, Surfel before, Measurement measured) {
   Surfel after = before;
-  const float measurement = measurementWeight(view, depth);
-  const float share = measurement / (before.record.weight + measurement);
-  after.normal = normalize((1.0f - share) * before.normal + share * directionInMap(view, surface.normal));
-  const vec3 measured = placeInMap(view, placeOfPixel(view, pixel, depth));
+  const float weight = measurementWeight(view, measured.depth);
+  const float share = weight / (before.record.weight + weight);
+  after.normal = normalize((1.0f - share) * before.normal + share * directionInMap(view, measured.surface.normal));
   const vec3 ray = normalize(before.place - view.centre);
   const float facing = min(dot(after.normal, ray), -kLeastFacing);
-  after.place = before.place + share * dot(after.normal, measured - before.place) / facing * ray;
-  after.record.weight = weightAfter(before.record.weight, measurement, view.memory);
+  const vec3 offset = placeInMap(view, placeOfPixel(view, measured.pixel, measured.depth)) - before.place;
+  after.place = before.place + share * dot(after.normal, offset) / facing * ray;
+  after.record.weight = weightAfter(before.record.weight, weight, view.memory);
   after.record.seen = view.number;
   after.record.counts = min(measurementsOf(before.record) + 1u, 0xffffu);
-  if (view.colored != 0u) after.record.color = mixedColor(before.record.color, color, share);
+  if (view.colored != 0u) after.record.color = mixedColor(before.record.color, measured.color, share);
   return after;
 }
 
 // A new point where a pixel has measured one.
-PALPATE_FUNCTION Surfel bornAt(FusionView view, uvec2 pixel, float depth, PixelSurface surface, uint color) {
+PALPATE_FUNCTION Surfel bornAt(FusionView view, Measurement measured) {
   Surfel surfel;
-  surfel.place = placeInMap(view, placeOfPixel(view, pixel, depth));
-  surfel.normal = directionInMap(view, surface.normal);
-  surfel.record.weight = measurementWeight(view, depth);
+  surfel.place = placeInMap(view, placeOfPixel(view, measured.pixel, measured.depth));
+  surfel.normal = directionInMap(view, measured.surface.normal);
+  surfel.record.weight = measurementWeight(view, measured.depth);
   surfel.record.seen = view.number;
   surfel.record.counts = 1u;
-  surfel.record.color = view.colored != 0u ? color : 0u;
+  surfel.record.color = view.colored != 0u ? measured.color : 0u;
   return surfel;
 }
 
@@ -229,6 +236,12 @@ const uint kPartsLeft = 0x8888u;   // of the pixel to the left
 const uint kPartsRight = 0x1111u;
 const uint kPartsAbove = 0xf000u;
 const uint kPartsBelow = 0x000fu;
+
+// Whether points stand close to a pixel's middle, by the parts of it and of those beside it.
+PALPATE_FUNCTION bool isCovered(uint within, uint left, uint right, uint above, uint below) {
+  return (within & kPartsWithin) != 0u || (left & kPartsLeft) != 0u || (right & kPartsRight) != 0u ||
+         (above & kPartsAbove) != 0u || (below & kPartsBelow) != 0u;
+}
 
 PALPATE_SHARED_END
 #endif

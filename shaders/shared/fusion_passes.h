@@ -13,7 +13,9 @@ const uint kMaxMaskWords = 32u;
 
 // The bits beside a point's normal in the live cloud: its colour, red in the lowest byte and 0 in the highest, grey where
 // none was seen.
-PALPATE_FUNCTION uint colorBeside(SurfelRecord record) { return (record.color >> 24 != 0u ? record.color : kUnseenColor) & 0xffffffu; }
+PALPATE_FUNCTION uint colorBeside(SurfelRecord record) {
+  return (record.color >> 24 != 0u ? record.color : kUnseenColor) & 0xffffffu;
+}
 
 // What became of the points in a frame.
 struct FusionTotals {

@@ -25,17 +25,32 @@ PALPATE_FORMULA Real huberWeight(Real residual, Real deviation) {
   return min(Real(1.0), most / max(abs(residual), Real(1e-12)));
 }
 
-// `measured` and `normal` of a pixel, `place` and `placeNormal` of the map's point; all in one system. Farther apart
-// than `gate` they are no pair.
-PALPATE_FORMULA PALPATE_OF(IcpPair)
-    icpPair(PALPATE_VEC3 measured, PALPATE_VEC3 normal, PALPATE_VEC3 place, PALPATE_VEC3 placeNormal,
-            PALPATE_VEC3 pivot, Real scale, Real gate, Real deviation) {
+// What a pair is made of: a place and its normal.
+PALPATE_STRUCT(Oriented) {
+  PALPATE_VEC3 place;
+  PALPATE_VEC3 normal;  // unit
+};
+PALPATE_SINGLE(Oriented);
+
+// How pairs are made: rotations are about the pivot, and an angle times `scale` is the unknown; what is farther apart
+// than the gate is no pair.
+PALPATE_STRUCT(Pairing) {
+  PALPATE_VEC3 pivot;
+  Real scale;
+  Real gate;
+};
+PALPATE_SINGLE(Pairing);
+
+// Of what a pixel sees, with the deviation of its depth, and a point of the map; all in one system.
+PALPATE_FORMULA PALPATE_OF(IcpPair) icpPair(PALPATE_OF(Oriented) seen, PALPATE_OF(Oriented) mapped,
+                                            PALPATE_OF(Pairing) pairing, Real deviation) {
   PALPATE_OF(IcpPair) pair;
-  const PALPATE_VEC3 offset = measured - place;
-  pair.isPair = dot(offset, offset) <= gate * gate && dot(normal, placeNormal) >= Real(kPairedNormals);
-  pair.turn = cross(measured - pivot, placeNormal) / scale;
-  pair.shift = placeNormal;
-  pair.residual = dot(placeNormal, offset);
+  const PALPATE_VEC3 offset = seen.place - mapped.place;
+  const bool isNear = dot(offset, offset) <= pairing.gate * pairing.gate;
+  pair.isPair = isNear && dot(seen.normal, mapped.normal) >= Real(kPairedNormals);
+  pair.turn = cross(seen.place - pairing.pivot, mapped.normal) / pairing.scale;
+  pair.shift = mapped.normal;
+  pair.residual = dot(mapped.normal, offset);
   pair.weight = huberWeight(pair.residual, deviation) / (deviation * deviation);
   return pair;
 }
@@ -45,13 +60,13 @@ PALPATE_FUNCTION bool isFront(FusionView view, Projection projection, vec3 norma
   return projection.inView && dot(directionInCamera(view, normal), projection.place) < 0.0f;
 }
 
-// The variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of a
-// slope over the square of pixels that a plane is fitted to, less by how often it was measured.
+// The variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of
+// a slope over the square of pixels that a plane is fitted to, less by how often it was measured.
 PALPATE_FUNCTION float normalVariance(FusionView view, float depth, float weight) {
   const float side = float(2 * kFitReach + 1);
   const float squares = side * side * (side * side - 1.0f) / 12.0f;  // sum of x^2 over the square
-  const float footprint = depth / min(view.camera.fx, view.camera.fy);
-  const float slope = depthDeviation(view.noise, depth) / footprint;
+  const float footprint = depth / min(view.sensor.camera.fx, view.sensor.camera.fy);
+  const float slope = depthDeviation(view.sensor.noise, depth) / footprint;
   return slope * slope / squares * min(1.0f, measurementWeight(view, depth) / weight);
 }
 

@@ -1,6 +1,10 @@
 #include "tests/apps/program.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "tests/gaussian_scenes.hpp"
 
 namespace palpate {
 
@@ -27,7 +31,68 @@ void writeColmapFolder(const std::filesystem::path& folder) {
   }
 }
 
+// A ball of 10 units around the origin, of flat Gaussians, orange from all sides.
+void writeGaussians(const std::filesystem::path& file) {
+  constexpr int kGaussians = 3000;
+  const test::KnownScene known =
+      test::gaussiansOn(*makeShape("sphere", 20), 400 * std::numbers::pi, {.count = kGaussians, .faint = 1});
+  std::ofstream out(file);
+  out << "ply\nformat ascii 1.0\nelement vertex " << known.scene.size() << '\n';
+  for (const char* name : {"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+                           "rot_0", "rot_1", "rot_2", "rot_3"})
+    out << "property float " << name << '\n';
+  out << "end_header\n";
+  for (std::size_t i = 0; i < known.scene.size(); ++i) {
+    const DVec3& c = known.scene.centers[i];
+    const Vec3& s = known.scene.logScales[i];
+    const Vec4& q = known.scene.rotations[i];
+    out << c.x << ' ' << c.y << ' ' << c.z << " 1.7 0 -1.7 " << known.scene.opacityLogits[i] << ' ' << s.x << ' ' << s.y
+        << ' ' << s.z << ' ' << q[0] << ' ' << q[1] << ' ' << q[2] << ' ' << q[3] << '\n';
+  }
+}
+
 }  // namespace
+
+TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and its file stays") {
+  const ScratchFolder folder;
+  const std::filesystem::path scene = folder / "scene.ply";
+  writeGaussians(scene);
+  const std::string before = contentOf(scene), json = (folder / "a.json").string();
+  works("info " + scene.string() + " --json " + json);
+  CHECK(jsonOf(json)["format"] == "3DGS");
+  CHECK(jsonOf(json)["made_from"] == "6000 Gaussians of degree 0; the points are those of their surface");
+  CHECK(jsonOf(json)["elements"]["Gaussian"] == 6000);
+  CHECK(jsonOf(json)["normals"] == true);
+  CHECK(jsonOf(json)["colors"] == true);
+
+  const std::string out = (folder / "out.ply").string();
+  const Outcome outcome = palpate("convert " + scene.string() + " " + out + " --json " + json);
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  CHECK(outcome.text.find("3000 faint") != std::string::npos);
+  CHECK(jsonOf(json)["from"] == "3DGS");
+  CHECK(jsonOf(json)["kept"] == std::vector<std::string>{"positions", "normals", "colours"});
+  works("info " + out + " --json " + json);
+  CHECK(jsonOf(json)["format"] == "PLY");
+  CHECK(jsonOf(json)["made_from"].is_null());
+
+  // Straight down at the ball's top: the force pushes up again, from where the ball is.
+  std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0,0,11\n0.2,0,0,9.5\n";
+  works("touch " + scene.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
+        " --trace " + (folder / "trace.csv").string() + " --edit push --save " + (folder / "pushed.ply").string());
+  const std::vector<Row> rows = readTrace(folder / "trace.csv");
+  REQUIRE(!rows.empty());
+  CHECK(rows.back().contact);
+  CHECK(rows.back().force.z > 0.01);
+  const auto touched = std::ranges::find_if(rows, [](const Row& row) { return row.contact; });
+  CHECK(touched->hip.z == doctest::Approx(10).epsilon(0.02));
+  CHECK(std::filesystem::exists(folder / "pushed.ply"));
+  CHECK(contentOf(scene) == before);
+
+  // Over the file only when it is named, and then the Gaussians are kept.
+  works("touch " + scene.string() + " --backend cpu --mm-per-unit 1 --path " + (folder / "path.csv").string() +
+        " --edit push --save " + scene.string());
+  CHECK(contentOf(folder / "scene.ply.bak") == before);
+}
 
 TEST_CASE("the folder of a COLMAP model is told of, converted and felt, and nothing in it changes") {
   const ScratchFolder folder;

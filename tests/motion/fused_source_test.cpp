@@ -43,7 +43,8 @@ class FewFrames final : public DepthStream {
 };
 
 bool areEqual(const CloudFrame& a, const CloudFrame& b) {
-  return a.time_s == b.time_s && a.positions == b.positions && a.normals == b.normals && a.ids == b.ids && a.colors == b.colors;
+  return a.time_s == b.time_s && a.positions == b.positions && a.normals == b.normals && a.ids == b.ids &&
+         a.colors == b.colors;
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ TEST_CASE("a live camera's next frame is waited for, one at a time, and its end 
   CHECK(areEqual(last, frame));
 }
 
-TEST_CASE("ids that no point has are told apart by their normals") {
+TEST_CASE("a frame has the points that there are, by their ids") {
   DepthScene near, far;
   near.add("cube", 0.2, {0, 0, 0.1});
   far.add("plane", 2, {0, 0, -0.5});
@@ -124,11 +125,11 @@ TEST_CASE("ids that no point has are told apart by their normals") {
   const SurfelMap& map = source.fusion().map();
   CHECK(frame.size() == map.count());
   CHECK(frame.size() < map.ids());
-  for (std::size_t i = 0; i < frame.size(); ++i) {
-    CHECK(map.holds(frame.ids[i]));
-    CHECK(frame.positions[i] == map.surfel(frame.ids[i]).place);
-    CHECK(glm::length(frame.normals[i]) > 0.99f);
-  }
+  std::size_t right = 0;
+  for (std::size_t i = 0; i < frame.size(); ++i)
+    right += map.holds(frame.ids[i]) && frame.positions[i] == map.surfel(frame.ids[i]).place &&
+             glm::length(frame.normals[i]) > 0.99f;
+  CHECK(right == frame.size());
 }
 
 }  // namespace palpate

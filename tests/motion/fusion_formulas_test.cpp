@@ -25,14 +25,10 @@ FrameImages planeImage(const DepthCamera& camera, const DVec3& normal, double of
 }
 
 template <class Real>
-shared::PinholeOf<Real> pinhole(const DepthCamera& camera) {
-  return {static_cast<Real>(camera.fx), static_cast<Real>(camera.fy), static_cast<Real>(camera.cx),
-          static_cast<Real>(camera.cy)};
-}
-
-template <class Real>
-shared::DepthNoiseOf<Real> noiseModel() {
-  return {Real(0.0012), Real(0.0019), Real(0.4)};
+shared::DepthSensorOf<Real> sensor(const DepthCamera& camera) {
+  return {.camera = {static_cast<Real>(camera.fx), static_cast<Real>(camera.fy), static_cast<Real>(camera.cx),
+                     static_cast<Real>(camera.cy)},
+          .noise = {Real(0.0012), Real(0.0019), Real(0.4)}};
 }
 
 shared::FusionView viewFrom(const CameraPose& pose) {
@@ -49,7 +45,7 @@ TEST_CASE_TEMPLATE("a pixel of a plane has its normal and depth, however slanted
     const DVec3 normal = glm::normalize(towards);
     const FrameImages images = planeImage(camera, normal, 0.7 * normal.z);
     for (const auto& [x, y] : {std::pair(20, 15), {0, 0}, {39, 29}, {39, 2}, {1, 17}}) {
-      const auto surface = pixelSurface(images, pinhole<Real>(camera), noiseModel<Real>(), x, y);
+      const auto surface = pixelSurface(images, sensor<Real>(camera), x, y);
       const auto depth = static_cast<double>(images.depths[static_cast<std::size_t>(y * 40 + x)]);
       CAPTURE(towards.x);
       REQUIRE(surface.depth > 0);
@@ -65,7 +61,7 @@ TEST_CASE_TEMPLATE("a surface ends at a jump of depth, and what lies between two
   FrameImages images = planeImage(camera, DVec3(0, 0, 1), 1.0);
   for (std::size_t pixel = 0; pixel < images.depths.size(); ++pixel)
     if (pixel % 21 > 10) images.depths[pixel] = 1.5f;
-  const auto at = [&](int x, int y) { return pixelSurface(images, pinhole<Real>(camera), noiseModel<Real>(), x, y); };
+  const auto at = [&](int x, int y) { return pixelSurface(images, sensor<Real>(camera), x, y); };
   for (const int x : {9, 10, 11, 12}) {
     CHECK(static_cast<double>(at(x, 10).depth) == doctest::Approx(x > 10 ? 1.5 : 1.0));
     CHECK(static_cast<double>(at(x, 10).normal.z) == doctest::Approx(-1.0));
@@ -87,7 +83,7 @@ TEST_CASE("a slope that the camera hardly sees is no surface") {
     const double angle = angle_deg * 3.14159265358979 / 180;
     const DVec3 normal(std::sin(angle), 0, std::cos(angle));
     const FrameImages images = planeImage(camera, normal, normal.z);
-    const auto surface = pixelSurface(images, pinhole<double>(camera), noiseModel<double>(), 7, 7);
+    const auto surface = pixelSurface(images, sensor<double>(camera), 7, 7);
     CHECK((surface.depth > 0) == is);
   }
 }
@@ -119,6 +115,23 @@ TEST_CASE("a point is looked for in the pixel that sees it, and in that part of 
   CHECK_FALSE(shared::projectionOf(view, Vec3(nan, 0, 0)).inView);
 }
 
+TEST_CASE("a point covers the pixel that it stands in, and the one beside it by a quarter of a pixel") {
+  // In parts of a pixel from the corner of the pixel that is asked about.
+  for (int v = -4; v < 8; ++v) {
+    for (int u = -4; u < 8; ++u) {
+      std::array<std::array<uint, 3>, 3> covered{};  // rows of pixels
+      covered[static_cast<std::size_t>(v + 4) / 4][static_cast<std::size_t>(u + 4) / 4] =
+          1u << (static_cast<uint>(v + 4) % 4 * 4 + static_cast<uint>(u + 4) % 4);
+      const double x = (u + 0.5) / 4 - 0.5, y = (v + 0.5) / 4 - 0.5;  // pixels from its middle
+      const double least = std::min(std::abs(x), std::abs(y)), most = std::max(std::abs(x), std::abs(y));
+      CAPTURE(x);
+      CAPTURE(y);
+      const bool is = shared::isCovered(covered[1][1], covered[1][0], covered[1][2], covered[0][1], covered[2][1]);
+      CHECK(is == (least < 0.5 && most < 0.75));
+    }
+  }
+}
+
 TEST_CASE("a point is measured, hidden, seen through, or none of it, by where it stands before its pixel") {
   const shared::FusionView view = viewFrom({});
   const shared::PixelSurface wall{.normal = Vec3(0, 0, -1), .depth = 1};
@@ -126,7 +139,11 @@ TEST_CASE("a point is measured, hidden, seen through, or none of it, by where it
   const float deviation = 0.0012f + 0.0019f * 0.36f;
   const auto sight = [&](float depth, const Vec3& normal, float measured = 1, float fitted = 1) {
     const auto projection = shared::projectionOf(view, {0, 0, depth});
-    return shared::sightOf(view, projection, normal, measured, {.normal = wall.normal, .depth = fitted});
+    return shared::sightOf(view, projection, normal,
+                           {.pixel = projection.pixel,
+                            .depth = measured,
+                            .color = 0,
+                            .surface = {.normal = wall.normal, .depth = fitted}});
   };
   for (const float step : {-3.9f, 0.0f, 3.9f}) {
     CHECK(sight(1 + step * deviation, facing).kind == shared::kSightMatched);
@@ -184,8 +201,8 @@ TEST_CASE("a point takes the weighted mean along its ray, and counts what has me
   CHECK(static_cast<double>(measurement) == doctest::Approx(1 / (0.001884 * 0.001884)).epsilon(1e-5));
   before.record.weight = 2 * measurement;
   // The pixel in the middle of the image sees nothing along the axis exactly, as its middle is half a pixel off.
-  const shared::Surfel after =
-      shared::averaged(view, before, {79, 59}, 1.0f, {.normal = Vec3(0, 0, -1), .depth = 1}, 0);
+  const shared::Surfel after = shared::averaged(
+      view, before, {.pixel = {79, 59}, .depth = 1, .color = 0, .surface = {.normal = Vec3(0, 0, -1), .depth = 1}});
   CHECK(after.place.x == 0);
   CHECK(after.place.y == 0);
   CHECK(static_cast<double>(after.place.z) == doctest::Approx(1.002).epsilon(1e-6));
@@ -212,7 +229,8 @@ TEST_CASE_TEMPLATE("a pair pulls as its residual does, no harder than an outlier
   using V3 = glm::vec<3, Real>;
   const V3 up(0, 0, 1), pivot(1, 0, 0);
   const auto pair = [&](Real height, const V3& normal, Real gate) {
-    return shared::icpPair(V3(0, 1, height), normal, V3(0, 1, 0), up, pivot, Real(2), gate, Real(0.001));
+    return shared::icpPair<Real>({.place = V3(0, 1, height), .normal = normal}, {.place = V3(0, 1, 0), .normal = up},
+                                 {.pivot = pivot, .scale = Real(2), .gate = gate}, Real(0.001));
   };
   const auto near = pair(Real(0.001), up, Real(0.1));
   REQUIRE(near.isPair);

@@ -36,6 +36,12 @@ FrameFusion fusedTable(std::uint64_t frames, double noise, const FusionOptions& 
 
 double footprint(double depth_m) { return depth_m / smallCamera().fx; }
 
+// In 24 frames, with noise: for more than one test.
+const SurfelMap& tableInNoise() {
+  static const FrameFusion fusion = fusedTable(24, 1);
+  return fusion.map();
+}
+
 // To the k-th nearest of the points, from 0.
 double distanceTo(const PointTree& tree, const Vec3& place, std::size_t k) {
   std::array<std::uint32_t, 2> indices{};
@@ -73,7 +79,7 @@ Truth against(const DepthScene& scene, const SurfelMap& map, shared::uint measur
 TEST_CASE("a fused map lies nearer to the shapes than any depth that it was made of") {
   const DepthScene scene = tableScene();
   const Truth one = against(scene, fusedTable(1, 1).map(), 1);
-  const Truth many = against(scene, fusedTable(24, 1).map(), 12);
+  const Truth many = against(scene, tableInNoise(), 12);
   MESSAGE("RMS " << one.rms_mm << " mm after one frame, " << many.rms_mm << " mm after 24; normals " << one.angle_deg
                  << " and " << many.angle_deg << " degrees; " << many.points << " points");
   CHECK(many.points > 10'000);
@@ -90,8 +96,7 @@ TEST_CASE("without noise points are on the shapes, with their normals") {
 }
 
 TEST_CASE("points cover what is seen evenly, and none doubles another one") {
-  const auto fusion = fusedTable(24, 1);
-  const PointCloud cloud = fusion.map().cloud();
+  const PointCloud cloud = tableInNoise().cloud();
   const PointTree tree(cloud.positions);
   std::vector<double> gaps;
   for (const Vec3& place : cloud.positions) gaps.push_back(distanceTo(tree, place, 1));
@@ -143,19 +148,47 @@ TEST_CASE("what has gone leaves no ghost once the camera has seen through it, an
   CHECK(standing({0.05, 0, 0.06}) > 500);
 }
 
+TEST_CASE("a pose that is a little off does not eat the rim of what stands before a wall") {
+  DepthScene scene;
+  scene.add("cube", 0.1, {0, 0, 0.05}).add("plane", 2, {0, 0, -0.5});
+  FrameFusion fusion(smallMap());
+  const CameraPose pose = lookingAt({0, 0, 1}, {0, 0, 0});
+  const DepthFrame frame = scene.frame(smallCamera(), pose);
+  for (int i = 0; i < 6; ++i) fusion.fuse(smallCamera(), frame);
+  const std::size_t ids = fusion.map().ids();
+  DepthFrame aside = frame;
+  aside.pose->centre.x += 0.9 * footprint(0.9);
+  for (int i = 0; i < 12; ++i) fusion.fuse(smallCamera(), aside);
+  std::size_t kept = 0;
+  for (std::size_t id = 0; id < ids; ++id) kept += fusion.map().holds(id) ? 1 : 0;
+  CHECK(kept == ids);
+  // By three pixels it is the other place that counts.
+  aside.pose->centre.x += 2.1 * footprint(0.9);
+  for (int i = 0; i < 12; ++i) fusion.fuse(smallCamera(), aside);
+  CHECK(fusion.map().totals().removed > 20);
+}
+
 TEST_CASE("what is not seen keeps every bit: behind the camera, beside its view, and behind what stands in front") {
   const DepthScene scene = tableScene();
   FrameFusion fusion(smallMap());
   for (std::uint64_t i = 0; i < 6; ++i)
     fusion.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, 0.5), 1, i));
   const SurfelMap before = fusion.map();
+  // Points of before, measured at least so often then, that have kept every bit.
+  const auto same = [&](const SurfelMap& map, shared::uint measurements) {
+    std::size_t count = 0;
+    for (std::size_t id = 0; id < before.ids(); ++id)
+      count += shared::measurementsOf(before.surfel(id).record) >= measurements &&
+               areSame(before.surfel(id), map.surfel(id));
+    return count;
+  };
   SUBCASE("behind the camera") {
     const CameraPose away = lookingAt({0, 0, 1}, {0, 0, 2});
     DepthScene ceiling;
     ceiling.add("plane", 3, {0, 0, 2});
     fusion.fuse(smallCamera(), ceiling.frame(smallCamera(), away, 1, 10));
     CHECK(fusion.map().totals().appended == before.totals().appended + fusion.map().count() - before.count());
-    for (std::size_t id = 0; id < before.ids(); ++id) REQUIRE(areSame(before.surfel(id), fusion.map().surfel(id)));
+    CHECK(same(fusion.map(), 0) == before.ids());
   }
   SUBCASE("hidden by a board close to the camera") {
     DepthScene board;
@@ -163,12 +196,9 @@ TEST_CASE("what is not seen keeps every bit: behind the camera, beside its view,
     const CameraPose pose = onArc(kTable, 1.0, 0.5);
     for (std::uint64_t i = 10; i < 30; ++i) fusion.fuse(smallCamera(), board.frame(smallCamera(), pose, 1, i));
     std::size_t stable = 0;
-    for (std::size_t id = 0; id < before.ids(); ++id) {
-      if (!shared::isStable(before.surfel(id).record)) continue;
-      ++stable;
-      REQUIRE(areSame(before.surfel(id), fusion.map().surfel(id)));
-    }
+    for (std::size_t id = 0; id < before.ids(); ++id) stable += shared::isStable(before.surfel(id).record) ? 1 : 0;
     CHECK(stable > 10'000);
+    CHECK(same(fusion.map(), shared::kStableCount) == stable);
   }
   SUBCASE("no depth was measured") {
     DepthFrame nothing = scene.frame(smallCamera(), onArc(kTable, 1.0, 0.5), 0, 10);
@@ -185,19 +215,21 @@ TEST_CASE("an id is one place for life") {
   FrameFusion fusion(smallMap());
   std::vector<shared::Surfel> before;
   std::size_t followed = 0;
-  for (std::uint64_t i = 0; i < 12; ++i) {
-    fusion.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, static_cast<double>(i) / 11), 1, i));
+  float furthest = 0;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    fusion.fuse(smallCamera(), scene.frame(smallCamera(), onArc(kTable, 1.0, static_cast<double>(i) / 7), 1, i));
     for (std::size_t id = 0; id < before.size(); ++id) {
       const shared::Surfel& now = fusion.map().surfel(id);
       // A point that is new has been measured once.
       if (before[id].record.weight == 0 || shared::measurementsOf(now.record) == 1 || !fusion.map().holds(id)) continue;
-      CHECK(glm::distance(now.place, before[id].place) < 0.02f);
       ++followed;
+      furthest = std::max(furthest, glm::distance(now.place, before[id].place));
     }
     before.clear();
     for (std::size_t id = 0; id < fusion.map().ids(); ++id) before.push_back(fusion.map().surfel(id));
   }
   CHECK(followed > 100'000);
+  CHECK(furthest < 0.02f);
 }
 
 TEST_CASE("a full map takes no more points, says how many, and goes on averaging those that it has") {
@@ -230,11 +262,14 @@ TEST_CASE("ids of points that go are given to new ones, the lowest first") {
   const std::size_t most = fusion.map().ids(), free = most - fusion.map().count();
   CHECK(free >= ids);
   CHECK_FALSE(fusion.map().holds(0));
-  const CameraPose aside = lookingAt({0.6, 0, 1}, {0.6, 0, 0});
+  const CameraPose aside = lookingAt({0.2, 0, 1}, {0.2, 0, 0});
   const FusionCounts counts = fusion.fuse(smallCamera(), far.frame(smallCamera(), aside, 0, number)).counts;
   CHECK(counts.appended > 1000);
-  CHECK(fusion.map().ids() == most + (counts.appended > free ? counts.appended - free : 0));
-  for (std::size_t id = 0; id < std::min<std::size_t>(free, counts.appended); ++id) CHECK(fusion.map().holds(id));
+  REQUIRE(counts.appended < free);
+  CHECK(fusion.map().ids() == most);
+  std::size_t next = 0;  // the first id that nobody has: all that are free are in a row
+  while (next < most && fusion.map().holds(next)) ++next;
+  CHECK(next == counts.appended);
 }
 
 TEST_CASE("a map far from the world's origin is as fine as one about it") {
@@ -249,10 +284,21 @@ TEST_CASE("a map far from the world's origin is as fine as one about it") {
 }
 
 TEST_CASE("the same frames give the same bytes with any number of threads") {
-  FusionOptions one = smallMap(), many = smallMap();
-  one.threads = 1;
-  many.threads = 7;
-  CHECK(areSame(fusedTable(6, 1, one).map(), fusedTable(6, 1, many).map()));
+  DepthScene before, after;
+  before.add("plane", 0.8, DVec3(0)).add("cube", 0.15, {-0.05, 0, 0.08});
+  after.add("plane", 0.8, DVec3(0)).add("sphere", 0.15, {0.05, 0, 0.08});
+  std::vector<DepthFrame> frames;
+  for (std::uint64_t i = 0; i < 10; ++i)
+    frames.push_back((i < 4 ? before : after).frame(smallCamera(), onArc(kTable, 1.0, 0.5), 1, i));
+  std::vector<FrameFusion> fusions;
+  for (const unsigned threads : {1u, 7u}) {
+    FusionOptions options = smallMap();
+    options.threads = threads;
+    fusions.emplace_back(options);
+    for (const DepthFrame& frame : frames) fusions.back().fuse(smallCamera(), frame);
+  }
+  CHECK(fusions[0].map().totals().removed > 2000);
+  CHECK(areSame(fusions[0].map(), fusions[1].map()));
 }
 
 TEST_CASE("images of any size are fused, and a pixel that has no neighbours is no surface") {

@@ -154,16 +154,15 @@ TEST_CASE_FIXTURE(FusionFixture, "the same frames give the same bytes, and point
   ceiling.add("plane", 3, {0, 0, 2});
   one.fuse(smallCamera(), ceiling.frame(smallCamera(), lookingAt({0, 0, 1}, {0, 0, 2}), 1, 9));
   const auto after = one.surfels();
-  std::size_t kept = 0, come = 0;
+  std::size_t kept = 0, changed = 0, come = 0;
   for (std::size_t id = 0; id < a.size(); ++id) {
-    if (a[id].record.weight > 0) {
-      REQUIRE(areSame(a[id], after[id]));
-      ++kept;
-    } else {
+    if (a[id].record.weight > 0)
+      areSame(a[id], after[id]) ? ++kept : ++changed;
+    else
       come += after[id].record.weight > 0 ? 1 : 0;
-    }
   }
   CHECK(kept > 15'000);
+  CHECK(changed == 0);
   CHECK(come > 10'000);
 }
 
@@ -179,12 +178,14 @@ TEST_CASE_FIXTURE(FusionFixture, "a cloud that is there is gone on with, and its
   CHECK(counts.matched > 15'000);
   const auto surfels = gpu.surfels();
   std::size_t raised = 0;
+  float furthest = 0;
   for (std::size_t id = 0; id < begun.size(); ++id) {
     REQUIRE(surfels[id].record.weight > 0);
-    CHECK(glm::distance(Vec2(surfels[id].place), Vec2(begun.positions[id])) < 0.001f);
+    furthest = std::max(furthest, glm::distance(Vec2(surfels[id].place), Vec2(begun.positions[id])));
     raised += surfels[id].place.z > 0.0001f ? 1 : 0;
   }
   CHECK(raised > 3000);
+  CHECK(furthest < 0.001f);
 }
 
 TEST_CASE_FIXTURE(FusionFixture,

@@ -31,7 +31,7 @@ TEST_CASE_FIXTURE(PoseFixture, "the GPU finds the pose that the host finds, fram
   const DepthScene scene = tableScene();
   FrameFusion host(options);
   FusedCloud gpu(device, smallCamera(), options);
-  PoseSearchPass search(device, gpu.pass(), gpu.cloud());
+  PoseSearchPass search(device, device.throughputQueue(), gpu.pass(), gpu.cloud());
   CameraPose last = onTheWay(0);
   for (std::uint64_t i = 0; i < 5; ++i) {
     CAPTURE(i);
@@ -67,7 +67,8 @@ TEST_CASE_FIXTURE(PoseFixture, "the same frame gives the same pose; a plane, and
   plane.add("plane", 3, DVec3(0));
   const DepthScene scene = tableScene();
   FusedCloud table(device, smallCamera(), options), flat(device, smallCamera(), options);
-  PoseSearchPass onTable(device, table.pass(), table.cloud()), onPlane(device, flat.pass(), flat.cloud());
+  PoseSearchPass onTable(device, device.latencyQueue(), table.pass(), table.cloud());
+  PoseSearchPass onPlane(device, device.latencyQueue(), flat.pass(), flat.cloud());
   const CameraPose pose = onTheWay(0);
   CameraPose expected = pose;
   expected.centre += DVec3(0.01, 0, 0.005);

@@ -1,0 +1,168 @@
+#include "engine/cloud/gaussian_discs.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr float kFaint = 0.05f;                        // opacity
+constexpr float kOversized = 10;                       // usual radii, of the longest deviation
+constexpr float kFarthest = 5e5f;                      // usual radii: single precision tells a tenth of one there
+constexpr float kLargestLog = 60;                      // of deviations: beyond, their squares leave single precision
+constexpr float kThinnest = 0.2f, kThickest = 1;       // usual radii
+constexpr double kMostMeanArea = 2;                    // of the usual one
+constexpr float kZeroHarmonic = 0.28209479177387814f;  // 1 / (2 sqrt(pi))
+constexpr std::size_t kSample = 20'000;
+
+float opacityOf(float logit) { return static_cast<float>(1 / (1 + std::exp(-static_cast<double>(logit)))); }
+
+/// Which axes of a Gaussian are its longest, middle and shortest.
+std::array<int, 3> byLength(const Vec3& logScales) {
+  std::array<int, 3> order{0, 1, 2};
+  std::ranges::stable_sort(order, [&](int a, int b) { return logScales[a] > logScales[b]; });
+  return order;
+}
+
+enum class Use : std::uint8_t { disc, faint, oversized, outlying };
+
+/// What is asked of each Gaussian before any can be judged.
+struct Size {
+  float opacity = 0, logLongest = 0, logRadius = 0;
+  Use use = Use::disc;
+};
+
+std::vector<Size> sizesOf(const GaussianScene& scene, unsigned threads) {
+  std::vector<Size> sizes(scene.size());
+  parallelFor(scene.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& logs = scene.logScales[i];
+      const auto [longest, middle, shortest] = byLength(logs);
+      Size& size = sizes[i];
+      size = {opacityOf(scene.opacityLogits[i]), logs[longest], 0.5f * (logs[longest] + logs[middle])};
+      if (size.opacity < kFaint)
+        size.use = Use::faint;
+      else if (logs[longest] > kLargestLog || logs[middle] < -kLargestLog)
+        size.use = Use::oversized;
+    }
+  });
+  return sizes;
+}
+
+/// Counts in whole numbers, so that no order of summing shows.
+class RadiusHistogram {
+ public:
+  void add(const Size& size) { counts_[binOf(size.logRadius)] += static_cast<std::uint64_t>(size.opacity * 65536); }
+  double median() const {
+    std::uint64_t total = 0, below = 0;
+    for (const std::uint64_t count : counts_) total += count;
+    std::size_t bin = 0;
+    while (bin + 1 < kBins && 2 * (below + counts_[bin]) < total) below += counts_[bin++];
+    return std::exp((static_cast<double>(bin) + 0.5) / kBinsPerLog - kLargestLog);
+  }
+
+ private:
+  static constexpr double kBinsPerLog = 64;
+  static constexpr auto kBins = static_cast<std::size_t>(2 * kLargestLog * kBinsPerLog);
+  static std::size_t binOf(float logRadius) {
+    const double bin = (static_cast<double>(logRadius) + kLargestLog) * kBinsPerLog;
+    return std::min(static_cast<std::size_t>(std::max(bin, 0.0)), kBins - 1);
+  }
+  std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
+};
+
+double usualRadiusOf(const std::vector<Size>& sizes) {
+  RadiusHistogram histogram;
+  for (const Size& size : sizes)
+    if (size.use == Use::disc) histogram.add(size);
+  const double median = histogram.median();
+  double area = 0, weight = 0;  // in squared medians
+  for (const Size& size : sizes) {
+    if (size.use != Use::disc || size.logLongest - std::log(median) > std::log(kOversized)) continue;
+    area += size.opacity * std::pow(std::exp(size.logRadius) / median, 2);
+    weight += size.opacity;
+  }
+  return weight > 0 ? median * std::max(1.0, std::sqrt(area / weight / kMostMeanArea)) : median;
+}
+
+/// The median of each coordinate, of a sample.
+DVec3 middleOf(const GaussianScene& scene, const std::vector<Size>& sizes) {
+  std::array<std::vector<double>, 3> sample;
+  const std::size_t step = scene.size() / kSample + 1;
+  for (std::size_t i = 0; i < scene.size(); i += step)
+    if (sizes[i].use == Use::disc)
+      for (int k = 0; k < 3; ++k) sample[static_cast<std::size_t>(k)].push_back(scene.centers[i][k]);
+  DVec3 middle(0);
+  for (int k = 0; k < 3; ++k) {
+    auto& values = sample[static_cast<std::size_t>(k)];
+    if (values.empty()) continue;
+    const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, half);
+    middle[k] = *half;
+  }
+  return middle;
+}
+
+/// The axes that a quaternion turns x, y and z into.
+std::array<DVec3, 3> axesOf(const Vec4& rotation) {
+  const DVec4 q(rotation);
+  const double length = glm::length(q);
+  if (!(length > 0)) return {DVec3(1, 0, 0), DVec3(0, 1, 0), DVec3(0, 0, 1)};
+  const double w = q[0] / length, x = q[1] / length, y = q[2] / length, z = q[3] / length;
+  return {DVec3(1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)),
+          DVec3(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)),
+          DVec3(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y))};
+}
+
+GaussianDisc discOf(const GaussianScene& scene, std::size_t i, const Size& size, const GaussianDiscs& frame) {
+  const Vec3& logs = scene.logScales[i];
+  const auto order = byLength(logs);
+  const std::array<DVec3, 3> axes = axesOf(scene.rotations[i]);
+  const auto axis = [&](int rank, float most) {
+    const int k = order[static_cast<std::size_t>(rank)];
+    const double deviation = std::exp(std::max(static_cast<double>(logs[k]), -2.0 * kLargestLog)) / frame.usualRadius;
+    return Vec3(axes[static_cast<std::size_t>(k)] * std::clamp<double>(deviation, kThinnest, most));
+  };
+  return {.center = Vec3((scene.centers[i] - frame.origin) / frame.usualRadius),
+          .opacity = size.opacity,
+          .longest = axis(0, kOversized),
+          .middle = axis(1, kOversized),
+          .shortest = axis(2, kThickest),
+          .color = glm::clamp(0.5f + kZeroHarmonic * scene.colorHarmonics[i], 0.0f, 1.0f)};
+}
+
+}  // namespace
+
+float GaussianDisc::area() const { return std::numbers::pi_v<float> * glm::length(longest) * glm::length(middle); }
+
+GaussianDiscs discsOf(const GaussianScene& scene, unsigned threads) {
+  GaussianDiscs made;
+  std::vector<Size> sizes = sizesOf(scene, threads);
+  made.usualRadius = usualRadiusOf(sizes);
+  made.origin = middleOf(scene, sizes);
+  const double logOversized = std::log(kOversized * made.usualRadius);
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    Use& use = sizes[i].use;
+    const DVec3 far = glm::abs(scene.centers[i] - made.origin) / made.usualRadius;
+    if (use == Use::disc && sizes[i].logLongest > logOversized) use = Use::oversized;
+    if (use == Use::disc && !(std::max({far.x, far.y, far.z}) < kFarthest)) use = Use::outlying;
+    made.faint += use == Use::faint;
+    made.oversized += use == Use::oversized;
+    made.outlying += use == Use::outlying;
+    if (use == Use::disc) kept.push_back(i);
+  }
+  made.discs.resize(kept.size());
+  parallelFor(kept.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) made.discs[k] = discOf(scene, kept[k], sizes[kept[k]], made);
+  });
+  return made;
+}
+
+}  // namespace palpate

@@ -1,0 +1,190 @@
+#include "engine/cloud/gaussian_sheets.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "engine/cloud/orientation.hpp"
+#include "engine/cloud/point_tree.hpp"
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr float kLeastDensity = 0.05f;  // that of the faintest disc
+constexpr std::size_t kMostPlaces = 200'000;
+constexpr std::size_t kNeighbours = 10;
+constexpr float kApart = 2.5;  // sides of a place's cell, between sheets that do not hang together
+constexpr std::size_t kFewestGaussians = 8;
+constexpr std::uint32_t kNobody = NeighbourGraph::kNobody;
+
+GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
+  const GaussianDensity::Curvature curvature = density.curvatureAt(place);
+  if (!(curvature.density > kLeastDensity)) return {};
+  const Eigen3 eigen = eigenSymmetric(curvature.downwards);
+  const auto sharpness = static_cast<float>(eigen.values[2]);
+  if (!(sharpness > 0)) return {};
+  const Vec3 normal(eigen.vectors[2]);
+  return {normal, std::log(curvature.density), glm::dot(normal, curvature.logGradient) / sharpness, sharpness};
+}
+
+/// The densest seed of each cell of a grid, and those near by.
+struct Places {
+  float side = 0;                      ///< of a cell
+  std::vector<std::uint32_t> seeds;    ///< of each place
+  std::vector<std::uint32_t> placeOf;  ///< of each seed; kNobody where it has no sheet
+  std::vector<Vec3> points, normals;
+  NeighbourGraph graph;
+};
+
+void findPlaces(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, int level, Places& places) {
+  places.seeds.clear();
+  places.placeOf.assign(seeds.size(), kNobody);
+  std::uint64_t last = 0;
+  for (std::uint32_t i = 0; i < seeds.size(); ++i) {
+    if (!sheets[i].exists()) continue;
+    const std::uint64_t code = seeds[i].voxel >> (3 * level);
+    if (places.seeds.empty() || code != last)
+      places.seeds.push_back(i);
+    else if (sheets[i].logDensity > sheets[places.seeds.back()].logDensity)
+      places.seeds.back() = i;
+    last = code;
+    places.placeOf[i] = static_cast<std::uint32_t>(places.seeds.size() - 1);
+  }
+}
+
+void findNeighbours(Places& places, unsigned threads) {
+  const PointTree tree(places.points);
+  places.graph.degree = kNeighbours;
+  places.graph.neighbours.assign(places.points.size() * kNeighbours, kNobody);
+  parallelFor(places.points.size(), threads, [&](std::size_t begin, std::size_t end) {
+    std::array<std::uint32_t, kNeighbours + 1> near;
+    std::array<double, kNeighbours + 1> squared;
+    const double most = std::pow(static_cast<double>(kApart * places.side), 2);
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t found = tree.nearest(places.points[i], near, squared);
+      std::size_t slot = 0;
+      for (std::size_t k = 0; k < found; ++k)
+        if (near[k] != i && squared[k] < most && slot < kNeighbours) places.graph.of(i)[slot++] = near[k];
+    }
+  });
+}
+
+Places placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, unsigned threads) {
+  constexpr int kFinest = 2;
+  Places places;
+  int level = kFinest;
+  do {
+    findPlaces(seeds, sheets, level, places);
+    places.side = kSeedVoxel * static_cast<float>(1 << level);
+    ++level;
+  } while (places.seeds.size() > kMostPlaces);
+  for (const std::uint32_t seed : places.seeds) {
+    places.points.push_back(seeds[seed].place);
+    places.normals.push_back(sheets[seed].normal);
+  }
+  if (!places.points.empty()) findNeighbours(places, threads);
+  return places;
+}
+
+/// For each place the first one of those that hang together with it.
+std::vector<std::uint32_t> groupsOf(const Places& places) {
+  std::vector<std::uint32_t> parent(places.points.size());
+  std::iota(parent.begin(), parent.end(), 0u);
+  const auto root = [&](std::uint32_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (std::uint32_t i = 0; i < parent.size(); ++i)
+    for (const std::uint32_t j : places.graph.of(i)) {
+      if (j == kNobody) continue;
+      const std::uint32_t a = root(i), b = root(j);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = root(i);
+  return parent;
+}
+
+/// Gaussians of each group, at its first place. One whose seeds are of several groups may count more than once.
+std::vector<std::uint32_t> countGaussians(std::span<const GaussianSeed> seeds, const Places& places,
+                                          const std::vector<std::uint32_t>& groups) {
+  std::uint32_t discs = 0;
+  for (const GaussianSeed& seed : seeds) discs = std::max(discs, seed.disc + 1);
+  std::vector<std::uint32_t> countedIn(discs, kNobody), counts(groups.size(), 0);
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    if (places.placeOf[i] == kNobody) continue;
+    const std::uint32_t group = groups[places.placeOf[i]];
+    if (countedIn[seeds[i].disc] == group) continue;
+    countedIn[seeds[i].disc] = group;
+    ++counts[group];
+  }
+  return counts;
+}
+
+std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets,
+                            const Places& places) {
+  const std::vector<std::uint32_t> groups = groupsOf(places);
+  const std::vector<std::uint32_t> counts = countGaussians(seeds, places, groups);
+  const std::size_t largest = counts.empty() ? 0 : *std::ranges::max_element(counts);
+  const std::size_t fewest = std::min(kFewestGaussians, largest);
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    if (places.placeOf[i] == kNobody || counts[groups[places.placeOf[i]]] >= fewest) continue;
+    sheets[i] = {};
+    ++dropped;
+  }
+  return dropped;
+}
+
+/// Whether a seed's normal looks to the other side than those of the places around: of the one that is most likely to
+/// be of the same sheet, as if both lay on a circle (orientNormals()).
+bool looksAway(const Places& places, std::uint32_t own, const Vec3& point, const Vec3& normal) {
+  float best = std::numeric_limits<float>::max();
+  bool away = false;
+  const auto ask = [&](std::uint32_t place) {
+    const Vec3 way = places.points[place] - point;
+    const float distance = glm::length(way);
+    const Vec3 along = distance > 0 ? way / distance : Vec3(0);
+    const float off = glm::dot(normal, along), otherOff = glm::dot(places.normals[place], along);
+    const float agreement = glm::dot(normal, places.normals[place]) - 2 * off * otherOff;
+    const float cost = distance / places.side + 1 - std::abs(agreement) + std::abs(off) + std::abs(otherOff);
+    if (cost >= best) return;
+    best = cost;
+    away = agreement < 0;
+  };
+  ask(own);
+  for (const std::uint32_t place : places.graph.of(own))
+    if (place != kNobody) ask(place);
+  return away;
+}
+
+}  // namespace
+
+std::vector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const GaussianSeed> seeds, unsigned threads) {
+  std::vector<GaussianSheet> sheets(seeds.size());
+  parallelFor(cells.count(), threads, [&](std::size_t begin, std::size_t end) {
+    GaussianDensity density;
+    for (std::size_t cell = begin; cell < end; ++cell) {
+      cells.gather(cell, density);
+      const auto [first, last] = cells.seedsOf(cell);
+      for (std::size_t i = first; i < last; ++i) sheets[i] = sheetAt(density, seeds[i].place);
+    }
+  });
+  return sheets;
+}
+
+std::size_t orientSheets(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets, unsigned threads) {
+  Places places = placesOf(seeds, sheets, threads);
+  const std::size_t dropped = dropSmallGroups(seeds, sheets, places);
+  orientNormals(places.points, places.normals, places.graph, threads);
+  parallelFor(seeds.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (sheets[i].exists() && looksAway(places, places.placeOf[i], seeds[i].place, sheets[i].normal))
+        sheets[i].turn();
+  });
+  return dropped;
+}
+
+}  // namespace palpate

@@ -1,0 +1,43 @@
+// Cells of a cubic grid by Morton codes of 63 bits (Morton 1966): the cells that share all but the last 3 k bits make
+// up a cell of 2^k times the side, so that one sort serves grids of many sizes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+inline constexpr int kMortonBits = 21;  // of each coordinate
+/// Cells reach so far to both sides of the origin; what lies farther off is in the outermost ones.
+inline constexpr std::int32_t kMortonReach = 1 << (kMortonBits - 1);
+
+/// The bits of a coordinate, two zeros between each two of them.
+inline std::uint64_t spreadBits(std::uint64_t v) {
+  v &= 0x1FFFFF;
+  v = (v | v << 32) & 0x001F00000000FFFFull;
+  v = (v | v << 16) & 0x001F0000FF0000FFull;
+  v = (v | v << 8) & 0x100F00F00F00F00Full;
+  v = (v | v << 4) & 0x10C30C30C30C30C3ull;
+  return (v | v << 2) & 0x1249249249249249ull;
+}
+
+inline std::uint64_t mortonCode(const IVec3& cell) {
+  return spreadBits(static_cast<std::uint64_t>(cell.x)) | spreadBits(static_cast<std::uint64_t>(cell.y)) << 1 |
+         spreadBits(static_cast<std::uint64_t>(cell.z)) << 2;
+}
+
+/// The coordinates of the cell with a side of `side` that a place is in, from 0 on.
+inline IVec3 mortonCell(const Vec3& place, float side) {
+  IVec3 cell;
+  for (int k = 0; k < 3; ++k) {
+    const float at = std::floor(place[k] / side);
+    const auto reach = static_cast<float>(kMortonReach);
+    cell[k] = static_cast<std::int32_t>(std::clamp(at, -reach, reach - 1)) + kMortonReach;
+  }
+  return cell;
+}
+
+}  // namespace palpate

@@ -1,0 +1,110 @@
+#include "engine/io/gaussian_format.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/cloud/gaussian_surface.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/gaussian_rows.hpp"
+#include "engine/io/ply_body.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::string_view kRest = "f_rest_";
+
+std::size_t restsOf(const PlyElement& vertex) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      vertex.properties, [](const PlyProperty& property) { return property.name.starts_with(kRest); }));
+}
+
+/// "9080 Gaussians of degree 3"; without the degree where none has as many coefficients.
+std::string nameOf(const PlyElement& vertex) {
+  std::string name = fmt::format("{} Gaussian{}", vertex.count, vertex.count == 1 ? "" : "s");
+  for (std::size_t degree = 0; degree <= 4; ++degree)  // three channels, less what f_dc has
+    if (restsOf(vertex) == 3 * ((degree + 1) * (degree + 1) - 1)) name += fmt::format(" of degree {}", degree);
+  return name;
+}
+
+bool holdsGaussians(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  try {
+    const PlyInfo info = readPlyInfo(path);
+    const PlyElement* vertex = info.find("vertex");
+    return vertex && GaussianRows::areGaussians(*vertex);
+  } catch (const FileError&) {  // whoever reads it says what it is
+    return false;
+  }
+}
+
+FileContents contentsOfGaussians(const std::filesystem::path& file) {
+  const PlyInfo info = readPlyInfo(file);
+  FileContents contents{.elements = {}, .comments = info.comments};
+  for (const PlyElement& element : info.elements) {
+    const bool gaussians = element.name == "vertex";
+    FileElement& known = contents.elements.emplace_back();
+    known.name = gaussians ? "Gaussian" : element.name;
+    known.count = element.count;
+    for (const PlyProperty& property : element.properties) known.properties.push_back({property.name, property.isList});
+    if (gaussians) contents.madeFrom = nameOf(element) + "; the points are those of their surface";
+  }
+  return contents;
+}
+
+std::vector<std::string> lostOf(const PlyInfo& info, const GaussianRows& rows) {
+  std::vector<std::string> lost;
+  for (const PlyElement& element : info.elements) {
+    if (element.count == 0) continue;
+    if (element.name != "vertex") {
+      lost.push_back(fmt::format("{} {}", element.count, element.name));
+      continue;
+    }
+    lost.push_back(nameOf(element) + ", of which the points are the surface: opacity, scale, rot");
+    if (const std::size_t rests = restsOf(element))
+      lost.push_back(fmt::format("colours by the direction of view: f_rest_0 to {}", rests - 1));
+    for (const std::string& name : rows.unused()) lost.push_back(fmt::format("property '{}' of vertex", name));
+  }
+  return lost;
+}
+
+void sayWhatBecame(Log& log, const std::string& name, const GaussianSurface& surface, std::size_t gaussians,
+                   double time_ms) {
+  log.say(
+      "{}: {} points, {:.3g} apart, are the surface of {} Gaussians; made in {:.0f} ms. Left out: {} faint, {} "
+      "oversized, {} far from all others",
+      name, surface.cloud.size(), surface.spacing, gaussians, time_ms, surface.faint, surface.oversized,
+      surface.outlying);
+  if (surface.cloud.empty() && gaussians > 0) log.say("{}: none of the Gaussians shows; there is no surface", name);
+}
+
+StoredCloud readGaussians(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
+  const std::string name = path.filename().string();
+  ChunkedFile file(path);
+  if (log) file.onProgress([&](double share) { log->progress(name, share); });
+  const PlyInfo info = readPlyHeader(file);
+  const PlyElement* vertex = info.find("vertex");
+  if (!vertex) throw FileError::atLine(path, file.line(), "no element 'vertex'");
+  GaussianRows rows(path, *vertex);
+  readPlyBody(file, info, rows, nullptr, log);
+  if (log && options.normalsFromFaces) log->say("{}: has no faces to take normals from", name);
+
+  const GaussianScene scene = rows.takeScene();
+  const Stopwatch watch;
+  GaussianSurface surface = surfaceOf(scene);
+  if (log) sayWhatBecame(*log, name, surface, scene.size(), watch.elapsed_us() * 1e-3);
+  StoredCloud stored{.cloud = std::move(surface.cloud), .triangles = {}, .lost = lostOf(info, rows)};
+  stored.cloud.storedAs.comments = info.comments;
+  return stored;
+}
+
+}  // namespace
+
+CloudFormat gaussianFormat() {
+  return {.name = "3DGS", .holds = holdsGaussians, .contents = contentsOfGaussians, .read = readGaussians};
+}
+
+}  // namespace palpate

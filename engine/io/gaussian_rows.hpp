@@ -1,0 +1,51 @@
+// From the rows of a PLY file to the Gaussians of a scene.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/cloud/gaussian_scene.hpp"
+#include "engine/io/ply_header.hpp"
+#include "engine/io/ply_row_sink.hpp"
+
+namespace palpate {
+
+/// x y z; f_dc_0 to 2; opacity; scale_0 to 2 (2D Gaussians have no scale_2, and are flat); rot_0 to 3. Everything else
+/// is only looked at: every number must be finite.
+class GaussianRows final : public PlyRowSink {
+ public:
+  /// Whether the rows are meant as Gaussians, complete or not.
+  static bool areGaussians(const PlyElement& vertex);
+
+  /// Throws FileError at the element's line where a property is missing or of a type for whole numbers.
+  GaussianRows(const std::filesystem::path& file, const PlyElement& vertex);
+
+  std::size_t rowBytes() const override { return rowBytes_; }
+  void reserve(std::uint64_t promised) override;
+  std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
+
+  GaussianScene takeScene() { return std::move(scene_); }
+  /// Properties of points that a scene has no use for, and that are not the colours by direction.
+  const std::vector<std::string>& unused() const { return unused_; }
+
+ private:
+  enum class Group { center, logScale, rotation, opacity, color, none };
+  struct Column {
+    std::string name;
+    std::size_t offset;
+    ScalarType type;
+    Group group;
+    int component;
+  };
+  template <class T, bool kSwap>
+  std::optional<BadRow> appendColumn(const Column& column, const std::byte* rows, std::size_t count);
+  void store(const Column& column, std::size_t i, double value);
+
+  std::vector<Column> columns_;
+  std::size_t rowBytes_ = 0;
+  std::size_t count_ = 0;  // rows before those that are being appended
+  GaussianScene scene_;
+  std::vector<std::string> unused_;
+};
+
+}  // namespace palpate

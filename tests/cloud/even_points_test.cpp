@@ -1,0 +1,77 @@
+#include "engine/cloud/even_points.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/gaussian_scenes.hpp"
+
+namespace palpate::test {
+namespace {
+
+struct Points {
+  std::vector<Vec3> places, normals;
+};
+
+Points inSquare(std::size_t count, float side) {
+  Points points;
+  SceneRandom random(9);
+  for (std::size_t i = 0; i < count; ++i) {
+    const DVec3 place = random.inBox(DVec3(0), 1);
+    points.places.emplace_back(side * static_cast<float>(place.x), side * static_cast<float>(place.y), 0);
+    points.normals.emplace_back(0, 0, 1);
+  }
+  return points;
+}
+
+}  // namespace
+
+TEST_CASE("points are chosen so that none is too close and none could be added, with any number of threads") {
+  for (const std::size_t count : {0u, 1u, 2u, 1000u, 20'000u}) {
+    const Points points = inSquare(count, 20);
+    const std::vector<std::uint32_t> chosen = evenlySpaced(points.places, points.normals, 1, 1);
+    CHECK(std::ranges::is_sorted(chosen));
+    for (const unsigned threads : {2u, 5u}) CHECK(evenlySpaced(points.places, points.normals, 1, threads) == chosen);
+    for (std::size_t a = 0; a < chosen.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        REQUIRE(glm::distance(points.places[chosen[a]], points.places[chosen[b]]) >= 1);
+    for (const Vec3& place : points.places) {
+      const bool near = std::ranges::any_of(
+          chosen, [&](std::uint32_t other) { return glm::distance(points.places[other], place) < 1; });
+      REQUIRE(near);
+    }
+  }
+}
+
+TEST_CASE("the two faces of a sheet do not crowd each other out, and coincident points of one face do") {
+  Points points = inSquare(1, 1);
+  for (int copy = 0; copy < 5; ++copy) {
+    points.places.push_back(points.places[0]);
+    points.normals.push_back(points.normals[0]);
+  }
+  CHECK(evenlySpaced(points.places, points.normals, 1) == std::vector<std::uint32_t>{0});
+  points.normals[3] = {0, 0, -1};
+  CHECK(evenlySpaced(points.places, points.normals, 1) == std::vector<std::uint32_t>{0, 3});
+}
+
+TEST_CASE("points without company are left out: those that are alone, and those whose neighbours look elsewhere") {
+  Points points = inSquare(500, 5);
+  const auto others = [&](std::size_t i) {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < points.places.size(); ++k)
+      count += k != i && glm::distance(points.places[k], points.places[i]) < 0.4f &&
+               glm::dot(points.normals[k], points.normals[i]) > 0.5f;
+    return count;
+  };
+  points.places.emplace_back(100, 0, 0), points.normals.emplace_back(0, 0, 1);
+  points.places.emplace_back(0, 0, 0), points.normals.emplace_back(1, 0, 0);
+  std::vector<std::uint32_t> expected;
+  for (std::uint32_t i = 0; i < points.places.size(); ++i)
+    if (others(i) >= 8) expected.push_back(i);
+  CHECK(expected.size() > 100);
+  CHECK(expected.size() < 500);
+  for (const unsigned threads : {1u, 4u}) CHECK(inCompany(points.places, points.normals, 0.4f, 8, threads) == expected);
+}
+
+}  // namespace palpate::test

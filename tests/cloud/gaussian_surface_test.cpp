@@ -1,0 +1,302 @@
+// The surface of Gaussians against the shape that they were put on: places, normals, what is covered, and what is not
+// there; and scenes that hardly are any.
+#include "engine/cloud/gaussian_surface.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numbers>
+
+#include "engine/cloud/point_tree.hpp"
+#include "engine/cloud/spacing.hpp"
+#include "tests/gaussian_scenes.hpp"
+
+namespace palpate::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct KnownShape {
+  std::unique_ptr<AnalyticShape> shape;
+  double area;
+};
+
+KnownShape shapeNamed(std::string_view name, const DVec3& center = DVec3(0)) {
+  constexpr double kSize = 100;
+  const double area = name == "sphere"  ? kPi * kSize * kSize
+                      : name == "torus" ? 4 * kPi * kPi * 0.35 * 0.15 * kSize * kSize
+                      : name == "cube"  ? 6 * kSize * kSize
+                                        : kSize * kSize;
+  return {makeShape(name, kSize, center), area};
+}
+
+struct Share {
+  double mean = 0, most = 0;  ///< 95 % are no more than that
+};
+
+Share shareOf(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::ranges::sort(values);
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return {sum / static_cast<double>(values.size()), values[values.size() * 95 / 100]};
+}
+
+struct Judged {
+  Share distance;           ///< to the true surface, spacings of the Gaussians
+  Share angle;              ///< to the true normal, degrees; of a plane, which has two faces, to its line
+  std::size_t inwards = 0;  ///< points whose normal looks away from the true one
+  double uncovered = 0;     ///< of places of the true surface, those with no point within 1.5 spacings
+  double farthest = 0;      ///< of all points from the surface, spacings of the Gaussians
+};
+
+Judged judge(const PointCloud& cloud, const KnownScene& known, const KnownShape& truth, bool twoFaces) {
+  Judged judged;
+  std::vector<double> distances, angles;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 place = cloud.fileCoordinates(i);
+    const SurfacePoint closest = truth.shape->closest(place);
+    distances.push_back(glm::distance(place, closest.position) / known.spacing);
+    // On an edge of a cube the shape's own normal points to the place, from within, too.
+    const double angle = angleBetween_deg(DVec3(cloud.normals[i]), closest.normal);
+    angles.push_back(twoFaces ? std::min(angle, 180 - angle) : angle);
+    judged.inwards += angle > 90;
+    judged.farthest = std::max(judged.farthest, distances.back());
+  }
+  judged.distance = shareOf(distances);
+  judged.angle = shareOf(angles);
+  const PointCloud places = sampleShape(*truth.shape, {.count = 5000, .seed = 77});
+  const PointTree tree(cloud.positions);
+  std::size_t uncovered = 0;
+  for (std::size_t i = 0; i < places.size() && !cloud.empty(); ++i) {
+    std::array<std::uint32_t, 1> nearest;
+    std::array<double, 1> squared;
+    tree.nearest(Vec3(places.fileCoordinates(i) - cloud.origin), nearest, squared);
+    uncovered += std::sqrt(squared[0]) > 1.5 * known.spacing;
+  }
+  judged.uncovered = static_cast<double>(uncovered) / static_cast<double>(places.size());
+  return judged;
+}
+
+SceneOptions trained() { return {.count = 20'000, .floaters = 0.05, .faint = 2, .huge = 5, .offset = 0.1}; }
+
+bool sameBytes(const PointCloud& a, const PointCloud& b) {
+  return a.origin == b.origin && a.positions == b.positions && a.normals == b.normals && a.colors == b.colors;
+}
+
+/// How far points lie off z = 0, at the rim of a square of `side` units and elsewhere.
+struct Flatness {
+  double inside = 0, rim = 0;
+};
+Flatness flatnessOf(const PointCloud& cloud, int side) {
+  Flatness flatness;
+  for (const Vec3& place : cloud.positions) {
+    const bool inside = std::min(place.x, place.y) > 1 && std::max(place.x, place.y) < static_cast<float>(side - 2);
+    double& worst = inside ? flatness.inside : flatness.rim;
+    worst = std::max(worst, std::abs(static_cast<double>(place.z)));
+  }
+  return flatness;
+}
+
+bool isRight(const PointCloud& cloud) {
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    if (!isFinite(cloud.positions[i]) || std::abs(glm::length(cloud.normals[i]) - 1) > 1e-4f) return false;
+  return cloud.normals.size() == cloud.size() && cloud.colors.size() == cloud.size();
+}
+
+/// A square of Gaussians in z = 0, `side` of them along an edge, a unit apart.
+GaussianScene square(int side) {
+  GaussianScene scene;
+  SceneRandom random(3);
+  for (int i = 0; i < side * side; ++i) {
+    const Vec4 rotation = rotationTo({0, 0, 1}, random);
+    addGaussian(scene, DVec3(i % side, i / side, 0), {0.75, 0.75, 0.4}, rotation, 0.9, DVec3(0.5));
+  }
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("points lie on the shape that the Gaussians were put on, with its normals, everywhere and nowhere else") {
+  for (const char* name : {"sphere", "torus", "cube", "plane"}) {
+    CAPTURE(name);
+    const KnownShape truth = shapeNamed(name);
+    const KnownScene known = gaussiansOn(*truth.shape, truth.area, trained());
+    const GaussianSurface surface = surfaceOf(known.scene);
+    const bool plane = std::string_view(name) == "plane", cube = std::string_view(name) == "cube";
+    const Judged judged = judge(surface.cloud, known, truth, plane);
+    CHECK(isRight(surface.cloud));
+    CHECK(judged.distance.mean < 0.07);
+    CHECK(judged.distance.most < 0.15);
+    CHECK(judged.angle.mean < 9);
+    CHECK(judged.angle.most < 18);
+    CHECK(judged.uncovered == 0);
+    CHECK(judged.farthest < 1);  // the floaters are eight and more off
+    // Next to an edge of the cube, rounded as it is, a face may be judged by its neighbour.
+    if (!plane)
+      CHECK(static_cast<double>(judged.inwards) <= (cube ? 0.01 : 0) * static_cast<double>(surface.cloud.size()));
+    CHECK(surface.oversized == 5);
+    CHECK(surface.faint == 2 * trained().count);
+    const double spacing = meanSpacing(surface.cloud) / known.spacing;
+    CHECK(spacing > 0.6);
+    CHECK(spacing < 1.2);
+  }
+}
+
+TEST_CASE("no two points of a face stand closer than three quarters of the spacing that is told") {
+  const KnownShape truth = shapeNamed("torus");
+  const GaussianSurface surface = surfaceOf(gaussiansOn(*truth.shape, truth.area, trained()).scene);
+  const PointTree tree(surface.cloud.positions);
+  for (const Vec3& place : surface.cloud.positions) {
+    std::array<std::uint32_t, 2> nearest;
+    std::array<double, 2> squared;
+    tree.nearest(place, nearest, squared);
+    REQUIRE(std::sqrt(squared[1]) > 0.74 * surface.spacing);
+  }
+}
+
+TEST_CASE("a point has the colour of the Gaussians around it") {
+  const KnownShape truth = shapeNamed("sphere");
+  const PointCloud cloud = surfaceOf(gaussiansOn(*truth.shape, truth.area, trained()).scene).cloud;
+  double worst = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 color = 255.0 * (0.5 + 0.5 * cloud.fileCoordinates(i) / truth.shape->size());
+    worst = std::max({worst, std::abs(color.x - cloud.colors[i][0]), std::abs(color.y - cloud.colors[i][1]),
+                      std::abs(63.75 - cloud.colors[i][2])});
+    REQUIRE(cloud.colors[i][3] == 255);
+  }
+  CHECK(worst < 4);
+}
+
+TEST_CASE("the surface does not depend on the number of threads") {
+  const KnownShape truth = shapeNamed("torus");
+  const GaussianScene scene = gaussiansOn(*truth.shape, truth.area, trained()).scene;
+  const PointCloud once = surfaceOf(scene, 1).cloud;
+  CHECK(once.size() > 10'000);
+  for (const unsigned threads : {2u, 3u, 7u}) CHECK(sameBytes(surfaceOf(scene, threads).cloud, once));
+}
+
+TEST_CASE("far from the origin the surface is the same, moved") {
+  const DVec3 far(1e6, -3e6, 5e5);
+  const KnownShape truth = shapeNamed("sphere", far);
+  const KnownScene known = gaussiansOn(*truth.shape, truth.area, {.count = 5000});
+  const PointCloud cloud = surfaceOf(known.scene).cloud;
+  const Judged judged = judge(cloud, known, truth, false);
+  CHECK(judged.distance.mean < 0.1);
+  CHECK(judged.uncovered == 0);
+  CHECK(judged.inwards == 0);
+}
+
+TEST_CASE("the unit of a scene does not matter, from a billionth to a billion") {
+  const GaussianScene scene = square(20);
+  const std::size_t points = surfaceOf(scene).cloud.size();
+  for (const double scale : {1e-9, 1e9}) {
+    GaussianScene scaled = scene;
+    for (DVec3& center : scaled.centers) center *= scale;
+    for (Vec3& logs : scaled.logScales) logs += static_cast<float>(std::log(scale));
+    const GaussianSurface surface = surfaceOf(scaled);
+    CHECK(isRight(surface.cloud));
+    // The usual radius is known to a sixty-fourth of its logarithm.
+    CHECK(static_cast<double>(surface.cloud.size()) == doctest::Approx(static_cast<double>(points)).epsilon(0.1));
+  }
+}
+
+TEST_CASE("scenes that show nothing have no surface") {
+  CHECK(surfaceOf({}).cloud.empty());
+  GaussianScene faint = square(10);
+  for (float& logit : faint.opacityLogits) logit = -6;
+  const GaussianSurface nothing = surfaceOf(faint);
+  CHECK(nothing.cloud.empty());
+  CHECK(nothing.faint == 100);
+  for (const float log : {-100.0f, 100.0f, 3e38f, -3e38f}) {
+    GaussianScene sizeless = square(10);
+    for (Vec3& logs : sizeless.logScales) logs = Vec3(log);
+    const GaussianSurface surface = surfaceOf(sizeless);
+    CHECK(surface.cloud.empty());
+    CHECK(surface.oversized == 100);
+  }
+}
+
+TEST_CASE("one Gaussian, and many that are all the same, are a small surface of their own") {
+  GaussianScene scene = square(1);
+  const PointCloud one = surfaceOf(scene).cloud;
+  CHECK_FALSE(one.empty());
+  CHECK(isRight(one));
+  for (const Vec3& place : one.positions) CHECK(glm::length(place) < 2);
+  for (int i = 0; i < 1000; ++i) addGaussian(scene, DVec3(0), {0.75, 0.75, 0.4}, Vec4(1, 0, 0, 0), 0.9, DVec3(0.5));
+  const PointCloud many = surfaceOf(scene).cloud;
+  CHECK_FALSE(many.empty());
+  CHECK(isRight(many));
+}
+
+TEST_CASE("some Gaussians with absurd sizes, logits and rotations change nothing for the others") {
+  const GaussianScene scene = square(30);
+  GaussianScene odd = scene;
+  const auto add = [&](const DVec3& center, const Vec3& logs, const Vec4& rotation, float logit) {
+    odd.centers.push_back(center);
+    odd.logScales.push_back(logs);
+    odd.rotations.push_back(rotation);
+    odd.opacityLogits.push_back(logit);
+    odd.colorHarmonics.emplace_back(0);
+  };
+  add({5, 5, 0}, Vec3(100), Vec4(1, 0, 0, 0), 10);
+  add({5, 5, 0}, Vec3(-100), Vec4(1, 0, 0, 0), 10);
+  add({5, 5, 0}, Vec3(0, -100, 100), Vec4(1, 0, 0, 0), 3e38f);
+  add({1e29, 5, 0}, Vec3(0), Vec4(1, 0, 0, 0), 10);
+  add({5, 5, 0}, Vec3(0), Vec4(3e38f, 3e38f, 0, 0), -3e38f);
+  const GaussianSurface surface = surfaceOf(odd), plain = surfaceOf(scene);
+  CHECK(surface.oversized == 3);
+  CHECK(surface.outlying == 1);
+  CHECK(surface.faint == 1);
+  CHECK(isRight(surface.cloud));
+  CHECK(flatnessOf(surface.cloud, 30).inside < 0.02);
+  CHECK(static_cast<double>(surface.cloud.size()) ==
+        doctest::Approx(static_cast<double>(plain.cloud.size())).epsilon(0.05));
+}
+
+TEST_CASE("a rotation of length zero turns nothing, and lengths do not matter") {
+  GaussianScene scene = square(20), zero = scene, longer = scene;
+  for (Vec4& rotation : zero.rotations) rotation = Vec4(0);
+  for (Vec4& rotation : longer.rotations) rotation *= 1e-25f;
+  for (const GaussianScene& turned : {zero, longer}) {
+    const PointCloud cloud = surfaceOf(turned).cloud;
+    CHECK(cloud.size() > 300);
+    CHECK(flatnessOf(cloud, 20).inside < 0.02);
+    CHECK(flatnessOf(cloud, 20).rim < 0.3);
+  }
+}
+
+TEST_CASE("flat Gaussians and thick ones of a plane make the same plane") {
+  for (const float thickness : {-100.0f, -3.0f, -0.5f}) {
+    GaussianScene scene = square(30);
+    for (Vec3& logs : scene.logScales) logs.z = thickness;
+    const PointCloud cloud = surfaceOf(scene).cloud;
+    CHECK(cloud.size() > 600);
+    CHECK(flatnessOf(cloud, 30).inside < 0.02);
+    CHECK(flatnessOf(cloud, 30).rim < 0.3);
+  }
+}
+
+TEST_CASE("a sheet whose Gaussians differ tenfold in size has no holes and no steps") {
+  GaussianScene scene = square(40);
+  SceneRandom random(5);
+  // Beside the fine square a coarse one, as of a wall.
+  for (int i = 0; i < 100; ++i) {
+    const Vec4 rotation = rotationTo({0, 0, 1}, random);
+    addGaussian(scene, DVec3(42 + 6 * (i % 10), 6 * (i / 10), 0), {4.5, 4.5, 2.4}, rotation, 0.9, DVec3(0.5));
+  }
+  const PointCloud cloud = surfaceOf(scene).cloud;
+  const PointTree tree(cloud.positions);
+  for (double x = 1; x < 90; x += 1.5)
+    for (double y = 2; y < 37; y += 1.5) {
+      std::array<std::uint32_t, 1> nearest;
+      std::array<double, 1> squared;
+      tree.nearest(Vec3(x, y, 0), nearest, squared);
+      CHECK(std::sqrt(squared[0]) < 2.5);
+    }
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,266 @@
+// Files of Gaussians: told by their header, read in every encoding, refused with the place of what is wrong, and never
+// written over by points.
+#include "engine/io/gaussian_format.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+
+#include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/saving.hpp"
+#include "tests/gaussian_scenes.hpp"
+#include "tests/io/ply_bytes.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+namespace {
+
+constexpr std::array kNames{"x",       "y",       "z",      "nx",       "ny",      "nz",
+                            "f_dc_0",  "f_dc_1",  "f_dc_2", "f_rest_0", "opacity", "scale_0",
+                            "scale_1", "scale_2", "rot_0",  "rot_1",    "rot_2",   "rot_3"};
+constexpr std::size_t kOpacity = 10, kRest = 9;
+
+/// A square of Gaussians in z = 0 that look up, red.
+GaussianScene square(int side) {
+  GaussianScene scene;
+  SceneRandom random(3);
+  for (int i = 0; i < side * side; ++i) {
+    const Vec4 rotation = rotationTo({0, 0, 1}, random);
+    addGaussian(scene, DVec3(i % side, i / side, 0), {0.75, 0.75, 0.4}, rotation, 0.9, {1, 0, 0.5});
+  }
+  return scene;
+}
+
+struct FileOptions {
+  PlyFormat format = PlyFormat::binaryLittleEndian;
+  ScalarType type = ScalarType::f32;
+  std::string leftOut = {};    ///< a property
+  std::string otherType = {};  ///< a property that is of whole numbers
+  std::size_t badRow = 0;      ///< 1-based; 0: none
+  std::size_t badColumn = 0;
+  double badValue = 0;
+};
+
+std::string headerOf(const FileOptions& options, std::size_t count) {
+  std::string header = magic(options.format) + fmt::format("comment by hand\nelement vertex {}\n", count);
+  for (const char* name : kNames)
+    if (name != options.leftOut)
+      header += fmt::format("property {} {}\n", name == options.otherType ? "uchar" : plyName(options.type), name);
+  return header + "end_header\n";
+}
+
+std::string fileOf(const GaussianScene& scene, const FileOptions& options = {}) {
+  BodyWriter body(options.format);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const DVec3 c = scene.centers[i], f(scene.colorHarmonics[i]), s(scene.logScales[i]);
+    const DVec4 q(scene.rotations[i]);
+    const std::array<double, kNames.size()> row{
+        c.x, c.y, c.z, 0, 0, 0, f.x, f.y, f.z, 0.25, scene.opacityLogits[i], s.x, s.y, s.z, q.x, q.y, q.z, q.w};
+    for (std::size_t k = 0; k < kNames.size(); ++k) {
+      if (kNames[k] == options.leftOut) continue;
+      const bool bad = i + 1 == options.badRow && k == options.badColumn;
+      body.put(kNames[k] == options.otherType ? ScalarType::u8 : options.type, bad ? options.badValue : row[k]);
+    }
+    body.endRow();
+  }
+  return headerOf(options, scene.size()) + body.text();
+}
+
+std::string refusal(const std::string& content) {
+  const TemporaryFile file(content);
+  std::string message = errorOf([&] { readCloud(file.path()); });
+  const std::string name = file.path().string();
+  if (message.starts_with(name)) message.erase(0, name.size());
+  return message;
+}
+
+StoredCloud read(const std::string& content) {
+  const TemporaryFile file(content);
+  return readCloud(file.path());
+}
+
+}  // namespace
+
+TEST_CASE("a file of Gaussians is told by its header, in every encoding, and gives the surface in each") {
+  const GaussianScene scene = square(20);
+  const PointCloud expected = read(fileOf(scene)).cloud;
+  CHECK(expected.size() > 300);
+  CHECK(expected.hasNormals());
+  REQUIRE(expected.hasColors());
+  CHECK(expected.colors[0] == std::array<std::uint8_t, 4>{255, 0, 128, 255});
+  for (const PlyFormat format : kAllFormats)
+    for (const ScalarType type : {ScalarType::f32, ScalarType::f64}) {
+      const TemporaryFile file(fileOf(scene, {.format = format, .type = type}));
+      CHECK(cloudFormats().toRead(file.path()).name == "3DGS");
+      const PointCloud cloud = readCloud(file.path()).cloud;
+      CHECK(cloud.positions == expected.positions);
+      CHECK(cloud.normals == expected.normals);
+      CHECK(cloud.colors == expected.colors);
+      CHECK(cloud.extra.empty());
+      CHECK(cloud.storedAs.comments == std::vector<std::string>{"comment by hand"});
+    }
+}
+
+TEST_CASE("what is no file of Gaussians is told to be none") {
+  const auto formatOf = [](const std::string& content) {
+    const TemporaryFile file(content);
+    return std::string(cloudFormats().toRead(file.path()).name);
+  };
+  CHECK(formatOf("") == "PLY");
+  CHECK(formatOf("ply\nformat ascii 1.0\n") == "PLY");
+  const std::string head = "ply\nformat ascii 1.0\n";
+  CHECK(formatOf(head + "element vertex 0\nproperty float x\nproperty float scale_0\nend_header\n") == "PLY");
+  CHECK(formatOf(head + "element face 0\nproperty float scale_0\nproperty float rot_0\nend_header\n") == "PLY");
+  CHECK(formatOf(head + "element vertex 0\nproperty list uchar float scale_0\nproperty float rot_0\nend_header\n") ==
+        "PLY");
+  CHECK(formatOf(fileOf(square(1))) == "3DGS");
+  CHECK(cloudFormats().toRead("/nowhere/at/all.ply").name == "PLY");
+  CHECK(cloudFormats().toRead("/tmp").name == "PLY");
+  CHECK(contains(cloudFormats().namesRead(), "3DGS"));
+  CHECK_FALSE(contains(cloudFormats().endingsWritten(), "3DGS"));
+}
+
+TEST_CASE("what the points are made from is said, with what they cannot keep") {
+  const GaussianScene scene = square(10);
+  const TemporaryFile file(fileOf(scene));
+  const FileContents contents = contentsOf(file.path());
+  REQUIRE(contents.elements.size() == 1);
+  CHECK(contents.elements[0].name == "Gaussian");
+  CHECK(contents.elements[0].count == 100);
+  CHECK(contents.madeFrom == "100 Gaussians; the points are those of their surface");  // one f_rest is of no degree
+  const StoredCloud stored = readCloud(file.path());
+  REQUIRE(stored.lost.size() == 2);
+  CHECK(contains(stored.lost[0], "100 Gaussians"));
+  CHECK(contains(stored.lost[0], "opacity"));
+  CHECK(contains(stored.lost[1], "f_rest_0 to 0"));
+  const TemporaryFile plain(fileOf(scene, {.leftOut = "f_rest_0"}));
+  CHECK(contains(contentsOf(plain.path()).madeFrom, "100 Gaussians of degree 0"));
+}
+
+TEST_CASE("points are never saved over Gaussians unless a person says so, and then those are kept") {
+  const ScratchFolder folder;
+  const auto file = folder / "scene.ply";
+  const std::string content = fileOf(square(10));
+  std::ofstream(file, std::ios::binary) << content;
+  CHECK(whereToSave(file) == folder / "scene-sculpted.ply");
+  const FileInTheWay inTheWay = fileInTheWay(file);
+  CHECK(inTheWay.losesSomething());
+  CHECK(inTheWay.sentence() == "scene.ply has 100 Gaussians, which a sculpted cloud cannot keep");
+  const PointCloud cloud = readCloud(file).cloud;
+  CHECK(saveKeeping(file, cloud) == folder / "scene.ply.bak");
+  std::ifstream kept(folder / "scene.ply.bak", std::ios::binary);
+  CHECK(std::string(std::istreambuf_iterator<char>(kept), {}) == content);
+  // What is there now is points, which are saved where they are.
+  CHECK(cloudFormats().toRead(file).name == "PLY");
+  CHECK(whereToSave(file) == file);
+  CHECK(readCloud(file).cloud.positions == cloud.positions);
+}
+
+TEST_CASE("a property that is missing or of whole numbers is refused by its name") {
+  const GaussianScene scene = square(3);
+  for (const char* name : kNames) {
+    CAPTURE(name);
+    const std::string property = name;
+    const bool tells = property == "scale_0" || property == "rot_0";
+    const bool needless = property.starts_with("n") || property.starts_with("f_rest") || property == "scale_2";
+    for (const PlyFormat format : kAllFormats) {
+      const std::string missing = refusal(fileOf(scene, {.format = format, .leftOut = property}));
+      if (!tells && !needless) CHECK(contains(missing, fmt::format(":4: the vertex element has scale_0 and rot_0")));
+      if (!tells && !needless) CHECK(contains(missing, fmt::format("no scalar property '{}'", property)));
+      if (needless) CHECK(missing == "");
+      const std::string whole = refusal(fileOf(scene, {.format = format, .otherType = property}));
+      if (property.starts_with("n") || property.starts_with("f_rest"))
+        CHECK(whole == "");
+      else
+        CHECK(contains(whole, fmt::format("'{}' of Gaussians is of type uchar; expected float or double", property)));
+    }
+  }
+}
+
+TEST_CASE("a number that is none is refused with its property, its row and its place, whatever it is of") {
+  const GaussianScene scene = square(4);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (std::size_t column = 0; column < kNames.size(); ++column) {
+    CAPTURE(kNames[column]);
+    for (const double bad : {std::nan(""), kInfinity, -kInfinity}) {
+      FileOptions options{.badRow = 7, .badColumn = column, .badValue = bad};
+      const std::string binary = refusal(fileOf(scene, options));
+      const std::size_t byte = headerOf(options, 16).size() + 6 * kNames.size() * sizeof(float);
+      CHECK(contains(binary, fmt::format("byte {}: '{}' of vertex 7 is", byte, kNames[column])));
+      options.format = PlyFormat::binaryBigEndian;
+      CHECK(contains(refusal(fileOf(scene, options)), fmt::format("'{}' of vertex 7 is", kNames[column])));
+    }
+  }
+  // The first row that is wrong, whichever of its properties.
+  FileOptions options{.badRow = 7, .badColumn = kRest, .badValue = kInfinity};
+  GaussianScene two = scene;
+  two.opacityLogits[3] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(contains(refusal(fileOf(two, options)), "'opacity' of vertex 4 is"));
+  // As text the line says where; numbers too large for single precision are none, either.
+  options = {
+      .format = PlyFormat::ascii, .type = ScalarType::f64, .badRow = 7, .badColumn = kOpacity, .badValue = 1e300};
+  CHECK(contains(refusal(fileOf(scene, options)), fmt::format(":{}: 'opacity' of vertex 7 is 1e+300", 5 + 18 + 7)));
+  options = {.badRow = 2, .badColumn = 0, .badValue = 1e31};
+  CHECK(contains(refusal(fileOf(scene, options)), "expected a finite number below 1e30"));
+}
+
+TEST_CASE("a file cut off at any byte is refused, and never crashes") {
+  const GaussianScene scene = square(2);
+  for (const PlyFormat format : kAllFormats) {
+    const std::string text = fileOf(scene, {.format = format});
+    CHECK(refusal(text) == "");
+    for (std::size_t length = 0; length < text.size(); ++length) {
+      // Of text only the last line's end can be missing, or digits of its last number.
+      const bool inLastNumber = format == PlyFormat::ascii && length > text.find_last_of(' ') + 1;
+      if (!inLastNumber) CHECK(refusal(text.substr(0, length)) != "");
+    }
+  }
+}
+
+TEST_CASE("a header that promises more Gaussians than follow takes no memory for them") {
+  const std::string text = fileOf(square(1));
+  const std::string lie = headerOf({}, 1'000'000'000'000) + text.substr(headerOf({}, 1).size());
+  CHECK(contains(refusal(lie), "the header promises"));
+  CHECK(read(headerOf({}, 0)).cloud.empty());
+}
+
+TEST_CASE("other elements beside Gaussians are named, and walked to their end") {
+  const std::string text = fileOf(square(3));
+  const std::string head = headerOf({}, 9);
+  std::string with = head;
+  with.insert(with.find("end_header"), "element camera 1\nproperty float f\n");
+  const std::string body = text.substr(head.size());
+  CHECK(read(with + body + std::string(4, '\0')).lost.back() == "1 camera");
+  CHECK(contains(refusal(with + body + std::string(3, '\0')), "truncated"));
+}
+
+TEST_CASE("2D Gaussians, which have two scales, are flat") {
+  const PointCloud cloud = read(fileOf(square(20), {.leftOut = "scale_2"})).cloud;
+  CHECK(cloud.size() > 300);
+  for (std::size_t i = 0; i < cloud.size(); ++i) CHECK(std::abs(cloud.positions[i].z) < 0.3);
+}
+
+TEST_CASE("a scene that was trained is read") {
+  const char* given = std::getenv("PALPATE_MODELS");
+  const std::filesystem::path models =
+      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
+  const std::filesystem::path file = models / "gaussians_9080.ply";
+  if (!std::filesystem::exists(file)) {
+    MESSAGE("skipped: no " << file.string());
+    return;
+  }
+  CHECK(contentsOf(file).madeFrom == "9080 Gaussians of degree 3; the points are those of their surface");
+  const PointCloud cloud = readCloud(file).cloud;
+  CHECK(cloud.size() > 500);
+  CHECK(cloud.size() < 9080);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    CHECK(isFinite(cloud.positions[i]));
+    CHECK(glm::length(cloud.normals[i]) == doctest::Approx(1).epsilon(1e-4));
+  }
+}
+
+}  // namespace palpate::test
