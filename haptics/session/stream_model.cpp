@@ -101,26 +101,6 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
   return first;
 }
 
-PointCloud fuseRecording(const SessionConfig& config, Log& log, unsigned threads,
-                         const std::function<void(double)>& progress) {
-  const auto [stream, up] = open(config, &log);
-  FusionOptions options;
-  options.threads = threads;
-  FrameFusion fusion(options, {}, &log);
-  DepthFrame frame;
-  while (readFrame(*stream, frame, log)) {
-    fusion.fuse(stream->camera(), frame);
-    if (progress) progress(static_cast<double>(frame.number + 1) / static_cast<double>(stream->frames()));
-  }
-  PointCloud cloud = fusion.map().cloud();
-  if (cloud.empty()) throw Error("{}: has no frame with points", config.model.file);
-  log.say("{}: {} frames are fused into {} points, {} could not be placed, {} could not be read", config.model.file,
-          fusion.fused(), cloud.size(), fusion.unplaced(), fusion.lost());
-  cloud.storedAs.comments = {"comment units: m"};
-  if (up) cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
-  return cloud;
-}
-
 std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const Model& model) {
   const StreamConfig& stream = *config.stream;
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};

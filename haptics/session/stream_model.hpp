@@ -1,7 +1,6 @@
 // A depth camera as the model of a session: its stream, and its first frame as the cloud.
 #pragma once
 
-#include <functional>
 #include <memory>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -20,11 +19,6 @@ struct FirstFrame {
   std::shared_ptr<LiveFrames> live;  ///< null where the stream is recorded
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
-
-/// The map of all frames of a recorded stream, in metres, with what is up; `progress` hears of the share that is fused.
-/// Throws FileError, Error.
-PointCloud fuseRecording(const SessionConfig& config, Log& log, unsigned threads,
-                         const std::function<void(double)>& progress = {});
 
 /// Plays the stream of the configuration. `model` was loaded with it; the stream of a live one goes to the first session
 /// that asks.
