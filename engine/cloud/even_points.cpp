@@ -15,16 +15,22 @@ namespace {
 
 constexpr std::size_t kPasses = 8;  // as many as the parities of three coordinates
 
+constexpr float kSide = 2;         // distances along a cell: looking cells up costs more than looking at points
 constexpr float kSameFace = 0.5f;  // cosine of the normals of points that keep company
 
 /// Points by the cells of a grid.
 class GriddedPoints {
  public:
   GriddedPoints(std::span<const Vec3> points, std::span<const Vec3> normals, float distance, unsigned threads)
-      : points_(points), normals_(normals), distance_(distance), order_(points.size()), kept_(points.size(), 0) {
+      : points_(points),
+        normals_(normals),
+        distance_(distance),
+        side_(kSide * distance),
+        order_(points.size()),
+        kept_(points.size(), 0) {
     parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        order_[i] = {mortonCode(mortonCell(points_[i], distance_)), static_cast<std::uint32_t>(i)};
+        order_[i] = {mortonCode(mortonCell(points_[i], side_)), static_cast<std::uint32_t>(i)};
     });
     parallelSort(order_, threads);
     std::vector<std::uint64_t> codes;
@@ -72,7 +78,7 @@ class GriddedPoints {
     std::size_t count = 0;
   };
   Around cellsAround(std::size_t cell) const {
-    const IVec3 at = mortonCell(points_[order_[begins_[cell]].point], distance_);
+    const IVec3 at = mortonCell(points_[order_[begins_[cell]].point], side_);
     Around around;
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
@@ -121,7 +127,7 @@ class GriddedPoints {
   }
 
   std::span<const Vec3> points_, normals_;
-  float distance_;
+  float distance_, side_;            // of a cell
   std::vector<Entry> order_;         // by cell
   std::vector<std::size_t> begins_;  // of the cells, and the end of the last
   MortonCells cells_;
