@@ -54,16 +54,22 @@ class GriddedPoints {
   }
 
   std::vector<std::uint32_t> inCompany(std::size_t fewest, unsigned threads) {
-    parallelFor(cells_.count(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t cell = begin; cell < end; ++cell) {
-        const Around around = cellsAround(cell);
-        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
-          const std::uint32_t point = order_[k].point;
-          kept_[point] = hasCompany(point, around, fewest);
-        }
-      }
-    });
+    forEachPoint(threads,
+                 [&](std::uint32_t point, const Around& around) { kept_[point] = hasCompany(point, around, fewest); });
     return chosen();
+  }
+
+  std::vector<Vec3> smoothedNormals(unsigned threads) const {
+    std::vector<Vec3> smooth(points_.size());
+    forEachPoint(threads, [&](std::uint32_t point, const Around& around) {
+      Vec3 sum(0);
+      forNear(point, around, [&](std::uint32_t other) {
+        if (glm::dot(normals_[point], normals_[other]) > kSameFace) sum += normals_[other];
+        return false;
+      });
+      smooth[point] = glm::normalize(sum);  // its own is among them, and all are on its side
+    });
+    return smooth;
   }
 
  private:
@@ -85,6 +91,16 @@ class GriddedPoints {
         for (int x = -1; x <= 1; ++x)
           if (const auto near = cells_.find(mortonCode(at + IVec3(x, y, z)))) around.cells[around.count++] = *near;
     return around;
+  }
+
+  template <class Use>
+  void forEachPoint(unsigned threads, Use&& use) const {
+    parallelFor(cells_.count(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Around around = cellsAround(cell);
+        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(order_[k].point, around);
+      }
+    });
   }
 
   /// Calls use(other) for the points nearer than the distance, itself included, until it says that it has enough.
@@ -148,6 +164,13 @@ std::vector<std::uint32_t> inCompany(std::span<const Vec3> points, std::span<con
   PALPATE_CHECK_EQ(points.size(), normals.size());
   PALPATE_CHECK_LT(0.0f, distance);
   return GriddedPoints(points, normals, distance, threads).inCompany(fewest, threads);
+}
+
+std::vector<Vec3> smoothedNormals(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                  unsigned threads) {
+  PALPATE_CHECK_EQ(points.size(), normals.size());
+  PALPATE_CHECK_LT(0.0f, distance);
+  return GriddedPoints(points, normals, distance, threads).smoothedNormals(threads);
 }
 
 }  // namespace palpate

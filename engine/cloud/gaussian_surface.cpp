@@ -22,6 +22,7 @@ constexpr float kFacing = 0.3f;                      // cosine between the sheet
 constexpr float kNearest = 0.75f;                    // usual radii between points
 constexpr float kCompanyWithin = 2;                  // usual radii
 constexpr std::size_t kLeastCompany = 4;             // of some twelve on an even surface
+constexpr float kSmoothWithin = 2.25f;               // usual radii
 constexpr float kClear = 1.5f;                       // usual radii in front of a face where there is none
 
 /// How far seeds go to the level. What is thick asks for more, and costs more; where hardly any of it is, it is inside.
@@ -141,21 +142,28 @@ std::vector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const 
   return std::move(made.places);
 }
 
-/// Places at even distances, without those that are alone.
-std::vector<SurfacePlace> evened(const std::vector<SurfacePlace>& places, unsigned threads) {
-  std::vector<SurfacePlace> even;
+std::vector<SurfacePlace> chosen(const std::vector<SurfacePlace>& places, const std::vector<std::uint32_t>& numbers) {
+  std::vector<SurfacePlace> some;
+  for (const std::uint32_t i : numbers) some.push_back(places[i]);
+  return some;
+}
+
+/// Places at even distances, without those that are alone, and without the noise of single Gaussians in their normals.
+std::vector<SurfacePlace> evened(std::vector<SurfacePlace> places, unsigned threads) {
   std::vector<Vec3> points, normals;
-  const auto take = [&](const std::vector<SurfacePlace>& from) {
+  const auto divide = [&] {
     points.clear(), normals.clear();
-    for (const SurfacePlace& place : from) points.push_back(place.place), normals.push_back(place.normal);
+    for (const SurfacePlace& place : places) points.push_back(place.place), normals.push_back(place.normal);
   };
-  take(places);
-  for (const std::uint32_t i : evenlySpaced(points, normals, kNearest, threads)) even.push_back(places[i]);
-  take(even);
-  std::vector<SurfacePlace> left;
-  for (const std::uint32_t i : inCompany(points, normals, kCompanyWithin, kLeastCompany, threads))
-    left.push_back(even[i]);
-  return left.empty() ? even : left;
+  divide();
+  places = chosen(places, evenlySpaced(points, normals, kNearest, threads));
+  divide();
+  const std::vector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kLeastCompany, threads);
+  if (!left.empty()) places = chosen(places, left);
+  divide();
+  normals = smoothedNormals(points, normals, kSmoothWithin, threads);
+  for (std::size_t i = 0; i < places.size(); ++i) places[i].normal = normals[i];
+  return places;
 }
 
 /// Points in model units, with the origin that they ask for.
@@ -169,7 +177,7 @@ PointCloud cloudOf(const std::vector<SurfacePlace>& places, const GaussianDiscs&
   for (const SurfacePlace& p : places) {
     const glm::u8vec3 color(p.color * 255.0f + 0.5f);
     cloud.positions.emplace_back(modelPlace(p) - cloud.origin);
-    cloud.normals.push_back(glm::normalize(p.normal));
+    cloud.normals.push_back(p.normal);
     cloud.colors.push_back({color.r, color.g, color.b, 255});
   }
   return cloud;
