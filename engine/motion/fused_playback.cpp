@@ -1,4 +1,4 @@
-#include "engine/motion/fused_playback.hpp"
+#include "engine/motion/shown_playback.hpp"
 
 #include <utility>
 
@@ -8,12 +8,12 @@ FusedPlayback::FusedPlayback(std::shared_ptr<DepthStream> stream, const PlayOpti
                              std::optional<DepthFrame> first)
     : player_(std::move(stream), play, std::move(first)), fusion_(options) {}
 
-bool FusedPlayback::hasNewer(double time_s, double /*than_s*/) { return player_.frameAt(time_s).serial != fused_; }
+bool FusedPlayback::hasNewer(double time_s, double /*than_s*/) { return player_.frameAt(time_s).serial != shown_; }
 
 void FusedPlayback::makeFrame(double time_s, CloudFrame& frame) {
   const DepthPlayer::Played played = player_.frameAt(time_s);
-  if (fused_ != played.serial) fusion_.fuse(player_.camera(), played.frame);
-  fused_ = played.serial;
+  if (shown_ != played.serial) fusion_.fuse(player_.camera(), played.frame);
+  shown_ = played.serial;
   fusion_.map().show(frame);
   frame.time_s = played.time_s;
 }

@@ -20,13 +20,14 @@ class FusedPlayback final : public CloudSource {
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  DepthPlayer& player() { return player_; }
+  /// Frames that have gone into the map.
+  std::uint64_t fused() const { return fusion_.fused(); }
   std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
 
  private:
   DepthPlayer player_;
   FrameFusion fusion_;
-  std::optional<std::uint64_t> fused_;  // serial of the frame that came last
+  std::optional<std::uint64_t> shown_;  // serial of the frame that came last
 };
 
 }  // namespace palpate
