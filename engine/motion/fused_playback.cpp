@@ -1,4 +1,4 @@
-#include "engine/motion/shown_playback.hpp"
+#include "engine/motion/fused_playback.hpp"
 
 #include <utility>
 
