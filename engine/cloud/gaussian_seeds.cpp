@@ -68,8 +68,6 @@ SeedCells::SeedCells(std::span<const GaussianDisc> discs, std::span<const Gaussi
   listDiscs(threads);
 }
 
-float SeedCells::side() const { return kSeedVoxel * static_cast<float>(1 << level_); }
-
 SeedCells::Box SeedCells::boxOf(const GaussianDisc& disc) const {
   const Vec3 reach = disc.reach + margin_;
   Box box{mortonCell(disc.center - reach, kSeedVoxel), mortonCell(disc.center + reach, kSeedVoxel)};

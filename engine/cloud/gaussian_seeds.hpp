@@ -34,7 +34,6 @@ class SeedCells {
   SeedCells(std::span<const GaussianDisc> discs, std::span<const GaussianSeed> seeds, float margin, unsigned threads);
 
   std::size_t count() const { return cells_.count(); }
-  float side() const;  ///< of a cell
   struct Range {
     std::size_t begin, end;
   };
