@@ -1,5 +1,6 @@
 // Depth cameras as models, as a user meets them: recorded folders, and raw frames on standard input.
 #include <cmath>
+#include <set>
 
 #include "tests/apps/window_play.hpp"
 #include "tests/rgbd_writer.hpp"
@@ -161,7 +162,7 @@ TEST_CASE("the window plays a recording") {
   std::size_t others = 0;
   for (std::size_t i = 0; i < begin.rgb.size(); i += 3) others += std::abs(begin.rgb[i] - later.rgb[i]) > 20;
   CHECK(others > 100);
-  CHECK(jsonOf(played->folder / "end.json")["last_message"].text().find("lost") == std::string::npos);
+  CHECK(std::string(played->state("end.json")["last_message"]).find("lost") == std::string::npos);
 }
 
 }  // namespace palpate
