@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 // What belongs to each hand is said of all of them at once, but for these of the second one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 55> kFlags{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kFlags{{
     {"model.mm_per_unit", "--mm-per-unit"},
     {"model.normals", "--normals"},
     {"backend.name", "--backend"},
@@ -48,6 +48,11 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 55> kFlags{{
     {"motion.amplitude_mm", "--motion-amplitude"},
     {"motion.frequency_Hz", "--motion-frequency"},
     {"motion.speed_mm_per_s", "--motion-speed"},
+    {"stream.live", "--live"},
+    {"stream.speed", "--speed"},
+    {"stream.loop", "--loop"},
+    {"stream.depth_scale", "--depth-scale"},
+    {"stream.intrinsics", "--intrinsics"},
     {"force.stiffness_N_per_mm", "--stiffness"},
     {"force.damping_N_s_per_mm", "--damping"},
     {"force.max_N", "--max-force"},
@@ -69,6 +74,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 55> kFlags{{
     {"hands.rumbles", "--rumble"},
     {"rate_Hz", "--rate"},
     {"duration_s", "--duration"},
+    {"realtime", "--realtime"},
 }};
 
 bool isOfName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.' || c == '[' || c == ']'; }

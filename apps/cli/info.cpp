@@ -1,8 +1,10 @@
 #include "apps/cli/look.hpp"
+#include "apps/cli/stream_options.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "engine/touch/memory.hpp"
 
 namespace palpate {
@@ -81,15 +83,53 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
                        {"total", memory.total()}}}});
 }
 
+/// Of a recorded depth camera.
+void infoOfFrames(Context& context, const std::string& file, const StreamOptions& options) {
+  const RgbdFolder folder(file, {.intrinsics = options.intrinsics, .depthScale = options.depthScale}, &context.log());
+  const DepthCamera& camera = folder.camera();
+  const auto up = folder.up();
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: {} frames of a depth camera ({}), {:.6g} s\n", file, folder.frames(), folder.kind(), folder.duration_s());
+  fmt::print(out, "  size: {} x {} pixels, focal lengths {:g} and {:g}, middle {:g}, {:g}; {:g} depth values per metre\n",
+             camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, folder.depthScale());
+  fmt::print(out, "  poses: {} of {}   colours: {} of {}   up: {}\n", folder.poses(), folder.frames(), folder.colors(),
+             folder.frames(), up ? nameOf(*up) : "by the shape");
+  context.writeJson({{"frames", folder.frames()},
+                     {"kind", folder.kind()},
+                     {"duration_s", folder.duration_s()},
+                     {"poses", folder.poses()},
+                     {"colors", folder.colors()},
+                     {"depth_scale", folder.depthScale()},
+                     {"up", up ? Json(nameOf(*up)) : Json(nullptr)},
+                     {"camera",
+                      {{"width", camera.width},
+                       {"height", camera.height},
+                       {"fx", camera.fx},
+                       {"fy", camera.fy},
+                       {"cx", camera.cx},
+                       {"cy", camera.cy}}}});
+}
+
 }  // namespace
 
 void addInfo(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("info", "what a model holds and what it will need on the GPU; nothing is uploaded");
   auto file = std::make_shared<std::string>();
-  sub.add("model", *file, cloudFormats().namesRead() + " file").required().typeName("MODEL");
+  sub.add("model", *file, modelsAndStreams()).required().typeName("MODEL");
   auto look = std::make_shared<LookOptions>();
   addLookOptions(sub, *look);
-  sub.whenNamed([&, file, look] { command = [&context, file, look] { info(context, *file, *look); }; });
+  sub.heading("A depth camera");
+  auto stream = std::make_shared<StreamOptions>();
+  addDepthOptions(sub, *stream);
+  sub.heading("Options");
+  sub.whenNamed([&, file, look, stream] {
+    command = [&context, file, look, stream] {
+      if (streamConfig(*stream, *file))
+        infoOfFrames(context, *file, *stream);
+      else
+        info(context, *file, *look);
+    };
+  });
 }
 
 }  // namespace palpate

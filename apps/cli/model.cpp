@@ -9,12 +9,15 @@
 namespace palpate {
 
 void addModelOptions(Options& command, ModelOptions& options) {
-  command
-      .add("model", options.file,
-           fmt::format("{} file: points, normals, colours; everything else is carried or skipped",
-                       cloudFormats().namesRead()))
-      .required()
-      .typeName("MODEL");
+  addModelOptions(command, options,
+                  fmt::format("{} file: points, normals, colours; everything else is carried or skipped",
+                              cloudFormats().namesRead()),
+                  true);
+}
+
+void addModelOptions(Options& command, ModelOptions& options, const std::string& what, bool isRequired) {
+  Option model = command.add("model", options.file, what).typeName("MODEL");
+  if (isRequired) model.required();
   command
       .add("--mm-per-unit", options.mm_per_unit,
            "millimetres per model unit (default: the longest side becomes 100 mm)")
@@ -48,10 +51,14 @@ double supportRadius(const std::string& text, const Model& model) {
   return given_mm ? model.scale.toUnits(*given_mm) : usualSupportRadius(model);
 }
 
-Model loadModel(Context& context, const ModelOptions& options, EstimateOn where) {
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where) {
   ModelLoading loading{.log = context.log(), .threads = context.threads()};
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
-  return loadModel(options.config(), loading);
+  return loadModel(config, loading);
+}
+
+Model loadModel(Context& context, const ModelOptions& options, EstimateOn where) {
+  return loadModel(context, SessionConfig{.model = options.config()}, where);
 }
 
 }  // namespace palpate

@@ -13,7 +13,9 @@ struct ModelOptions {
 
   ModelConfig config() const;
 };
+/// `what` the model may be, for the help; whether there may be another one in its place (stream_options.hpp).
 void addModelOptions(Options& command, ModelOptions& options);
+void addModelOptions(Options& command, ModelOptions& options, const std::string& what, bool isRequired);
 
 /// What --radius says: a length in mm, or nothing for auto. Throws UsageError.
 std::optional<double> radius_mm(const std::string& text);
@@ -24,5 +26,6 @@ double supportRadius(const std::string& text, const Model& model);
 enum class EstimateOn { cpu, gpu };
 /// Reads the file, and sees to normals as the options say. Throws FileError, UsageError.
 Model loadModel(Context& context, const ModelOptions& options, EstimateOn where);
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where);
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 #include "apps/bench/picture_way.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/picture.hpp"
+#include "apps/cli/stream_options.hpp"
 
 namespace palpate {
 
@@ -8,6 +9,7 @@ namespace {
 
 struct RenderOptions {
   ModelOptions model;
+  StreamOptions stream;
   PictureOptions picture;
   MeshChoices mesh;
   std::string output, mode = "splat";
@@ -23,7 +25,9 @@ void render(Context& context, const RenderOptions& options) {
   checkPictureOptions(options.picture);
   imageFormatOf(options.output);
   context.checkWritable(options.output);
-  const Model model = loadModel(context, options.model, EstimateOn::gpu);
+  SessionConfig config{.model = options.model.config()};
+  config.stream = streamConfig(options.stream, config.model.file);
+  const Model model = loadModel(context, config, EstimateOn::gpu);
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
   } else {
@@ -41,7 +45,7 @@ void render(Context& context, const RenderOptions& options) {
 void addRender(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("render", "a picture of a model, headless");
   auto options = std::make_shared<RenderOptions>();
-  addModelOptions(sub, options->model);
+  addModelOptions(sub, options->model, modelsAndStreams() + ", of which the first frame is drawn", true);
   sub.add("-o,--output", options->output, "picture to write: .png or .jpg").required().typeName("IMG.png");
   sub.add("--mode", options->mode,
           "splat: every point a disc; points: each a sample and no more; mesh: the "
@@ -50,6 +54,9 @@ void addRender(Options& app, Context& context, Command& command) {
       .showDefault();
   addPictureOptions(sub, options->picture);
   addMeshOptions(sub, options->mesh);
+  sub.heading("A depth camera");
+  addDepthOptions(sub, options->stream);
+  sub.heading("Options");
   sub.whenNamed([&, options] { command = [&context, options] { render(context, *options); }; });
 }
 

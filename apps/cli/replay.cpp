@@ -49,13 +49,14 @@ Recorded load(Context& context, const ReplayOptions& options) {
   Recorded recorded{.record = readSessionLog(options.log)};
   recorded.session = parseHeader(options.log, recorded.record.text);
   const SessionRecord& record = recorded.record;
-  ModelConfig& model = recorded.session.config.model;
+  SessionConfig& config = recorded.session.config;
+  ModelConfig& model = config.model;
   if (!options.model.empty()) model.file = options.model;
   if (!std::filesystem::exists(model.file))
     throw FileError(model.file, "is not there; name the model of the session with --model");
-  const BackendKind& kind = context.backends().named(recorded.session.config.backend.name);
+  const BackendKind& kind = context.backends().named(config.backend.name);
   recorded.model =
-      loadModel(model, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
+      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
     throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with "

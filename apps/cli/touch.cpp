@@ -107,6 +107,7 @@ TouchReport reportOf(const Session& session, const ServoResult& result, const Sc
                      .noise_spacings = model.noise,
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
+  report.frames = session.playCounts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here.
   if (backend.points(0).empty() && !config.stream && !(config.motion && config.realtime))
@@ -152,7 +153,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
   Model model =
-      loadModel(config.model, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
+      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
   std::vector<OpenHand> hands;

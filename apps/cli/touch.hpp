@@ -5,6 +5,7 @@
 #include "apps/cli/picture.hpp"
 #include "apps/cli/hand_options.hpp"
 #include "apps/cli/motion_options.hpp"
+#include "apps/cli/stream_options.hpp"
 #include "haptics/force_law.hpp"
 
 namespace palpate {
@@ -15,6 +16,7 @@ struct TouchCommandOptions {
   PictureOptions picture;
   HandChoices hand;
   MotionOptions motion;
+  StreamOptions stream;
   std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;

@@ -142,7 +142,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   // In the order in which somebody new needs them.
   const auto heading = [&](const char* text) { command.heading(text); };
   heading("The model");
-  addModelOptions(command, options.model);
+  addModelOptions(command, options.model, modelsAndStreams(), false);
   heading("Where the hand goes");
   addPathOptions(command, options);
   heading("What is felt");
@@ -156,6 +156,8 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   addPictureOptions(command, options.picture);
   heading("A model that moves");
   addMotionOptions(command, options.motion);
+  heading("A depth camera");
+  addStreamOptions(command, options.stream);
   heading("What answers");
   addBackendOptions(command, options.backend);
   heading("A tool of many points");
@@ -192,6 +194,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options) {
   setBackend(config, options.backend);
   config.realtime = options.realtime;
   config.motion = motionConfig(options.motion);
+  config.stream = streamConfig(options.stream, config.model.file);
   if (!options.secondDevice.empty())
     config.hands.push_back(
         secondHand(options.hand, options.secondDevice).config(options.secondPath, options.penetration_mm));

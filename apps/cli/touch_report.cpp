@@ -64,12 +64,32 @@ Json toJson(const SecondHandReport& second) {
 
 }  // namespace
 
+namespace {
+
+std::string inWords(const PlayCounts& frames) {
+  std::string text = fmt::format("{} played, {} lost, {} dropped", frames.played, frames.lost, frames.dropped);
+  if (frames.silentSince_s) text += fmt::format("; none has come since {:.3f} s", *frames.silentSince_s);
+  if (frames.lost > 0) text += fmt::format("; the last one lost: {}", frames.lastLoss);
+  return text;
+}
+
+Json toJson(const PlayCounts& frames) {
+  return {{"played", frames.played},
+          {"lost", frames.lost},
+          {"dropped", frames.dropped},
+          {"last_loss", frames.lastLoss},
+          {"silent_since_s", frames.silentSince_s ? Json(*frames.silentSince_s) : Json(nullptr)}};
+}
+
+}  // namespace
+
 void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
   row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
                             report.spacing_mm, report.noise_spacings, report.radius_mm));
+  if (report.frames) row("frames", inWords(*report.frames));
   row("machine", fmt::format("{} ({})", report.machine, report.backend));
   row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
@@ -207,6 +227,7 @@ Json toJson(const TouchReport& report) {
     json["tool_points"] = report.toolPoints;
     json["peak_torque_mNm"] = trace.peakTorque_mNm;
   }
+  if (report.frames) json["frames"] = toJson(*report.frames);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
   if (report.back)

@@ -3,6 +3,7 @@
 #include "apps/cli/model.hpp"
 #include "engine/contact/surface.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/motion/play_counts.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/servo_loop.hpp"
 #include "haptics/session/edit_relay.hpp"
@@ -62,6 +63,7 @@ struct TouchReport {
   std::string tool;
   std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
   ContactError error;
+  std::optional<PlayCounts> frames;   ///< where the model is a depth camera
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

@@ -7,9 +7,25 @@
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
+#include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
+
+namespace {
+
+/// Nothing where the file is a cloud. The live camera is the first model, if any is.
+std::optional<StreamConfig> streamOf(const std::string& file, const WindowOptions& options) {
+  if (options.stream.live && file == options.config.model.file) return options.stream;
+  if (!isRgbdFolder(file)) return std::nullopt;
+  StreamConfig stream = options.stream;
+  stream.live = false;
+  return stream;
+}
+
+bool isLive(const WindowSession& session) { return session.config().stream && session.config().stream->live; }
+
+}  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
     : parts_(parts),
@@ -27,6 +43,7 @@ void Document::open(const std::string& file) {
   leave([this, file] {
     WindowOptions options = options_;
     options.config.model.file = file;
+    options.config.stream = streamOf(file, options_);
     loader_.open(options, parts_.settings.brush, parts_.settings.feel);
   });
 }
@@ -52,7 +69,7 @@ bool Document::load(const std::function<void()>& letGo) {
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    recent_.add(result->session->file());
+    if (!isLive(*result->session)) recent_.add(result->session->file());
     letGo();
     install(std::move(result->session));
     return true;
@@ -71,12 +88,24 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   session_ = std::move(session);
   saveQuestion_.reset();
   if (!session_) return;
-  saveFile_ = whereToSave(session_->file()).string();
+  saidOfFrames_ = {};
+  saveFile_ = isLive(*session_) ? "camera.ply" : whereToSave(session_->file()).string();
 }
 
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
+  sayWhatFramesLack();
+}
+
+void Document::sayWhatFramesLack() {
+  const auto counts = session_->playCounts();
+  if (!counts) return;
+  const bool hasLost = counts->lost > 0, isSilent = counts->silentSince_s.has_value();
+  if (hasLost && !saidOfFrames_.lost) messages_.say("a frame is lost: " + counts->lastLoss);
+  if (isSilent && !saidOfFrames_.silent)
+    messages_.say(fmt::format("no frame has come since {:.1f} s; the last one stays", *counts->silentSince_s));
+  saidOfFrames_ = {.lost = hasLost, .silent = isSilent};
 }
 
 void Document::finishSaving(const WindowSession::Saved& saved) {

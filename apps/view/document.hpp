@@ -48,7 +48,7 @@ class Document {
   bool load(const std::function<void()>& letGo);
   const Loader& loader() const { return loader_; }
 
-  /// Once for each picture: what came of saving and recording.
+  /// Once for each picture: what came of saving and recording, and of the frames of a camera.
   void follow();
   /// What of it concerns the model and its files. Throws what goes wrong.
   void carryOut(const ViewRequests& requests);
@@ -74,6 +74,7 @@ class Document {
   void saveTo(const std::string& file);
   void finishSaving(const WindowSession::Saved& saved);
   void writeTicks();
+  void sayWhatFramesLack();
 
   DocumentParts parts_;
   WindowOptions options_;
@@ -83,6 +84,9 @@ class Document {
   Loader loader_;
   std::unique_ptr<WindowSession> session_;
   std::string saveFile_;  // the model's own, or the one beside it
+  struct {
+    bool lost = false, silent = false;
+  } saidOfFrames_;
 
   bool asks_;
   std::function<void()> afterQuestion_;  // waits for the answer about changes

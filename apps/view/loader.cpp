@@ -41,7 +41,7 @@ void Loader::build() {
 Loader::Result Loader::load() {
   try {
     // Normals on the CPU: the GPU's queues belong to the session that is open still.
-    Model model = loadModel(options_.config.model, {.log = context_.log(), .threads = context_.threads()});
+    Model model = loadModel(options_.config, {.log = context_.log(), .threads = context_.threads()});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

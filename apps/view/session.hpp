@@ -34,6 +34,7 @@ struct FeelSettings {
 /// What the window is opened with.
 struct WindowOptions {
   SessionConfig config;  ///< the file of its model changes from model to model
+  StreamConfig stream;   ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
   LiveOptions live;
 };

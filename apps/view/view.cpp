@@ -2,6 +2,7 @@
 #include "apps/cli/backend.hpp"
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/stream_options.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/thread_priority.hpp"
@@ -16,6 +17,7 @@ struct ViewCommandOptions {
   std::vector<std::string> models;
   LookOptions look;
   MotionOptions motion;
+  StreamOptions stream;
   double mm_per_unit = 0;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", device = "mouse", scheduler = "device", present = "auto";
@@ -37,6 +39,16 @@ void hold(Context& context, const ViewCommandOptions& options, WindowOptions& se
   session.live.deviceFacts = opened.facts;
 }
 
+/// Of the first model; others are played in the same way where they are depth cameras.
+void setStream(const StreamOptions& options, ViewOptions& view) {
+  std::string first = view.models.empty() ? std::string() : view.models.front();
+  if (first.empty() && options.live.empty()) return;
+  view.session.stream = streamConfig(options, first).value_or(StreamConfig{});
+  if (!view.session.stream.live) return;
+  view.models = {first};
+  view.session.config.model.file = first;
+}
+
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
@@ -47,6 +59,7 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.motion = motionConfig(options.motion);
   if (view.session.config.motion && options.edit != "none")
     throw UsageError("--edit: what moves (--motion) cannot be sculpted yet");
+  setStream(options.stream, view);
   constexpr double kMiB = 1 << 20;
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)
@@ -79,7 +92,7 @@ void addView(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand(
       "view", "the window: feel, see and sculpt at the same time, with a mouse, a gamepad or a 3D mouse");
   auto options = std::make_shared<ViewCommandOptions>();
-  sub.add("models", options->models, cloudFormats().namesRead() + " files; the first one is opened, others can be dropped on the window")
+  sub.add("models", options->models, modelsAndStreams() + "; the first one is opened, others can be dropped on the window")
       .typeName("MODEL");
   sub.add("--mm-per-unit", options->mm_per_unit,
           "millimetres per model unit (default: the longest side becomes 100 mm)")
@@ -134,6 +147,8 @@ void addView(Options& app, Context& context, Command& command) {
       .showDefault();
   sub.heading("A model that moves");
   addMotionOptions(sub, options->motion);
+  sub.heading("A depth camera");
+  addStreamOptions(sub, options->stream);
   sub.heading("Options");
   sub.footer(
       "Hold Space and move the mouse over the model: it is the stylus now. Press the left button to touch, and to "

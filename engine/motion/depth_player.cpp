@@ -11,6 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr double kSilent_s = 1;
+constexpr double kRounding_s = 1e-9;  // a frame that is due at a tick is not held back to the next one by rounding
 constexpr double kUsualRate_Hz = 30;  // where one frame is all there is
 
 /// From the first frame to that of the next pass: as long as frames are apart in the middle.
@@ -29,7 +30,7 @@ DepthPlayer::DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions&
 
 // Where in a recording a time of the session is.
 DepthPlayer::Place DepthPlayer::placeAt(double time_s) const {
-  const double place_s = time_.placeAt(time_s);
+  const double place_s = time_.placeAt(time_s) + kRounding_s;
   if (!options_.loop || place_s < 0) return {.pass = 0, .time_s = place_s};
   const double pass = std::floor(place_s / period_s_);
   return {.pass = static_cast<std::uint64_t>(pass), .time_s = place_s - pass * period_s_};

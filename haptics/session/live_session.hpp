@@ -68,6 +68,8 @@ class LiveSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
+  /// Session::playCounts().
+  std::optional<PlayCounts> playCounts() const { return session_.playCounts(); }
   const Journal& journal() const { return *journal_; }
   /// False where there is nothing to take back, or to do again.
   bool undo() { return undoStrokes(1, 0); }

@@ -49,7 +49,8 @@ class RecordedStream final : public DepthStream {
 
 class LiveStream final : public DepthStream {
  public:
-  const DepthCamera& camera() const override { return kTinyCamera; }
+  explicit LiveStream(const DepthCamera& camera = kTinyCamera) : camera_(camera) {}
+  const DepthCamera& camera() const override { return camera_; }
   /// From any thread.
   void give(const DepthFrame& frame) {
     const std::scoped_lock lock(mutex_);
@@ -73,6 +74,7 @@ class LiveStream final : public DepthStream {
   void rewind() override {}
 
  private:
+  DepthCamera camera_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<DepthFrame> given_;

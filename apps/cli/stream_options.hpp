@@ -1,0 +1,31 @@
+// A depth camera as the model, recorded or live, as the command line names it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "apps/cli/options.hpp"
+#include "haptics/session/session_config.hpp"
+
+namespace palpate {
+
+struct StreamOptions {
+  std::string live;  ///< a device, or "-"; empty: none
+  std::string intrinsics;
+  double depthScale = 0, speed = 1;
+  bool loop = false;
+  std::string fuse = "off";
+};
+/// --intrinsics and --depth-scale.
+void addDepthOptions(Options& command, StreamOptions& options);
+/// Those, and --live, --speed, --loop and --fuse.
+void addStreamOptions(Options& command, StreamOptions& options);
+
+/// Of the model, as the help calls it.
+std::string modelsAndStreams();
+
+/// What the options say of a model's file, which a live camera is instead of one; nothing where it is a cloud. Throws
+/// UsageError for options that do not go with it.
+std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile);
+
+}  // namespace palpate

@@ -1,0 +1,167 @@
+// Depth cameras as models, as a user meets them: recorded folders, and raw frames on standard input.
+#include <cmath>
+
+#include "tests/apps/window_play.hpp"
+#include "tests/rgbd_writer.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// Towards the sphere of radius 0.5 around (0.1, 0, 2) from the camera's side, a centimetre in, and there to the end.
+std::string pathInto(const std::filesystem::path& folder) {
+  std::ofstream(folder / "path.csv") << "t_s,x,y,z\n0,0.1,0,1.2\n0.05,0.1,0,1.51\n0.15,0.1,0,1.51\n";
+  return (folder / "path.csv").string();
+}
+
+bool isRefused(const std::string& arguments, int code, const std::string& saying) {
+  const Outcome outcome = palpate(arguments);
+  CHECK_MESSAGE(outcome.code == code, outcome.text);
+  CHECK_MESSAGE(outcome.text.find(saying) != std::string::npos, outcome.text);
+  return outcome.code == code;
+}
+
+}  // namespace
+
+TEST_CASE("a recorded folder is played under a hand, and both back ends feel the same") {
+  for (const auto& write : {&writeTum, &writeRedwood}) {
+    const ScratchFolder folder;
+    write(folder / "recorded", {.frames = 5, .rate_Hz = 30});
+    const std::string model = (folder / "recorded").string(), trace = (folder / "t.csv").string();
+    std::vector<double> forces_N;
+    for (const std::string backend : {"cpu", "vulkan"}) {
+      CAPTURE(backend);
+      works("--threads 1 touch " + model + " --path " + pathInto(folder.path()) + " --mm-per-unit 1000 --max-force 20 --backend " +
+            backend + " --trace " + trace + " --log " + (folder / "log").string() + " --json " + (folder / "r.json").string());
+      const auto rows = readTrace(trace);
+      REQUIRE(rows.size() > 140);
+      CHECK_FALSE(rows[20].contact);
+      CHECK(rows.back().contact);
+      CHECK(rows.back().normal.z < -0.9);
+      forces_N.push_back(glm::length(rows.back().force));
+      const auto report = jsonOf(folder / "r.json");
+      CHECK(report["frames"]["played"] == 5);
+      CHECK(report["frames"]["lost"] == 0);
+      works("--threads 1 replay " + (folder / "log").string());
+    }
+    CHECK(forces_N[0] > 2);
+    CHECK(forces_N[1] == doctest::Approx(forces_N[0]).epsilon(0.01));
+  }
+}
+
+TEST_CASE("info says what a recording has, and mesh that it is none of its") {
+  const ScratchFolder folder;
+  writeTum(folder / "recorded", {.frames = 5, .rate_Hz = 30});
+  const std::string model = (folder / "recorded").string();
+  works("info " + model + " --json " + (folder / "i.json").string());
+  const auto info = jsonOf(folder / "i.json");
+  CHECK(info["frames"] == 5);
+  CHECK(info["kind"] == "TUM");
+  CHECK(info["poses"] == 5);
+  CHECK(info["colors"] == 5);
+  CHECK(info["depth_scale"] == 5000);
+  CHECK(info["up"] == "-y");
+  CHECK(info["camera"]["width"] == 24);
+  isRefused("mesh " + model + " -o " + (folder / "o.ply").string(), 1, "is a recorded depth camera, and not one cloud");
+}
+
+TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends feel the same map") {
+  const ScratchFolder folder;
+  writeRedwood(folder / "recorded", {.frames = 5, .rate_Hz = 30});
+  const std::string trace = (folder / "t.csv").string(), map = (folder / "map.ply").string();
+  std::vector<double> forces_N;
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    works("--threads 1 touch " + (folder / "recorded").string() + " --fuse on --path " + pathInto(folder.path()) +
+          " --mm-per-unit 1000 --max-force 20 --backend " + backend + " --trace " + trace + " --save " + map +
+          (backend == "vulkan" ? " --force" : "") + " --json " + (folder / "r.json").string());
+    const auto rows = readTrace(trace);
+    REQUIRE(rows.size() > 140);
+    CHECK(rows.back().contact);
+    forces_N.push_back(glm::length(rows.back().force));
+    const auto report = jsonOf(folder / "r.json");
+    CHECK(report["frames"]["played"] == 5);
+    const auto info = run(program() + " info " + map + " --json -");
+    CHECK(info.code == 0);
+  }
+  CHECK(forces_N[0] > 1);
+  CHECK(forces_N[1] == doctest::Approx(forces_N[0]).epsilon(0.01));
+}
+
+TEST_CASE("the first frame of a recording is drawn, in its colours") {
+  const ScratchFolder folder;
+  writeRedwood(folder / "recorded");
+  const std::string picture = (folder / "p.png").string();
+  works("render " + (folder / "recorded").string() + " --size 160x120 -o " + picture);
+  const Picture drawn(picture);
+  std::set<std::array<int, 3>> colors;
+  for (std::size_t i = 0; i < drawn.rgb.size(); i += 3)
+    colors.insert({drawn.rgb[i] / 16, drawn.rgb[i + 1] / 16, drawn.rgb[i + 2] / 16});
+  CHECK(colors.size() > 4);
+}
+
+TEST_CASE("frames on standard input are felt against the clock until they end, and what is torn is said") {
+  const ScratchFolder folder;
+  const DepthCamera camera = recordedCamera();
+  std::string frames = intrinsicsJson(camera, R"(, "depth_scale": 5000, "format": "z16")") + "\n";
+  for (int i = 0; i < 5; ++i) {
+    std::string bytes;
+    for (const float depth : depthSeen(camera, {})) {
+      const auto value = static_cast<std::uint16_t>(std::lround(5000 * depth));
+      bytes += {static_cast<char>(value & 0xff), static_cast<char>(value >> 8)};
+    }
+    frames += fmt::format("frame {}\n", 0.03 * i) + (i == 2 ? bytes.substr(0, 100) : bytes);
+  }
+  writeBytes(folder / "frames", frames);
+  const Outcome outcome = run("cat " + (folder / "frames").string() + " | " + program() + " touch --live - --realtime --path " +
+                              pathInto(folder.path()) + " --mm-per-unit 1000 --backend cpu --json " + (folder / "r.json").string());
+  REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+  const auto report = jsonOf(folder / "r.json");
+  CHECK(report["frames"]["lost"] == 1);
+  CHECK(report["frames"]["last_loss"] == "standard input: frame 2 has 100 of its 864 bytes; the next one follows");
+  CHECK(report["contact_ticks"] > 10);
+}
+
+TEST_CASE("what does not go with a depth camera is refused, and says which option") {
+  const ScratchFolder folder;
+  writeRedwood(folder / "recorded");
+  const std::string model = (folder / "recorded").string(), cloud = (folder / "s.ply").string();
+  works("make sphere -n 1000 -o " + cloud);
+  isRefused("touch", 2, "model: is required");
+  isRefused("touch " + cloud + " --speed 2", 2, "is no recorded depth camera, which --speed");
+  isRefused("render " + cloud + " --depth-scale 1000 -o p.png", 2, "is no recorded depth camera");
+  isRefused("touch " + model + " --live -", 2, "--live: the camera is the model; leave");
+  isRefused("touch --live -", 2, "--realtime: what is live goes by the clock");
+  isRefused("touch --live /dev/null --realtime", 2, "--intrinsics: /dev/null says none");
+  isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1, "/dev/null: is no video device");
+  isRefused("touch --live - --realtime --loop", 2, "--loop: what is live does not come again");
+  isRefused("touch " + model + " --edit push", 2, "--edit: the frames of a depth camera cannot be sculpted");
+  isRefused("touch " + model + " --motion turn", 2, "--motion: the frames of a depth camera move by themselves");
+  isRefused("touch " + model + " --normals estimate", 2, "--normals: the frames of a depth camera bring their own");
+  isRefused("touch " + model + " --speed 0", 2, "--speed");
+  isRefused("touch " + model + " --intrinsics none.json", 1, "none.json: cannot be read");
+  const Outcome ended = run("true | " + program() + " touch --live - --realtime");
+  CHECK(ended.code == 1);
+  CHECK_MESSAGE(ended.text.find("standard input: ends before the line of JSON") != std::string::npos, ended.text);
+}
+
+TEST_CASE("the window plays a recording") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.5 --loop",
+                           R"(
+0.2 screenshot %/begin.png
+0.9 screenshot %/later.png
+0.95 state %/end.json
+1.0 quit
+)",
+                           "", [](const std::filesystem::path& folder) { writeRedwood(folder / "recorded", {.frames = 30}); });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const Picture begin(played->folder / "begin.png"), later(played->folder / "later.png");
+  REQUIRE(begin.rgb.size() == later.rgb.size());
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < begin.rgb.size(); i += 3) others += std::abs(begin.rgb[i] - later.rgb[i]) > 20;
+  CHECK(others > 100);
+  CHECK(jsonOf(played->folder / "end.json")["last_message"].text().find("lost") == std::string::npos);
+}
+
+}  // namespace palpate
