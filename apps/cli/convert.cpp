@@ -46,7 +46,7 @@ void convert(Context& context, const ConvertOptions& options) {
   const CloudFormat &from = cloudFormats().toRead(options.input), &to = cloudFormats().toWrite(options.output);
   checkTarget(options);
   context.checkWritable(options.output);
-  StoredCloud stored = from.read(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"});
+  StoredCloud stored = readCloud(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"});
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = stored.lost;
   for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));

@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "tests/content_of.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
@@ -357,6 +358,15 @@ TEST_CASE("what is up follows from how the cameras were held") {
   // The camera's right is the world's x, its down the world's -z.
   writeBytes(folder / "trajectory.log", "0 0 1\n1 0 0 0\n0 0 1 0\n0 -1 0 0\n0 0 0 1\n");
   CHECK(RgbdFolder(folder.path()).up() == UpAxis::z);
+}
+
+TEST_CASE("bags are told by their first bytes, whatever they are called, and what makes folders of them is said") {
+  const ScratchFolder folder;
+  for (const char* begin : {"#ROSBAG V2.0\n\x45", "\x89MCAP0\r\n", "SQLite format 3"}) {
+    writeBytes(folder / "a.ply", begin);
+    for (const auto& read : {std::function([&] { readCloud(folder / "a.ply"); }), std::function([&] { contentsOf(folder / "a.ply"); })})
+      CHECK_THROWS_WITH_AS(read(), doctest::Contains("is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes"), FileError);
+  }
 }
 
 TEST_CASE("a real recording is read whole") {
