@@ -1,9 +1,9 @@
 #include <fmt/ranges.h>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/fused_folder.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/io/rgbd_folder.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
@@ -13,6 +13,8 @@ namespace {
 struct ConvertOptions {
   std::string input, output, normals = "keep";
   bool ascii = false, force = false;
+  std::string intrinsics;
+  double depthScale = 0;
 };
 
 bool ontoItself(const ConvertOptions& options) {
@@ -39,14 +41,35 @@ std::vector<std::string> attributesOf(const StoredCloud& stored) {
   return names;
 }
 
+// What was read, with its format, and what is to be said of it besides in the machine-readable result.
+struct ConvertInput {
+  StoredCloud stored;
+  std::string format;
+  std::vector<std::pair<std::string_view, std::uint64_t>> counts = {};
+};
+
+ConvertInput readInput(Context& context, const ConvertOptions& options) {
+  if (!isRgbdFolder(options.input)) {
+    const CloudFormat& from = cloudFormats().toRead(options.input);
+    return {.stored = readCloud(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"}),
+            .format = std::string(from.name)};
+  }
+  FusedFolder fused =
+      readFused(context, options.input, {.intrinsics = options.intrinsics, .depthScale = options.depthScale});
+  return {
+      .stored = std::move(fused.stored),
+      .format = fused.kind,
+      .counts = {
+          {"frames", fused.frames}, {"fused", fused.fused}, {"unplaced", fused.unplaced}, {"lost_frames", fused.lost}}};
+}
+
 void convert(Context& context, const ConvertOptions& options) {
-  if (isRgbdFolder(options.input))
-    throw Error("{}: is a recorded depth camera, and convert does not make one cloud of its frames yet; palpate view plays "
-                "them", options.input);
-  const CloudFormat &from = cloudFormats().toRead(options.input), &to = cloudFormats().toWrite(options.output);
+  if (!isRgbdFolder(options.input)) cloudFormats().toRead(options.input);  // says what it is not, before all else
+  const CloudFormat& to = cloudFormats().toWrite(options.output);
   checkTarget(options);
   context.checkWritable(options.output);
-  StoredCloud stored = readCloud(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"});
+  ConvertInput input = readInput(context, options);
+  StoredCloud& stored = input.stored;
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = stored.lost;
   for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
@@ -61,14 +84,16 @@ void convert(Context& context, const ConvertOptions& options) {
             .keptAs = ontoItself(options) ? &keptAs : nullptr});
   if (!keptAs.empty()) context.log().say("{}: what was read is kept as {}", options.output, keptAs.string());
   context.log().say("{}: {} points with {}", options.output, stored.cloud.size(), fmt::join(kept, ", "));
-  context.writeJson({{"input", options.input},
-                     {"output", options.output},
-                     {"from", from.name},
-                     {"to", to.name},
-                     {"points", stored.cloud.size()},
-                     {"triangles", stored.triangles.size()},
-                     {"kept", kept},
-                     {"lost", lost}});
+  Json result{{"input", options.input},
+              {"output", options.output},
+              {"from", input.format},
+              {"to", to.name},
+              {"points", stored.cloud.size()},
+              {"triangles", stored.triangles.size()},
+              {"kept", kept},
+              {"lost", lost}};
+  for (const auto& [name, count] : input.counts) result[name] = count;
+  context.writeJson(result);
 }
 
 }  // namespace
@@ -76,19 +101,25 @@ void convert(Context& context, const ConvertOptions& options) {
 void addConvert(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("convert", "a cloud from one file into another; says what is lost on the way");
   auto options = std::make_shared<ConvertOptions>();
-  sub.add("input", options->input, "file to read: " + cloudFormats().endingsRead()).required().typeName("IN");
-  sub.add("output", options->output, "file to write: " + cloudFormats().endingsWritten())
+  sub.add("input", options->input,
+          fmt::format("file to read: {}; or {}, whose frames become one cloud", cloudFormats().endingsRead(),
+                      rgbdFoldersRead()))
       .required()
-      .typeName("OUT");
+      .typeName("IN");
+  sub.add("output", options->output, "file to write: " + cloudFormats().endingsWritten()).required().typeName("OUT");
   sub.add("--normals", options->normals,
           "keep: the file's, or none where it has none; estimate: from the points; face: from the faces")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
+  sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
+  sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
+      .check(between(1e-3, 1e6));
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
   sub.footer(
       "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
-      "carried through. Faces are written as triangles. What OUT cannot hold is named before it is written.\n");
+      "carried through. A folder of depth frames is fused into one cloud in metres. Faces are written as triangles. "
+      "What OUT cannot hold is named before it is written.\n");
   sub.whenNamed([&, options] { command = [&context, options] { convert(context, *options); }; });
 }
 

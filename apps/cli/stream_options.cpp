@@ -30,6 +30,12 @@ void addStreamOptions(Options& command, StreamOptions& options) {
       .check(between(bounds::kLeastSpeed, bounds::kMostSpeed))
       .showDefault();
   command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
+  command
+      .add("--fuse", options.fuse,
+           "on: the frames of a depth camera become one map, which is felt and seen while it grows; off: the newest frame is "
+           "the cloud")
+      .check(oneOf({"on", "off"}))
+      .showDefault();
   addDepthOptions(command, options);
 }
 
@@ -40,6 +46,7 @@ std::string modelsAndStreams() {
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile) {
   StreamConfig stream{.speed = options.speed,
                       .loop = options.loop,
+                      .fuse = options.fuse == "on",
                       .depthScale = options.depthScale,
                       .intrinsics = options.intrinsics};
   if (!options.live.empty()) {
@@ -51,7 +58,7 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   if (modelFile.empty()) throw UsageError("model: is required; name a file, or a camera with --live");
   if (isRgbdFolder(modelFile)) return stream;
   if (stream != StreamConfig{})
-    throw UsageError("{}: is no recorded depth camera, which --speed, --loop, --depth-scale and --intrinsics are for; "
+    throw UsageError("{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
                      "that is {}", modelFile, rgbdFoldersRead());
   return std::nullopt;
 }

@@ -14,10 +14,11 @@ struct StreamOptions {
   std::string intrinsics;
   double depthScale = 0, speed = 1;
   bool loop = false;
+  std::string fuse = "off";
 };
 /// --intrinsics and --depth-scale.
 void addDepthOptions(Options& command, StreamOptions& options);
-/// Those, and --live, --speed and --loop.
+/// Those, and --live, --speed, --loop and --fuse.
 void addStreamOptions(Options& command, StreamOptions& options);
 
 /// Of the model, as the help calls it.

@@ -15,16 +15,22 @@ namespace {
 
 constexpr std::size_t kPasses = 8;  // as many as the parities of three coordinates
 
+constexpr float kSide = 2;         // distances along a cell: looking cells up costs more than looking at points
 constexpr float kSameFace = 0.5f;  // cosine of the normals of points that keep company
 
 /// Points by the cells of a grid.
 class GriddedPoints {
  public:
   GriddedPoints(std::span<const Vec3> points, std::span<const Vec3> normals, float distance, unsigned threads)
-      : points_(points), normals_(normals), distance_(distance), order_(points.size()), kept_(points.size(), 0) {
+      : points_(points),
+        normals_(normals),
+        distance_(distance),
+        side_(kSide * distance),
+        order_(points.size()),
+        kept_(points.size(), 0) {
     parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        order_[i] = {mortonCode(mortonCell(points_[i], distance_)), static_cast<std::uint32_t>(i)};
+        order_[i] = {mortonCode(mortonCell(points_[i], side_)), static_cast<std::uint32_t>(i)};
     });
     parallelSort(order_, threads);
     std::vector<std::uint64_t> codes;
@@ -48,16 +54,22 @@ class GriddedPoints {
   }
 
   std::vector<std::uint32_t> inCompany(std::size_t fewest, unsigned threads) {
-    parallelFor(cells_.count(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t cell = begin; cell < end; ++cell) {
-        const Around around = cellsAround(cell);
-        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
-          const std::uint32_t point = order_[k].point;
-          kept_[point] = hasCompany(point, around, fewest);
-        }
-      }
-    });
+    forEachPoint(threads,
+                 [&](std::uint32_t point, const Around& around) { kept_[point] = hasCompany(point, around, fewest); });
     return chosen();
+  }
+
+  std::vector<Vec3> smoothedNormals(unsigned threads) const {
+    std::vector<Vec3> smooth(points_.size());
+    forEachPoint(threads, [&](std::uint32_t point, const Around& around) {
+      Vec3 sum(0);
+      forNear(point, around, [&](std::uint32_t other) {
+        if (glm::dot(normals_[point], normals_[other]) > kSameFace) sum += normals_[other];
+        return false;
+      });
+      smooth[point] = glm::normalize(sum);  // its own is among them, and all are on its side
+    });
+    return smooth;
   }
 
  private:
@@ -72,13 +84,23 @@ class GriddedPoints {
     std::size_t count = 0;
   };
   Around cellsAround(std::size_t cell) const {
-    const IVec3 at = mortonCell(points_[order_[begins_[cell]].point], distance_);
+    const IVec3 at = mortonCell(points_[order_[begins_[cell]].point], side_);
     Around around;
     for (int z = -1; z <= 1; ++z)
       for (int y = -1; y <= 1; ++y)
         for (int x = -1; x <= 1; ++x)
           if (const auto near = cells_.find(mortonCode(at + IVec3(x, y, z)))) around.cells[around.count++] = *near;
     return around;
+  }
+
+  template <class Use>
+  void forEachPoint(unsigned threads, Use&& use) const {
+    parallelFor(cells_.count(), threads, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Around around = cellsAround(cell);
+        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(order_[k].point, around);
+      }
+    });
   }
 
   /// Calls use(other) for the points nearer than the distance, itself included, until it says that it has enough.
@@ -121,7 +143,7 @@ class GriddedPoints {
   }
 
   std::span<const Vec3> points_, normals_;
-  float distance_;
+  float distance_, side_;            // of a cell
   std::vector<Entry> order_;         // by cell
   std::vector<std::size_t> begins_;  // of the cells, and the end of the last
   MortonCells cells_;
@@ -142,6 +164,13 @@ std::vector<std::uint32_t> inCompany(std::span<const Vec3> points, std::span<con
   PALPATE_CHECK_EQ(points.size(), normals.size());
   PALPATE_CHECK_LT(0.0f, distance);
   return GriddedPoints(points, normals, distance, threads).inCompany(fewest, threads);
+}
+
+std::vector<Vec3> smoothedNormals(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                  unsigned threads) {
+  PALPATE_CHECK_EQ(points.size(), normals.size());
+  PALPATE_CHECK_LT(0.0f, distance);
+  return GriddedPoints(points, normals, distance, threads).smoothedNormals(threads);
 }
 
 }  // namespace palpate

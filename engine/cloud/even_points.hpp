@@ -21,4 +21,9 @@ std::vector<std::uint32_t> evenlySpaced(std::span<const Vec3> points, std::span<
 std::vector<std::uint32_t> inCompany(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
                                      std::size_t fewest, unsigned threads = 0);
 
+/// For each point the mean, of unit length, of its normal and of those within `distance` that are less than 60 degrees
+/// from it. The result does not depend on `threads` (0: one per core).
+std::vector<Vec3> smoothedNormals(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                  unsigned threads = 0);
+
 }  // namespace palpate

@@ -9,8 +9,6 @@ namespace palpate {
 
 namespace {
 
-constexpr float kNothing = 0.01f;  // density
-
 /// e^-x for x >= 0 to 2e-5 of itself, e^-40 from there on: without a branch, a call or a comparison of floats, so that
 /// compilers let lanes go together.
 inline float fallingExp(float x) {
@@ -119,38 +117,22 @@ GaussianDensity::Curvature GaussianDensity::curvatureAt(const Vec3& p) const {
   return found;
 }
 
-float GaussianDensity::depthOfMiddles(const Vec3& p, const Vec3& n) const {
-  Lanes off{}, thin{};
+GaussianDensity::Behind GaussianDensity::behind(const Vec3& p, const Vec3& n) const {
+  Lanes density{}, off{}, thin{}, red{}, green{}, blue{};
   forEach(p, [&](const Block& block, const Felt& felt) {
     const auto& c = block.columns;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const float w = felt.density[k];
+      density[k] += w;
       off[k] += w * (n.x * felt.x[k] + n.y * felt.y[k] + n.z * felt.z[k]);
       thin[k] += w * (n.x * n.x * c[kXX][k] + n.y * n.y * c[kYY][k] + n.z * n.z * c[kZZ][k] +
                       2 * (n.x * n.y * c[kXY][k] + n.x * n.z * c[kXZ][k] + n.y * n.z * c[kYZ][k]));
+      red[k] += w * c[kRed][k];
+      green[k] += w * c[kGreen][k];
+      blue[k] += w * c[kBlue][k];
     }
   });
-  return sum(off) / sum(thin);
-}
-
-Vec3 GaussianDensity::colorAt(const Vec3& p) const {
-  Lanes density{}, red{}, green{}, blue{};
-  forEach(p, [&](const Block& block, const Felt& felt) {
-    const auto& c = block.columns;
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      density[k] += felt.density[k];
-      red[k] += felt.density[k] * c[kRed][k];
-      green[k] += felt.density[k] * c[kGreen][k];
-      blue[k] += felt.density[k] * c[kBlue][k];
-    }
-  });
-  return Vec3(sum(red), sum(green), sum(blue)) / sum(density);
-}
-
-Vec3 reachOf(const GaussianDisc& disc) {
-  const float deviations = std::sqrt(2 * std::log(std::max(disc.opacity / kNothing, 1.0f)));
-  return deviations *
-         glm::sqrt(disc.longest * disc.longest + disc.middle * disc.middle + disc.shortest * disc.shortest);
+  return {sum(off) / sum(thin), Vec3(sum(red), sum(green), sum(blue)) / sum(density)};
 }
 
 }  // namespace palpate

@@ -31,11 +31,12 @@ class GaussianDensity {
   /// For a place where there is any density at all.
   Curvature curvatureAt(const Vec3& p) const;
 
-  /// How far along `-normal` from `p` the Gaussians have their middles, each counting by how much it is felt at `p`: by
-  /// its density and by how thin it is that way.
-  float depthOfMiddles(const Vec3& p, const Vec3& normal) const;
-  /// Of the Gaussians at a place where there is any, by their density; 0 to 1.
-  Vec3 colorAt(const Vec3& p) const;
+  struct Behind {
+    float depth = 0;  ///< of the Gaussians' middles, each counting by its density and by how thin it is that way
+    Vec3 color{0};    ///< each counting by its density; 0 to 1
+  };
+  /// What of the Gaussians that are felt at `p` is along `-normal` from it. For a place where there are any.
+  Behind behind(const Vec3& p, const Vec3& normal) const;
 
  private:
   enum Column : std::size_t { kX, kY, kZ, kOpacity, kXX, kYY, kZZ, kXY, kXZ, kYZ, kRed, kGreen, kBlue, kColumns };
@@ -52,8 +53,5 @@ class GaussianDensity {
   std::vector<Block> blocks_;
   std::size_t count_ = 0;
 };
-
-/// Half the sides of the box outside of which a Gaussian is too little to be added: its density is below 0.01 there.
-Vec3 reachOf(const GaussianDisc& disc);
 
 }  // namespace palpate

@@ -13,6 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr float kFaint = 0.05f;                        // opacity
+constexpr float kNotFelt = 0.02f;                      // density
 constexpr float kOversized = 10;                       // usual radii, of the longest deviation
 constexpr float kFarthest = 5e5f;                      // usual radii: single precision tells a tenth of one there
 constexpr float kLargestLog = 60;                      // of deviations: beyond, their squares leave single precision
@@ -129,12 +130,16 @@ GaussianDisc discOf(const GaussianScene& scene, std::size_t i, const Size& size,
     const double deviation = std::exp(std::max(static_cast<double>(logs[k]), -2.0 * kLargestLog)) / frame.usualRadius;
     return Vec3(axes[static_cast<std::size_t>(k)] * std::clamp<double>(deviation, kThinnest, most));
   };
-  return {.center = Vec3((scene.centers[i] - frame.origin) / frame.usualRadius),
-          .opacity = size.opacity,
-          .longest = axis(0, kOversized),
-          .middle = axis(1, kOversized),
-          .shortest = axis(2, kThickest),
-          .color = glm::clamp(0.5f + kZeroHarmonic * scene.colorHarmonics[i], 0.0f, 1.0f)};
+  GaussianDisc disc{.center = Vec3((scene.centers[i] - frame.origin) / frame.usualRadius),
+                    .opacity = size.opacity,
+                    .longest = axis(0, kOversized),
+                    .middle = axis(1, kOversized),
+                    .shortest = axis(2, kThickest),
+                    .color = glm::clamp(0.5f + kZeroHarmonic * scene.colorHarmonics[i], 0.0f, 1.0f)};
+  const float deviations = std::sqrt(2 * std::log(disc.opacity / kNotFelt));
+  disc.reach =
+      deviations * glm::sqrt(disc.longest * disc.longest + disc.middle * disc.middle + disc.shortest * disc.shortest);
+  return disc;
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ struct GaussianDisc {
   float opacity = 0;
   Vec3 longest{0}, middle{0}, shortest{0};  ///< deviations along its axes; perpendicular
   Vec3 color{0};                            ///< 0 to 1
+  Vec3 reach{0};  ///< half the sides of the box outside of which its density is below 0.02, and not felt
 
   float area() const;  ///< of the ellipse within one deviation
 };

@@ -68,10 +68,8 @@ SeedCells::SeedCells(std::span<const GaussianDisc> discs, std::span<const Gaussi
   listDiscs(threads);
 }
 
-float SeedCells::side() const { return kSeedVoxel * static_cast<float>(1 << level_); }
-
 SeedCells::Box SeedCells::boxOf(const GaussianDisc& disc) const {
-  const Vec3 reach = reachOf(disc) + margin_;
+  const Vec3 reach = disc.reach + margin_;
   Box box{mortonCell(disc.center - reach, kSeedVoxel), mortonCell(disc.center + reach, kSeedVoxel)};
   for (int k = 0; k < 3; ++k) box.low[k] >>= level_, box.high[k] >>= level_;
   return box;
@@ -143,9 +141,14 @@ void SeedCells::listDiscs(unsigned threads) {
   });
 }
 
-void SeedCells::gather(std::size_t cell, GaussianDensity& density) const {
+void SeedCells::gather(std::size_t cell, const Region& region, GaussianDensity& density) const {
   density.clear();
-  for (std::size_t k = listBegins_[cell]; k < listBegins_[cell + 1]; ++k) density.add(discs_[lists_[k]]);
+  const Vec3 middle = 0.5f * (region.low + region.high), half = 0.5f * (region.high - region.low);
+  for (std::size_t k = listBegins_[cell]; k < listBegins_[cell + 1]; ++k) {
+    const GaussianDisc& disc = discs_[lists_[k]];
+    const Vec3 off = glm::abs(disc.center - middle) - half;
+    if (off.x < disc.reach.x && off.y < disc.reach.y && off.z < disc.reach.z) density.add(disc);
+  }
 }
 
 }  // namespace palpate

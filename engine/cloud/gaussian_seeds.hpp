@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -33,13 +34,17 @@ class SeedCells {
   SeedCells(std::span<const GaussianDisc> discs, std::span<const GaussianSeed> seeds, float margin, unsigned threads);
 
   std::size_t count() const { return cells_.count(); }
-  float side() const;  ///< of a cell
   struct Range {
     std::size_t begin, end;
   };
   Range seedsOf(std::size_t cell) const { return {begins_[cell], begins_[cell + 1]}; }
-  /// Fills `density` with what is felt in the cell.
-  void gather(std::size_t cell, GaussianDensity& density) const;
+  /// A box, usual radii; nothing is in one that was not widened.
+  struct Region {
+    Vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
+    void widen(const Vec3& place) { low = glm::min(low, place), high = glm::max(high, place); }
+  };
+  /// Fills `density` with what is felt in the part of `region` that is in the cell or within its margin.
+  void gather(std::size_t cell, const Region& region, GaussianDensity& density) const;
 
  private:
   struct Box {

@@ -20,14 +20,41 @@ constexpr float kApart = 2.5;  // sides of a place's cell, between sheets that d
 constexpr std::size_t kFewestGaussians = 8;
 constexpr std::uint32_t kNobody = NeighbourGraph::kNobody;
 
+/// The direction of the largest eigenvalue, by squaring (power iteration); zero for a matrix that has none, or is not
+/// finite. Far fewer operations than all eigenvectors take, and as good where there is one such direction.
+DVec3 steepestOf(const SymmetricMatrix3& a) {
+  constexpr int kSquarings = 6;
+  // All eigenvalues become positive, so that the largest one is that of the largest size.
+  const double shift =
+      std::abs(a.xx) + std::abs(a.yy) + std::abs(a.zz) + 2 * (std::abs(a.xy) + std::abs(a.xz) + std::abs(a.yz));
+  if (!(shift > 0)) return DVec3(0);
+  std::array<DVec3, 3> rows{DVec3(a.xx + shift, a.xy, a.xz), DVec3(a.xy, a.yy + shift, a.yz),
+                            DVec3(a.xz, a.yz, a.zz + shift)};
+  for (int k = 0; k < kSquarings; ++k) {
+    const double trace = rows[0].x + rows[1].y + rows[2].z;
+    for (DVec3& row : rows) row /= trace;
+    std::array<DVec3, 3> squared;
+    for (std::size_t i = 0; i < 3; ++i)
+      squared[i] = {glm::dot(rows[i], rows[0]), glm::dot(rows[i], rows[1]), glm::dot(rows[i], rows[2])};
+    rows = squared;
+  }
+  const DVec3& longest = *std::ranges::max_element(rows, {}, [](const DVec3& row) { return glm::dot(row, row); });
+  const double length = glm::length(longest);
+  return length > 0 ? longest / length : DVec3(0);
+}
+
 GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
   const GaussianDensity::Curvature curvature = density.curvatureAt(place);
   if (!(curvature.density > kLeastDensity)) return {};
-  const Eigen3 eigen = eigenSymmetric(curvature.downwards);
-  const auto sharpness = static_cast<float>(eigen.values[2]);
+  const SymmetricMatrix3& a = curvature.downwards;
+  const DVec3 n = steepestOf(a);
+  const double sharpness = a.xx * n.x * n.x + a.yy * n.y * n.y + a.zz * n.z * n.z +
+                           2 * (a.xy * n.x * n.y + a.xz * n.x * n.z + a.yz * n.y * n.z);
   if (!(sharpness > 0)) return {};
-  const Vec3 normal(eigen.vectors[2]);
-  return {normal, std::log(curvature.density), glm::dot(normal, curvature.logGradient) / sharpness, sharpness};
+  return {.normal = Vec3(n),
+          .logDensity = std::log(curvature.density),
+          .toMiddle = static_cast<float>(glm::dot(n, DVec3(curvature.logGradient)) / sharpness),
+          .sharpness = static_cast<float>(sharpness)};
 }
 
 /// The densest seed of each cell of a grid, and those near by.
@@ -167,8 +194,10 @@ std::vector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const Gaus
   parallelFor(cells.count(), threads, [&](std::size_t begin, std::size_t end) {
     GaussianDensity density;
     for (std::size_t cell = begin; cell < end; ++cell) {
-      cells.gather(cell, density);
       const auto [first, last] = cells.seedsOf(cell);
+      SeedCells::Region region;
+      for (std::size_t i = first; i < last; ++i) region.widen(seeds[i].place);
+      cells.gather(cell, region, density);
       for (std::size_t i = first; i < last; ++i) sheets[i] = sheetAt(density, seeds[i].place);
     }
   });

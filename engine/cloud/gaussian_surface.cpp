@@ -16,21 +16,23 @@ namespace palpate {
 namespace {
 
 constexpr float kShareOfUsual = 0.3f, kLeastLevel = 0.2f, kMostLevel = 1;  // densities
-constexpr float kLongestStep = 0.7f, kLastStep = 0.02f;                    // usual radii
+constexpr float kLongestStep = 0.7f, kLastStep = 0.05f;                    // usual radii
 constexpr float kMostToMiddle = 1, kMostToFace = 2;  // usual radii that the first guess may be off the seed
 constexpr float kFacing = 0.3f;                      // cosine between the sheet's normal and the level's
 constexpr float kNearest = 0.75f;                    // usual radii between points
 constexpr float kCompanyWithin = 2;                  // usual radii
 constexpr std::size_t kLeastCompany = 4;             // of some twelve on an even surface
-constexpr float kClear = 2;                          // usual radii in front of a face where there is none
+constexpr float kSmoothWithin = 2.25f;               // usual radii
+constexpr float kClear = 1.5f;                       // usual radii in front of a face where there is none
 
 /// How far seeds go to the level. What is thick asks for more, and costs more; where hardly any of it is, it is inside.
 struct Walk {
   float margin, farthest;  ///< usual radii
+  float aside;             ///< usual radii across the normal
   float mostDepth;         ///< usual radii back from the level to the discs' middles, which in thick haze mean nothing
   int mostSteps;
 };
-constexpr Walk kShort{1.5f, 2.5f, 2.5f, 6}, kLong{5, 7, 1.5f, 16};
+constexpr Walk kShort{2, 2.5f, 0.5f, 2.5f, 6}, kLong{5, 7, 5, 1.5f, 16};
 constexpr std::size_t kOneOfThick = 20;  // so many seeds that got nowhere make a scene thick
 
 float levelOf(std::span<const GaussianSheet> sheets) {
@@ -47,18 +49,12 @@ struct SurfacePlace {
   Vec3 place{0}, normal{0}, color{0};  ///< usual radii; unit, or zero where there is none; 0 to 1
 };
 
-/// Whether there is room in front of a face.
-bool isClear(const GaussianDensity& density, const SurfacePlace& face, float logLevel) {
-  for (const float ahead : {0.5f * kClear, kClear})
-    if (std::log(density.slopeAt(face.place + ahead * face.normal).density) > logLevel) return false;
-  return true;
-}
-
 enum class Arrival { face, farther, none };
 
 /// Walks to the face of the level that the seed's sheet has on its outer side. `farther`: it is not within the walk.
-Arrival findFace(const GaussianDensity& density, const Vec3& seed, const GaussianSheet& sheet, float logLevel,
+Arrival findFace(const GaussianDensity& density, const Vec3& seed, const GaussianSheet& sheet, float level,
                  const Walk& walk, SurfacePlace& face) {
+  const float logLevel = std::log(level);
   const float toMiddle = std::clamp(sheet.toMiddle, -kMostToMiddle, kMostToMiddle);
   const float above = sheet.logDensity + 0.5f * sheet.sharpness * toMiddle * toMiddle - logLevel;
   const float toFace = std::min(std::sqrt(2 * std::max(above, 0.0f) / sheet.sharpness), kMostToFace);
@@ -74,17 +70,33 @@ Arrival findFace(const GaussianDensity& density, const Vec3& seed, const Gaussia
     if (!(glm::distance(place, seed) < walk.farthest)) return Arrival::farther;
     if (std::abs(way) > kLastStep) continue;
     face = {place, outwards, Vec3(0)};
-    return glm::dot(outwards, sheet.normal) > kFacing && isClear(density, face, logLevel) ? Arrival::face
-                                                                                          : Arrival::none;
+    return glm::dot(outwards, sheet.normal) > kFacing && density.slopeAt(place + kClear * outwards).density < level
+               ? Arrival::face
+               : Arrival::none;
   }
   return Arrival::farther;
 }
 
+/// The face as a place of the surface: at the middle of the discs behind it, in their colour.
 SurfacePlace middleBehind(const GaussianDensity& density, SurfacePlace face, float mostDepth) {
-  const float depth = density.depthOfMiddles(face.place, face.normal);
+  const auto [depth, color] = density.behind(face.place, face.normal);
   face.place -= std::clamp(depth, 0.0f, mostDepth) * face.normal;
-  face.color = density.colorAt(face.place);
+  face.color = color;
   return isFinite(face.place) && isFinite(face.color) ? face : SurfacePlace{};
+}
+
+/// Where the seeds of a cell may get to: outwards as far as the walk goes, and a little to the sides.
+SeedCells::Region regionOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
+                           std::size_t first, std::size_t last, const Walk& walk) {
+  SeedCells::Region region;
+  for (std::size_t i = first; i < last; ++i) {
+    if (!sheets[i].exists()) continue;
+    region.widen(seeds[i].place + walk.margin * sheets[i].normal + walk.aside);
+    region.widen(seeds[i].place + walk.margin * sheets[i].normal - walk.aside);
+    region.widen(seeds[i].place + walk.aside);
+    region.widen(seeds[i].place - walk.aside);
+  }
+  return region;
 }
 
 struct Projected {
@@ -93,17 +105,17 @@ struct Projected {
 };
 
 Projected projected(const SeedCells& cells, std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
-                    float logLevel, const Walk& walk, unsigned threads) {
+                    float level, const Walk& walk, unsigned threads) {
   Projected made{std::vector<SurfacePlace>(seeds.size()), std::vector<std::uint8_t>(seeds.size(), 0)};
   parallelFor(cells.count(), threads, [&](std::size_t begin, std::size_t end) {
     GaussianDensity density;
     for (std::size_t cell = begin; cell < end; ++cell) {
-      cells.gather(cell, density);
       const auto [first, last] = cells.seedsOf(cell);
+      cells.gather(cell, regionOf(seeds, sheets, first, last, walk), density);
       for (std::size_t i = first; i < last; ++i) {
         if (!sheets[i].exists()) continue;
         SurfacePlace face;
-        const Arrival arrival = findFace(density, seeds[i].place, sheets[i], logLevel, walk, face);
+        const Arrival arrival = findFace(density, seeds[i].place, sheets[i], level, walk, face);
         if (arrival == Arrival::face) made.places[i] = middleBehind(density, face, walk.mostDepth);
         made.isFarther[i] = arrival == Arrival::farther;
       }
@@ -115,36 +127,43 @@ Projected projected(const SeedCells& cells, std::span<const GaussianSeed> seeds,
 /// All places that the seeds get to; where many have farther to go than those of thin sheets, these once more.
 std::vector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const GaussianDisc> discs,
                                         std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
-                                        float logLevel, unsigned threads) {
-  Projected made = projected(cells, seeds, sheets, logLevel, kShort, threads);
+                                        float level, unsigned threads) {
+  Projected made = projected(cells, seeds, sheets, level, kShort, threads);
   std::vector<GaussianSeed> farther;
   std::vector<GaussianSheet> theirSheets;
   for (std::size_t i = 0; i < seeds.size(); ++i)
     if (made.isFarther[i]) farther.push_back(seeds[i]), theirSheets.push_back(sheets[i]);
   if (farther.size() * kOneOfThick > seeds.size()) {
     const SeedCells wider(discs, farther, kLong.margin, threads);
-    const Projected more = projected(wider, farther, theirSheets, logLevel, kLong, threads);
+    const Projected more = projected(wider, farther, theirSheets, level, kLong, threads);
     made.places.insert(made.places.end(), more.places.begin(), more.places.end());
   }
   std::erase_if(made.places, [](const SurfacePlace& place) { return place.normal == Vec3(0); });
   return std::move(made.places);
 }
 
-/// Places at even distances, without those that are alone.
-std::vector<SurfacePlace> evened(const std::vector<SurfacePlace>& places, unsigned threads) {
-  std::vector<SurfacePlace> even;
+std::vector<SurfacePlace> chosen(const std::vector<SurfacePlace>& places, const std::vector<std::uint32_t>& numbers) {
+  std::vector<SurfacePlace> some;
+  for (const std::uint32_t i : numbers) some.push_back(places[i]);
+  return some;
+}
+
+/// Places at even distances, without those that are alone, and without the noise of single Gaussians in their normals.
+std::vector<SurfacePlace> evened(std::vector<SurfacePlace> places, unsigned threads) {
   std::vector<Vec3> points, normals;
-  const auto take = [&](const std::vector<SurfacePlace>& from) {
+  const auto divide = [&] {
     points.clear(), normals.clear();
-    for (const SurfacePlace& place : from) points.push_back(place.place), normals.push_back(place.normal);
+    for (const SurfacePlace& place : places) points.push_back(place.place), normals.push_back(place.normal);
   };
-  take(places);
-  for (const std::uint32_t i : evenlySpaced(points, normals, kNearest, threads)) even.push_back(places[i]);
-  take(even);
-  std::vector<SurfacePlace> left;
-  for (const std::uint32_t i : inCompany(points, normals, kCompanyWithin, kLeastCompany, threads))
-    left.push_back(even[i]);
-  return left.empty() ? even : left;
+  divide();
+  places = chosen(places, evenlySpaced(points, normals, kNearest, threads));
+  divide();
+  const std::vector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kLeastCompany, threads);
+  if (!left.empty()) places = chosen(places, left);
+  divide();
+  normals = smoothedNormals(points, normals, kSmoothWithin, threads);
+  for (std::size_t i = 0; i < places.size(); ++i) places[i].normal = normals[i];
+  return places;
 }
 
 /// Points in model units, with the origin that they ask for.
@@ -158,7 +177,7 @@ PointCloud cloudOf(const std::vector<SurfacePlace>& places, const GaussianDiscs&
   for (const SurfacePlace& p : places) {
     const glm::u8vec3 color(p.color * 255.0f + 0.5f);
     cloud.positions.emplace_back(modelPlace(p) - cloud.origin);
-    cloud.normals.push_back(glm::normalize(p.normal));
+    cloud.normals.push_back(p.normal);
     cloud.colors.push_back({color.r, color.g, color.b, 255});
   }
   return cloud;
@@ -182,8 +201,7 @@ GaussianSurface surfaceOf(const GaussianScene& scene, unsigned threads) {
     if (sheet.logDensity < std::log(level)) sheet = {};
   orientSheets(seeds, sheets, threads);
   surface.level = level;
-  surface.cloud =
-      cloudOf(evened(surfacePlaces(cells, made.discs, seeds, sheets, std::log(level), threads), threads), made);
+  surface.cloud = cloudOf(evened(surfacePlaces(cells, made.discs, seeds, sheets, level, threads), threads), made);
   return surface;
 }
 

@@ -6,13 +6,13 @@
 
 namespace palpate {
 
-FusedSource::FusedSource(DepthStream& stream, const FusionOptions& options, const IcpOptions& icp, Log* log)
-    : stream_(stream), fusion_(options, icp, log) {}
+FusedSource::FusedSource(std::shared_ptr<DepthStream> stream, const FusionOptions& options, const IcpOptions& icp, Log* log)
+    : stream_(std::move(stream)), fusion_(options, icp, log) {}
 
 bool FusedSource::readNext() {
   while (!hasNext_ && !ended_) {
     try {
-      hasNext_ = stream_.next(next_);
+      hasNext_ = stream_->next(next_);
       ended_ = !hasNext_;
     } catch (const Error& error) {
       fusion_.countLost(error.what());
@@ -23,39 +23,26 @@ bool FusedSource::readNext() {
 
 void FusedSource::fuseNext() {
   hasNext_ = false;
-  fusion_.fuse(stream_.camera(), next_);
+  fusion_.fuse(stream_->camera(), next_);
   time_s_ = next_.time_s;
 }
 
 void FusedSource::rewind() {
-  stream_.rewind();
+  stream_->rewind();
   fusion_.clear();
   hasNext_ = ended_ = false;
   time_s_ = 0;
 }
 
 bool FusedSource::hasNewer(double time_s, double than_s) {
-  if (!stream_.isRecorded()) return true;
   return time_s < than_s || (readNext() && next_.time_s <= time_s);
 }
 
 void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
-  if (!stream_.isRecorded()) {
-    if (readNext()) fuseNext();
-  } else {
-    if (time_s < time_s_) rewind();
-    while (readNext() && next_.time_s <= time_s) fuseNext();
-  }
-  const SurfelMap& map = fusion_.map();
-  frame = {.time_s = time_s_};
-  for (std::size_t id = 0; id < map.ids(); ++id) {
-    if (!map.holds(id)) continue;
-    const shared::Surfel& surfel = map.surfel(id);
-    frame.positions.push_back(surfel.place);
-    frame.normals.push_back(surfel.normal);
-    if (map.isColored()) frame.colors.push_back(colorOf(surfel.record));
-    frame.ids.push_back(static_cast<std::uint32_t>(id));
-  }
+  if (time_s < time_s_) rewind();
+  while (readNext() && next_.time_s <= time_s) fuseNext();
+  fusion_.map().show(frame);
+  frame.time_s = time_s_;
 }
 
 }  // namespace palpate

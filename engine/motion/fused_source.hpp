@@ -5,20 +5,23 @@
 
 namespace palpate {
 
-/// The map that the frames of a depth stream fuse into, as it was at a time: points in metres, relative to the map's
+/// The map that the frames of a recorded depth stream fuse into, as it was at a time: points in metres, relative to the map's
 /// origin.
 class FusedSource final : public CloudSource {
  public:
-  /// `stream` and `log`, if any, must outlive it. Throws as FusionOptions::validate().
-  FusedSource(DepthStream& stream, const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr);
+  /// `log`, if any, must outlive it. Throws as FusionOptions::validate().
+  FusedSource(std::shared_ptr<DepthStream> stream, const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr);
 
   std::size_t size() const override { return fusion_.map().options().capacity; }
   bool keepsPoints() const override { return true; }
-  /// Recorded: all frames up to that time are fused, from the first one on where time has gone back. Live: one more is,
-  /// once it is there. A frame that cannot be read, placed or fused is counted, and the map stays as it was.
+  /// All frames up to that time are fused, from the first one on where time has gone back. A frame that cannot be read, placed or fused is counted, and the map stays as it was.
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
+  /// Frames that were fused count as played, and those that could not be placed as lost.
+  std::optional<PlayCounts> playCounts() const override {
+    return PlayCounts{.played = fusion_.fused(), .lost = fusion_.lost() + fusion_.unplaced()};
+  }
   const FrameFusion& fusion() const { return fusion_; }
 
  private:
@@ -26,7 +29,7 @@ class FusedSource final : public CloudSource {
   void fuseNext();
   void rewind();
 
-  DepthStream& stream_;
+  std::shared_ptr<DepthStream> stream_;
   FrameFusion fusion_;
   DepthFrame next_;  // that was read and not fused, where `hasNext_`
   bool hasNext_ = false, ended_ = false;

@@ -21,9 +21,10 @@ shared::PixelSurfaceOf<Real> pixelSurface(const FrameImages& images, const share
   };
   const Real middle = depthAt(column, row);
   if (!(middle > 0)) return {};
+  const int reach = shared::fitReach(sensor, middle);
   auto sums = shared::noPixels(Real(0));
-  for (int y = std::max(row - shared::kFitReach, 0); y <= std::min(row + shared::kFitReach, height - 1); ++y)
-    for (int x = std::max(column - shared::kFitReach, 0); x <= std::min(column + shared::kFitReach, width - 1); ++x)
+  for (int y = std::max(row - reach, 0); y <= std::min(row + reach, height - 1); ++y)
+    for (int x = std::max(column - reach, 0); x <= std::min(column + reach, width - 1); ++x)
       shared::addPixel(sums, sensor, middle, glm::vec<2, Real>(x - column, y - row), depthAt(x, y));
   return shared::surfaceOf(sums, sensor, glm::vec<2, Real>(column, row), middle);
 }

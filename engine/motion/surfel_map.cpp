@@ -123,6 +123,18 @@ void SurfelMap::appendPoints(Frame& frame) {
   }
 }
 
+void SurfelMap::show(CloudFrame& frame) const {
+  frame = {.time_s = frame.time_s};
+  for (std::size_t id = 0; id < ids(); ++id) {
+    if (!holds(id)) continue;
+    const shared::Surfel& s = surfels_[id];
+    frame.positions.push_back(s.place);
+    frame.normals.push_back(s.normal);
+    if (colored_) frame.colors.push_back(colorOf(s.record));
+    frame.ids.push_back(static_cast<std::uint32_t>(id));
+  }
+}
+
 PointCloud SurfelMap::cloud() const {
   PointCloud cloud;
   cloud.origin = origin_;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/cloud_frame.hpp"
 #include "engine/motion/fusion.hpp"
 
 namespace palpate {
@@ -36,6 +37,8 @@ class SurfelMap {
 
   /// The points in the order of their ids, in metres.
   PointCloud cloud() const;
+  /// The same as a frame, with their ids; its time stays.
+  void show(CloudFrame& frame) const;
   /// No point, and no origin.
   void clear();
 

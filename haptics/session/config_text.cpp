@@ -289,6 +289,7 @@ void describe(auto&& in, auto& config, const StreamConfig*) {
   in.field("live", config.live);
   in.field("speed", config.speed);
   in.field("loop", config.loop);
+  in.field("fuse", config.fuse);
   in.field("depth_scale", config.depthScale);
   in.field("intrinsics", config.intrinsics);
 }

@@ -141,6 +141,7 @@ struct StreamConfig {
   bool live = false;   ///< ModelConfig::file is a camera's device, or "-": raw frames on standard input
   double speed = 1;    ///< of a recording: its seconds in one of the session's
   bool loop = false;   ///< of a recording: after its last frame it begins again
+  bool fuse = false;   ///< its frames become one map; otherwise the newest one is the cloud
   double depthScale = 0;   ///< depth values per metre; 0: as the source says
   std::string intrinsics;  ///< a JSON file; empty: as the source says
 

@@ -10,6 +10,8 @@
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/motion/depth_points.hpp"
 #include "engine/motion/depth_source.hpp"
+#include "engine/motion/fused_playback.hpp"
+#include "engine/motion/fused_source.hpp"
 
 namespace palpate {
 
@@ -66,6 +68,15 @@ PointCloud firstCloud(const DepthCamera& camera, const DepthFrame& frame) {
   return cloudOf(points, origin);
 }
 
+/// As its map begins.
+PointCloud firstMap(const DepthCamera& camera, const DepthFrame& frame) {
+  FrameFusion fusion({});
+  fusion.fuse(camera, frame);
+  PointCloud cloud = fusion.map().cloud();
+  cloud.storedAs.comments = {"comment units: m"};
+  return cloud;
+}
+
 OpenedStream open(const SessionConfig& config, Log* log) {
   const StreamConfig& stream = *config.stream;
   if (stream.live) return {.stream = openLive(config.model.file, stream)};
@@ -83,7 +94,7 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
   while (first.cloud.empty()) {
     if (!readFrame(*stream, frame, log))
       throw Error("{}: ends without a frame that has points", config.model.file);
-    first.cloud = firstCloud(stream->camera(), frame);
+    first.cloud = config.stream->fuse ? firstMap(stream->camera(), frame) : firstCloud(stream->camera(), frame);
   }
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (!stream->isRecorded()) first.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = std::move(frame)});
@@ -91,11 +102,19 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
 }
 
 std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const Model& model) {
-  const PlayOptions options{.speed = config.stream->speed, .loop = config.stream->loop, .exact = !config.realtime};
-  if (!model.live) return std::make_unique<DepthSource>(open(config, nullptr).stream, options, model.cloud.origin);
+  const StreamConfig& stream = *config.stream;
+  const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
+  const auto played = [&](std::shared_ptr<DepthStream> frames,
+                          std::optional<DepthFrame> first) -> std::unique_ptr<CloudSource> {
+    // All frames that are due, whatever was asked for before, where nothing else bends their times.
+    const bool plain = options.exact && stream.speed == 1 && !stream.loop;
+    if (stream.fuse && plain) return std::make_unique<FusedSource>(std::move(frames), FusionOptions());
+    if (stream.fuse) return std::make_unique<FusedPlayback>(std::move(frames), options, FusionOptions(), std::move(first));
+    return std::make_unique<DepthSource>(std::move(frames), options, model.cloud.origin, std::move(first));
+  };
+  if (!model.live) return played(open(config, nullptr).stream, {});
   if (!model.live->stream) throw Error("{}: is played by another session", config.model.file);
-  return std::make_unique<DepthSource>(std::exchange(model.live->stream, nullptr), options, model.cloud.origin,
-                                       std::move(model.live->first));
+  return played(std::exchange(model.live->stream, nullptr), std::move(model.live->first));
 }
 
 }  // namespace palpate

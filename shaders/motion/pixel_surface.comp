@@ -18,8 +18,9 @@ void main() {
   surface.normal = vec3(0);
   surface.depth = 0;
   if (middle > 0) {
-    const ivec2 first = max(ivec2(column, row) - kFitReach, ivec2(0));
-    const ivec2 last = min(ivec2(column, row) + kFitReach, ivec2(width, int(view.height)) - 1);
+    const int reach = fitReach(view.sensor, middle);
+    const ivec2 first = max(ivec2(column, row) - reach, ivec2(0));
+    const ivec2 last = min(ivec2(column, row) + reach, ivec2(width, int(view.height)) - 1);
     PlaneSums sums = noPixels(0.0);
     for (int y = first.y; y <= last.y; ++y)
       for (int x = first.x; x <= last.x; ++x)

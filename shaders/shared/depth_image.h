@@ -9,11 +9,12 @@
 
 PALPATE_SHARED_BEGIN
 
-// Pixels to either side of the one whose plane is fitted. At 1 m the noise below is as large as a pixel's footprint,
-// and differences of neighbours say nothing of a normal; over 7 x 7 pixels it errs by some 4 degrees.
+// Pixels to either side of the one whose plane is fitted, at most. Few are enough where noise is small for the width
+// of a pixel; but at 1 m that of a structured-light camera is as large, and differences of neighbours say nothing of a
+// normal.
 const int kFitReach = 3;
-// So many pixels, a corner of the square, say where a plane lies; fewer are no surface.
-const float kFewestFitted = 16.0f;
+// A slope is fitted over as few pixels as let it err by no more than this, as a tangent: 6 degrees.
+const float kLargestSlopeError = 0.1f;
 // The steepest slope, as a tangent to the image plane, that two pixels of one surface have between them.
 const float kSteepestSlope = 4.0f;
 // In deviations of the noise: depths that differ by more than this and the slope are a jump.
@@ -52,6 +53,27 @@ PALPATE_SINGLE(DepthSensor);
 PALPATE_FORMULA Real depthDeviation(PALPATE_OF(DepthNoise) noise, Real depth) {
   const Real beyond = max(depth - noise.from, Real(0.0));
   return noise.least + noise.growth * beyond * beyond;
+}
+
+// The sum of x^2 over a full square of pixels: the variance of a fitted slope is that of a pixel over this.
+PALPATE_FORMULA Real squaresWithin(Real reach) {
+  const Real side = Real(2.0) * reach + Real(1.0);
+  return side * side * (side * side - Real(1.0)) / Real(12.0);
+}
+
+// The variance of the slope between two pixels side by side, from noise.
+PALPATE_FORMULA Real slopeVariance(PALPATE_OF(DepthSensor) sensor, Real depth) {
+  const Real slope = depthDeviation(sensor.noise, depth) * min(sensor.camera.fx, sensor.camera.fy) / depth;
+  return slope * slope;
+}
+
+// Pixels to either side that a plane is fitted to at a depth.
+PALPATE_FORMULA int fitReach(PALPATE_OF(DepthSensor) sensor, Real depth) {
+  const Real most = Real(kLargestSlopeError) * Real(kLargestSlopeError);
+  const Real variance = slopeVariance(sensor, depth);
+  int reach = 1;
+  while (reach < kFitReach && variance > most * squaresWithin(Real(reach))) ++reach;
+  return reach;
 }
 
 // From the camera through a pixel, to a depth of 1.
@@ -109,7 +131,9 @@ PALPATE_FORMULA PALPATE_OF(PixelSurface)
   PALPATE_OF(PixelSurface) none;
   none.normal = PALPATE_VEC3(Real(0.0));
   none.depth = Real(0.0);
-  if (sums.count < Real(kFewestFitted)) return none;
+  // A corner of the square says where a plane lies; fewer pixels are no surface.
+  const Real corner = Real(fitReach(sensor, middle)) + Real(1.0);
+  if (sums.count < corner * corner) return none;
   const Real n = sums.count;
   const Real cxx = n * sums.products.x - sums.offsets.x * sums.offsets.x;
   const Real cxy = n * sums.products.y - sums.offsets.x * sums.offsets.y;

@@ -63,11 +63,8 @@ PALPATE_FUNCTION bool isFront(FusionView view, Projection projection, vec3 norma
 // The variance, in one direction, of the normal of a point whose measurements weigh `weight`, seen at `depth`: that of
 // a slope over the square of pixels that a plane is fitted to, less by how often it was measured.
 PALPATE_FUNCTION float normalVariance(FusionView view, float depth, float weight) {
-  const float side = float(2 * kFitReach + 1);
-  const float squares = side * side * (side * side - 1.0f) / 12.0f;  // sum of x^2 over the square
-  const float footprint = depth / min(view.sensor.camera.fx, view.sensor.camera.fy);
-  const float slope = depthDeviation(view.sensor.noise, depth) / footprint;
-  return slope * slope / squares * min(1.0f, measurementWeight(view, depth) / weight);
+  const float squares = squaresWithin(float(fitReach(view.sensor, depth)));
+  return slopeVariance(view.sensor, depth) / squares * min(1.0f, measurementWeight(view, depth) / weight);
 }
 
 PALPATE_SHARED_END

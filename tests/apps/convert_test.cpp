@@ -4,7 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "engine/io/ply_reader.hpp"
 #include "tests/gaussian_scenes.hpp"
+#include "tests/rgbd_writer.hpp"
 
 namespace palpate {
 
@@ -53,6 +55,37 @@ void writeGaussians(const std::filesystem::path& file) {
 
 }  // namespace
 
+TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what stood before the camera") {
+  const ScratchFolder folder;
+  const std::filesystem::path room = folder / "room";
+  writeRedwood(room, {.frames = 6, .rate_Hz = 30});
+  const std::string out = (folder / "out.ply").string(), json = (folder / "a.json").string();
+  works("convert " + room.string() + " " + out + " --json " + json);
+  CHECK(jsonOf(json)["from"] == "Redwood");
+  CHECK(jsonOf(json)["frames"] == 6);
+  CHECK(jsonOf(json)["fused"] == 6);
+  CHECK(jsonOf(json)["lost_frames"] == 0);
+  CHECK(jsonOf(json)["kept"] == std::vector<std::string>{"positions", "normals", "colours"});
+  const PointCloud cloud = readPly(out);
+  REQUIRE(cloud.size() > 30);
+  CHECK(cloud.hasColors());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    CHECK(std::abs(recordedShape().signedDistance(cloud.fileCoordinates(i))) < 0.02);
+
+  // Without its poses the frames do not say where they were seen from: a sphere looks the same all around.
+  std::filesystem::remove(room / "trajectory.log");
+  const Outcome unplaced = palpate("convert " + room.string() + " " + out + " --force --json " + json);
+  CHECK_MESSAGE(unplaced.code == 0, unplaced.text);
+  CHECK(jsonOf(json)["fused"] == 1);
+  CHECK(jsonOf(json)["unplaced"] == 5);
+  CHECK(unplaced.text.find("frame 1 is not fused: ") != std::string::npos);
+
+  // What cannot be a depth camera's is said, and no file is left.
+  std::filesystem::remove(out);
+  const Outcome outcome = palpate("convert " + room.string() + " " + out + " --depth-scale 1000000");
+  CHECK(outcome.code == 1);
+  CHECK(outcome.text.find("show no surface") != std::string::npos);
+  CHECK_FALSE(std::filesystem::exists(out));
 TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and its file stays") {
   const ScratchFolder folder;
   const std::filesystem::path scene = folder / "scene.ply";

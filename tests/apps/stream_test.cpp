@@ -52,7 +52,7 @@ TEST_CASE("a recorded folder is played under a hand, and both back ends feel the
   }
 }
 
-TEST_CASE("info says what a recording has, and convert that it is none of its") {
+TEST_CASE("info says what a recording has, and mesh that it is none of its") {
   const ScratchFolder folder;
   writeTum(folder / "recorded", {.frames = 5, .rate_Hz = 30});
   const std::string model = (folder / "recorded").string();
@@ -65,9 +65,30 @@ TEST_CASE("info says what a recording has, and convert that it is none of its") 
   CHECK(info["depth_scale"] == 5000);
   CHECK(info["up"] == "-y");
   CHECK(info["camera"]["width"] == 24);
-  isRefused("convert " + model + " " + (folder / "o.ply").string(), 1, "convert does not make one cloud of its frames yet");
-  CHECK_FALSE(std::filesystem::exists(folder / "o.ply"));
   isRefused("mesh " + model + " -o " + (folder / "o.ply").string(), 1, "is a recorded depth camera, and not one cloud");
+}
+
+TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends feel the same map") {
+  const ScratchFolder folder;
+  writeRedwood(folder / "recorded", {.frames = 5, .rate_Hz = 30});
+  const std::string trace = (folder / "t.csv").string(), map = (folder / "map.ply").string();
+  std::vector<double> forces_N;
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    works("--threads 1 touch " + (folder / "recorded").string() + " --fuse on --path " + pathInto(folder.path()) +
+          " --mm-per-unit 1000 --max-force 20 --backend " + backend + " --trace " + trace + " --save " + map +
+          (backend == "vulkan" ? " --force" : "") + " --json " + (folder / "r.json").string());
+    const auto rows = readTrace(trace);
+    REQUIRE(rows.size() > 140);
+    CHECK(rows.back().contact);
+    forces_N.push_back(glm::length(rows.back().force));
+    const auto report = jsonOf(folder / "r.json");
+    CHECK(report["frames"]["played"] == 5);
+    const auto info = run(program() + " info " + map + " --json -");
+    CHECK(info.code == 0);
+  }
+  CHECK(forces_N[0] > 1);
+  CHECK(forces_N[1] == doctest::Approx(forces_N[0]).epsilon(0.01));
 }
 
 TEST_CASE("the first frame of a recording is drawn, in its colours") {

@@ -74,4 +74,24 @@ TEST_CASE("points without company are left out: those that are alone, and those 
   for (const unsigned threads : {1u, 4u}) CHECK(inCompany(points.places, points.normals, 0.4f, 8, threads) == expected);
 }
 
+TEST_CASE("noise in normals is averaged out, and an edge between two faces stays") {
+  Points points = inSquare(4000, 10);
+  SceneRandom random(4);
+  for (std::size_t i = 0; i < points.places.size(); ++i) {
+    const bool wall = points.places[i].x < 0;
+    const DVec3 normal = (wall ? DVec3(-1, 0, 0) : DVec3(0, 0, 1)) + 0.1 * random.direction();
+    points.normals[i] = Vec3(glm::normalize(normal));
+  }
+  const std::vector<Vec3> once = smoothedNormals(points.places, points.normals, 0.5f, 1);
+  CHECK(smoothedNormals(points.places, points.normals, 0.5f, 3) == once);
+  double before = 0, after = 0;
+  for (std::size_t i = 0; i < once.size(); ++i) {
+    const DVec3 truth = points.places[i].x < 0 ? DVec3(-1, 0, 0) : DVec3(0, 0, 1);
+    before += angleBetween_deg(DVec3(points.normals[i]), truth);
+    after += angleBetween_deg(DVec3(once[i]), truth);
+    REQUIRE(glm::length(once[i]) == doctest::Approx(1));
+  }
+  CHECK(after < before / 3);
+}
+
 }  // namespace palpate::test

@@ -131,8 +131,8 @@ TEST_CASE("points lie on the shape that the Gaussians were put on, with its norm
     CHECK(isRight(surface.cloud));
     CHECK(judged.distance.mean < 0.07);
     CHECK(judged.distance.most < 0.15);
-    CHECK(judged.angle.mean < 9);
-    CHECK(judged.angle.most < 18);
+    CHECK(judged.angle.mean < 7);
+    CHECK(judged.angle.most < 12);
     CHECK(judged.uncovered == 0);
     CHECK(judged.farthest < 1);  // the floaters are eight and more off
     // Next to an edge of the cube, rounded as it is, a face may be judged by its neighbour.

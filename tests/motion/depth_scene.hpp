@@ -97,6 +97,11 @@ inline DepthScene tableScene(const DVec3& at = DVec3(0)) {
   return scene;
 }
 
+/// A stream that its test owns.
+inline std::shared_ptr<DepthStream> unowned(DepthStream& stream) {
+  return std::shared_ptr<DepthStream>(std::shared_ptr<void>(), &stream);
+}
+
 /// Of a test: small, and no thread more than it needs.
 inline FusionOptions smallMap(std::size_t capacity = 200'000) {
   FusionOptions options;

@@ -3,7 +3,11 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "engine/core/error.hpp"
+#include "engine/motion/fused_playback.hpp"
 #include "tests/motion/depth_scene.hpp"
 
 namespace palpate {
@@ -51,7 +55,7 @@ bool areEqual(const CloudFrame& a, const CloudFrame& b) {
 
 TEST_CASE("the same time gives the same points, whatever was asked for before") {
   FewFrames stream(Kind::recorded, 99);
-  FusedSource source(stream, smallMap(50'000));
+  FusedSource source(unowned(stream), smallMap(50'000));
   CHECK(source.size() == 50'000);
   CHECK(source.keepsPoints());
   CloudFrame first, later, again;
@@ -74,25 +78,50 @@ TEST_CASE("the same time gives the same points, whatever was asked for before") 
 
 TEST_CASE("a frame that cannot be read is counted as lost, and the next ones come") {
   FewFrames stream(Kind::recorded, 2);
-  FusedSource source(stream, smallMap());
+  FusedSource source(unowned(stream), smallMap());
   CloudFrame frame;
   source.makeFrame(1, frame);
   CHECK(source.fusion().fused() == 5);
   CHECK(source.fusion().lost() == 1);
 }
 
-TEST_CASE("a live camera's next frame is waited for, one at a time, and its end keeps the map") {
+TEST_CASE("a live camera's newest frame is fused once, and its end keeps the map") {
   FewFrames stream(Kind::live, 99);
-  FusedSource source(stream, smallMap());
+  FusedPlayback source(unowned(stream), {.exact = false}, smallMap());
   CloudFrame frame;
-  for (std::uint64_t i = 1; i <= 6; ++i) {
-    source.makeFrame(0, frame);
-    CHECK(source.fusion().fused() == i);
-    CHECK(frame.time_s == doctest::Approx(0.1 * static_cast<double>(i - 1)));
-  }
-  const CloudFrame last = frame;
   source.makeFrame(0, frame);
+  CHECK(frame.size() > 1'000);
+  CHECK(frame.ids.size() == frame.size());
+  CHECK(frame.colors.size() == frame.size());
+  for (int i = 0; i < 500 && source.playCounts()->played + source.playCounts()->dropped < 6; ++i) {
+    source.makeFrame(0.01 * i, frame);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  const PlayCounts counts = *source.playCounts();
+  CHECK(counts.played + counts.dropped == 6);
+  CHECK(source.fused() == counts.played);
+  const CloudFrame last = frame;
+  CHECK_FALSE(source.hasNewer(9, frame.time_s));
+  source.makeFrame(9, frame);
   CHECK(areEqual(last, frame));
+}
+
+TEST_CASE("a recording that is played fuses the frame that is due, and each one once") {
+  FewFrames stream(Kind::recorded, 2);
+  FusedPlayback source(unowned(stream), {}, smallMap());
+  CloudFrame frame;
+  for (int i = 0; i <= 60; ++i) {
+    source.makeFrame(0.01 * i, frame);
+    CHECK(frame.time_s <= 0.01 * i + 1e-9);
+  }
+  CHECK(source.fused() == 5);
+  CHECK(source.playCounts()->lost == 1);
+  FewFrames again(Kind::recorded, 2);
+  FusedSource whole(unowned(again), smallMap());
+  CloudFrame truth;
+  whole.makeFrame(0.6, truth);
+  CHECK(frame.positions == truth.positions);
+  CHECK(frame.ids == truth.ids);
 }
 
 TEST_CASE("a frame has the points that there are, by their ids") {
@@ -119,7 +148,7 @@ TEST_CASE("a frame has the points that there are, by their ids") {
     DepthFrame near_, far_;
     int at_ = 0;
   } stream(near, far);
-  FusedSource source(stream, smallMap());
+  FusedSource source(unowned(stream), smallMap());
   CloudFrame frame;
   source.makeFrame(1, frame);
   const SurfelMap& map = source.fusion().map();

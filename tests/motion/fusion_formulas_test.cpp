@@ -77,6 +77,26 @@ TEST_CASE_TEMPLATE("a surface ends at a jump of depth, and what lies between two
   CHECK(at(5, 10).depth == 0);
 }
 
+TEST_CASE("a plane is fitted over no more pixels than noise demands, so that a coarse camera sees what is round") {
+  CHECK(shared::fitReach(sensor<double>(smallCamera()), 1.0) == 3);
+  const DepthCamera coarse{.width = 24, .height = 18, .fx = 20, .fy = 21, .cx = 11.5, .cy = 8.5};
+  CHECK(shared::fitReach(sensor<double>(coarse), 1.5) == 1);
+  DepthScene scene;
+  scene.add("sphere", 1, {0, 0, 2});
+  FrameImages images{.camera = coarse, .number = 0, .depths = scene.frame(coarse, {}).depth_m, .colors = {}};
+  std::size_t seen = 0;
+  for (int y = 0; y < 18; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const auto surface = pixelSurface(images, sensor<double>(coarse), x, y);
+      if (!(surface.depth > 0)) continue;
+      const auto depth = static_cast<double>(images.depths[static_cast<std::size_t>(y * 24 + x)]);
+      CHECK(angleBetween_deg(surface.normal, scene.closest(coarse.placeAt(x, y, depth)).normal) < 15);
+      ++seen;
+    }
+  }
+  CHECK(seen > 30);  // of some 140; the others are seen at a slant, where a pixel is as wide as the sphere is round
+}
+
 TEST_CASE("a slope that the camera hardly sees is no surface") {
   const DepthCamera camera{.width = 15, .height = 15, .fx = 500, .fy = 500, .cx = 7, .cy = 7};
   for (const auto& [angle_deg, is] : {std::pair(70.0, true), {74.0, true}, {83.0, false}}) {

@@ -278,4 +278,37 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   CHECK(counts->played + counts->dropped == 6);
 }
 
+TEST_CASE("frames that fuse are felt as the map that they make, and a session with them is run again from its text") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  const auto cpu = cpuBackend();
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  CHECK(parseConfig(configText(config)) == config);
+  const Model model = load(config);
+  CHECK(model.cloud.size() > 1'000);
+  CHECK(model.upright.up == UpAxis::minusY);
+  // On the wall, and half a millimetre into it, where its noise is twice as much: the map follows it by a part.
+  const DVec3 before(0, 0, kRest_m - 0.01), in(0, 0, kRest_m + 0.0005);
+  const auto play = [&](const SessionConfig& played) {
+    Session session(played, load(played), {.backend = *cpu, .threads = 1});
+    const Trace trace = runAlone(session, Path({{0, before}, {0.05, in}, {kDuration_s, in}})).trace();
+    CHECK(session.playCounts()->played == kFrames);
+    CHECK(session.playCounts()->lost == 0);
+    CHECK(session.sculpted().cloud.size() >= model.cloud.size());
+    return trace;
+  };
+  const Trace first = play(config), again = play(parseConfig(configText(config)));
+  CHECK(sameTrace(first, again));
+  CHECK(summarize(first).contactTicks > 60);
+  for (const TraceRow& row : first.rows)
+    if (row.contact) {
+      CHECK(row.proxy.z < kRest_m + 0.0005);
+      CHECK(row.proxy.z > kRest_m - 0.0025);
+    }
+  config.stream->fuse = false;
+  Session newest(config, load(config), {.backend = *cpu, .threads = 1});
+  CHECK_FALSE(sameTrace(first, runAlone(newest, Path({{0, before}, {0.05, in}, {kDuration_s, in}})).trace()));
+}
+
 }  // namespace palpate

@@ -7,7 +7,7 @@ namespace palpate {
 
 TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken away is felt no more") {
   checkFusedTouch([](TableStream& stream, const PointCloud& cloud, double radius) {
-    FusedTouch touch{.source = std::make_unique<FusedSource>(stream, smallMap())};
+    FusedTouch touch{.source = std::make_unique<FusedSource>(unowned(stream), smallMap())};
     touch.backend = std::make_unique<CpuTouch>(
         cloud, CpuTouchOptions{.radius = radius, .threads = 1, .source = touch.source.get()});
     return touch;

@@ -19,7 +19,7 @@ TEST_CASE_FIXTURE(GpuFixture, "depth frames are felt while they fuse on the GPU,
 TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GPU as it is on the host") {
   TableStream first, second;
   const PointCloud cloud = first.firstCloud();
-  FusedSource source(first, smallMap(60'000));
+  FusedSource source(unowned(first), smallMap(60'000));
   const double radius = 4 * meanSpacing(cloud);
   TouchSide host(device, cloud, {.radius = radius, .source = &source});
   TouchSide fused(device, cloud, {.radius = radius, .fusion = FusedStream{.stream = &second, .options = smallMap(60'000)}});
