@@ -24,9 +24,10 @@ void refuseBag(const std::filesystem::path& file) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   for (const std::string_view magic : kMagics)
     if (text.starts_with(magic))
-      throw FileError(file, "is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes a RealSense "
-                            "one as a folder that is (open3d.t.io.RGBDVideoReader.create(BAG).save_frames(FOLDER)), and "
-                            "ROS's image_view extracts pictures");
+      throw FileError(file,
+                      "is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes a RealSense "
+                      "one as a folder that is (open3d.t.io.RGBDVideoReader.create(BAG).save_frames(FOLDER)), and "
+                      "ROS's image_view extracts pictures");
 }
 
 }  // namespace palpate

@@ -34,8 +34,9 @@ TEST_CASE("a recorded folder is played under a hand, and both back ends feel the
     std::vector<double> forces_N;
     for (const std::string backend : {"cpu", "vulkan"}) {
       CAPTURE(backend);
-      works("--threads 1 touch " + model + " --path " + pathInto(folder.path()) + " --mm-per-unit 1000 --stiffness 0.1 --max-force 20 --backend " +
-            backend + " --trace " + trace + " --log " + (folder / "log").string() + " --json " + (folder / "r.json").string());
+      works("--threads 1 touch " + model + " --path " + pathInto(folder.path()) +
+            " --mm-per-unit 1000 --stiffness 0.1 --max-force 20 --backend " + backend + " --trace " + trace +
+            " --log " + (folder / "log").string() + " --json " + (folder / "r.json").string());
       const auto rows = readTrace(trace);
       REQUIRE(rows.size() > 140);
       CHECK_FALSE(rows[20].contact);
@@ -116,8 +117,9 @@ TEST_CASE("frames on standard input are felt against the clock until they end, a
     frames += fmt::format("frame {}\n", 0.03 * i) + (i == 2 ? bytes.substr(0, 100) : bytes);
   }
   writeBytes(folder / "frames", frames);
-  const Outcome outcome = run("cat " + (folder / "frames").string() + " | " + program() + " touch --live - --realtime --path " +
-                              pathInto(folder.path()) + " --mm-per-unit 1000 --backend cpu --json " + (folder / "r.json").string());
+  const Outcome outcome =
+      run("cat " + (folder / "frames").string() + " | " + program() + " touch --live - --realtime --path " +
+          pathInto(folder.path()) + " --mm-per-unit 1000 --backend cpu --json " + (folder / "r.json").string());
   REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
   const auto report = jsonOf(folder / "r.json");
   CHECK(report["frames"]["lost"] == 1);
@@ -136,7 +138,8 @@ TEST_CASE("what does not go with a depth camera is refused, and says which optio
   isRefused("touch " + model + " --live -", 2, "--live: the camera is the model; leave");
   isRefused("touch --live -", 2, "--realtime: what is live goes by the clock");
   isRefused("touch --live /dev/null --realtime", 2, "--intrinsics: /dev/null says none");
-  isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1, "/dev/null: is no video device");
+  isRefused("touch --live /dev/null --realtime --intrinsics " + model + "/intrinsics.json", 1,
+            "/dev/null: is no video device");
   isRefused("touch --live - --realtime --loop", 2, "--loop: what is live does not come again");
   isRefused("touch " + model + " --edit push", 2, "--edit: the frames of a depth camera cannot be sculpted");
   isRefused("touch " + model + " --motion turn", 2, "--motion: the frames of a depth camera move by themselves");
@@ -150,14 +153,15 @@ TEST_CASE("what does not go with a depth camera is refused, and says which optio
 
 TEST_CASE("the window plays a recording") {
   if (!hasDisplay()) return;
-  const auto played = play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.5 --loop",
-                           R"(
+  const auto played =
+      play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.5 --loop",
+           R"(
 0.2 screenshot %/begin.png
 0.9 screenshot %/later.png
 0.95 state %/end.json
 1.0 quit
 )",
-                           "", [](const std::filesystem::path& folder) { writeRedwood(folder / "recorded", {.frames = 30}); });
+           "", [](const std::filesystem::path& folder) { writeRedwood(folder / "recorded", {.frames = 30}); });
   REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
   const Picture begin(played->folder / "begin.png"), later(played->folder / "later.png");
   REQUIRE(begin.rgb.size() == later.rgb.size());
