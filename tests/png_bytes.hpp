@@ -27,7 +27,8 @@ inline std::string pngChunk(const std::string& name, const std::string& data) {
 }
 
 /// `colorType`: 0 grey, 2 red, green and blue. `rows`: as they stand in the picture, without the filters' bytes.
-inline std::string pngBytes(std::uint32_t width, std::uint32_t height, int bits, int colorType, const std::string& rows) {
+inline std::string pngBytes(std::uint32_t width, std::uint32_t height, int bits, int colorType,
+                            const std::string& rows) {
   const std::size_t pitch = rows.size() / height;
   std::string filtered;
   for (std::uint32_t y = 0; y < height; ++y) filtered += '\0' + rows.substr(y * pitch, pitch);

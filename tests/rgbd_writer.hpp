@@ -82,13 +82,15 @@ inline void writeRedwood(const std::filesystem::path& folder, const RecordingPla
     log += fmt::format("{} {} {}\n", i, i, i + 1);
     const auto rows = rowsOf(pose);
     for (std::size_t row = 0; row < 4; ++row)
-      log += fmt::format("{:.8f} {:.8f} {:.8f} {:.8f}\n", rows[4 * row], rows[4 * row + 1], rows[4 * row + 2], rows[4 * row + 3]);
+      log += fmt::format("{:.8f} {:.8f} {:.8f} {:.8f}\n", rows[4 * row], rows[4 * row + 1], rows[4 * row + 2],
+                         rows[4 * row + 3]);
   }
   writeBytes(folder / "trajectory.log", log);
   writeBytes(folder / "intrinsics.json", intrinsicsJson(camera));
 }
 
-/// TUM's: stamps far from 0, colours a little late, poses at times of their own, 5000 to the metre; with intrinsics.json.
+/// TUM's: stamps far from 0, colours a little late, poses at times of their own, 5000 to the metre; with
+/// intrinsics.json.
 inline void writeTum(const std::filesystem::path& folder, const RecordingPlan& plan = {}) {
   for (const char* name : {"depth", "rgb"}) std::filesystem::create_directories(folder / name);
   const DepthCamera camera = recordedCamera();

@@ -51,7 +51,7 @@ struct ConvertInput {
 ConvertInput readInput(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
-    return {.stored = from.read(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"}),
+    return {.stored = readCloud(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"}),
             .format = std::string(from.name)};
   }
   FusedFolder fused =

@@ -9,7 +9,8 @@ namespace palpate {
 void addDepthOptions(Options& command, StreamOptions& options) {
   command
       .add("--intrinsics", options.intrinsics,
-           "of a depth camera: width, height, fx, fy, cx, cy in pixels, or Open3D's intrinsic_matrix, and depth_scale where "
+           "of a depth camera: width, height, fx, fy, cx, cy in pixels, or Open3D's intrinsic_matrix, and depth_scale "
+           "where "
            "it is known (default: the folder's own, or 640 x 480, 525, 525, 319.5, 239.5)")
       .typeName("FILE.json");
   command
@@ -20,19 +21,20 @@ void addDepthOptions(Options& command, StreamOptions& options) {
 
 void addStreamOptions(Options& command, StreamOptions& options) {
   command
-      .add("--live", options.live,
-           "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; or -, raw frames on "
-           "standard input: one line of JSON (width height fx fy cx cy depth_scale, format z16 or z16+rgb8, pose), then "
-           "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
+      .add(
+          "--live", options.live,
+          "in place of MODEL: a V4L2 device that speaks Z16, as /dev/video2, with --intrinsics; or -, raw frames on "
+          "standard input: one line of JSON (width height fx fy cx cy depth_scale, format z16 or z16+rgb8, pose), then "
+          "frames, each a line 'frame TIME_S [16 numbers, camera to world]' and its bytes")
       .typeName("DEVICE|-");
-  command
-      .add("--speed", options.speed, "of a recording: its seconds in one second")
+  command.add("--speed", options.speed, "of a recording: its seconds in one second")
       .check(between(bounds::kLeastSpeed, bounds::kMostSpeed))
       .showDefault();
   command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
   command
       .add("--fuse", options.fuse,
-           "on: the frames of a depth camera become one map, which is felt and seen while it grows; off: the newest frame is "
+           "on: the frames of a depth camera become one map, which is felt and seen while it grows; off: the newest "
+           "frame is "
            "the cloud")
       .check(oneOf({"on", "off"}))
       .showDefault();
@@ -58,8 +60,10 @@ std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::stri
   if (modelFile.empty()) throw UsageError("model: is required; name a file, or a camera with --live");
   if (isRgbdFolder(modelFile)) return stream;
   if (stream != StreamConfig{})
-    throw UsageError("{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
-                     "that is {}", modelFile, rgbdFoldersRead());
+    throw UsageError(
+        "{}: is no recorded depth camera, which --speed, --loop, --fuse, --depth-scale and --intrinsics are for; "
+        "that is {}",
+        modelFile, rgbdFoldersRead());
   return std::nullopt;
 }
 

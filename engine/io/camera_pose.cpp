@@ -46,7 +46,8 @@ CameraPose cameraPose(const std::array<double, 16>& rows) {
       throw Error("the pose has {} in row {}, column {}, which is no finite number", rows[k], k / 4 + 1, k % 4 + 1);
   for (std::size_t column = 0; column < 4; ++column)
     if (std::abs(rows[12 + column] - (column == 3 ? 1 : 0)) > kLastRow)
-      throw Error("the pose ends with the row {} {} {} {} and not with 0 0 0 1", rows[12], rows[13], rows[14], rows[15]);
+      throw Error("the pose ends with the row {} {} {} {} and not with 0 0 0 1", rows[12], rows[13], rows[14],
+                  rows[15]);
   const glm::dmat3 turn = turnOf(rows);
   const double wrong = farthestFromRotation(turn);
   if (!(wrong <= kRounding))
@@ -63,7 +64,8 @@ CameraPose cameraPose(const DVec3& centre, const DQuat& turn) {
 }
 
 CameraPose between(const CameraPose& from, const CameraPose& to, double share) {
-  return {.turn = glm::normalize(glm::slerp(from.turn, to.turn, share)), .centre = glm::mix(from.centre, to.centre, share)};
+  return {.turn = glm::normalize(glm::slerp(from.turn, to.turn, share)),
+          .centre = glm::mix(from.centre, to.centre, share)};
 }
 
 std::string_view takeWord(std::string_view& line) {

@@ -20,7 +20,8 @@ CameraPose cameraPose(const DVec3& centre, const DQuat& turn);
 /// Between two poses: the centre on the line from one to the other, the turn along the shorter arc (Shoemake 1985).
 CameraPose between(const CameraPose& from, const CameraPose& to, double share);
 
-/// Numbers that stand in a line, with blanks between them; nothing where there are others than `count`, or what is none.
+/// Numbers that stand in a line, with blanks between them; nothing where there are others than `count`, or what is
+/// none.
 template <std::size_t count>
 std::optional<std::array<double, count>> numbersIn(std::string_view line);
 extern template std::optional<std::array<double, 3>> numbersIn<3>(std::string_view);

@@ -60,7 +60,8 @@ DepthCamera cameraIn(const Json& json) {
     camera.fx = columns[0], camera.fy = columns[4], camera.cx = columns[6], camera.cy = columns[7];
     if (columns[8] != 1 || columns[2] != 0 || columns[5] != 0)
       throw Error("\"intrinsic_matrix\" has another last row than 0 0 1; it is written column by column");
-    if (columns[3] != 0 || columns[1] != 0) throw Error("\"intrinsic_matrix\" is skewed, which no depth camera here is");
+    if (columns[3] != 0 || columns[1] != 0)
+      throw Error("\"intrinsic_matrix\" is skewed, which no depth camera here is");
   } else {
     camera.fx = needed(json, "fx"), camera.fy = needed(json, "fy");
     camera.cx = needed(json, "cx"), camera.cy = needed(json, "cy");
@@ -77,7 +78,8 @@ CameraText parseCamera(std::string_view json) {
   const Json parsed = Json::parse(json, nullptr, false);
   if (parsed.is_discarded()) throw Error("is no JSON");
   if (!parsed.is_object()) throw Error("is no JSON object");
-  CameraText text{.camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
+  CameraText text{
+      .camera = cameraIn(parsed), .depthScale = numberIn(parsed, "depth_scale"), .rate_Hz = numberIn(parsed, "fps")};
   if (text.depthScale && !(*text.depthScale >= kLeastDepthScale && *text.depthScale <= kMostDepthScale))
     throw Error("\"depth_scale\" is {}; it says how many values a metre has, {} to {}", *text.depthScale,
                 kLeastDepthScale, kMostDepthScale);

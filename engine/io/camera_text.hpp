@@ -24,8 +24,9 @@ struct CameraText {
 };
 
 /// One object with `width`, `height`, and either `fx`, `fy`, `cx`, `cy` or Open3D's `intrinsic_matrix` of nine numbers,
-/// column by column; `depth_scale` (values per metre), `fps`, `format` and `pose` where it has them. Others are nobody's
-/// business here. Throws Error, without a place, for what makes no camera, or one with sides beyond those of pictures.
+/// column by column; `depth_scale` (values per metre), `fps`, `format` and `pose` where it has them. Others are
+/// nobody's business here. Throws Error, without a place, for what makes no camera, or one with sides beyond those of
+/// pictures.
 CameraText parseCamera(std::string_view json);
 
 /// The same from a file. Throws FileError.

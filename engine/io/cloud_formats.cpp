@@ -7,6 +7,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/bag_file.hpp"
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/ply_format.hpp"
@@ -92,11 +93,13 @@ const CloudFormats& cloudFormats() {
 }
 
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats) {
+  refuseBag(file);
   return formats.toRead(file).contents(file);
 }
 
 StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudReadOptions& options,
                       const CloudFormats& formats) {
+  refuseBag(file);
   return formats.toRead(file).read(file, log, options);
 }
 

@@ -29,7 +29,8 @@ constexpr std::uint32_t kBuffers = 4;
 class SystemVideoNode final : public VideoNode {
  public:
   explicit SystemVideoNode(const std::string& device)
-      : file_(::open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)), wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+      : file_(::open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)),
+        wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (file_ >= 0 && wake_ >= 0) return;
     const int error = errno;
     close();
@@ -54,7 +55,8 @@ class SystemVideoNode final : public VideoNode {
     ::munmap(const_cast<std::byte*>(memory.data()), memory.size());
   }
   int wait() noexcept override {
-    std::array<pollfd, 2> waits{{{.fd = file_, .events = POLLIN, .revents = 0}, {.fd = wake_, .events = POLLIN, .revents = 0}}};
+    std::array<pollfd, 2> waits{
+        {{.fd = file_, .events = POLLIN, .revents = 0}, {.fd = wake_, .events = POLLIN, .revents = 0}}};
     return ::poll(waits.data(), waits.size(), -1) < 0 && errno != EINTR ? errno : 0;
   }
   void wake() noexcept override {
@@ -227,7 +229,8 @@ std::optional<v4l2_buffer> VideoDepthStream::takeBuffer() {
 void VideoDepthStream::take(const v4l2_buffer& buffer, DepthFrame& frame) {
   if (!firstSequence_) firstSequence_ = buffer.sequence;
   frame.number = buffer.sequence - *firstSequence_;
-  const double time_s = static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
+  const double time_s =
+      static_cast<double>(buffer.timestamp.tv_sec) + 1e-6 * static_cast<double>(buffer.timestamp.tv_usec);
   const std::size_t row = sizeof(std::uint16_t) * camera_.width, needed = pitch_ * (camera_.height - 1) + row;
   const std::span<const std::byte> memory = memory_[buffer.index];
   if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || std::min<std::size_t>(buffer.bytesused, memory.size()) < needed)

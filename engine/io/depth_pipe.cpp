@@ -70,7 +70,8 @@ bool DepthPipe::fill(std::size_t wanted) {
 std::optional<std::string> DepthPipe::peekLine(std::size_t longest) {
   for (std::size_t seen = 0;;) {
     const std::size_t end = unread().find('\n', seen);
-    if (end != std::string_view::npos || unread().size() >= longest) return std::string(unread().substr(0, std::min(end, longest)));
+    if (end != std::string_view::npos || unread().size() >= longest)
+      return std::string(unread().substr(0, std::min(end, longest)));
     seen = unread().size();
     if (!fill(seen + 1)) return std::nullopt;
   }
@@ -110,8 +111,8 @@ void DepthPipe::skipToFrame() {
   if (!unread().starts_with(kFrame)) begin_ = end_;
 }
 
-// The line of the next frame. Nothing at the end. What is no such line is passed over up to the next one that may be, and
-// is a lost frame in all.
+// The line of the next frame. Nothing at the end. What is no such line is passed over up to the next one that may be,
+// and is a lost frame in all.
 std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   while (fill(1) && unread().front() == '\n') ++begin_;
   if (unread().empty()) return std::nullopt;
@@ -137,7 +138,8 @@ std::optional<DepthPipe::FrameLine> DepthPipe::findLine() {
   } else {
     if (input_.isStopped()) return std::nullopt;
     ++count_;
-    why = fmt::format("begins with {} and not with 'frame'; what stands before the next one is left out", inQuotes(unread()));
+    why = fmt::format("begins with {} and not with 'frame'; what stands before the next one is left out",
+                      inQuotes(unread()));
   }
   skipToFrame();
   lose(why);
@@ -184,7 +186,8 @@ bool DepthPipe::next(DepthFrame& frame) {
   const std::size_t there = std::min(bytes, unread().size()), torn = tornAt(there);
   if (torn < there || !isWhole) {
     begin_ += torn;
-    lose(fmt::format("has {} of its {} bytes; {}", torn, bytes, torn < there ? "the next one follows" : "there it ends"));
+    lose(fmt::format("has {} of its {} bytes; {}", torn, bytes,
+                     torn < there ? "the next one follows" : "there it ends"));
   }
   const std::byte* const pixels = buffer_.data() + begin_;  // as long as nothing more is read
   begin_ += bytes;

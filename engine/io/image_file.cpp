@@ -28,8 +28,8 @@ namespace {
 static_assert(STBI_MAX_DIMENSIONS == kLongestImageSide);
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 29;  // of a file: four bytes for each pixel of the largest picture
-// No picture packs more pixels into a byte: deflate's longest runs (1032 bytes) of pixels of one bit, and a JPEG has a bit
-// for 64 pixels at least.
+// No picture packs more pixels into a byte: deflate's longest runs (1032 bytes) of pixels of one bit, and a JPEG has a
+// bit for 64 pixels at least.
 constexpr std::uint64_t kMostPixelsPerByte = 8 * 1032;
 
 using Bytes = std::vector<std::byte>;
@@ -149,7 +149,8 @@ GreyImage readGreyImage(const std::filesystem::path& file) {
     throw FileError(file, "is no grey PNG of 16 bits, as depth is stored in");
   requireWhole(file, head, bytes);
   int width = 0, height = 0, channels = 0;
-  const Pixels pixels(stbi_load_16_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &channels, 1), std::free);
+  const Pixels pixels(stbi_load_16_from_memory(dataOf(bytes), lengthOf(bytes), &width, &height, &channels, 1),
+                      std::free);
   if (!pixels) failDecoding(file);
   GreyImage image{.width = head.size.width, .height = head.size.height, .values = {}};
   image.values.resize(std::size_t{image.width} * image.height);
@@ -179,7 +180,8 @@ ColorImage resized(const ColorImage& image, ImageSize size) {
   };
   for (std::uint32_t y = 0; y < size.height; ++y)
     for (std::uint32_t x = 0; x < size.width; ++x)
-      made.rgb.push_back(image.rgb[nearest(y, size.height, image.height) * image.width + nearest(x, size.width, image.width)]);
+      made.rgb.push_back(
+          image.rgb[nearest(y, size.height, image.height) * image.width + nearest(x, size.width, image.width)]);
   return made;
 }
 

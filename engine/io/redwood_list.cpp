@@ -52,10 +52,12 @@ Pictures picturesIn(const std::filesystem::path& folder) {
     const auto number = numberIn(entry->path().stem().string());
     if (!number || *number > kMostNumber)
       throw FileError(entry->path(), fmt::format("has no number up to {} in its name; pictures are in the order of "
-                                                 "their numbers", kMostNumber));
+                                                 "their numbers",
+                                                 kMostNumber));
     const auto [found, isNew] = pictures.emplace(*number, entry->path());
     if (!isNew)
-      throw FileError(entry->path(), fmt::format("has the number of {}; take one of them away", found->second.filename().string()));
+      throw FileError(entry->path(),
+                      fmt::format("has the number of {}; take one of them away", found->second.filename().string()));
   }
   if (error) throw FileError(folder, fmt::format("cannot be read: {}", error.message()));
   return pictures;
@@ -87,7 +89,8 @@ Poses readPoses(const std::filesystem::path& path) {
     }
     const auto number = static_cast<std::uint64_t>((*ids)[0]);
     if (!poses.empty() && number <= poses.rbegin()->first)
-      throw FileError::atLine(path, line, fmt::format("frame {} does not come after frame {}", number, poses.rbegin()->first));
+      throw FileError::atLine(path, line,
+                              fmt::format("frame {} does not come after frame {}", number, poses.rbegin()->first));
     try {
       poses.emplace(number, LoggedPose{.pose = cameraPose(rows), .line = line});
     } catch (const Error& error) {
@@ -133,7 +136,8 @@ RgbdList listRedwood(const std::filesystem::path& folder, double rate_Hz) {
     if (color != colors.end()) frame.color = color->second;
     if (frame.depth.empty())
       frame.lost = FileError::atLine(log, poses.at(number).line,
-                                     fmt::format("frame {} has a pose and no picture in depth", number)).what();
+                                     fmt::format("frame {} has a pose and no picture in depth", number))
+                       .what();
     else if (hasPoses && !frame.pose)
       frame.lost = FileError(frame.depth, "has no pose in trajectory.log").what();
     else if (!colors.empty() && frame.color.empty())

@@ -50,7 +50,8 @@ RgbdFolder::RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& o
   const ImageSize size = imageSizeOf(good->depth);
   if (size != ImageSize{camera_.width, camera_.height})
     throw FileError(good->depth, fmt::format("has {} x {} pixels, and the camera {} x {}; give the intrinsics of the "
-                                             "camera that saw it", size.width, size.height, camera_.width, camera_.height));
+                                             "camera that saw it",
+                                             size.width, size.height, camera_.width, camera_.height));
 }
 
 void RgbdFolder::findCamera(const std::filesystem::path& folder, const RgbdOptions& options, Log* log) {
@@ -60,8 +61,8 @@ void RgbdFolder::findCamera(const std::filesystem::path& folder, const RgbdOptio
   const std::filesystem::path file = options.intrinsics.empty() ? ownIntrinsics(folder) : options.intrinsics;
   if (file.empty()) {
     if (log)
-      log->say("{}: has no intrinsics; taken are {} x {} pixels, focal lengths {} and {}, middle {}, {}", folder.string(),
-               camera_.width, camera_.height, camera_.fx, camera_.fy, camera_.cx, camera_.cy);
+      log->say("{}: has no intrinsics; taken are {} x {} pixels, focal lengths {} and {}, middle {}, {}",
+               folder.string(), camera_.width, camera_.height, camera_.fx, camera_.fy, camera_.cx, camera_.cy);
     return;
   }
   const CameraText text = readCamera(file);

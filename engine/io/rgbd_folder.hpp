@@ -22,12 +22,12 @@ struct RgbdOptions {
   double depthScale = 0;                  ///< values per metre; 0: as the intrinsics or the kind of folder say
 };
 
-/// Frames of a folder of the TUM benchmark or of Redwood and Open3D (rgbd_list.hpp). A picture is read when its frame is
-/// asked for.
+/// Frames of a folder of the TUM benchmark or of Redwood and Open3D (rgbd_list.hpp). A picture is read when its frame
+/// is asked for.
 class RgbdFolder final : public DepthStream {
  public:
-  /// Says to `log` (null: to nobody) what it had to assume. Throws FileError for lists that are wrong, for a folder none
-  /// of whose frames may be one, and for pictures that the camera does not have.
+  /// Says to `log` (null: to nobody) what it had to assume. Throws FileError for lists that are wrong, for a folder
+  /// none of whose frames may be one, and for pictures that the camera does not have.
   explicit RgbdFolder(const std::filesystem::path& folder, const RgbdOptions& options = {}, Log* log = nullptr);
 
   const DepthCamera& camera() const override { return camera_; }

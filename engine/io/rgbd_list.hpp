@@ -11,7 +11,7 @@
 namespace palpate {
 
 struct RgbdFiles {
-  double time_s = 0;                 ///< since the first frame
+  double time_s = 0;                   ///< since the first frame
   std::filesystem::path depth, color;  ///< `color` is empty where there is none
   std::optional<CameraPose> pose;
   std::string lost;  ///< why it cannot be a frame, with its place; empty where it may be one

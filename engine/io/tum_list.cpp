@@ -67,7 +67,8 @@ std::vector<Stamped> readFiles(const std::filesystem::path& folder, const char* 
     if (!stamp_s || !std::isfinite(*stamp_s))
       lines.fail(fmt::format("found {}, expected a time in seconds and the name of a picture", inQuotes(stamp)));
     const std::string_view file = takeWord(lines.rest());
-    if (file.empty() || !takeWord(lines.rest()).empty()) lines.fail("expected a time in seconds and the name of a picture");
+    if (file.empty() || !takeWord(lines.rest()).empty())
+      lines.fail("expected a time in seconds and the name of a picture");
     if (!files.empty() && !(*stamp_s > files.back().stamp_s))
       lines.fail(fmt::format("time {} s does not come after {} s; sort the list", *stamp_s, files.back().stamp_s));
     files.push_back({.stamp_s = *stamp_s, .file = folder / std::string(file), .line = lines.line()});
@@ -96,14 +97,15 @@ std::vector<StampedPose> readPoses(const std::filesystem::path& path) {
   return poses;
 }
 
-/// Of each depth its colours' place in the list, or none: the closest pairs first, each of both once (as the benchmark's
-/// own associate.py).
-std::vector<std::optional<std::size_t>> associate(const std::vector<Stamped>& depths, const std::vector<Stamped>& colors) {
+/// Of each depth its colours' place in the list, or none: the closest pairs first, each of both once (as the
+/// benchmark's own associate.py).
+std::vector<std::optional<std::size_t>> associate(const std::vector<Stamped>& depths,
+                                                  const std::vector<Stamped>& colors) {
   std::vector<std::tuple<double, std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < depths.size(); ++i) {
     const double stamp_s = depths[i].stamp_s;
-    const auto behind = static_cast<std::size_t>(
-        std::ranges::lower_bound(colors, stamp_s, {}, &Stamped::stamp_s) - colors.begin());
+    const auto behind =
+        static_cast<std::size_t>(std::ranges::lower_bound(colors, stamp_s, {}, &Stamped::stamp_s) - colors.begin());
     const std::size_t first = behind - std::min(behind, kCandidates);
     for (std::size_t k = first; k < std::min(colors.size(), behind + kCandidates); ++k)
       if (const double apart_s = std::abs(colors[k].stamp_s - stamp_s); apart_s < kSameMoment_s)

@@ -22,7 +22,8 @@ double periodOf(const DepthStream& stream) {
 
 }  // namespace
 
-DepthPlayer::DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions& options, std::optional<DepthFrame> first)
+DepthPlayer::DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions& options,
+                         std::optional<DepthFrame> first)
     : options_(options),
       ahead_(std::move(stream), options.loop, std::move(first)),
       period_s_(periodOf(ahead_.stream())),
@@ -114,7 +115,10 @@ void DepthPlayer::step() {
 PlayCounts DepthPlayer::counts() const {
   const DepthReadAhead::Counts read = ahead_.counts();
   const std::scoped_lock lock(mutex_);
-  PlayCounts counts{.played = played_, .lost = read.lost, .dropped = read.dropped + dropped_, .lastLoss = read.lastLoss,
+  PlayCounts counts{.played = played_,
+                    .lost = read.lost,
+                    .dropped = read.dropped + dropped_,
+                    .lastLoss = read.lastLoss,
                     .silentSince_s = {}};
   const bool isLive = !ahead_.stream().isRecorded();
   if (isLive && (read.ended || asked_s_ - lastCame_s_ > kSilent_s)) counts.silentSince_s = lastCame_s_;

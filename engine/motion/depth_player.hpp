@@ -13,8 +13,8 @@ namespace palpate {
 struct PlayOptions {
   double speed = 1;   ///< of a recorded stream: its seconds in one of the session's; above 0
   bool loop = false;  ///< of a recorded stream: after the last frame the first one follows
-  /// Of a recorded stream: the frame that is due is waited for, so that the same time has the same frame. Otherwise it is
-  /// played against the clock: what comes too late is dropped.
+  /// Of a recorded stream: the frame that is due is waited for, so that the same time has the same frame. Otherwise it
+  /// is played against the clock: what comes too late is dropped.
   bool exact = true;
 };
 
@@ -32,9 +32,9 @@ class DepthPlayer {
     double time_s = 0;         ///< of the session, from which on it was the newest one
     std::uint64_t serial = 0;  ///< another one for another frame; of a recorded stream the same for the same frame
   };
-  /// The newest frame that is due at a time of the session. Recorded: the last of those up to its place in the recording,
-  /// or the first one that could be read where none was. Live: the last that has come. Waits for the first one. Throws
-  /// Error where there is none and none will come.
+  /// The newest frame that is due at a time of the session. Recorded: the last of those up to its place in the
+  /// recording, or the first one that could be read where none was. Live: the last that has come. Waits for the first
+  /// one. Throws Error where there is none and none will come.
   Played frameAt(double time_s);
 
   /// Recorded, from that time of the session on. What is live holds its frame while it is paused.

@@ -10,8 +10,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kSteepest = 10;       // tangent of the angle at which a surface is seen that is worth a normal
-constexpr double kLeastJump = 0.01;    // of the depth: what a structured-light camera rounds to at four metres
+constexpr double kSteepest = 10;     // tangent of the angle at which a surface is seen that is worth a normal
+constexpr double kLeastJump = 0.01;  // of the depth: what a structured-light camera rounds to at four metres
 constexpr double kFarthest_m = 1e5;
 
 /// What the pixels of a frame see, in the camera's axes.
@@ -61,8 +61,8 @@ class DepthGrid {
 void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   if (frame.depth_m.size() != pixels || (!frame.colors.empty() && frame.colors.size() != pixels))
-    throw Error("frame {} has {} depths and {} colours, and the camera {} x {} pixels", frame.number, frame.depth_m.size(),
-                frame.colors.size(), camera.width, camera.height);
+    throw Error("frame {} has {} depths and {} colours, and the camera {} x {} pixels", frame.number,
+                frame.depth_m.size(), frame.colors.size(), camera.width, camera.height);
 }
 
 }  // namespace

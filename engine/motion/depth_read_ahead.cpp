@@ -48,9 +48,8 @@ void DepthReadAhead::serve() {
 
 // False where it is to stop.
 bool DepthReadAhead::waitForRoom(Lock& lock) {
-  changed_.wait(lock, [&] {
-    return stops_ || restarts_ || (!counts_.ended && (queue_.size() < kQueue || !isRecorded_));
-  });
+  changed_.wait(lock,
+                [&] { return stops_ || restarts_ || (!counts_.ended && (queue_.size() < kQueue || !isRecorded_)); });
   if (stops_) return false;
   if (std::exchange(restarts_, false)) stream_->rewind();
   return true;

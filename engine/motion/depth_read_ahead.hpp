@@ -13,12 +13,12 @@
 
 namespace palpate {
 
-/// Reads some frames of a depth stream ahead, on a thread of its own. A recorded stream waits for whoever takes them; of a
-/// live one the oldest is dropped for the newest.
+/// Reads some frames of a depth stream ahead, on a thread of its own. A recorded stream waits for whoever takes them;
+/// of a live one the oldest is dropped for the newest.
 class DepthReadAhead {
  public:
-  /// `loops`: after the last frame of a recorded stream the first one comes again. `first`: a frame that was taken from a
-  /// live stream before.
+  /// `loops`: after the last frame of a recorded stream the first one comes again. `first`: a frame that was taken from
+  /// a live stream before.
   DepthReadAhead(std::shared_ptr<DepthStream> stream, bool loops, std::optional<DepthFrame> first = {});
   /// Stops the stream.
   ~DepthReadAhead();
@@ -33,8 +33,8 @@ class DepthReadAhead {
     bool isFirst = false;    ///< of those of its pass that could be read
   };
 
-  /// Recorded: that of the next frame to be taken. Where `waits`, it comes or there is none for ever; otherwise it may be
-  /// still to come.
+  /// Recorded: that of the next frame to be taken. Where `waits`, it comes or there is none for ever; otherwise it may
+  /// be still to come.
   std::optional<Place> peek(bool waits);
   /// Swaps the next frame with `frame`, whose memory is used again; false where there is none. `waits`: as above.
   bool take(DepthFrame& frame, bool waits);
@@ -77,7 +77,7 @@ class DepthReadAhead {
   std::vector<DepthFrame> spares_;  // memory of frames that were taken
   Counts counts_;
   std::uint64_t pass_ = 0, readInPass_ = 0;
-  std::optional<Place> late_;       // what comes before it is
+  std::optional<Place> late_;  // what comes before it is
   bool stops_ = false, restarts_ = false;
 
   std::jthread thread_;  // goes first

@@ -12,8 +12,8 @@ struct PlayCounts {
   std::uint64_t lost = 0;     ///< could not be read
   std::uint64_t dropped = 0;  ///< were not played: a later one was due, or had come already
   std::string lastLoss;       ///< why the last one of those was lost; empty where none was
-  /// Of a live camera: the session's time at which its last frame came, where that is more than a second ago, or no more
-  /// will come.
+  /// Of a live camera: the session's time at which its last frame came, where that is more than a second ago, or no
+  /// more will come.
   std::optional<double> silentSince_s;
 };
 

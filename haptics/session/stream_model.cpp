@@ -92,12 +92,12 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
   DepthFrame frame;
   FirstFrame first;
   while (first.cloud.empty()) {
-    if (!readFrame(*stream, frame, log))
-      throw Error("{}: ends without a frame that has points", config.model.file);
+    if (!readFrame(*stream, frame, log)) throw Error("{}: ends without a frame that has points", config.model.file);
     first.cloud = config.stream->fuse ? firstMap(stream->camera(), frame) : firstCloud(stream->camera(), frame);
   }
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
-  if (!stream->isRecorded()) first.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = std::move(frame)});
+  if (!stream->isRecorded())
+    first.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = std::move(frame)});
   return first;
 }
 
@@ -109,7 +109,8 @@ std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const
     // All frames that are due, whatever was asked for before, where nothing else bends their times.
     const bool plain = options.exact && stream.speed == 1 && !stream.loop;
     if (stream.fuse && plain) return std::make_unique<FusedSource>(std::move(frames), FusionOptions());
-    if (stream.fuse) return std::make_unique<FusedPlayback>(std::move(frames), options, FusionOptions(), std::move(first));
+    if (stream.fuse)
+      return std::make_unique<FusedPlayback>(std::move(frames), options, FusionOptions(), std::move(first));
     return std::make_unique<DepthSource>(std::move(frames), options, model.cloud.origin, std::move(first));
   };
   if (!model.live) return played(open(config, nullptr).stream, {});

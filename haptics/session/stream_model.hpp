@@ -20,8 +20,8 @@ struct FirstFrame {
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
 
-/// Plays the stream of the configuration. `model` was loaded with it; the stream of a live one goes to the first session
-/// that asks.
+/// Plays the stream of the configuration. `model` was loaded with it; the stream of a live one goes to the first
+/// session that asks.
 std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const Model& model);
 
 }  // namespace palpate

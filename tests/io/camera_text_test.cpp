@@ -57,13 +57,16 @@ TEST_CASE("what makes no camera is refused by the name of the field") {
   CHECK(refusal(R"({"width": "640", "height": 1})") == "\"width\" cannot be \"640\"");
   CHECK(refusal(R"({"width": 640, "height": 0})").find("\"height\" is 0") == 0);
   CHECK(refusal(R"({"width": 640, "height": 480, "fx": 5})") == "has no \"fy\"");
-  CHECK(refusal(R"({"width": 640, "height": 480, "fx": 0, "fy": 1, "cx": 0, "cy": 0})").find("focal lengths") != std::string::npos);
-  CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [1, 2]})").find("list of 9 numbers") != std::string::npos);
+  CHECK(refusal(R"({"width": 640, "height": 480, "fx": 0, "fy": 1, "cx": 0, "cy": 0})").find("focal lengths") !=
+        std::string::npos);
+  CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [1, 2]})").find("list of 9 numbers") !=
+        std::string::npos);
   // Row by row: what others write so.
   CHECK(refusal(R"({"width": 640, "height": 480, "intrinsic_matrix": [525, 0, 319.5, 0, 525, 239.5, 0, 0, 1]})")
             .find("column by column") != std::string::npos);
   const DepthCamera camera = recordedCamera();
-  CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": 0.001)")).find("how many values a metre has") != std::string::npos);
+  CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": 0.001)")).find("how many values a metre has") !=
+        std::string::npos);
   CHECK(refusal(intrinsicsJson(camera, R"(, "depth_scale": -1)")) != "read");
   CHECK(refusal(intrinsicsJson(camera, R"(, "fps": 0)")) == "\"fps\" is 0; it is above 0");
   CHECK(refusal(intrinsicsJson(camera, R"(, "pose": [1, 2])")).find("list of 16 numbers") != std::string::npos);
@@ -71,7 +74,8 @@ TEST_CASE("what makes no camera is refused by the name of the field") {
   CHECK(refusal(std::string(100'000, '[')) == "is no JSON");
   const ScratchFolder folder;
   writeBytes(folder / "a.json", "{}");
-  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"), doctest::Contains("a.json: has no \"width\"; intrinsics are"), FileError);
+  CHECK_THROWS_WITH_AS(readCamera(folder / "a.json"), doctest::Contains("a.json: has no \"width\"; intrinsics are"),
+                       FileError);
 }
 
 TEST_CASE("a matrix and a quaternion are the same pose, and places go there and back") {

@@ -55,7 +55,8 @@ class FakeNode final : public VideoNode {
         can.device_caps = camera_.capabilities;
         return 0;
       }
-      case VIDIOC_S_FMT: return setFormat(static_cast<v4l2_format*>(argument)->fmt.pix);
+      case VIDIOC_S_FMT:
+        return setFormat(static_cast<v4l2_format*>(argument)->fmt.pix);
       case VIDIOC_ENUM_FMT: {
         auto& format = *static_cast<v4l2_fmtdesc*>(argument);
         constexpr std::uint32_t kFormats[] = {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_MJPEG};
@@ -83,10 +84,16 @@ class FakeNode final : public VideoNode {
         camera_.isQueued[buffer.index] = true;
         return 0;
       }
-      case VIDIOC_DQBUF: return takeBuffer(*static_cast<v4l2_buffer*>(argument));
-      case VIDIOC_STREAMON: ++camera_.started; return 0;
-      case VIDIOC_STREAMOFF: ++camera_.stopped; return 0;
-      default: return ENOTTY;
+      case VIDIOC_DQBUF:
+        return takeBuffer(*static_cast<v4l2_buffer*>(argument));
+      case VIDIOC_STREAMON:
+        ++camera_.started;
+        return 0;
+      case VIDIOC_STREAMOFF:
+        ++camera_.stopped;
+        return 0;
+      default:
+        return ENOTTY;
     }
   }
   int map(std::size_t bytes, std::int64_t offset, std::span<const std::byte>& memory) noexcept override {
@@ -160,7 +167,9 @@ std::string refusal(FakeCamera& camera) {
 TEST_CASE("frames are the driver's, row by row, in millimetres or as its intrinsics say") {
   for (const double scale : {1000.0, 5000.0}) {
     FakeCamera camera;
-    camera.shots = {{.sequence = 7, .time_s = 100.5, .first = 1000}, {.error = EAGAIN}, {.sequence = 8, .time_s = 100.75, .first = 2000},
+    camera.shots = {{.sequence = 7, .time_s = 100.5, .first = 1000},
+                    {.error = EAGAIN},
+                    {.sequence = 8, .time_s = 100.75, .first = 2000},
                     {.sequence = 11, .time_s = 101, .first = 0}};
     {
       const auto stream = scale == 1000 ? open(camera) : open(camera, scale);
@@ -191,7 +200,9 @@ TEST_CASE("a device that is no depth camera is refused with what it is") {
   FakeCamera other{.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING};
   CHECK(refusal(other) == "/dev/video9: does not stream pictures; a camera has several devices, try the others");
   FakeCamera web{.format = V4L2_PIX_FMT_YUYV};
-  CHECK(refusal(web) == "/dev/video9: does not speak Z16, depth of 16 bits, but YUYV, MJPG; a camera has several devices, try the others");
+  CHECK(refusal(web) ==
+        "/dev/video9: does not speak Z16, depth of 16 bits, but YUYV, MJPG; a camera has several devices, try the "
+        "others");
   FakeCamera strict{.formatError = EINVAL};
   CHECK(refusal(strict) == refusal(web));
   FakeCamera larger{.width = 640, .height = 480};
@@ -250,7 +261,8 @@ TEST_CASE("stop ends a wait for a camera that sees nothing") {
 
 TEST_CASE("what is no video device says so") {
   const ScratchFolder folder;
-  CHECK_THROWS_WITH_AS(openDepthCamera((folder / "none").string(), {.camera = kCamera}), doctest::Contains("cannot be opened: No such file"), Error);
+  CHECK_THROWS_WITH_AS(openDepthCamera((folder / "none").string(), {.camera = kCamera}),
+                       doctest::Contains("cannot be opened: No such file"), Error);
   CHECK_THROWS_WITH_AS(openDepthCamera("/dev/null", {.camera = kCamera}), "/dev/null: is no video device", Error);
 }
 

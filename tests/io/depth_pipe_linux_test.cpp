@@ -36,7 +36,8 @@ class Pipe {
 };
 
 constexpr const char* kHead =
-    R"({"width": 2, "height": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0, "depth_scale": 1000, "format": "z16"})" "\n";
+    R"({"width": 2, "height": 1, "fx": 1, "fy": 1, "cx": 0, "cy": 0, "depth_scale": 1000, "format": "z16"})"
+    "\n";
 
 }  // namespace
 

@@ -78,7 +78,8 @@ Heard hear(const std::string& bytes, double depthScale = 0) {
 bool isFrame(const DepthFrame& frame, int number) {
   if (frame.depth_m.size() != kPixels) return false;
   for (std::size_t i = 0; i < kPixels; ++i)
-    if (std::abs(frame.depth_m[i] - 0.001f * static_cast<float>(100 * number + 1000 + static_cast<int>(i))) > 1e-6f) return false;
+    if (std::abs(frame.depth_m[i] - 0.001f * static_cast<float>(100 * number + 1000 + static_cast<int>(i))) > 1e-6f)
+      return false;
   return true;
 }
 
@@ -99,7 +100,8 @@ TEST_CASE("frames are what was written, with times since the first one, poses an
     CHECK(isFrame(each, i));
     CHECK(each.number == static_cast<std::uint64_t>(i));
     CHECK(std::abs(each.time_s - 0.1 * i) < 1e-12);
-    CHECK(each.colors.at(1) == std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(3 + i), static_cast<std::uint8_t>(4 + i),
+    CHECK(each.colors.at(1) == std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(3 + i),
+                                                           static_cast<std::uint8_t>(4 + i),
                                                            static_cast<std::uint8_t>(5 + i)});
     REQUIRE(each.pose.has_value());
     CHECK(glm::distance(each.pose->toWorld({1, 2, 3}), pose.toWorld({1, 2, 3})) < 1e-9);
@@ -108,7 +110,8 @@ TEST_CASE("frames are what was written, with times since the first one, poses an
 
 TEST_CASE("the first line may give the pose of all, and a scale from without counts more than its own") {
   const CameraPose pose = recordedPose(1);
-  const std::string more = fmt::format(R"(, "depth_scale": 1000, "format": "z16", "pose": [{}])", fmt::join(rowsOf(pose), ", "));
+  const std::string more =
+      fmt::format(R"(, "depth_scale": 1000, "format": "z16", "pose": [{}])", fmt::join(rowsOf(pose), ", "));
   const Heard heard = hear(head(more) + frame(0, 0) + frame(1, 0.5), 2000);
   REQUIRE(heard.frames.size() == 2);
   REQUIRE(heard.frames[1].pose.has_value());
@@ -130,13 +133,16 @@ TEST_CASE("a first line that makes no camera is refused, with what it says") {
   CHECK(says(refusal(head("")), "\"format\" is ''; there is z16 and z16+rgb8"));
   CHECK(says(refusal(head(R"(, "format": "z32")")), "there is z16 and z16+rgb8"));
   CHECK(says(refusal(head(R"(, "format": "z16")")), "has no \"depth_scale\""));
-  CHECK(says(refusal(R"({"width": 8193, "height": 1})" "\n"), "sides are whole numbers of pixels from 1 to 8192"));
+  CHECK(says(refusal(R"({"width": 8193, "height": 1})"
+                     "\n"),
+             "sides are whole numbers of pixels from 1 to 8192"));
   CHECK(says(refusal(std::string(1 << 20, 'x')), "is too long to be one"));
   CHECK(says(refusal(std::string(1 << 16, ' ') + head()), "is too long to be one"));
 }
 
 TEST_CASE("a frame that comes again, or too late, is lost alone") {
-  const Heard heard = hear(head() + frame(0, 1) + frame(1, 1) + frame(2, 0.5) + frame(3, 1.5) + "frame nan\n" + frame(5, 2));
+  const Heard heard =
+      hear(head() + frame(0, 1) + frame(1, 1) + frame(2, 0.5) + frame(3, 1.5) + "frame nan\n" + frame(5, 2));
   CHECK(heard.times_s() == std::vector<double>{0, 0.5, 1});
   REQUIRE(heard.lost.size() == 3);
   CHECK(heard.lost[0] == "input: frame 1 is of 1 s, which does not come after 1 s");
@@ -184,7 +190,8 @@ TEST_CASE("a stream that ends within a frame keeps those before, and says so onc
     CHECK(heard.lost.size() == (endsBetween ? 0 : 1));
     if (size >= second) CHECK(isFrame(heard.frames.front(), 0));
   }
-  CHECK(says(hear(whole.substr(0, whole.size() - 3)).lost.at(0), "input: frame 1 has 37 of its 40 bytes; there it ends"));
+  CHECK(
+      says(hear(whole.substr(0, whole.size() - 3)).lost.at(0), "input: frame 1 has 37 of its 40 bytes; there it ends"));
 }
 
 TEST_CASE("poses that are none lose their frames, and so do those that only some have") {
@@ -200,7 +207,8 @@ TEST_CASE("poses that are none lose their frames, and so do those that only some
 }
 
 TEST_CASE("memory follows the bytes that are there, not what the first line says") {
-  const std::string large = R"({"width": 8192, "height": 8192, "fx": 5, "fy": 5, "cx": 0, "cy": 0, "depth_scale": 1, "format": "z16+rgb8"})";
+  const std::string large =
+      R"({"width": 8192, "height": 8192, "fx": 5, "fy": 5, "cx": 0, "cy": 0, "depth_scale": 1, "format": "z16+rgb8"})";
   const ScratchFolder folder;
   writeBytes(folder / "frames", large + "\nframe 0\nxyz");
   std::FILE* const file = openFile(folder / "frames", "rb");

@@ -47,8 +47,12 @@ std::string jpegBytes(int width, int height) {
 
 class Refusal {
  public:
-  std::string ofGrey(const std::string& bytes) const { return of(bytes, [](const auto& file) { readGreyImage(file); }); }
-  std::string ofColor(const std::string& bytes) const { return of(bytes, [](const auto& file) { readColorImage(file); }); }
+  std::string ofGrey(const std::string& bytes) const {
+    return of(bytes, [](const auto& file) { readGreyImage(file); });
+  }
+  std::string ofColor(const std::string& bytes) const {
+    return of(bytes, [](const auto& file) { readColorImage(file); });
+  }
 
  private:
   std::string of(const std::string& bytes, auto&& read) const {

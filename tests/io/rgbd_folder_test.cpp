@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
 #include "tests/content_of.hpp"
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
@@ -78,7 +79,8 @@ class Remarks final : public LogListener {
 const std::filesystem::path& livingRoom() {
   static const std::filesystem::path folder = [] {
     const char* given = std::getenv("PALPATE_MODELS");
-    return (given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models") /
+    return (given ? std::filesystem::path(given)
+                  : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models") /
            "rgbd_livingroom_a";
   }();
   return folder;
@@ -87,7 +89,8 @@ const std::filesystem::path& livingRoom() {
 }  // namespace
 
 TEST_CASE("frames of both kinds of folder are what stood before the camera, with its poses and colours") {
-  for (const auto& [write, scale, late_s] : {std::tuple{&writeRedwood, 1000.0, 1e-12}, std::tuple{&writeTum, 5000.0, 1e-6}}) {
+  for (const auto& [write, scale, late_s] :
+       {std::tuple{&writeRedwood, 1000.0, 1e-12}, std::tuple{&writeTum, 5000.0, 1e-6}}) {
     const ScratchFolder folder;
     const RecordingPlan plan{.frames = 5, .rate_Hz = 30};
     write(folder.path(), plan);
@@ -157,7 +160,8 @@ TEST_CASE("numbers of Redwood's files are times, and frames between them are non
   std::string log = contentOf(folder / "trajectory.log");
   for (const int i : {2, 1}) {
     std::filesystem::rename(folder / fmt::format("depth/{:05}.png", i), folder / fmt::format("depth/{:05}.png", 5 * i));
-    std::filesystem::rename(folder / fmt::format("color/{:05}.png", i), folder / fmt::format("color/frame-{:06}.rgb.png", 5 * i));
+    std::filesystem::rename(folder / fmt::format("color/{:05}.png", i),
+                            folder / fmt::format("color/frame-{:06}.rgb.png", 5 * i));
     const std::string head = fmt::format("{} {} {}\n", i, i, i + 1);
     log.replace(log.find(head), head.size(), fmt::format("{0} {0} {1}\n", 5 * i, 5 * i + 1));
   }
@@ -210,17 +214,19 @@ TEST_CASE("intrinsics that nobody gave are said; those that were given count mor
 
   std::filesystem::remove(folder / "intrinsics.json");
   Remarks remarks;
-  CHECK_THROWS_WITH_AS(RgbdFolder(folder.path(), {}, &remarks.log),
-                       doctest::Contains("00000.png: has 24 x 18 pixels, and the camera 640 x 480; give the intrinsics"),
-                       FileError);
+  CHECK_THROWS_WITH_AS(
+      RgbdFolder(folder.path(), {}, &remarks.log),
+      doctest::Contains("00000.png: has 24 x 18 pixels, and the camera 640 x 480; give the intrinsics"), FileError);
   REQUIRE(remarks.lines.size() == 1);
-  CHECK(says(remarks.lines[0], "has no intrinsics; taken are 640 x 480 pixels, focal lengths 525 and 525, middle 319.5, 239.5"));
+  CHECK(says(remarks.lines[0],
+             "has no intrinsics; taken are 640 x 480 pixels, focal lengths 525 and 525, middle 319.5, 239.5"));
 }
 
 TEST_CASE("colours of another size come along, and that is said once") {
   const ScratchFolder folder;
   writeTum(folder.path());
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "rgb")) writeBytes(entry.path(), colorPng(48, 36, 9));
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "rgb"))
+    writeBytes(entry.path(), colorPng(48, 36, 9));
   Remarks remarks;
   RgbdFolder stream(folder.path(), {}, &remarks.log);
   const Played played = play(stream);
@@ -239,21 +245,29 @@ TEST_CASE("a frame that cannot be read is lost with its file, and those behind i
     return played.lost[0];
   };
   const auto second = [](const std::filesystem::path& folder) { return folder / "depth" / "00001.png"; };
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), greyPng(2, 2, std::vector<std::uint16_t>(4, 9))); }),
+  CHECK(says(lostAfter(&writeRedwood,
+                       [&](const auto& f) { writeBytes(second(f), greyPng(2, 2, std::vector<std::uint16_t>(4, 9))); }),
              "00001.png: has 2 x 2 pixels, and the camera 24 x 18"));
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); }),
-             "00001.png: is no grey PNG of 16 bits"));
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); }),
-             "00001.png: has no depth at all"));
-  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::resize_file(second(f), 300); }), "ends within the picture"));
+  CHECK(
+      says(lostAfter(&writeRedwood,
+                     [&](const auto& f) { writeBytes(second(f), pngBytes(24, 18, 8, 0, std::string(24 * 18, 'x'))); }),
+           "00001.png: is no grey PNG of 16 bits"));
+  CHECK(says(
+      lostAfter(&writeRedwood,
+                [&](const auto& f) { writeBytes(second(f), greyPng(24, 18, std::vector<std::uint16_t>(24 * 18))); }),
+      "00001.png: has no depth at all"));
+  CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::resize_file(second(f), 300); }),
+             "ends within the picture"));
   CHECK(says(lostAfter(&writeRedwood, [&](const auto& f) { std::filesystem::remove(second(f)); }),
              "trajectory.log:6: frame 1 has a pose and no picture in depth"));
   CHECK(says(lostAfter(&writeRedwood, [](const auto& f) { std::filesystem::remove(f / "color" / "00001.png"); }),
              "00001.png: has no picture of its number with the colours"));
-  CHECK(says(lostAfter(&writeTum, [](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); }),
-             "depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s"));
-  CHECK(says(lostAfter(&writeTum, [](const auto& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); }),
-             "1305031102.208637.png: cannot be read"));
+  CHECK(says(
+      lostAfter(&writeTum, [](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637", "1305031102.239637"); }),
+      "depth.txt:3: 1305031102.208637.png has no colours in rgb.txt within 0.02 s"));
+  CHECK(
+      says(lostAfter(&writeTum, [](const auto& f) { std::filesystem::remove(f / "depth" / "1305031102.208637.png"); }),
+           "1305031102.208637.png: cannot be read"));
 }
 
 TEST_CASE("frames without a pose where others have one are lost, whatever ends first") {
@@ -294,7 +308,8 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
   CHECK(says(tum([](const auto& f) { writeBytes(f / "depth.txt", "# nothing\n\n"); }), "depth.txt: names no pictures"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "noon "); }),
              "depth.txt:3: found 'noon', expected a time in seconds and the name of a picture"));
-  CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
+  CHECK(
+      says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "nan "); }), "depth.txt:3: found"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "depth.txt", "1305031102.208637 ", "1305031102.175304 "); }),
              "depth.txt:3: time 1305031102.175304 s does not come after"));
   CHECK(says(tum([](const auto& f) { replaceIn(f / "rgb.txt", "1305031102.219637 ", "7 "); }), "rgb.txt:4: time 7 s"));
@@ -302,27 +317,36 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
              "groundtruth.txt:3: expected eight numbers"));
   CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 0 0 0 0 2\n"); }),
              "groundtruth.txt:1: the pose's quaternion has the length 2"));
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 nan 0 0 0 1\n"); }), "groundtruth.txt:1: the pose's place"));
-  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"); }), "groundtruth.txt:2: time 1 s"));
-  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "one"); }), "trajectory.log:6: found 'one'"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "1 0 0 nan 0 0 0 1\n"); }),
+             "groundtruth.txt:1: the pose's place"));
+  CHECK(says(tum([](const auto& f) { writeBytes(f / "groundtruth.txt", "2 0 0 0 0 0 0 1\n1 0 0 0 0 0 0 1\n"); }),
+             "groundtruth.txt:2: time 1 s"));
+  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "one"); }),
+             "trajectory.log:6: found 'one'"));
   CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "0 0 1"); }),
              "trajectory.log:6: frame 0 does not come after frame 0"));
-  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "1e18 1 2"); }), "trajectory.log:6: found"));
+  CHECK(says(redwood([](const auto& f) { replaceIn(f / "trajectory.log", "1 1 2", "1e18 1 2"); }),
+             "trajectory.log:6: found"));
   CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0 0\n"); }),
              "trajectory.log:3: ends within the pose that begins in line 1"));
   CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 1 0\n"); }),
              "trajectory.log:3: found '0 1 0', expected the four numbers of a row"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
-             "trajectory.log:1: the pose's first three columns are no rotation"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }), "none of its 4 frames can be read; the first one: "));
-  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }), "has the number of"));
-  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/last.png"); }), "has no number"));
+  CHECK(says(
+      redwood([](const auto& f) { writeBytes(f / "trajectory.log", "0 0 1\n1 0 0 0\n0 3 0 0\n0 0 1 0\n0 0 0 1\n"); }),
+      "trajectory.log:1: the pose's first three columns are no rotation"));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "trajectory.log", ""); }),
+             "none of its 4 frames can be read; the first one: "));
+  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/1.png"); }),
+             "has the number of"));
+  CHECK(says(redwood([](const auto& f) { std::filesystem::copy(f / "depth/00001.png", f / "depth/last.png"); }),
+             "has no number"));
   CHECK(says(redwood([](const auto& f) {
                std::filesystem::remove_all(f / "depth");
                std::filesystem::create_directory(f / "depth");
              }),
              "depth: has no pictures"));
-  CHECK(says(redwood([](const auto& f) { writeBytes(f / "intrinsics.json", "{}"); }), "intrinsics.json: has no \"width\""));
+  CHECK(says(redwood([](const auto& f) { writeBytes(f / "intrinsics.json", "{}"); }),
+             "intrinsics.json: has no \"width\""));
   const ScratchFolder empty;
   CHECK_FALSE(isRgbdFolder(empty.path()));
   CHECK_FALSE(isRgbdFolder(empty / "none"));
@@ -330,14 +354,15 @@ TEST_CASE("lists that are wrong are refused at once, with file and line") {
 }
 
 TEST_CASE("a list that is cut off at any byte is read or refused, and nothing else") {
-  for (const auto& [write, name] : {std::pair{&writeRedwood, "trajectory.log"}, std::pair{&writeTum, "depth.txt"},
-                                    std::pair{&writeTum, "groundtruth.txt"}, std::pair{&writeRedwood, "intrinsics.json"}}) {
+  for (const auto& [write, name] :
+       {std::pair{&writeRedwood, "trajectory.log"}, std::pair{&writeTum, "depth.txt"},
+        std::pair{&writeTum, "groundtruth.txt"}, std::pair{&writeRedwood, "intrinsics.json"}}) {
     CAPTURE(name);
     const ScratchFolder folder;
     write(folder.path(), {.frames = 2});
     const std::string whole = contentOf(folder / name);
     std::size_t opened = 0;
-    for (std::size_t size = 0; size < whole.size(); size += whole.size() > 400 ? 7 : 1) {
+    for (std::size_t size = 0; size<whole.size(); size += whole.size()> 400 ? 7 : 1) {
       writeBytes(folder / name, whole.substr(0, size));
       try {
         RgbdFolder stream(folder.path());
@@ -357,6 +382,18 @@ TEST_CASE("what is up follows from how the cameras were held") {
   // The camera's right is the world's x, its down the world's -z.
   writeBytes(folder / "trajectory.log", "0 0 1\n1 0 0 0\n0 0 1 0\n0 -1 0 0\n0 0 0 1\n");
   CHECK(RgbdFolder(folder.path()).up() == UpAxis::z);
+}
+
+TEST_CASE("bags are told by their first bytes, whatever they are called, and what makes folders of them is said") {
+  const ScratchFolder folder;
+  for (const char* begin : {"#ROSBAG V2.0\n\x45", "\x89MCAP0\r\n", "SQLite format 3"}) {
+    writeBytes(folder / "a.ply", begin);
+    for (const auto& read :
+         {std::function([&] { readCloud(folder / "a.ply"); }), std::function([&] { contentsOf(folder / "a.ply"); })})
+      CHECK_THROWS_WITH_AS(
+          read(), doctest::Contains("is a bag of ROS or of a RealSense camera, which is not read here; Open3D writes"),
+          FileError);
+  }
 }
 
 TEST_CASE("a real recording is read whole") {

@@ -84,7 +84,8 @@ TEST_CASE("lost frames are counted and the last reason kept; none at all is an e
   CHECK_FALSE(player.counts().silentSince_s.has_value());
   for (const bool loops : {false, true}) {
     DepthPlayer none(recorded({0, 1, 2, 3, 4}), {.loop = loops});
-    CHECK_THROWS_WITH_AS(none.frameAt(0), "no frame of the depth stream could be read; the last one: frame 4 is torn", Error);
+    CHECK_THROWS_WITH_AS(none.frameAt(0), "no frame of the depth stream could be read; the last one: frame 4 is torn",
+                         Error);
     CHECK_THROWS_AS(none.frameAt(0.3), Error);
   }
 }

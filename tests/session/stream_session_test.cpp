@@ -23,13 +23,16 @@ constexpr int kFrames = 16;
 /// How far a wall has come towards the camera in a frame.
 double nearer_mm(int frame) { return 1 - std::cos(2 * 3.14159265358979 * frame / kFrames); }
 
-std::vector<float> wall(double depth_m) { return std::vector<float>(std::size_t{kCamera.width} * kCamera.height, static_cast<float>(depth_m)); }
+std::vector<float> wall(double depth_m) {
+  return std::vector<float>(std::size_t{kCamera.width} * kCamera.height, static_cast<float>(depth_m));
+}
 
 /// A wall before a camera that stands still in the middle of the world, in fiftieths of a millimetre.
 void writeWall(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder / "depth");
   for (int i = 0; i < kFrames; ++i)
-    writeBytes(folder / "depth" / fmt::format("{:04}.png", i), depthPng(kCamera, wall(kRest_m - 1e-3 * nearer_mm(i)), 50'000));
+    writeBytes(folder / "depth" / fmt::format("{:04}.png", i),
+               depthPng(kCamera, wall(kRest_m - 1e-3 * nearer_mm(i)), 50'000));
   writeBytes(folder / "intrinsics.json", intrinsicsJson(kCamera, R"(, "depth_scale": 50000, "fps": 100)"));
 }
 
@@ -89,11 +92,13 @@ TEST_CASE("a world far from zero keeps its detail") {
   const ScratchFolder folder;
   writeWall(folder.path());
   std::string log;
-  for (int i = 0; i < kFrames; ++i) log += fmt::format("{0} {0} {1}\n1 0 0 500000\n0 1 0 4000000\n0 0 1 0\n0 0 0 1\n", i, i + 1);
+  for (int i = 0; i < kFrames; ++i)
+    log += fmt::format("{0} {0} {1}\n1 0 0 500000\n0 1 0 4000000\n0 0 1 0\n0 0 0 1\n", i, i + 1);
   writeBytes(folder / "trajectory.log", log);
   const SessionConfig config = playing(folder.path());
   const Model model = load(config);
-  CHECK(glm::distance(model.cloud.fileCoordinates(0), DVec3(500'000 - 0.5 * 19.5 / 100, 4'000'000 - 0.5 * 14.5 / 100, 0.5)) < 1e-6);
+  CHECK(glm::distance(model.cloud.fileCoordinates(0),
+                      DVec3(500'000 - 0.5 * 19.5 / 100, 4'000'000 - 0.5 * 14.5 / 100, 0.5)) < 1e-6);
   const auto cpu = cpuBackend();
   Session session(config, model, {.backend = *cpu, .threads = 1});
   const DVec3 hip(500'000, 4'000'000, kRest_m - 1e-3 * kHand_mm);
@@ -101,7 +106,8 @@ TEST_CASE("a world far from zero keeps its detail") {
   CHECK(summarize(result.trace()).contactTicks > 80);
 }
 
-TEST_CASE("a hand at rest feels stiffness times the depth of each frame in its time, and nothing once the wall is gone") {
+TEST_CASE(
+    "a hand at rest feels stiffness times the depth of each frame in its time, and nothing once the wall is gone") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const auto cpu = cpuBackend();
@@ -145,7 +151,8 @@ TEST_CASE("a loop goes on where the recording ends") {
   const ServoResult result = runAlone(session, atRest(config.duration_s));
   const auto& rows = result.trace().rows;
   REQUIRE(rows.size() > 400);
-  for (std::size_t tick = 30; tick < 160; ++tick) CHECK(glm::length(rows[tick].force_N) == doctest::Approx(glm::length(rows[tick + 160].force_N)));
+  for (std::size_t tick = 30; tick < 160; ++tick)
+    CHECK(glm::length(rows[tick].force_N) == doctest::Approx(glm::length(rows[tick + 160].force_N)));
 }
 
 TEST_CASE("a lost frame leaves the one before, and the session goes on") {
@@ -260,7 +267,8 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   const auto cpu = cpuBackend();
   const auto clock = std::make_shared<SteppedClock>();
   LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
-  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()), doctest::Contains("a live camera cannot be recorded"), Error);
+  CHECK_THROWS_WITH_AS(session.record((folder / "log").string()), doctest::Contains("a live camera cannot be recorded"),
+                       Error);
   CHECK_THROWS_AS(Session(config, model, {.backend = *cpu, .threads = 1}), Error);  // it is taken
   session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
   session.tickUntil(0.3);
@@ -269,7 +277,8 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   };
   CHECK(touched() == 0);
   for (int k = 1; k <= 5; ++k)
-    stream->give({.time_s = 3 + 0.03 * k, .number = static_cast<std::uint64_t>(k), .depth_m = wall(kRest_m - 2e-4 * k)});
+    stream->give(
+        {.time_s = 3 + 0.03 * k, .number = static_cast<std::uint64_t>(k), .depth_m = wall(kRest_m - 2e-4 * k)});
   double until_s = 0.3;
   for (int guard = 0; guard < 200 && touched() == 0; ++guard) session.tickUntil(until_s += 0.05);
   CHECK(touched() > 0);
