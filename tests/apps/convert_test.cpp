@@ -86,6 +86,8 @@ TEST_CASE("a folder of depth frames becomes one cloud, whose points lie on what 
   CHECK(outcome.code == 1);
   CHECK(outcome.text.find("show no surface") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(out));
+}
+
 TEST_CASE("a scene of Gaussians is told of, converted, felt and sculpted, and its file stays") {
   const ScratchFolder folder;
   const std::filesystem::path scene = folder / "scene.ply";

@@ -113,6 +113,28 @@ TEST_CASE("what is not in the map, lies off it, or is too far to have come to, i
   CHECK_MESSAGE(off.state == IcpState::tooFar, off.why());
 }
 
+TEST_CASE("every so-manyth pixel is paired, from the first row to the last") {
+  const DepthScene scene = tableScene();
+  const CameraPose truth = onArc(kTable, 1.0, 0.5);
+  const FrameFusion fusion = mapped(scene, 0, 1);
+  DepthFrame frame = scene.frame(smallCamera(), truth);
+  std::fill_n(frame.depth_m.begin(), 90 * 160, 0.0f);  // what is left begins below the middle
+  FrameImages images;
+  std::vector<shared::PixelSurface> surfaces;
+  readFrame(smallCamera(), frame, fusion.map().options(), images);
+  findPixelSurfaces(images, fusion.map().options(), surfaces);
+  const MapPairs pairs(fusion.map(), images, surfaces, truth);
+  for (const std::uint32_t stride : {1u, 2u, 4u, 7u}) {
+    std::uint64_t seen = 0;
+    for (std::size_t y = 0; y < 120; y += stride)
+      for (std::size_t x = 0; x < 160; x += stride) seen += surfaces[y * 160 + x].depth > 0 ? 1 : 0;
+    const IcpSums sums = pairs.sum({.level = {.stride = stride, .gate_m = 0.05}, .pose = truth});
+    CHECK(seen > 50);
+    CHECK(sums.seen == seen);
+    CHECK(static_cast<double>(sums.pairs) > 0.9 * static_cast<double>(seen));
+  }
+}
+
 TEST_CASE("a pose is the same for any number of threads") {
   const DepthScene scene = tableScene();
   const CameraPose truth = onArc(kTable, 1.0, 0.5);

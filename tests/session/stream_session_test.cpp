@@ -319,6 +319,9 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
 TEST_CASE("frames that fuse are felt as the map that they make, and a session with them is run again from its text") {
   const ScratchFolder folder;
   writeWall(folder.path());
+  std::string log;  // a wall without a feature does not say where it was seen from
+  for (int i = 0; i < kFrames; ++i) log += fmt::format("{0} {0} {1}\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i + 1);
+  writeBytes(folder / "trajectory.log", log);
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
   config.stream->fuse = true;
