@@ -166,6 +166,9 @@ void Document::carryOut(const ViewRequests& requests) {
   if (!requests.play.empty()) play(requests.play);
   if (requests.endPlaying) session_->endPlaying();
   if (requests.exportTicks) writeTicks();
+  if (requests.holdFrames)
+    if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
+  if (requests.stepFrame) session_->stepFrame();
 }
 
 void Document::play(const std::string& log) {

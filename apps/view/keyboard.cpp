@@ -56,6 +56,10 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       return {.resetView = true};
     case GLFW_KEY_P:
       return {.screenshot = true};
+    case GLFW_KEY_K:
+      return {.holdFrames = true};
+    case GLFW_KEY_PERIOD:
+      return {.stepFrame = true};
     case GLFW_KEY_Q:
       return {.quit = true};
     case GLFW_KEY_BACKSPACE:

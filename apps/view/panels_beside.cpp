@@ -93,7 +93,7 @@ void Panels::drawHelp(ViewSettings& view) {
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
   ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  static constexpr std::array<std::pair<const char*, const char*>, 18> kRows{
+  static constexpr std::array<std::pair<const char*, const char*>, 19> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
        {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
@@ -109,6 +109,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"Ctrl+S", "save"},
        {"Backspace", "forces off, and on again"},
        {"M", "triangles (marching cubes), or points"},
+       {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
        {"P,  C", "picture to a file,  curves on and off"},
        {"Tab", "panels on and off"},
        {"H,  Q", "this help,  quit"}}};

@@ -17,6 +17,7 @@ struct ViewRequests {
   bool saveFirst = false, discard = false, cancel = false;  ///< the answer about changes that are not saved
   bool saveBeside = false, saveOver = false;                ///< the answer how to save, or cancel
   bool switchForces = false;                                ///< off, or on again
+  bool holdFrames = false, stepFrame = false;               ///< of a depth camera
   std::optional<int> axis;                                  ///< to look along
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;

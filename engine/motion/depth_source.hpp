@@ -21,7 +21,7 @@ class DepthSource final : public CloudSource {
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  DepthPlayer& player() { return player_; }
+  DepthPlayer* player() override { return &player_; }
   std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
 
  private:

@@ -22,6 +22,7 @@ class FusedPlayback final : public CloudSource {
 
   /// Frames that have gone into the map.
   std::uint64_t fused() const { return fusion_.fused(); }
+  DepthPlayer* player() override { return &player_; }
   std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
 
  private:

@@ -4,6 +4,7 @@
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/saving.hpp"
+#include "engine/motion/depth_player.hpp"
 #include "haptics/devices/replay_device.hpp"
 #include "haptics/session/devices.hpp"
 
@@ -147,6 +148,17 @@ void LiveSession::setBrush(const std::optional<BrushConfig>& brush) {
   if (brush == config().brush || servo_.lost) return;
   endRecording();
   between([&] { session_.setBrush(brush); });
+}
+
+std::optional<bool> LiveSession::holdFrames() {
+  DepthPlayer* const player = session_.player();
+  if (!player) return std::nullopt;
+  between([&] { player->isPaused() ? player->play(servo_.next_s) : player->pause(servo_.next_s); });
+  return player->isPaused();
+}
+
+void LiveSession::stepFrame() {
+  if (DepthPlayer* const player = session_.player()) between([&] { player->step(); });
 }
 
 void LiveSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method) {

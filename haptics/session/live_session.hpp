@@ -68,6 +68,11 @@ class LiveSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
+  /// Holds the frames of a depth camera, or lets them go on; the hand is without force for a moment. Whether they are
+  /// held now; nothing where none are played.
+  std::optional<bool> holdFrames();
+  /// Recorded, while they are held: the next one.
+  void stepFrame();
   /// Session::playCounts().
   std::optional<PlayCounts> playCounts() const { return session_.playCounts(); }
   const Journal& journal() const { return *journal_; }

@@ -66,6 +66,8 @@ class Session {
   const TouchBackend& backend() const { return *backend_; }
   /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
   void checkFollower() const { relay_.checkFollower(); }
+  /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are played.
+  DepthPlayer* player() { return source_ ? source_->player() : nullptr; }
   /// What became of the frames of a depth camera, where the model is one. From any thread.
   std::optional<PlayCounts> playCounts() const { return source_ ? source_->playCounts() : std::nullopt; }
   /// Nothing where none is kept.

@@ -253,6 +253,35 @@ TEST_CASE("what cannot be a model says what it is") {
   CHECK(says(refusal([&] { load(config); }), "ends without a frame that has points"));
 }
 
+TEST_CASE("frames of a recording are held, stepped and let go on under a hand") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.duration_s = 0;
+  const auto cpu = cpuBackend();
+  const auto clock = std::make_shared<SteppedClock>();
+  LiveSession session(config, load(config), {.backend = *cpu, .threads = 1}, {.clock = clock});
+  session.aim({0, 0, kRest_m - 1e-3 * kHand_mm});
+  CHECK(session.holdFrames() == true);
+  session.tickUntil(1);
+  CHECK(session.playCounts()->played == 1);
+  const auto isTouched = [&] { return session.history().rows().back().contact; };
+  CHECK_FALSE(isTouched());
+  double until_s = 1;
+  for (int step = 1; step <= 6; ++step) {
+    session.stepFrame();
+    session.tickUntil(until_s += 0.3);
+    CHECK(session.playCounts()->played == static_cast<std::uint64_t>(1 + step));
+  }
+  CHECK(isTouched());
+  CHECK(session.holdFrames() == false);
+  for (int guard = 0; guard < 50 && isTouched(); ++guard) session.tickUntil(until_s += 0.1);
+  CHECK_FALSE(isTouched());  // the last frame has the wall back where it was
+  LiveSession still({.model = {}, .backend = {.name = "cpu"}}, sphereModel(), {.backend = *cpu, .threads = 1}, {});
+  CHECK_FALSE(still.holdFrames().has_value());
+  still.stepFrame();
+}
+
 TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that was the model on") {
   const auto stream = std::make_shared<LiveStream>(kCamera);
   DepthFrame first{.time_s = 3, .number = 0, .depth_m = wall(kRest_m)};
