@@ -175,7 +175,8 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   checkHandOptions(options.hand, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {
-    if (!options.saveFile.empty()) throw UsageError("--save: nothing changes with --edit none");
+    if (!options.saveFile.empty() && options.stream.fuse != "on")
+      throw UsageError("--save: nothing changes with --edit none");
     if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }
   if (options.redo > 0 && options.undo == 0) throw UsageError("--redo: only what --undo took back can be done again");

@@ -78,7 +78,10 @@ TEST_CASE("the frames of a recorded folder fuse under a hand, and both back ends
     CAPTURE(backend);
     works("--threads 1 touch " + (folder / "recorded").string() + " --fuse on --path " + pathInto(folder.path()) +
           " --mm-per-unit 1000 --stiffness 0.1 --max-force 20 --backend " + backend + " --trace " + trace + " --json " +
-          (folder / "r.json").string());
+          (folder / "r.json").string() + " --save " + (folder / (backend + ".ply")).string());
+    works("info " + (folder / (backend + ".ply")).string() + " --json " + (folder / "i.json").string());
+    CHECK(jsonOf(folder / "i.json")["up"] == "-y");
+    CHECK(jsonOf(folder / "i.json")["points"] > 40);
     const auto rows = readTrace(trace);
     REQUIRE(rows.size() > 140);
     CHECK(rows.back().contact);
