@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "engine/core/error.hpp"
 
@@ -18,44 +19,47 @@ constexpr double kFarthest_m = 1e5;
 class DepthGrid {
  public:
   DepthGrid(const DepthCamera& camera, const DepthFrame& frame)
-      : camera_(camera),
-        depth_m_(frame.depth_m),
-        jump_(std::max(kLeastJump, kSteepest / std::min(camera.fx, camera.fy))) {}
+      : width_(camera.width),
+        height_(camera.height),
+        jump_(std::max(kLeastJump, kSteepest / std::min(camera.fx, camera.fy))) {
+    places_.reserve(frame.depth_m.size());
+    for (std::uint32_t row = 0; row < height_; ++row)
+      for (std::uint32_t column = 0; column < width_; ++column) {
+        const double depth = frame.depth_m[places_.size()];
+        places_.push_back(camera.placeAt(column, row, depth > 0 && depth <= kFarthest_m ? depth : 0));
+      }
+  }
 
-  double depthAt(std::int64_t column, std::int64_t row) const {
-    if (column < 0 || row < 0 || column >= camera_.width || row >= camera_.height) return 0;
-    const double depth = depth_m_[static_cast<std::size_t>(row * camera_.width + column)];
-    return depth > 0 && depth <= kFarthest_m ? depth : 0;
-  }
-  DVec3 placeAt(std::int64_t column, std::int64_t row) const {
-    return camera_.placeAt(static_cast<double>(column), static_cast<double>(row), depthAt(column, row));
-  }
+  bool isMeasured(std::size_t pixel) const { return places_[pixel].z > 0; }
+  const DVec3& placeAt(std::size_t pixel) const { return places_[pixel]; }
   /// Unit, towards the camera; nothing where nobody knows.
-  std::optional<DVec3> normalAt(std::int64_t column, std::int64_t row) const {
-    const auto across = wayAlong(column, row, 1, 0), down = wayAlong(column, row, 0, 1);
+  std::optional<DVec3> normalAt(std::uint32_t column, std::uint32_t row) const {
+    const std::size_t pixel = std::size_t{row} * width_ + column;
+    const auto across = wayAlong(pixel, 1, column > 0, column + 1 < width_);
+    const auto down = wayAlong(pixel, width_, row > 0, row + 1 < height_);
     if (!across || !down) return std::nullopt;
     const DVec3 normal = glm::cross(*down, *across);
     const double size = glm::length(normal);
     if (!(size > 0)) return std::nullopt;
-    return normal / (glm::dot(normal, placeAt(column, row)) > 0 ? -size : size);
+    return normal / (glm::dot(normal, places_[pixel]) > 0 ? -size : size);
   }
 
  private:
-  bool isSameSurface(double depth, double other) const { return other > 0 && std::abs(other - depth) <= jump_ * depth; }
-  /// From the pixel before to the one behind.
-  std::optional<DVec3> wayAlong(std::int64_t column, std::int64_t row, std::int64_t right, std::int64_t down) const {
-    const double depth = depthAt(column, row);
-    const bool before = isSameSurface(depth, depthAt(column - right, row - down));
-    const bool behind = isSameSurface(depth, depthAt(column + right, row + down));
+  bool isSameSurface(std::size_t pixel, std::size_t other) const {
+    const double depth = places_[pixel].z, there = places_[other].z;
+    return there > 0 && std::abs(there - depth) <= jump_ * depth;
+  }
+  /// From the pixel before to the one behind, `stride` pixels from this one, where the picture has them.
+  std::optional<DVec3> wayAlong(std::size_t pixel, std::size_t stride, bool hasBefore, bool hasBehind) const {
+    const bool before = hasBefore && isSameSurface(pixel, pixel - stride);
+    const bool behind = hasBehind && isSameSurface(pixel, pixel + stride);
     if (!before && !behind) return std::nullopt;
-    const DVec3 from = before ? placeAt(column - right, row - down) : placeAt(column, row);
-    const DVec3 to = behind ? placeAt(column + right, row + down) : placeAt(column, row);
-    return to - from;
+    return places_[behind ? pixel + stride : pixel] - places_[before ? pixel - stride : pixel];
   }
 
-  const DepthCamera& camera_;
-  const std::vector<float>& depth_m_;
-  double jump_;  // of depth from pixel to pixel, in depths
+  std::uint32_t width_, height_;
+  double jump_;                // of depth from pixel to pixel, in depths
+  std::vector<DVec3> places_;  // depth 0 where none was measured
 };
 
 void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
@@ -78,13 +82,14 @@ void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3&
   const CameraPose pose = frame.pose.value_or(CameraPose{});
   for (std::uint32_t row = 0; row < camera.height; ++row)
     for (std::uint32_t column = 0; column < camera.width; ++column) {
-      if (grid.depthAt(column, row) == 0) continue;
+      const std::size_t pixel = std::size_t{row} * camera.width + column;
+      if (!grid.isMeasured(pixel)) continue;
       const auto normal = grid.normalAt(column, row);
-      const Vec3 place(pose.toWorld(grid.placeAt(column, row)) - origin);
+      const Vec3 place(pose.toWorld(grid.placeAt(pixel)) - origin);
       if (!normal || !isFinite(place)) continue;
       points.positions.push_back(place);
       points.normals.push_back(Vec3(pose.turn * *normal));
-      if (!frame.colors.empty()) points.colors.push_back(frame.colors[std::size_t{row} * camera.width + column]);
+      if (!frame.colors.empty()) points.colors.push_back(frame.colors[pixel]);
     }
 }
 

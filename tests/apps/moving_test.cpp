@@ -81,7 +81,6 @@ TEST_CASE("what does not go with a model that moves is refused, and says which o
     CHECK_MESSAGE(outcome.text.find(option) != std::string::npos, outcome.text);
   };
   refused("--edit push", "--edit: what moves");
-  refused("--friction 0.3", "--friction: what moves");
   refused("--backend cuda", "--motion: --backend cuda");
   refused("--motion-axis 0,0,0", "--motion-axis");
   refused("--motion-amplitude -1", "--motion-amplitude");
