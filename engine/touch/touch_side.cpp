@@ -140,7 +140,8 @@ TouchSide::~TouchSide() {
 void TouchSide::makeFrames() {
   if (!moves(options_)) return;
   if (options_.fusion)
-    writer_ = std::make_unique<FusedFrames>(device_, *options_.fusion, index_.cloud().count(), index_.cloud().slots(), origin_);
+    writer_ = std::make_unique<FusedFrames>(device_, *options_.fusion, index_.cloud().count(), index_.cloud().slots(),
+                                            origin_);
   else
     writer_ = std::make_unique<HostFrames>(device_, *options_.source);
   frames_.emplace(device_, *writer_, index_);

@@ -242,4 +242,49 @@ TEST_CASE("a proxy that rests on moving points goes with them, and is let go whe
   CHECK(tracker.proxy() == DVec3(0, 0, -3));
 }
 
+namespace {
+
+/// A plane that goes up, in the tick's own time, and counts how often it is looked at.
+class RisingPlane final : public SurfaceField {
+ public:
+  explicit RisingPlane(double speed) : speed_(speed) {}
+  void moveTo(double time_s) { height_ = speed_ * time_s, looks = 0; }
+  SurfaceSample surface(const DVec3& x, const DVec3&) const override {
+    ++looks;
+    const double distance = x.z - height_;
+    if (std::abs(distance) > 1) return {};
+    return {.defined = true, .distance = distance, .normal = {0, 0, 1}, .neighbours = 9};
+  }
+  DVec3 velocity(const DVec3&, const DVec3&) const override { return {0, 0, speed_}; }
+
+  double height() const { return height_; }
+  mutable int looks = 0;
+
+ private:
+  double speed_, height_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("a hand that goes along with a surface has no way, however fast both are, and is never touched") {
+  // Three support radii in a tick: where the hand was is far behind where the plane is now.
+  RisingPlane plane(3'000);
+  ProxyTracker tracker(1);
+  for (int i = 0; i < 20; ++i) {
+    const double time_s = 1e-3 * i;
+    plane.moveTo(time_s);
+    tracker.follow(plane, {0.1, 0, plane.height() + 0.3}, time_s, time_s);
+    CHECK_FALSE(tracker.touching());
+    CHECK(plane.looks == 1);
+  }
+  // Then it stays behind, and the plane takes it along.
+  const double hip = plane.height() + 0.3;
+  for (int i = 20; i < 24; ++i) {
+    plane.moveTo(1e-3 * i);
+    tracker.follow(plane, {0.1, 0, hip}, 1e-3 * i, 1e-3 * i);
+    CHECK(tracker.touching());
+    CHECK(tracker.proxy().z == doctest::Approx(plane.height()));
+  }
+}
+
 }  // namespace palpate
