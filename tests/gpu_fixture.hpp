@@ -22,8 +22,15 @@ inline Device& plainDevice() {
   return device;
 }
 
+/// Without GPU-assisted validation, which makes a search of every access of a shader.
+inline Device& coreValidatedDevice() {
+  static Device& device = makeUntilEnd<Device>(DeviceOptions{.gpu = "", .validation = askedCoreValidation()});
+  return device;
+}
+
 class GpuFixture {
  public:
+  explicit GpuFixture(Device& validated = validatedDevice()) : device(validated) {}
   ~GpuFixture() {
     device.waitIdle();
     const auto messages = device.instance().messages().take();
@@ -31,7 +38,13 @@ class GpuFixture {
   }
 
  protected:
-  Device& device = validatedDevice();
+  Device& device;
+};
+
+/// For cases with so much data, or so many ticks, that a software driver would take half a minute to search for each
+/// access: smaller cases of the same room run the same passes under GPU-assisted validation.
+struct LargeGpuFixture : GpuFixture {
+  LargeGpuFixture() : GpuFixture(coreValidatedDevice()) {}
 };
 
 }  // namespace palpate

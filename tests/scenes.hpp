@@ -31,7 +31,7 @@ inline Scene makeScene(std::string_view name, std::size_t count, const DVec3& ce
 inline std::vector<DVec3> wanderingPath(const Scene& scene, std::size_t ticks, double depth, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
-  const auto direction = [&] { return glm::normalize(DVec3(normal(random), normal(random), normal(random))); };
+  const auto direction = [&] { return glm::normalize(DVec3{normal(random), normal(random), normal(random)}); };
   const auto start = scene.cloud.empty() ? 0 : random() % scene.cloud.size();
   DVec3 on = scene.cloud.fileCoordinates(start);
   DVec3 heading = direction();

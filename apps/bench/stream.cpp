@@ -66,6 +66,7 @@ DepthFrame frameOf(const AnalyticShape& shape, const DepthCamera& camera, std::u
 
 struct Fused {
   Summary fuse_us, index_us, arrival_us;
+  std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each timed by itself
   FusionCounts counts;  // of the last frame
 };
 
@@ -82,36 +83,54 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
                                  Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming normals"), 0};
   FusionPass pass(device, camera, fusion, live.slots());
   pass.reset(device.latencyQueue(), live.count());
-  std::deque<CommandList> lists;
+  std::deque<CommandList> lists, timed;
   for (int turn = 0; turn < 2; ++turn) {
-    CommandList& list = lists.emplace_back(device, device.latencyQueue(), "frame", CommandList::Timing::sections);
-    list.begin();
-    pass.record(list, live.front(), incoming);
-    hash.recordBuild(list, incoming, live.back(), live.slots(), kDefaultSort);
-    list.end();
+    for (const auto timing : {CommandList::Timing::sections, CommandList::Timing::passes}) {
+      auto& all = timing == CommandList::Timing::passes ? timed : lists;
+      CommandList& list = all.emplace_back(device, device.latencyQueue(), "frame", timing);
+      list.begin();
+      pass.record(list, live.front(), incoming);
+      hash.recordBuild(list, incoming, live.back(), live.slots(), kDefaultSort);
+      list.end();
+    }
     live.flip();
   }
-  std::vector<double> fuse_us, index_us, arrival_us;
   FrameImages images;
-  const auto bring = [&](std::int64_t i) {
-    const Stopwatch watch;
+  const auto bring = [&](std::int64_t i, const CommandList& list) {
     const DepthFrame& frame = frames[static_cast<std::size_t>(i) % frames.size()];
     readFrame(camera, frame, fusion, images);
     pass.put(images, *frame.pose, DVec3(0));
-    const CommandList& list = lists[live.parity()];
     device.latencyQueue().run(list);
     live.flip();
+  };
+  for (std::uint64_t view = 0; view < kViews; ++view)  // all is seen once
+    bring(static_cast<std::int64_t>(view), lists[live.parity()]);
+  std::vector<double> fuse_us, index_us, arrival_us;
+  repeatMeasurement(options, [&](std::int64_t i) {
+    const Stopwatch watch;
+    const CommandList& list = lists[live.parity()];
+    bring(i, list);
     arrival_us.push_back(watch.elapsed_us());
     fuse_us.push_back(list.sectionTime_us("fusion"));
     index_us.push_back(list.sectionTime_us("hash"));
-  };
-  for (std::uint64_t view = 0; view < kViews; ++view) bring(static_cast<std::int64_t>(view));  // all is seen once
-  for (auto* times : {&fuse_us, &index_us, &arrival_us}) times->clear();
-  repeatMeasurement(options, bring);
-  return {.fuse_us = summarize(fuse_us),
-          .index_us = summarize(index_us),
-          .arrival_us = summarize(arrival_us),
-          .counts = pass.counts()};
+  });
+  Fused fused{.fuse_us = summarize(fuse_us),
+              .index_us = summarize(index_us),
+              .arrival_us = summarize(arrival_us),
+              .passes_us = {},
+              .counts = pass.counts()};
+  std::vector<std::vector<double>> times;
+  for (std::uint64_t i = 0; i < 2 * kViews; ++i) {
+    const CommandList& list = timed[live.parity()];
+    bring(static_cast<std::int64_t>(i), list);
+    const std::vector<PassRecord> passes = list.passes();
+    times.resize(passes.size());
+    for (std::size_t k = 0; k < passes.size(); ++k) times[k].push_back(passes[k].gpu_us);
+    if (fused.passes_us.empty())
+      for (const PassRecord& each : passes) fused.passes_us.emplace_back(each.name, 0);
+  }
+  for (std::size_t k = 0; k < times.size(); ++k) fused.passes_us[k].second = summarize(times[k]).p50;
+  return fused;
 }
 
 // How far the points of a map are from the shape, root of the mean square, m, that begins empty and takes in the frames.
@@ -142,6 +161,8 @@ Json judge(const AnalyticShape& shape, const DepthCamera& camera, const std::vec
 }
 
 Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) {
+  Json passes = Json::array();
+  for (const auto& [name, us] : fused.passes_us) passes.push_back({{"pass", name}, {"us", us}});
   return {{"frames", frames},
           {"surfels", surfels},
           {"matched", fused.counts.matched},
@@ -149,7 +170,8 @@ Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) 
           {"removed", fused.counts.removed},
           {"fuse_us", summaryOf(fused.fuse_us)},
           {"index_us", summaryOf(fused.index_us)},
-          {"arrival_us", summaryOf(fused.arrival_us)}};
+          {"arrival_us", summaryOf(fused.arrival_us)},
+          {"passes", passes}};
 }
 
 Json benchStream(Context& context, const StreamBenchOptions& options) {

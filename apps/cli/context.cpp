@@ -20,11 +20,15 @@ Context::Context() {
 
 Context::~Context() = default;
 
+Validation Context::validation() const {
+  return validate_.empty() ? Validation::off : validate_ == "core" ? Validation::core : Validation::full;
+}
+
 void Context::addOptions(Options& app) {
   app.add("--gpu", gpu_, "GPU by number or part of its name (else PALPATE_GPU, else the best there is)");
-  app.addFlag(
-      "--validate", validate_,
-      "watch every GPU call (core, synchronisation and GPU-assisted validation); any message ends in exit code 1");
+  app.addFlag("--validate", validate_, {"full", "core"},
+              "watch every GPU call (core, synchronisation and GPU-assisted validation; --validate=core: not the shaders "
+              "as they run, which takes a software driver long); any message ends in exit code 1");
   app.add("--json", json_, "write a machine-readable result to this file, or to stdout with -")
       .typeName("FILE|-")
       .check({[](const std::string& text) { return text.empty() ? std::string("needs a file name or -") : ""; }});

@@ -43,7 +43,7 @@ class Context {
   const Backends& backends() const { return *backends_; }
 
   /// By --gpu or --validate.
-  bool asksForGpu() const { return !gpu_.empty() || validate_; }
+  bool asksForGpu() const { return !gpu_.empty() || !validate_.empty(); }
   /// Sends the result where --json says; nothing without it.
   void writeJson(const Json& result) const;
   /// With --json - stdout belongs to the result, and tables go to stderr.
@@ -56,10 +56,10 @@ class Context {
   std::size_t closeDevices();
 
  private:
-  Validation validation() const { return validate_ ? Validation::full : Validation::off; }
+  Validation validation() const;
 
-  std::string gpu_, json_;
-  bool validate_ = false, quiet_ = false;
+  std::string gpu_, json_, validate_;
+  bool quiet_ = false;
   unsigned threads_ = 0;
   std::unique_ptr<Log> log_;
   void close(std::unique_ptr<Device>& device);

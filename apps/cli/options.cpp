@@ -126,6 +126,11 @@ Option Options::addFlag(const std::string& names, bool& value, const std::string
   return Option(app_->add_flag(names, value, what));
 }
 
+Option Options::addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
+                        const std::string& what) {
+  return Option(app_->add_flag(name + "{" + words.front() + "}", value, what)->check(CLI::IsMember(words)));
+}
+
 void Options::heading(const std::string& text) { app_->option_defaults()->group(text); }
 
 Options& Options::addSubcommand(const std::string& name, const std::string& what) {

@@ -90,6 +90,9 @@ class Options {
   Option add(const std::string& names, std::vector<std::int64_t>& values, const std::string& what);
   Option add(const std::string& names, std::vector<std::uint32_t>& values, const std::string& what);
   Option addFlag(const std::string& names, bool& value, const std::string& what);
+  /// One that stands for the first of some words, and takes another only as --name=word.
+  Option addFlag(const std::string& name, std::string& value, const std::vector<std::string>& words,
+                 const std::string& what);
   /// Options that are added from now on stand under this heading.
   void heading(const std::string& text);
 

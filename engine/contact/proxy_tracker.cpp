@@ -7,10 +7,10 @@
 
 namespace palpate {
 
-void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip, double now_s, double points_s) {
+void ProxyTracker::follow(const SurfaceField& field, const DVec3& hip, double now_s, const PointsTime& points) {
   DVec3 age(0);  // the way of the surface since the points were so
   if (started_ && velocity_ != DVec3(0)) {
-    const PointsMotion motion = pointsMotion(now_s, points_s, time_s_);
+    const PointsMotion motion = pointsMotion(now_s, points, time_s_);
     age = motion.age_s * velocity_;
     lastHip_ += motion.sinceLast_s * velocity_ - age;
     proxy_ += motion.sinceLast_s * velocity_ - age;

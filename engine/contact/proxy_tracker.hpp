@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/contact/surface.hpp"
+#include "engine/core/cloud_frame.hpp"
 
 namespace palpate {
 
@@ -19,19 +20,16 @@ class SurfaceField {
   ~SurfaceField() = default;
 };
 
-/// Points that move are as they were at one time, and go on from there with their velocities for so long at most; after
-/// that they stand still.
-constexpr double kMostPointsAge_s = 0.05;
-
 /// How points that move have gone on until a tick.
 struct PointsMotion {
   double age_s = 0;        ///< since the time that they are true for
   double sinceLast_s = 0;  ///< since the tick before
 };
-/// `points_s`: the time that the points are true for; `last_s`: of the tick before.
-inline PointsMotion pointsMotion(double now_s, double points_s, double last_s) {
-  const double until_s = std::min(now_s, points_s + kMostPointsAge_s);
-  return {.age_s = std::max(0.0, until_s - points_s), .sinceLast_s = std::max(0.0, until_s - last_s)};
+/// `last_s`: of the tick before.
+inline PointsMotion pointsMotion(double now_s, const PointsTime& points, double last_s) {
+  if (now_s < points.true_s) return {};
+  const double until_s = std::min(now_s, points.true_s + points.goOn_s);
+  return {.age_s = until_s - points.true_s, .sinceLast_s = std::max(0.0, until_s - last_s)};
 }
 
 /// What shaders/contact/contact_step.comp does from tick to tick, over any surface: contact begins where the HIP's
@@ -70,8 +68,8 @@ class ProxyTracker {
     time_s_ = state.time_s;
   }
 
-  /// One tick, at `now_s`; nothing else needs the times but points that move. `points_s`: the time that they are true for.
-  void follow(const SurfaceField& field, const DVec3& hip, double now_s = 0, double points_s = 0);
+  /// One tick, at `now_s`; nothing else needs the times but points that move.
+  void follow(const SurfaceField& field, const DVec3& hip, double now_s = 0, const PointsTime& points = {});
 
   bool touching() const { return touching_; }
   /// The HIP itself while nothing is touched.

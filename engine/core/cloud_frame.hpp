@@ -9,9 +9,20 @@
 
 namespace palpate {
 
+/// So long at most points that move go on with their velocities, where their source says nothing else.
+constexpr double kMostPointsAge_s = 0.05;
+
+/// When points that move are where they are: before and at that time. From then on they go on with their velocities, for
+/// so long at most; after that they stand still.
+struct PointsTime {
+  double true_s = 0;
+  double goOn_s = kMostPointsAge_s;
+};
+
 /// Where the points of a cloud are at one time. It may have fewer points than the cloud has ids: the others are not there.
 struct CloudFrame {
-  double time_s = 0;                ///< that it is true for
+  double time_s = 0;                  ///< that it is true for
+  double goOn_s = kMostPointsAge_s;   ///< PointsTime::goOn_s
   std::vector<Vec3> positions;      ///< model units, relative to the cloud's origin
   std::vector<Vec3> normals;        ///< unit
   std::vector<Vec3> velocities;     ///< model units per second; empty where they are not known
@@ -19,6 +30,7 @@ struct CloudFrame {
   std::vector<std::uint32_t> ids;   ///< of the points, ascending; empty where each one's is its place here
 
   std::size_t size() const { return positions.size(); }
+  PointsTime time() const { return {.true_s = time_s, .goOn_s = goOn_s}; }
   std::uint32_t idOf(std::size_t i) const { return ids.empty() ? static_cast<std::uint32_t>(i) : ids[i]; }
 };
 

@@ -37,6 +37,20 @@ DepthPlayer::Place DepthPlayer::placeAt(double time_s) const {
   return {.pass = static_cast<std::uint64_t>(pass), .time_s = place_s - pass * period_s_};
 }
 
+// The present frame becomes the one before.
+void DepthPlayer::keepBefore() {
+  std::swap(frame_, before_);
+  beforeSince_s_ = current_ ? std::optional(currentSince_s_) : std::nullopt;
+}
+
+double DepthPlayer::lasts_s() {
+  const double known_s = beforeSince_s_ ? currentSince_s_ - *beforeSince_s_ : period_s_;
+  if (!ahead_.stream().isRecorded()) return known_s;
+  const auto next = ahead_.peek(options_.exact);
+  if (!next || next->pass != current_->pass) return known_s;
+  return (next->time_s - current_->time_s) / time_.speed();
+}
+
 void DepthPlayer::takeNext(const Place& place) {
   ahead_.take(frame_, false);
   current_ = place;
@@ -58,6 +72,7 @@ void DepthPlayer::playRecorded(double time_s) {
   if (isBack || ahead_.pass() < due.pass) {
     ahead_.restart(due.pass);
     current_.reset();
+    beforeSince_s_.reset();
   }
   if (!options_.exact) ahead_.passOver(due.pass, due.time_s);
   // A pass begins with the first frame of it that could be read, however late that is.
@@ -68,6 +83,9 @@ void DepthPlayer::playRecorded(double time_s) {
   std::uint64_t taken = 0;
   while (const auto next = ahead_.peek(options_.exact || !current_)) {
     if (!isDue(*next)) break;
+    // Against the clock what was played is the one before, and not what was due in between.
+    if (options_.exact || taken == 0) keepBefore();
+    if (current_ && next->pass != current_->pass) beforeSince_s_.reset();
     takeNext(*next);
     ++taken;
   }
@@ -80,7 +98,9 @@ void DepthPlayer::playRecorded(double time_s) {
 
 void DepthPlayer::playLive(double time_s) {
   std::uint64_t taken = 0;
-  while (!(isPaused() && current_) && ahead_.take(frame_, !current_)) {
+  while (!(isPaused() && current_) && ahead_.peek(!current_)) {
+    if (taken == 0) keepBefore();
+    ahead_.take(frame_, true);
     current_ = Place{.pass = 0, .time_s = frame_.time_s};
     ++taken;
   }
@@ -104,7 +124,9 @@ DepthPlayer::Played DepthPlayer::frameAt(double time_s) {
   requireFrame();
   return {.frame = frame_,
           .time_s = currentSince_s_,
-          .serial = current_->pass * std::max<std::uint64_t>(1, ahead_.stream().frames()) + frame_.number};
+          .serial = current_->pass * std::max<std::uint64_t>(1, ahead_.stream().frames()) + frame_.number,
+          .before = beforeSince_s_ ? &before_ : nullptr,
+          .lasts_s = lasts_s()};
 }
 
 void DepthPlayer::step() {

@@ -31,6 +31,11 @@ class DepthPlayer {
     const DepthFrame& frame;   ///< valid until the next call
     double time_s = 0;         ///< of the session, from which on it was the newest one
     std::uint64_t serial = 0;  ///< another one for another frame; of a recorded stream the same for the same frame
+    /// The one that was played before it, in the same pass of a recording; null where there is none. In
+    /// exact play always the one that comes before it in the recording.
+    const DepthFrame* before = nullptr;
+    /// Until the next one is due, as far as that is known: otherwise as long as since the one before.
+    double lasts_s = 0;
   };
   /// The newest frame that is due at a time of the session. Recorded: the last of those up to its place in the
   /// recording, or the first one that could be read where none was. Live: the last that has come. Waits for the first
@@ -52,6 +57,8 @@ class DepthPlayer {
   using Place = DepthReadAhead::Place;
   Place placeAt(double time_s) const;
   void takeNext(const Place& place);
+  void keepBefore();
+  double lasts_s();
   void playRecorded(double time_s);
   void playLive(double time_s);
   void requireFrame() const;
@@ -60,9 +67,10 @@ class DepthPlayer {
   DepthReadAhead ahead_;
   const double period_s_;  // of a loop
   PlaybackTime time_;
-  DepthFrame frame_;
+  DepthFrame frame_, before_;
   std::optional<Place> current_;  // that of frame_; none: there is none yet
   double currentSince_s_ = 0;
+  std::optional<double> beforeSince_s_;  // that before_ was due; none: it is of another pass, or there is none
   std::optional<double> liveOffset_s_;  // from the time of a live stream to the session's
 
   mutable std::mutex mutex_;  // of what follows

@@ -71,13 +71,15 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
 
 }  // namespace
 
-void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {
+void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points,
+                std::vector<std::uint32_t>* pixels) {
   requireWhole(camera, frame);
   points.positions.clear();
   points.normals.clear();
   points.velocities.clear();
   points.colors.clear();
   points.ids.clear();
+  if (pixels) pixels->clear();
   const DepthGrid grid(camera, frame);
   const CameraPose pose = frame.pose.value_or(CameraPose{});
   for (std::uint32_t row = 0; row < camera.height; ++row)
@@ -89,6 +91,7 @@ void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3&
       if (!normal || !isFinite(place)) continue;
       points.positions.push_back(place);
       points.normals.push_back(Vec3(pose.turn * *normal));
+      if (pixels) pixels->push_back(static_cast<std::uint32_t>(pixel));
       if (!frame.colors.empty()) points.colors.push_back(frame.colors[pixel]);
     }
 }

@@ -17,6 +17,9 @@ namespace palpate {
 ///
 /// Depths that are not positive or not finite were not measured. Throws Error for another number of them, or of
 /// colours, than the camera has pixels.
-void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points);
+///
+/// `pixels`, if any, says which pixel each point is of.
+void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points,
+                std::vector<std::uint32_t>* pixels = nullptr);
 
 }  // namespace palpate

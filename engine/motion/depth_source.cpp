@@ -1,22 +1,76 @@
 #include "engine/motion/depth_source.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <utility>
 
+#include "engine/core/clock.hpp"
 #include "engine/motion/depth_points.hpp"
 
 namespace palpate {
 
+namespace {
+
+// Frames that are farther apart show another world: nothing is known of what happened in between.
+constexpr double kLongestGap_s = 0.2;
+// From points on the host to points that are felt: 300,000 of them are copied and indexed within it.
+constexpr double kHandOver_s = 0.002;
+// Points that have arrived are made once more where no other frame comes for so long: for whoever sees or saves them.
+constexpr double kSettled_s = 0.1;
+
+}  // namespace
+
 DepthSource::DepthSource(std::shared_ptr<DepthStream> stream, const PlayOptions& options, const DVec3& origin,
                          std::optional<DepthFrame> first)
-    : player_(std::move(stream), options, std::move(first)), origin_(origin) {}
+    : player_(std::move(stream), options, std::move(first)), origin_(origin), isExact_(options.exact) {}
 
-void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
-  const DepthPlayer::Played played = player_.frameAt(time_s);
-  makePoints(player_.camera(), played.frame, origin_, frame);
-  frame.time_s = played.time_s;
-  made_ = played.serial;
+const DepthPlayer::Played& DepthSource::playedAt(double time_s) {
+  if (!played_ || isExact_ || asked_s_ != time_s) played_.emplace(player_.frameAt(time_s));
+  asked_s_ = time_s;
+  return *played_;
 }
 
-bool DepthSource::hasNewer(double time_s, double /*than_s*/) { return player_.frameAt(time_s).serial != made_; }
+DepthSource::Made DepthSource::wanted(const DepthPlayer::Played& played, double time_s) const {
+  const bool isNew = !made_ || made_->serial != played.serial;
+  const double setOut_s = isExact_ ? played.time_s : setOut_s_;
+  return {.serial = played.serial,
+          .isAtRest = (isExact_ || !isNew) && time_s >= setOut_s + played.lasts_s + kSettled_s};
+}
+
+void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
+  const Stopwatch watch;
+  const DepthPlayer::Played& played = playedAt(time_s);
+  makePoints(player_.camera(), played.frame, origin_, frame, &pixels_);
+  frame.time_s = played.time_s;
+  made_ = wanted(played, time_s);
+  if (made_->isAtRest)
+    blend_.begin(frame);
+  else
+    blend(played, time_s, time_s + watch.elapsed_us() * 1e-6 + kHandOver_s, frame);
+}
+
+void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame) {
+  const double between_s = played.before ? played.frame.time_s - played.before->time_s : 0;
+  const bool follows = between_s > 0 && between_s <= kLongestGap_s && played.lasts_s > 0;
+  if (!follows) {
+    setOut_s_ = played.time_s;
+    return blend_.begin(frame);
+  }
+  DepthBlend::Step step{.between_s = between_s, .goOn_s = played.lasts_s};
+  if (isExact_) {
+    // A recording says when the next frame is due: nothing is left of the way before. Points are made where they are now.
+    step.since_s = std::numeric_limits<double>::infinity();
+    step.gone_s = time_s - played.time_s;
+    frame.time_s = time_s;
+  } else {
+    // The surface sets out once it can be felt, so that it does not leap by as far as it is late.
+    frame.time_s = std::max(played.time_s, ready_s);
+    step.since_s = frame.time_s - setOut_s_;
+    setOut_s_ = frame.time_s;
+  }
+  blend_.follow(player_.camera(), *played.before, played.frame, origin_, pixels_, step, frame);
+}
+
+bool DepthSource::hasNewer(double time_s, double /*than_s*/) { return wanted(playedAt(time_s), time_s) != made_; }
 
 }  // namespace palpate

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "engine/motion/cloud_source.hpp"
+#include "engine/motion/depth_blend.hpp"
 #include "engine/motion/depth_player.hpp"
 
 namespace palpate {
 
 /// The newest frame of a depth stream is the cloud: points in metres, in the world of the stream's poses, or in the
-/// camera's axes where it has none (makePoints()). No point of one frame is one of the next.
+/// camera's axes where it has none (makePoints()). No point of one frame is one of the next; their surface goes from the
+/// one to the other until the next frame is due (DepthBlend).
 class DepthSource final : public CloudSource {
  public:
   /// `origin`: of the cloud, metres.
@@ -26,8 +28,24 @@ class DepthSource final : public CloudSource {
 
  private:
   DepthPlayer player_;
+  struct Made {
+    std::uint64_t serial = 0;
+    bool isAtRest = false;  // its points have come to where they were measured
+    bool operator==(const Made&) const = default;
+  };
+  const DepthPlayer::Played& playedAt(double time_s);
+  Made wanted(const DepthPlayer::Played& played, double time_s) const;
+  void blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame);
+
   DVec3 origin_;
-  std::optional<std::uint64_t> made_;  // serial of the frame that was made last
+  bool isExact_;
+  DepthBlend blend_;
+  std::vector<std::uint32_t> pixels_;  // of the points
+  // What the player has said last: hasNewer() and makeFrame() for one time are of one frame.
+  std::optional<DepthPlayer::Played> played_;
+  double asked_s_ = 0;
+  std::optional<Made> made_;  // last
+  double setOut_s_ = 0;       // when its points did
 };
 
 }  // namespace palpate

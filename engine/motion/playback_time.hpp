@@ -27,6 +27,7 @@ class PlaybackTime {
   /// While it is paused.
   void stepTo(double place_s) { begin_s_ = place_s; }
   bool isPaused() const { return isPaused_; }
+  double speed() const { return speed_; }
 
  private:
   void goTo(double place_s, double time_s) {

@@ -142,7 +142,7 @@ void CpuTouch::setContact(SurfaceKind surface, double friction, std::string_view
 }
 
 Contact CpuTouch::contactOf(ProxyTracker& tracker, const DVec3& hip, double now_s) const {
-  tracker.follow(*this, hip - origin_, now_s, frames_ ? frames_->frame().time_s : now_s);
+  tracker.follow(*this, hip - origin_, now_s, frames_ ? frames_->frame().time() : PointsTime{.true_s = now_s});
   const SurfaceSample& surface = tracker.surface();
   return {.proxy = tracker.touching() ? tracker.proxy() + origin_ : hip,
           .normal = surface.normal,

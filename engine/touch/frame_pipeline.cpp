@@ -51,13 +51,13 @@ void FramePipeline::record() {
 }
 
 void FramePipeline::submit(SortMethod sort) {
-  times_s_[back()] = writer_.time_s();
+  times_[back()] = {.true_s = writer_.time_s(), .goOn_s = writer_.goOn_s()};
   colored_[back()] = writer_.isColored();
   ticket_ = device_.latencyQueue().submit(*lists_[index_.parity()].at(sort));
 }
 
 void FramePipeline::hasArrived() {
-  exchange_.publish(index_.parity(), time_s(index_.parity()));
+  exchange_.publish(index_.parity(), pointsTime(index_.parity()).true_s);
   stage_ = Stage::idle;
 }
 
@@ -127,7 +127,7 @@ bool FramePipeline::take(CloudFrame& frame) {
 
 CloudFrame FramePipeline::front() const {
   return fetch(device_.latencyQueue(),
-               {.half = index_.cloud().front(), .time_s = time_s(index_.parity()), .colored = colored_[index_.parity()]});
+               {.half = index_.cloud().front(), .time_s = pointsTime(index_.parity()).true_s, .colored = colored_[index_.parity()]});
 }
 
 CloudFrame FramePipeline::fetch(Queue& queue, const Placed& placed) const {

@@ -32,9 +32,9 @@ class FramePipeline {
   /// Waits for the frame that is under way.
   void finish();
 
-  /// What the frame in each half of the live cloud is true for, and the velocities of its points: a vec4 for each id,
-  /// model units per second.
-  double time_s(std::uint32_t parity) const { return times_s_[parity]; }
+  /// The time of the frame in each half of the live cloud, and the velocities of its points: a vec4 for each id, model
+  /// units per second.
+  const PointsTime& pointsTime(std::uint32_t parity) const { return times_[parity]; }
   const Buffer& velocities(std::uint32_t parity) const { return velocities_[parity]; }
 
   /// A frame as it stands in the live cloud. Where it is coloured, the normals' fourth words have the colours: RGB, red in
@@ -72,7 +72,7 @@ class FramePipeline {
   FrameWriter& writer_;
   LiveIndex& index_;
   std::array<Buffer, 2> velocities_;  // by the half
-  std::array<double, 2> times_s_{};
+  std::array<PointsTime, 2> times_{};
   std::array<bool, 2> colored_{};
   LiveCloud::Half incoming_;  // in any order
   // By the half that is felt before; and the build alone.

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "engine/core/cloud_frame.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/spatial/live_cloud.hpp"
 
@@ -21,8 +22,10 @@ class FrameWriter {
   /// Records how it becomes the points `incoming`, in any order, and the velocities by id. `front`: the points so far.
   virtual void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
                       const Buffer& velocities) const = 0;
-  /// Of what was made last: the time that it is true for, and whether the normals' fourth words have colours.
+  /// Of what was made last: the time that it is true for, how long it goes on from there (PointsTime), and whether the
+  /// normals' fourth words have colours.
   virtual double time_s() const = 0;
+  virtual double goOn_s() const { return kMostPointsAge_s; }
   virtual bool isColored() const = 0;
 };
 

@@ -19,6 +19,7 @@ class HostFrames final : public FrameWriter {
   void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
   double time_s() const override { return frame_.time_s; }
+  double goOn_s() const override { return frame_.goOn_s; }
   bool isColored() const override { return !frame_.colors.empty(); }
 
  private:

@@ -32,13 +32,13 @@ void PatchBridge::record(std::uint32_t parity, const shared::CloudView& cloud) {
   list->end();
 }
 
-void PatchBridge::renew(const Pose& pose, std::uint32_t parity, double points_s) {
+void PatchBridge::renew(const Pose& pose, std::uint32_t parity, const PointsTime& points) {
   takeIn();
   const ProxyTracker::State state = contact_.state();
   const DVec3 place = state.touching ? state.proxy : pose.hip - origin_;
   if (underWay_ || !wanted(place)) return;
   pass_.aimAt(Vec3(place));
-  underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_, points_s};
+  underWay_ = Fetch{device_.latencyQueue().submit(*lists_[parity]), pose.time_s, edits_, points};
 }
 
 bool PatchBridge::wanted(const DVec3& place) const {
@@ -50,7 +50,7 @@ void PatchBridge::takeIn() {
   taken_ = std::exchange(underWay_, std::nullopt);
   const CarriedPatch patch = pass_.patch();
   // The first edit that it does not see came after it was asked for.
-  contact_.take(patch, taken_->edits == edits_ ? std::nullopt : std::optional(taken_->time_s), taken_->points_s);
+  contact_.take(patch, taken_->edits == edits_ ? std::nullopt : std::optional(taken_->time_s), taken_->points);
   thinnedPatches_ += patch.thinned;
 }
 

@@ -25,9 +25,8 @@ class PatchBridge {
   void record(std::uint32_t parity, const shared::CloudView& cloud);
 
   /// Asks for a patch at `pose`, unless the one that is there, or on its way, will do. After a question was submitted,
-  /// so that the host's part is done while the GPU works on that. `points_s`: the time that the points of that half are true
-  /// for, where they move.
-  void renew(const Pose& pose, std::uint32_t parity, double points_s);
+  /// so that the host's part is done while the GPU works on that. `points`: the time of those of that half, where they move.
+  void renew(const Pose& pose, std::uint32_t parity, const PointsTime& points);
   /// An edit was submitted at `time_s`.
   void edited(double time_s);
   /// The GPU's answer to `pose`, taken in at `now_s`, and the state that it left.
@@ -61,7 +60,7 @@ class PatchBridge {
     Queue::Ticket ticket = 0;
     double time_s = 0;        // of the pose that it was asked for
     std::uint64_t edits = 0;  // that it sees
-    double points_s = 0;      // that its points are true for, where they move
+    PointsTime points;        // where they move
   };
   void takeIn();
   bool wanted(const DVec3& place) const;

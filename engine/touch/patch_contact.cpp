@@ -14,7 +14,7 @@ PatchContact::PatchContact(const SurfaceOptions& surface, double friction, const
   near_.reserve(shared::kMostCarriedPoints);
 }
 
-void PatchContact::take(const CarriedPatch& patch, std::optional<double> missingSince_s, double points_s) {
+void PatchContact::take(const CarriedPatch& patch, std::optional<double> missingSince_s, const PointsTime& time) {
   const std::size_t count = std::min<std::size_t>(patch.points.size() / 2, shared::kMostCarriedPoints);
   points_.clear();
   for (std::size_t i = 0; i < count; ++i) {
@@ -24,7 +24,7 @@ void PatchContact::take(const CarriedPatch& patch, std::optional<double> missing
   centre_ = DVec3(patch.centre);
   reach_ = patch.reach;
   missingSince_s_ = missingSince_s;
-  points_s_ = points_s;
+  time_ = time;
   gathered_ = false;
 }
 
@@ -42,7 +42,7 @@ void PatchContact::goOnFrom(const Contact& contact, const Pose& pose, const Prox
 std::optional<Contact> PatchContact::follow(ProxyTracker& tracker, const Pose& pose) const noexcept {
   const ProxyTracker::State before = tracker.state();
   crossedBorder_ = false;
-  tracker.follow(*this, pose.hip - origin_, pose.time_s, points_s_);
+  tracker.follow(*this, pose.hip - origin_, pose.time_s, time_);
   const SurfaceSample& surface = tracker.surface();
   if (crossedBorder_ || !isFinite(tracker.proxy()) || !isFinite(surface.normal)) {
     tracker.goOnFrom(before);

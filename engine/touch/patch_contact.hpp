@@ -30,9 +30,9 @@ class PatchContact final : private SurfaceField {
   /// `origin`: of the cloud, in the poses' coordinates.
   PatchContact(const SurfaceOptions& surface, double friction, const DVec3& origin);
 
-  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on, and where points move of the time
-  /// `points_s`: from there on it goes with the velocity that was felt last.
-  void take(const CarriedPatch& patch, std::optional<double> missingSince_s, double points_s = 0);
+  /// Copies the patch, which is true of the cloud but for edits from `missingSince_s` on. Where points move it goes on with
+  /// the velocity that was felt last.
+  void take(const CarriedPatch& patch, std::optional<double> missingSince_s, const PointsTime& time = {});
   /// An edit that the patch knows nothing of began at `time_s`.
   void edited(double time_s);
   /// Whoever holds the cloud was there at `time_s`.
@@ -76,7 +76,7 @@ class PatchContact final : private SurfaceField {
   DVec3 centre_{0};
   double reach_ = 0;
   std::optional<double> missingSince_s_;
-  double points_s_ = 0;
+  PointsTime time_;  // of the points
   double heard_s_ = 0;
   Contact last_;  // that the state goes on from
   Pose lastPose_;

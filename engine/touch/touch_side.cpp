@@ -265,7 +265,7 @@ bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
 }
 
 PointsMotion TouchSide::motionSince(double last_s, double now_s) const {
-  return frames_ ? pointsMotion(now_s, frames_->time_s(index_.parity()), last_s) : PointsMotion{};
+  return frames_ ? pointsMotion(now_s, frames_->pointsTime(index_.parity()), last_s) : PointsMotion{};
 }
 
 void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
@@ -413,7 +413,7 @@ void TouchSide::closeTick() {
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
   if (realtime)
-    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_ ? frames_->time_s(index_.parity()) : 0);
+    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_ ? frames_->pointsTime(index_.parity()) : PointsTime{});
   if (!answered) return;
   editIfYielding(realtime);
   goOn(questions_.question().time_s, realtime);

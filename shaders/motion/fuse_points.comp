@@ -70,13 +70,9 @@ bool fusePoint(inout vec4 position, inout vec4 normal) {
 
 // Whether the slot has a point afterwards.
 bool fuseSlot(uint slot) {
-  vec4 position = args.positionsIn.at[slot];
-  vec4 normal = vec4(0);
-  bool stays = floatBitsToUint(position.w) != kEmptySlot;
-  if (stays) {
-    normal = args.normalsIn.at[slot];
-    stays = fusePoint(position, normal);
-  }
+  // Both at once, needed or not: one would wait for the other.
+  vec4 position = args.positionsIn.at[slot], normal = args.normalsIn.at[slot];
+  const bool stays = floatBitsToUint(position.w) != kEmptySlot && fusePoint(position, normal);
   args.positionsOut.at[slot] = stays ? position : vec4(0, 0, 0, uintBitsToFloat(kEmptySlot));
   args.normalsOut.at[slot] = stays ? normal : vec4(0);
   return stays;

@@ -253,7 +253,7 @@ TEST_CASE("no validation message while a model is touched, sculpted and meshed")
 2.5 screenshot %/last.png
 2.6 quit
 )",
-                           "--validate", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
+                           "--validate=core", [](const std::filesystem::path& folder) { makeSphere(folder, 1500); });
   CAPTURE(played->outcome.text);
   CHECK(played->outcome.code == 0);
   const auto mesh = played->state("mesh.json"), undone = played->state("undone.json");

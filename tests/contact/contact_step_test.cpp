@@ -162,7 +162,7 @@ TEST_CASE_FIXTURE(ContactFixture, "the averaged surface of a sphere lies where t
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (int i = 0; i < 50; ++i) {
-    const DVec3 direction = glm::normalize(DVec3(normal(random), normal(random), normal(random)));
+    const DVec3 direction = glm::normalize(DVec3{normal(random), normal(random), normal(random)});
     touch.query({.hip = 53.0 * direction}, 0);
     const Contact contact = touch.query({.hip = 49.0 * direction}, 0);
     REQUIRE(contact.touching);

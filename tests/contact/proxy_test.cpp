@@ -119,7 +119,7 @@ TEST_CASE("nothing is pushed through a plate, at up to 1 m/s and 3.3 N") {
     for (int push = 0; push < plate.pushes; ++push) {
       const double step = 0.525 + 0.475 * unit(random);  // mm in 1 ms
       const DVec3 aim(12 * unit(random), 12 * unit(random), 0);
-      const DVec3 heading = glm::normalize(DVec3(unit(random), unit(random), -0.6));
+      const DVec3 heading = glm::normalize(DVec3{unit(random), unit(random), -0.6});
       bool touched = false;
       for (double along = -(plate.radius + 1) / -heading.z; - heading.z * along < kDeepest; along += step) {
         const Contact contact = touch.query({.hip = aim + along * heading}, 0);
@@ -273,7 +273,7 @@ TEST_CASE("a hand that goes along with a surface has no way, however fast both a
   for (int i = 0; i < 20; ++i) {
     const double time_s = 1e-3 * i;
     plane.moveTo(time_s);
-    tracker.follow(plane, {0.1, 0, plane.height() + 0.3}, time_s, time_s);
+    tracker.follow(plane, {0.1, 0, plane.height() + 0.3}, time_s, {.true_s = time_s});
     CHECK_FALSE(tracker.touching());
     CHECK(plane.looks == 1);
   }
@@ -281,7 +281,7 @@ TEST_CASE("a hand that goes along with a surface has no way, however fast both a
   const double hip = plane.height() + 0.3;
   for (int i = 20; i < 24; ++i) {
     plane.moveTo(1e-3 * i);
-    tracker.follow(plane, {0.1, 0, hip}, 1e-3 * i, 1e-3 * i);
+    tracker.follow(plane, {0.1, 0, hip}, 1e-3 * i, {.true_s = 1e-3 * i});
     CHECK(tracker.touching());
     CHECK(tracker.proxy().z == doctest::Approx(plane.height()));
   }

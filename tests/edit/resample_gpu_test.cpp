@@ -69,7 +69,7 @@ TEST_CASE_FIXTURE(GpuFixture, "what is uneven as it was loaded stays so, however
   PointCloud cloud = sheetWith({});
   std::erase_if(cloud.positions, [](const Vec3& p) { return glm::distance(p, Vec3(3, 3, 0)) < 1.8f; });
   for (int k = 0; k < 300; ++k) {
-    const Vec3 p(place(random), place(random), 0);
+    const Vec3 p{place(random), place(random), 0};
     if (p.x > 9 && p.y > 9) cloud.positions.push_back(p);  // about fifteen times as dense
   }
   cloud.normals.assign(cloud.positions.size(), Vec3(0, 0, 1));

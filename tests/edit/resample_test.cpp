@@ -55,7 +55,7 @@ PointCloud densePatches(int side) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> place(0, static_cast<float>(side - 1));
   for (int k = 0; k < side * side * 16; ++k) {
-    const Vec3 p(place(random), place(random), 0);
+    const Vec3 p{place(random), place(random), 0};
     if (static_cast<int>(p.x) / 5 % 2 == 0 && static_cast<int>(p.y) / 5 % 2 == 0) cloud.positions.push_back(p);
   }
   cloud.normals.assign(cloud.positions.size(), Vec3(kUp));
@@ -335,7 +335,7 @@ TEST_CASE("what a ball has carved into ground that has no one surface settles") 
   std::uniform_real_distribution<float> height(-1.5f, 1.5f), tilt(-0.8f, 0.8f);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     cloud.positions[i].z = height(random);
-    cloud.normals[i] = glm::normalize(Vec3(tilt(random), tilt(random), 1));
+    cloud.normals[i] = glm::normalize(Vec3{tilt(random), tilt(random), 1});
   }
   const double radius = 4;
   CpuSculpture sculpture(cloud, makeHashGrid(Vec3(0), radius, cloud.size()), {.radius = radius});
@@ -364,7 +364,7 @@ TEST_CASE("what a ball has carved into ground that has no one surface settles") 
 TEST_CASE("half way over an edge, or between normals that disagree, nothing stands outside the ends' planes") {
   std::mt19937 random(8);
   std::normal_distribution<double> side;
-  const auto direction = [&] { return glm::normalize(DVec3(side(random), side(random), side(random))); };
+  const auto direction = [&] { return glm::normalize(DVec3{side(random), side(random), side(random)}); };
   for (int k = 0; k < 2000; ++k) {
     const DVec3 normal = direction(), other = direction();
     const Vec3 offset(direction()), place = shared::halfWay(offset, Vec3(normal), Vec3(other));

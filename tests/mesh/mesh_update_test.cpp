@@ -63,7 +63,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points that jump, go, come and come back are foll
     std::vector<PointState> edits;
     for (int k = 0; k < 30; ++k) {
       const auto number = static_cast<std::uint32_t>(random() % (3000 + kSpare));
-      PointState state{.position = Vec3(anywhere(random), anywhere(random), anywhere(random)),
+      PointState state{.position = Vec3{anywhere(random), anywhere(random), anywhere(random)},
                        .id = number,
                        .normal = Vec3(0, 1, 0)};
       after.positions[number] = state.position;

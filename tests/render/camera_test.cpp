@@ -17,7 +17,7 @@ PointCloud boxCloud(const Vec3& center, const Vec3& half, std::size_t count = 50
   std::uniform_real_distribution<float> unit(-1, 1);
   PointCloud cloud;
   for (std::size_t i = 0; i < count; ++i)
-    cloud.positions.push_back(center + half * Vec3(unit(random), unit(random), unit(random)));
+    cloud.positions.push_back(center + half * Vec3{unit(random), unit(random), unit(random)});
   return cloud;
 }
 

@@ -47,9 +47,9 @@ inline PointCloud strewnCloud(std::size_t count, const Vec3& center = Vec3(0), s
   std::uniform_real_distribution<float> unit(-1, 1);
   PointCloud cloud;
   while (cloud.size() < count) {
-    const Vec3 normal(unit(random), unit(random), unit(random));
+    const Vec3 normal{unit(random), unit(random), unit(random)};
     if (glm::length(normal) > 1 || glm::length(normal) < 0.1f) continue;
-    cloud.positions.push_back(center + Vec3(unit(random), unit(random), unit(random)));
+    cloud.positions.push_back(center + Vec3{unit(random), unit(random), unit(random)});
     cloud.normals.push_back(cloud.size() % 5 == 0 ? Vec3(0) : glm::normalize(normal));
   }
   return cloud;

@@ -193,14 +193,14 @@ TEST_CASE_FIXTURE(SplatRadiiFixture, "after edits every radius is that of a clou
     const Vec3 center = cloud.positions[random() % loaded];
     for (std::uint32_t id = 0; id < loaded; ++id) {
       if (!there[id] || glm::distance(cloud.positions[id], center) > 12) continue;
-      cloud.positions[id] += Vec3(share(random), share(random), share(random));
-      cloud.normals[id] = glm::normalize(cloud.normals[id] + 0.2f * Vec3(share(random), share(random), share(random)));
+      cloud.positions[id] += Vec3{share(random), share(random), share(random)};
+      cloud.normals[id] = glm::normalize(cloud.normals[id] + 0.2f * Vec3{share(random), share(random), share(random)});
       write(id, random() % 10 == 0);
     }
     for (std::uint32_t i = 0; i < 50; ++i) {
       const std::uint32_t id = loaded + 50 * static_cast<std::uint32_t>(tick) + i;
-      cloud.positions[id] = center + 8.0f * Vec3(share(random), share(random), share(random));
-      cloud.normals[id] = glm::normalize(Vec3(share(random), share(random), 2));
+      cloud.positions[id] = center + 8.0f * Vec3{share(random), share(random), share(random)};
+      cloud.normals[id] = glm::normalize(Vec3{share(random), share(random), 2});
       write(id, false);
     }
     upload(device, log.entriesBuffer(), ring);

@@ -1,6 +1,8 @@
 // Sessions with a model that moves, on the CPU, in virtual time.
 #include <doctest/doctest.h>
 
+#include <random>
+
 #include "engine/motion/moving_shape.hpp"
 #include "haptics/session/live_session.hpp"
 #include "tests/scratch_folder.hpp"
@@ -62,6 +64,38 @@ TEST_CASE("a hand at rest feels stiffness times the exact depth of a sphere that
   CHECK(wrong == 0);
   CHECK(std::sqrt(squares / forces) < 0.03);
   CHECK(session.sculpted().edited == 20'000);
+}
+
+TEST_CASE("whatever a hand does to a surface that moves, the port gives no more than a millijoule") {
+  const auto cpu = cpuBackend();
+  for (const MotionConfig& motion :
+       {MotionConfig{.amplitude_mm = 2, .frequency_Hz = 5}, MotionConfig{.amplitude_mm = 10, .frequency_Hz = 1},
+        MotionConfig{.kind = MotionKind::drift, .speed_mm_per_s = 20},
+        MotionConfig{.kind = MotionKind::turn, .frequency_Hz = 0.5}}) {
+    CAPTURE(motion.amplitude_mm);
+    for (const double friction : {0.0, 0.4}) {
+      SessionConfig config = moving(motion);
+      config.surface.friction = friction;
+      config.force.damping_N_s_per_mm = 0.002;
+      config.duration_s = 1;
+      Session session(config, sphereModel(), {.backend = *cpu, .threads = 1});
+      // To somewhere else on the sphere, up to 3 mm in it or out of it, every 20 ms.
+      std::mt19937 random(7);
+      std::uniform_real_distribution<double> aside(-0.06, 0.06), height(47, 53);
+      std::vector<PathKey> way;
+      for (int i = 0; i <= 50; ++i) {
+        const double x = aside(random), y = aside(random);
+        way.push_back({0.02 * i, height(random) * glm::normalize(DVec3(x, y, 1))});
+      }
+      const PathHand path{Path(std::move(way))};
+      OpenHand hand = path.hand();
+      hand.passivity = PassivityMode::observe;
+      const ServoResult result = session.run({&hand, 1}, {});
+      CHECK(summarize(result.trace()).contactTicks > 300);
+      REQUIRE(result.counts().leastEnergy_mJ);
+      CHECK(*result.counts().leastEnergy_mJ >= -1);
+    }
+  }
 }
 
 TEST_CASE("a motion without extent leaves the trace that none leaves, bit by bit") {

@@ -18,10 +18,18 @@ namespace {
 
 constexpr DepthCamera kCamera{.width = 40, .height = 30, .fx = 100, .fy = 100, .cx = 19.5, .cy = 14.5};
 constexpr double kRest_m = 0.5, kRate_Hz = 100, kDuration_s = 0.16, kHand_mm = 0.2;
+constexpr double kRounded_mm = 0.02;  // depths
 constexpr int kFrames = 16;
 
 /// How far a wall has come towards the camera in a frame.
 double nearer_mm(int frame) { return 1 - std::cos(2 * 3.14159265358979 * frame / kFrames); }
+
+/// And as it is felt, that many frames after the first one: it goes from frame to frame, one behind.
+double felt_mm(double place) {
+  const int frame = std::min(kFrames - 1, static_cast<int>(std::floor(place + 1e-9)));
+  if (frame == 0) return 0;
+  return nearer_mm(frame - 1) + std::min(1.0, place - frame) * (nearer_mm(frame) - nearer_mm(frame - 1));
+}
 
 std::vector<float> wall(double depth_m) {
   return std::vector<float>(std::size_t{kCamera.width} * kCamera.height, static_cast<float>(depth_m));
@@ -107,36 +115,38 @@ TEST_CASE("a world far from zero keeps its detail") {
 }
 
 TEST_CASE(
-    "a hand at rest feels stiffness times the depth of each frame in its time, and nothing once the wall is gone") {
+    "a hand at rest feels stiffness times the depth of a wall that goes from frame to frame, and nothing once it is gone") {
   const ScratchFolder folder;
   writeWall(folder.path());
   const auto cpu = cpuBackend();
   for (const double speed : {1.0, 2.0}) {
     SessionConfig config = playing(folder.path());
     config.stream->speed = speed;
+    config.duration_s = speed > 1 ? 2 * kDuration_s : kDuration_s;
     Session session(config, load(config), {.backend = *cpu, .threads = 1});
-    const ServoResult result = runAlone(session, atRest());
+    const ServoResult result = runAlone(session, atRest(config.duration_s));
     session.finish();
     double worst_N = 0;
     std::size_t pushed = 0, free = 0, wrong = 0;
     for (const TraceRow& row : result.trace().rows) {
       CHECK(row.valid);
-      const int frame = std::min(kFrames - 1, static_cast<int>(std::floor(speed * row.time_s * kRate_Hz + 1e-9)));
-      const double depth_mm = nearer_mm(frame) - kHand_mm, felt_N = glm::length(row.force_N);
+      const double depth_mm = felt_mm(speed * row.time_s * kRate_Hz) - kHand_mm, felt_N = glm::length(row.force_N);
       worst_N = std::max(worst_N, std::abs(felt_N - 0.5 * std::max(0.0, depth_mm)));
       pushed += felt_N > 0.1;
       free += depth_mm < 0;
-      wrong += depth_mm < 0 && felt_N != 0;
+      wrong += depth_mm < -kRounded_mm && felt_N != 0;
     }
     CHECK(pushed > 50);
     CHECK(free > 20);
     CHECK(wrong == 0);
-    CHECK(worst_N < 0.011);  // depth is rounded to fiftieths of a millimetre
+    CHECK(worst_N < 0.55 * kRounded_mm);
     const auto counts = session.playCounts();
     REQUIRE(counts.has_value());
     CHECK(counts->played == kFrames);
     CHECK(counts->lost == 0);
-    CHECK(session.sculpted().cloud.positions[7].z == doctest::Approx(kRest_m - 1e-3 * nearer_mm(15)).epsilon(1e-5));
+    // Points are where they set out, until no other frame has come for a while.
+    const int last = speed > 1 ? 15 : 14;
+    CHECK(session.sculpted().cloud.positions[7].z == doctest::Approx(kRest_m - 1e-3 * nearer_mm(last)).epsilon(1e-5));
   }
 }
 
@@ -164,8 +174,12 @@ TEST_CASE("a lost frame leaves the one before, and the session goes on") {
   Session session(config, load(config), {.backend = *cpu, .threads = 1});
   const ServoResult result = runAlone(session, atRest());
   const auto& rows = result.trace().rows;
-  for (std::size_t tick = 74; tick < 89; ++tick)
-    CHECK(glm::length(rows[tick].force_N) == doctest::Approx(0.5 * (nearer_mm(7) - kHand_mm)).epsilon(0.02));
+  // The next one is known to be due at 90 ms: until then the surface goes where frame 7 has it.
+  for (std::size_t tick = 74; tick < 89; ++tick) {
+    const double share = (static_cast<double>(tick) - 70) / 20;
+    const double depth_mm = nearer_mm(6) + share * (nearer_mm(7) - nearer_mm(6)) - kHand_mm;
+    CHECK(glm::length(rows[tick].force_N) == doctest::Approx(0.5 * depth_mm).epsilon(0.02));
+  }
   CHECK(session.playCounts()->lost == 1);
   CHECK(says(session.playCounts()->lastLoss, "0008.png: byte 200: ends within the picture"));
 }

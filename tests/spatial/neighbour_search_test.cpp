@@ -75,7 +75,7 @@ std::vector<Vec3> randomPositions(std::size_t count, const Vec3& center, float e
   std::mt19937 random(static_cast<std::uint32_t>(count));
   std::uniform_real_distribution<float> uniform(-extent, extent);
   std::vector<Vec3> positions(count);
-  for (auto& position : positions) position = center + Vec3(uniform(random), uniform(random), uniform(random));
+  for (auto& position : positions) position = center + Vec3{uniform(random), uniform(random), uniform(random)};
   return positions;
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("so it does after points have moved, again and again, and after anothe
       std::vector<PointMove> moves;
       for (std::uint32_t i = turn; i < positions.size(); i += 7) {
         moves.push_back({i, positions[i]});
-        positions[i] += Vec3(step(random), step(random), step(random));
+        positions[i] += Vec3{step(random), step(random), step(random)};
       }
       search->move(moves);
       checkFinds(*search, positions, centersFor(positions, 1.3), 1.3);

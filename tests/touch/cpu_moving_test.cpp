@@ -7,6 +7,7 @@
 
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/moving_scene.hpp"
+#include "tests/touch/stream_scene.hpp"
 
 namespace palpate {
 
@@ -15,6 +16,10 @@ namespace {
 std::unique_ptr<TouchBackend> makeCpu(const Scene& scene, CloudSource& source, double friction) {
   return std::make_unique<CpuTouch>(
       scene.cloud, CpuTouchOptions{.radius = scene.radius, .friction = friction, .threads = 1, .source = &source});
+}
+
+std::unique_ptr<TouchBackend> makeCpuOnStream(const PointCloud& first, CloudSource& source, double radius) {
+  return std::make_unique<CpuTouch>(first, CpuTouchOptions{.radius = radius, .threads = 1, .source = &source});
 }
 
 }  // namespace
@@ -171,6 +176,18 @@ TEST_CASE("an object that leaves is felt no more, from that tick on on the CPU")
 
 TEST_CASE("a frame with holes is felt as the points that it has on the CPU") {
   checkHoles(makeCpu);
+}
+
+TEST_CASE("a wall that steps by a millimetre before a depth camera is felt as a ramp on the CPU") {
+  checkStepIsRamp(makeCpuOnStream);
+}
+
+TEST_CASE("a wall that comes before a depth camera lets no stylus through on the CPU") {
+  checkComingWall(makeCpuOnStream);
+}
+
+TEST_CASE("a wall that leaves a depth camera's view is felt no more on the CPU") {
+  checkLeavingWall(makeCpuOnStream);
 }
 
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include "engine/touch/touch_side.hpp"
 #include "tests/gpu_fixture.hpp"
 #include "tests/touch/moving_scene.hpp"
+#include "tests/touch/stream_scene.hpp"
 
 namespace palpate {
 
@@ -203,7 +204,7 @@ TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one 
   CHECK(frame.positions == truth.positions);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "frames that are old are felt where the surface is by now") {
+TEST_CASE_FIXTURE(LargeGpuFixture, "frames that are old are felt where the surface is by now") {
   checkOldFrames([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
@@ -243,6 +244,15 @@ TEST_CASE_FIXTURE(GpuFixture, "a frame with holes is felt as the points that it 
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "a wall before a depth camera steps as a ramp, takes a stylus along, and leaves") {
+  const auto make = [this](const PointCloud& first, CloudSource& source, double radius) {
+    return std::make_unique<TouchSide>(device, first, TouchOptions{.radius = radius, .source = &source});
+  };
+  checkStepIsRamp(make);
+  checkComingWall(make);
+  checkLeavingWall(make);
 }
 
 }  // namespace palpate

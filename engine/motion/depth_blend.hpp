@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/core/cloud_frame.hpp"
+#include "engine/core/depth_stream.hpp"
+
+namespace palpate {
+
+/// Makes one surface that moves of depth frames without correspondence: a frame's points begin where the surface was seen
+/// last, and reach their own places when the next frame is due. So what is felt lags one frame behind, and does not jump.
+///
+/// A point is looked for in the frame before, by projection (no pixel of one frame is one of the next, but the surface is
+/// the same), and goes along its own normal: nothing is known of how it slid in its plane. Where the frame before saw
+/// nothing there, or another surface, the point stands in its place from the beginning.
+class DepthBlend {
+ public:
+  /// The times of two frames, one after the other.
+  struct Step {
+    double between_s = 0;  ///< of the camera's time, from one to the other
+    double since_s = 0;    ///< of the session's, since the points of the one before began to move
+    double goOn_s = 0;     ///< of the session's, that those of this one have for their way
+    double gone_s = 0;     ///< so much of that has passed
+  };
+  /// `points` are those of `frame`, as makePoints() gives them with their `pixels`, and get velocities and times to go.
+  /// `before`: of the same camera, the frame that was given the last time.
+  void follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,
+              const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points);
+  /// There is no frame before: `points` stand where they are.
+  void begin(CloudFrame& points);
+
+ private:
+  std::vector<Vec3> left_;    // by the pixels of the frame before: the way that its points still had; empty: none had any
+  std::vector<Vec3> ways_;    // likewise, of this frame: all of it
+  double waysGoOn_s_ = 0;
+};
+
+}  // namespace palpate

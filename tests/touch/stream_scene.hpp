@@ -1,0 +1,125 @@
+// A wall before a depth camera that steps, comes and goes from frame to frame, felt through its newest frame: for each
+// back end.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "engine/core/touch_backend.hpp"
+#include "engine/motion/depth_points.hpp"
+#include "engine/motion/depth_source.hpp"
+#include "tests/motion/depth_scene.hpp"
+
+namespace palpate {
+
+/// The camera stands at the origin and looks along z; 30 frames a second.
+class WallStream final : public DepthStream {
+ public:
+  static constexpr double kPeriod_s = 1.0 / 30;
+
+  /// `depths_m`: of the wall in each frame; 0: it is gone.
+  explicit WallStream(std::vector<double> depths_m) : depths_m_(std::move(depths_m)) {}
+
+  const DepthCamera& camera() const override { return camera_; }
+  bool next(DepthFrame& frame) override {
+    if (at_ == depths_m_.size()) return false;
+    frame = {.time_s = kPeriod_s * static_cast<double>(at_), .number = at_};
+    frame.depth_m.assign(std::size_t{camera_.width} * camera_.height, static_cast<float>(depths_m_[at_]));
+    ++at_;
+    return true;
+  }
+  bool isRecorded() const override { return true; }
+  void rewind() override { at_ = 0; }
+  std::uint64_t frames() const override { return depths_m_.size(); }
+  double duration_s() const override { return kPeriod_s * static_cast<double>(depths_m_.size() - 1); }
+
+ private:
+  DepthCamera camera_{.width = 80, .height = 60, .fx = 260, .fy = 260, .cx = 39.5, .cy = 29.5};
+  std::vector<double> depths_m_;
+  std::size_t at_ = 0;
+};
+
+/// Half a metre away: its pixels are 1.9 mm wide.
+constexpr double kWall_m = 0.5, kWallRadius_m = 0.008, kStreamTick_s = 1e-3;
+
+using MakeStreamTouch =
+    std::function<std::unique_ptr<TouchBackend>(const PointCloud& first, CloudSource& source, double radius)>;
+
+/// The answers to a stylus in virtual time that comes within 20 ms from 5 mm in front of the first wall, and stays at a
+/// depth.
+inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vector<double>& depths_m, double hip_m) {
+  DepthSource source(std::make_shared<WallStream>(depths_m), {});
+  CloudFrame first;
+  source.makeFrame(0, first);
+  PointCloud cloud;
+  placeAt(first, cloud);
+  const auto touch = make(cloud, source, kWallRadius_m);
+  std::vector<Contact> contacts;
+  const double end_s = WallStream::kPeriod_s * static_cast<double>(depths_m.size());
+  for (int i = 0; kStreamTick_s * i < end_s; ++i) {
+    const double way = std::min(1.0, 0.05 * i);
+    const DVec3 hip(0.001, -0.002, (1 - way) * (depths_m[0] - 0.005) + way * hip_m);
+    contacts.push_back(touch->query({.time_s = kStreamTick_s * i, .hip = hip}, 0));
+    touch->prepare();
+    CHECK(contacts.back().valid);
+  }
+  return contacts;
+}
+
+/// A step of a millimetre is felt as a ramp of one frame, which never turns round and never goes too far.
+inline void checkStepIsRamp(const MakeStreamTouch& make) {
+  constexpr double kStep_m = 0.001, kTiny_m = 2e-6;
+  for (const double sign : {1.0, -1.0}) {
+    CAPTURE(sign);
+    std::vector<double> depths_m(7, kWall_m);
+    std::fill(depths_m.begin() + 3, depths_m.end(), kWall_m + sign * kStep_m);
+    const auto contacts = feelWall(make, depths_m, kWall_m + 0.003);
+    const double from_s = 3 * WallStream::kPeriod_s, until_s = 4 * WallStream::kPeriod_s;
+    double last = kWall_m, steepest = 0;
+    for (std::size_t i = 30; i < contacts.size(); ++i) {
+      const double time_s = kStreamTick_s * static_cast<double>(i), place = contacts[i].proxy.z;
+      CHECK(contacts[i].touching);
+      CHECK(sign * (place - last) > -kTiny_m);
+      CHECK(sign * (place - kWall_m) < kStep_m + kTiny_m);
+      steepest = std::max(steepest, std::abs(place - last));
+      last = place;
+      if (time_s <= from_s) CHECK(std::abs(place - kWall_m) < kTiny_m);
+      if (time_s >= until_s) CHECK(std::abs(place - kWall_m - sign * kStep_m) < kTiny_m);
+    }
+    CHECK(steepest < 1.2 * kStep_m * kStreamTick_s / WallStream::kPeriod_s);
+  }
+}
+
+/// A wall that comes at half a metre a second takes the stylus along and never lets it through.
+inline void checkComingWall(const MakeStreamTouch& make) {
+  std::vector<double> depths_m;
+  for (int i = 0; i < 10; ++i) depths_m.push_back(kWall_m - 0.5 * WallStream::kPeriod_s * std::max(0, i - 2));
+  const double hip_m = kWall_m + 0.0005;
+  const auto contacts = feelWall(make, depths_m, hip_m);
+  for (std::size_t i = 30; i < contacts.size(); ++i) {
+    const double place_s = kStreamTick_s * static_cast<double>(i) - WallStream::kPeriod_s;  // a frame behind
+    const double truth = kWall_m - 0.5 * std::max(0.0, place_s - 2 * WallStream::kPeriod_s);
+    CHECK(contacts[i].touching);
+    CHECK(std::abs(contacts[i].proxy.z - truth) < 1e-4);
+    CHECK(contacts[i].normal.z < -0.99);
+  }
+}
+
+/// Once the wall is gone nothing is felt, from the first tick on.
+inline void checkLeavingWall(const MakeStreamTouch& make) {
+  std::vector<double> depths_m(6, kWall_m);
+  std::fill(depths_m.begin() + 3, depths_m.end(), 0.0);
+  const auto contacts = feelWall(make, depths_m, kWall_m + 0.002);
+  for (std::size_t i = 30; i < contacts.size(); ++i) {
+    const bool isThere = kStreamTick_s * static_cast<double>(i) < 3 * WallStream::kPeriod_s - 1e-9;
+    CHECK(contacts[i].touching == isThere);
+    if (!isThere) CHECK(contacts[i].proxy.z == doctest::Approx(kWall_m + 0.002));
+  }
+}
+
+}  // namespace palpate
