@@ -15,11 +15,18 @@ constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards t
 constexpr double kLeastWay = 0.01;   // in depths: what noise alone lets it move
 constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
 
-/// The depth that a frame saw on the ray through a place of its picture: between four pixels where those see one surface,
-/// else that of the nearest. 0: none.
+/// A place of a picture, no farther out than the middles of its outermost pixels; nothing beside the picture.
+std::optional<DVec2> placeWithin(const DepthCamera& camera, const DVec2& place) {
+  const DVec2 last(camera.width - 1, camera.height - 1);
+  if (!(place.x > -0.5 && place.y > -0.5 && place.x < last.x + 0.5 && place.y < last.y + 0.5)) return std::nullopt;
+  return glm::clamp(place, DVec2(0), last);
+}
+
+/// The depth that a frame saw on the ray through a place within its picture: between four pixels where those see one
+/// surface, else that of the nearest. 0: none.
 double depthAt(const DepthCamera& camera, const DepthFrame& frame, const DVec2& place) {
-  const double left = std::floor(place.x), top = std::floor(place.y);
-  if (!(left >= 0 && top >= 0 && left + 1 < camera.width && top + 1 < camera.height)) return 0;
+  const double left = std::min(std::floor(place.x), camera.width - 2.0);
+  const double top = std::min(std::floor(place.y), camera.height - 2.0);
   const std::size_t corner = static_cast<std::size_t>(top) * camera.width + static_cast<std::size_t>(left);
   const std::array<double, 4> depths{frame.depth_m[corner], frame.depth_m[corner + 1],
                                      frame.depth_m[corner + camera.width], frame.depth_m[corner + camera.width + 1]};
@@ -44,7 +51,9 @@ std::optional<Seen> seenBefore(const DepthCamera& camera, const DepthFrame& befo
                                const DVec3& place, double between_s) {
   const DVec3 inCamera = pose.toCamera(place);
   if (!(inCamera.z > 0)) return std::nullopt;
-  const DVec2 at = camera.pixelOf(inCamera);
+  const std::optional<DVec2> within = placeWithin(camera, camera.pixelOf(inCamera));
+  if (!within) return std::nullopt;
+  const DVec2 at = *within;
   const double depth = depthAt(camera, before, at);
   const double most = std::max(kLeastWay * inCamera.z, kFastest_m_s * between_s);
   if (!(depth > 0) || !(std::abs(depth - inCamera.z) <= most)) return std::nullopt;
