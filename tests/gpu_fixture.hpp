@@ -41,10 +41,10 @@ class GpuFixture {
   Device& device;
 };
 
-/// For cases with so much data, or so many ticks, that a software driver would take half a minute to search for each
-/// access: smaller cases of the same room run the same passes under GPU-assisted validation.
-struct LargeGpuFixture : GpuFixture {
-  LargeGpuFixture() : GpuFixture(coreValidatedDevice()) {}
+/// For cases with so much data, so many ticks or shaders of so many kinds that a software driver would take half a minute
+/// to search for each access: others of the same room run the same passes under GPU-assisted validation.
+struct CoreGpuFixture : GpuFixture {
+  CoreGpuFixture() : GpuFixture(coreValidatedDevice()) {}
 };
 
 }  // namespace palpate

@@ -204,35 +204,35 @@ TEST_CASE_FIXTURE(GpuFixture, "against the clock frames come between ticks, one 
   CHECK(frame.positions == truth.positions);
 }
 
-TEST_CASE_FIXTURE(LargeGpuFixture, "frames that are old are felt where the surface is by now") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "frames that are old are felt where the surface is by now") {
   checkOldFrames([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "where frames stop coming the surface stands still after a while") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "where frames stop coming the surface stands still after a while") {
   checkStoppedFrames([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a proxy is carried along by a surface that slides, and dragged by the relative way alone") {
   checkCarriedProxy([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a sheet that comes at half a metre per second lets no stylus through, from either face") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a sheet that comes at half a metre per second lets no stylus through, from either face") {
   checkFastSheet([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});
   });
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "an object that leaves is felt no more, from that tick on") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "an object that leaves is felt no more, from that tick on") {
   checkLeaving([this](const Scene& scene, CloudSource& source, double friction) {
     return std::make_unique<TouchSide>(device, scene.cloud,
                                        TouchOptions{.radius = scene.radius, .friction = friction, .source = &source});

@@ -49,7 +49,7 @@ Played play(TouchBackend& touch, const PointCloud& before, const std::vector<Pos
 
 }  // namespace
 
-TEST_CASE_FIXTURE(LargeGpuFixture, "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "every brush leaves on the GPU what it leaves on the CPU: a whole surface in one place") {
   const Scene scene = makeScene("sphere", 12'000);
   for (const auto& [name, kind] : kBrushKinds) {
     CAPTURE(name);
@@ -90,7 +90,7 @@ TEST_CASE_FIXTURE(GpuFixture,
   }
 }
 
-TEST_CASE_FIXTURE(LargeGpuFixture, "a brush larger than the model, and a stroke that takes every point, end well") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a brush larger than the model, and a stroke that takes every point, end well") {
   const Scene scene = makeScene("sphere", 3'000);
   for (const IndexFollow index : {IndexFollow::incremental, IndexFollow::rebuild}) {
     BrushOptions large = brush(BrushKind::carve);

@@ -89,7 +89,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
   }
 }
 
-TEST_CASE_FIXTURE(LargeGpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
   const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(
@@ -238,7 +238,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a cloud that is denser than a tick can look at is
   CHECK(usual.shortfalls().truncatedTicks == 0);
 }
 
-TEST_CASE_FIXTURE(LargeGpuFixture, "the memory that is predicted is the memory that is taken, within a twentieth") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "the memory that is predicted is the memory that is taken, within a twentieth") {
   for (const std::size_t points : {20'000u, 500'003u}) {
     CAPTURE(points);
     const Scene scene = makeScene("sphere", points);
