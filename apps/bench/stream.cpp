@@ -82,7 +82,7 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
   const LiveCloud::Half incoming{Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming positions"),
                                  Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming normals"), 0};
   FusionPass pass(device, camera, fusion, live.slots());
-  pass.reset(device.latencyQueue(), live.count());
+  pass.reset(device.latencyQueue(), map);
   std::deque<CommandList> lists, timed;
   for (int turn = 0; turn < 2; ++turn) {
     for (const auto timing : {CommandList::Timing::sections, CommandList::Timing::passes}) {

@@ -109,6 +109,7 @@ Again runAgain(Context& context, Recorded& recorded) {
                    .threads = context.threads(),
                    .journal = true,
                    .undo_bytes = undoBytes(config.undo),
+                   .log = &context.log(),
                    .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
   ReplayDevice device(record.ticks, recorded.session.limits);
   TickTap tap(session.backend(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });

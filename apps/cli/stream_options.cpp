@@ -33,9 +33,8 @@ void addStreamOptions(Options& command, StreamOptions& options) {
   command.addFlag("--loop", options.loop, "a recording begins again after its last frame");
   command
       .add("--fuse", options.fuse,
-           "on: the frames of a depth camera become one map, which is felt and seen while it grows; off: the newest "
-           "frame is "
-           "the cloud")
+           "on: the frames of a depth camera become one map, which is felt and seen while it grows, on the GPU with the "
+           "back end vulkan; off: the newest frame is the cloud")
       .check(oneOf({"on", "off"}))
       .showDefault();
   addDepthOptions(command, options);

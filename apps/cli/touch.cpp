@@ -170,6 +170,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
                    .threads = context.threads(),
                    .journal = keeps || !options.logFile.empty(),
                    .undo_bytes = undoBytes(config.undo),
+                   .log = &context.log(),
                    .follower = sightFor(context, options, sight)});
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),

@@ -63,6 +63,8 @@ class Queue {
   Queue(const Queue&) = delete;
   Queue& operator=(const Queue&) = delete;
 
+  /// Another way to the same queue of the driver, for another thread. Goes before the device.
+  std::unique_ptr<Queue> another() const { return std::make_unique<Queue>(device_, queue_, family_, policy_); }
   std::uint32_t family() const { return family_; }
   QueuePolicy policy() const { return policy_; }
   /// Waits first when too many submissions are in flight.

@@ -2,15 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "engine/core/cloud_frame.hpp"
-#include "engine/motion/play_counts.hpp"
 
 namespace palpate {
 
 struct PointCloud;
-class DepthPlayer;
 
 /// Points that move, frame by frame, made on the host. For one thread at a time, which need not be the same each time.
 class CloudSource {
@@ -27,11 +24,6 @@ class CloudSource {
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
   /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
   virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
-  /// What holds the frames of a depth camera and lets them go on, where it plays one; for the thread that asks for
-  /// frames. Null: nothing does.
-  virtual DepthPlayer* player() { return nullptr; }
-  /// What became of the frames of a depth camera, where it plays one. From any thread.
-  virtual std::optional<PlayCounts> playCounts() const { return std::nullopt; }
 };
 
 /// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that

@@ -20,14 +20,24 @@ double periodOf(const DepthStream& stream) {
   return stream.duration_s() * static_cast<double>(stream.frames()) / static_cast<double>(stream.frames() - 1);
 }
 
+/// Whether a frame comes after another one.
+bool isBehind(const DepthReadAhead::Place& place, const DepthReadAhead::Place& other) {
+  return place.pass != other.pass ? place.pass > other.pass : place.time_s > other.time_s;
+}
+
 }  // namespace
 
 DepthPlayer::DepthPlayer(std::shared_ptr<DepthStream> stream, const PlayOptions& options,
                          std::optional<DepthFrame> first)
     : options_(options),
-      ahead_(std::move(stream), options.loop, std::move(first)),
+      ahead_(std::move(stream), options.loop),
       period_s_(periodOf(ahead_.stream())),
-      time_(options.speed) {}
+      time_(options.speed) {
+  if (!first) return;
+  frame_ = std::move(*first);
+  current_ = Place{.pass = 0, .time_s = frame_.time_s};
+  played_ = 1;
+}
 
 // Where in a recording a time of the session is.
 DepthPlayer::Place DepthPlayer::placeAt(double time_s) const {
@@ -64,56 +74,86 @@ void DepthPlayer::requireFrame() const {
   throw Error("no frame of the depth stream could be read; the last one: {}", counts.lastLoss);
 }
 
-void DepthPlayer::playRecorded(double time_s) {
-  const Place due = placeAt(time_s);
-  const bool isBack = current_ && (current_->pass > due.pass ||
-                                   (current_->pass == due.pass && !current_->isFirst && current_->time_s > due.time_s));
-  const std::optional<Place> before = current_;
-  if (isBack || ahead_.pass() < due.pass) {
-    ahead_.restart(due.pass);
-    current_.reset();
-    beforeSince_s_.reset();
-  }
+bool DepthPlayer::isBackAt(const Place& due) const {
+  return current_ && (current_->pass > due.pass ||
+                      (current_->pass == due.pass && !current_->isFirst && current_->time_s > due.time_s));
+}
+
+// A pass begins with the first frame of it that could be read, however late that is.
+bool DepthPlayer::isDueAt(const Place& due, const Place& next) const {
+  if (!current_ || next.pass < due.pass) return true;
+  return next.pass == due.pass && (next.time_s <= due.time_s || current_->pass < due.pass);
+}
+
+void DepthPlayer::restart(std::uint64_t pass) {
+  ahead_.restart(pass);
+  current_.reset();
+  beforeSince_s_.reset();
+}
+
+std::uint64_t DepthPlayer::takeDue(const Place& due) {
   if (!options_.exact) ahead_.passOver(due.pass, due.time_s);
-  // A pass begins with the first frame of it that could be read, however late that is.
-  const auto isDue = [&](const Place& next) {
-    if (!current_ || next.pass < due.pass) return true;
-    return next.pass == due.pass && (next.time_s <= due.time_s || current_->pass < due.pass);
-  };
   std::uint64_t taken = 0;
   while (const auto next = ahead_.peek(options_.exact || !current_)) {
-    if (!isDue(*next)) break;
+    if (!isDueAt(due, *next)) break;
     // Against the clock what was played is the one before, and not what was due in between.
     if (options_.exact || taken == 0) keepBefore();
     if (current_ && next->pass != current_->pass) beforeSince_s_.reset();
     takeNext(*next);
     ++taken;
+    if (options_.exact) break;
   }
-  if (!current_) current_ = before;  // what could be read once cannot be now
-  const std::scoped_lock lock(mutex_);
-  asked_s_ = time_s;
-  played_ += taken > 0;
-  if (!options_.exact && taken > 1) dropped_ += taken - 1;
+  return taken;
 }
 
-void DepthPlayer::playLive(double time_s) {
+void DepthPlayer::playRecorded(double time_s) {
+  const Place due = placeAt(time_s);
+  const std::optional<Place> before = current_;
+  if (isBackAt(due) || ahead_.pass() < due.pass) {
+    restart(due.pass);
+    begin_.reset();
+  }
   std::uint64_t taken = 0;
+  while (const std::uint64_t more = takeDue(due)) {
+    taken += more;
+    if (!options_.exact) break;
+  }
+  if (!current_) current_ = before;  // what could be read once cannot be now
+  count(time_s, options_.exact ? std::min<std::uint64_t>(taken, 1) : taken);
+}
+
+std::uint64_t DepthPlayer::takeLive(double time_s) {
+  std::uint64_t taken = 0;
+  const bool begins = !liveOffset_s_;
+  if (begins && current_) liveOffset_s_ = time_s - frame_.time_s;
   while (!(isPaused() && current_) && ahead_.peek(!current_)) {
     if (taken == 0) keepBefore();
     ahead_.take(frame_, true);
     current_ = Place{.pass = 0, .time_s = frame_.time_s};
     ++taken;
   }
-  if (taken > 0) {
-    if (!liveOffset_s_) liveOffset_s_ = time_s - frame_.time_s;
-    currentSince_s_ = std::min(time_s, frame_.time_s + *liveOffset_s_);
-  }
+  if (taken > 0 && !liveOffset_s_) liveOffset_s_ = time_s - frame_.time_s;
+  if (liveOffset_s_ && (taken > 0 || begins)) currentSince_s_ = std::min(time_s, frame_.time_s + *liveOffset_s_);
+  if (!begins && taken == 0) return 0;
+  const std::scoped_lock lock(mutex_);
+  lastCame_s_ = time_s;
+  return taken;
+}
+
+void DepthPlayer::playLive(double time_s) { count(time_s, takeLive(time_s)); }
+
+void DepthPlayer::count(double time_s, std::uint64_t taken) {
   const std::scoped_lock lock(mutex_);
   asked_s_ = time_s;
   if (taken == 0) return;
-  lastCame_s_ = time_s;
   ++played_;
   dropped_ += taken - 1;
+}
+
+DepthPlayer::Played DepthPlayer::present() const {
+  return {.frame = frame_,
+          .time_s = currentSince_s_,
+          .serial = current_->pass * std::max<std::uint64_t>(1, ahead_.stream().frames()) + frame_.number};
 }
 
 DepthPlayer::Played DepthPlayer::frameAt(double time_s) {
@@ -122,11 +162,69 @@ DepthPlayer::Played DepthPlayer::frameAt(double time_s) {
   else
     playLive(time_s);
   requireFrame();
-  return {.frame = frame_,
-          .time_s = currentSince_s_,
-          .serial = current_->pass * std::max<std::uint64_t>(1, ahead_.stream().frames()) + frame_.number,
-          .before = beforeSince_s_ ? &before_ : nullptr,
-          .lasts_s = lasts_s()};
+  Played played = present();
+  if (beforeSince_s_) played.before = &before_;
+  played.lasts_s = lasts_s();
+  return played;
+}
+
+std::optional<DepthPlayer::Played> DepthPlayer::nextDue(double time_s) {
+  rewindFor(time_s);
+  const std::uint64_t taken = ahead_.stream().isRecorded() ? takeDue(placeAt(time_s)) : takeLive(time_s);
+  count(time_s, taken);
+  if (taken == 0) return std::nullopt;
+  return present();
+}
+
+bool DepthPlayer::rewindFor(double time_s) {
+  if (!ahead_.stream().isRecorded() || !isBackAt(placeAt(time_s))) return false;
+  if (begin_ && !isBehind(*current_, *begin_)) return false;
+  if (begin_)
+    goBehind(*begin_);
+  else
+    restart(0);
+  return true;
+}
+
+void DepthPlayer::goBehind(const Place& place) {
+  restart(place.pass);
+  while (const auto next = ahead_.peek(true)) {
+    if (isBehind(*next, place)) break;
+    takeNext(*next);
+  }
+  current_ = place;
+}
+
+void DepthPlayer::beginBehind(const Place& place) {
+  goBehind(place);
+  begin_ = place;
+  const std::scoped_lock lock(mutex_);
+  ++played_;
+}
+
+void DepthPlayer::leaveOut(const std::string& why) {
+  const std::scoped_lock lock(mutex_);
+  --played_;
+  ++leftOut_;
+  lastLeftOut_ = why;
+}
+
+DepthPlayer::Losses DepthPlayer::takeLosses() {
+  const DepthReadAhead::Counts read = ahead_.counts();
+  const std::uint64_t before = std::exchange(lossesTaken_, read.lost);
+  return {.frames = read.lost - before, .why = read.lastLoss};
+}
+
+void DepthPlayer::play(double time_s) {
+  time_.play(time_s);
+  // A session that goes on with it may count its time from another moment.
+  const std::scoped_lock lock(mutex_);
+  lastCame_s_ = std::min(lastCame_s_, time_s);
+}
+
+void DepthPlayer::hold(double time_s) {
+  pause(time_s);
+  if (current_) time_.stepTo(static_cast<double>(current_->pass) * period_s_ + current_->time_s);
 }
 
 void DepthPlayer::step() {
@@ -138,9 +236,9 @@ PlayCounts DepthPlayer::counts() const {
   const DepthReadAhead::Counts read = ahead_.counts();
   const std::scoped_lock lock(mutex_);
   PlayCounts counts{.played = played_,
-                    .lost = read.lost,
+                    .lost = read.lost + leftOut_,
                     .dropped = read.dropped + dropped_,
-                    .lastLoss = read.lastLoss,
+                    .lastLoss = lastLeftOut_.empty() ? read.lastLoss : lastLeftOut_,
                     .silentSince_s = {}};
   const bool isLive = !ahead_.stream().isRecorded();
   if (isLive && (read.ended || asked_s_ - lastCame_s_ > kSilent_s)) counts.silentSince_s = lastCame_s_;

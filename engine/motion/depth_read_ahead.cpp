@@ -13,11 +13,8 @@ constexpr std::size_t kQueue = 4;  // frames: a disk that hesitates for a tenth 
 
 }  // namespace
 
-DepthReadAhead::DepthReadAhead(std::shared_ptr<DepthStream> stream, bool loops, std::optional<DepthFrame> first)
-    : stream_(std::move(stream)), isRecorded_(stream_->isRecorded()), loops_(loops && isRecorded_) {
-  if (first) keep(std::move(*first));
-  thread_ = std::jthread([this] { serve(); });
-}
+DepthReadAhead::DepthReadAhead(std::shared_ptr<DepthStream> stream, bool loops)
+    : stream_(std::move(stream)), isRecorded_(stream_->isRecorded()), loops_(loops && isRecorded_) {}
 
 DepthReadAhead::~DepthReadAhead() {
   {
@@ -96,6 +93,7 @@ void DepthReadAhead::endPass() {
 }
 
 bool DepthReadAhead::waitForFrame(Lock& lock, bool waits) {
+  if (!thread_.joinable()) thread_ = std::jthread([this] { serve(); });
   if (waits) changed_.wait(lock, [&] { return !queue_.empty() || (counts_.ended && !restarts_); });
   return !queue_.empty();
 }

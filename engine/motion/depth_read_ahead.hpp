@@ -14,12 +14,11 @@
 namespace palpate {
 
 /// Reads some frames of a depth stream ahead, on a thread of its own. A recorded stream waits for whoever takes them;
-/// of a live one the oldest is dropped for the newest.
+/// of a live one the oldest is dropped for the newest. It begins when the first frame is asked for.
 class DepthReadAhead {
  public:
-  /// `loops`: after the last frame of a recorded stream the first one comes again. `first`: a frame that was taken from
-  /// a live stream before.
-  DepthReadAhead(std::shared_ptr<DepthStream> stream, bool loops, std::optional<DepthFrame> first = {});
+  /// `loops`: after the last frame of a recorded stream the first one comes again.
+  DepthReadAhead(std::shared_ptr<DepthStream> stream, bool loops);
   /// Stops the stream.
   ~DepthReadAhead();
   DepthReadAhead(const DepthReadAhead&) = delete;

@@ -20,12 +20,14 @@ constexpr double kSettled_s = 0.1;
 
 }  // namespace
 
-DepthSource::DepthSource(std::shared_ptr<DepthStream> stream, const PlayOptions& options, const DVec3& origin,
-                         std::optional<DepthFrame> first)
-    : player_(std::move(stream), options, std::move(first)), origin_(origin), isExact_(options.exact) {}
+DepthSource::DepthSource(std::shared_ptr<PlayedStream> stream, const DVec3& origin)
+    : stream_(std::move(stream)), origin_(origin), isExact_(stream_->player->isExact()) {
+  const DepthCamera& camera = stream_->player->camera();
+  size_ = std::size_t{camera.width} * camera.height;
+}
 
 const DepthPlayer::Played& DepthSource::playedAt(double time_s) {
-  if (!played_ || isExact_ || asked_s_ != time_s) played_.emplace(player_.frameAt(time_s));
+  if (!played_ || isExact_ || asked_s_ != time_s) played_.emplace(stream_->player->frameAt(time_s));
   asked_s_ = time_s;
   return *played_;
 }
@@ -38,9 +40,10 @@ DepthSource::Made DepthSource::wanted(const DepthPlayer::Played& played, double 
 }
 
 void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
+  if (!stream_->player) return;
   const Stopwatch watch;
   const DepthPlayer::Played& played = playedAt(time_s);
-  makePoints(player_.camera(), played.frame, origin_, frame, &pixels_);
+  makePoints(stream_->player->camera(), played.frame, origin_, frame, &pixels_);
   frame.time_s = played.time_s;
   made_ = wanted(played, time_s);
   if (made_->isAtRest)
@@ -68,9 +71,11 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
     step.since_s = frame.time_s - setOut_s_;
     setOut_s_ = frame.time_s;
   }
-  blend_.follow(player_.camera(), *played.before, played.frame, origin_, pixels_, step, frame);
+  blend_.follow(stream_->player->camera(), *played.before, played.frame, origin_, pixels_, step, frame);
 }
 
-bool DepthSource::hasNewer(double time_s, double /*than_s*/) { return wanted(playedAt(time_s), time_s) != made_; }
+bool DepthSource::hasNewer(double time_s, double /*than_s*/) {
+  return stream_->player && wanted(playedAt(time_s), time_s) != made_;
+}
 
 }  // namespace palpate

@@ -2,32 +2,27 @@
 
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/depth_blend.hpp"
-#include "engine/motion/depth_player.hpp"
+#include "engine/motion/fused_stream.hpp"
 
 namespace palpate {
 
 /// The newest frame of a depth stream is the cloud: points in metres, in the world of the stream's poses, or in the
 /// camera's axes where it has none (makePoints()). No point of one frame is one of the next; their surface goes from the
-/// one to the other until the next frame is due (DepthBlend).
+/// one to the other until the next frame is due (DepthBlend). Where the stream is taken from it, the last frame stays.
 class DepthSource final : public CloudSource {
  public:
   /// `origin`: of the cloud, metres.
-  DepthSource(std::shared_ptr<DepthStream> stream, const PlayOptions& options, const DVec3& origin = DVec3(0),
-              std::optional<DepthFrame> first = {});
+  explicit DepthSource(std::shared_ptr<PlayedStream> stream, const DVec3& origin = DVec3(0));
 
   /// As many as the camera has pixels.
-  std::size_t size() const override { return std::size_t{player_.camera().width} * player_.camera().height; }
+  std::size_t size() const override { return size_; }
   bool keepsPoints() const override { return false; }
   /// Throws Error where no frame of the stream can be read. A time of a recorded stream that is played exactly has the
   /// same points, whatever was asked for before.
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  DepthPlayer* player() override { return &player_; }
-  std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
-
  private:
-  DepthPlayer player_;
   struct Made {
     std::uint64_t serial = 0;
     bool isAtRest = false;  // its points have come to where they were measured
@@ -37,6 +32,8 @@ class DepthSource final : public CloudSource {
   Made wanted(const DepthPlayer::Played& played, double time_s) const;
   void blend(const DepthPlayer::Played& played, double time_s, double ready_s, CloudFrame& frame);
 
+  std::shared_ptr<PlayedStream> stream_;
+  std::size_t size_;
   DVec3 origin_;
   bool isExact_;
   DepthBlend blend_;

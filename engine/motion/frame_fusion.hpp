@@ -1,8 +1,7 @@
 #pragma once
 
-#include "engine/core/log.hpp"
+#include "engine/motion/frame_intake.hpp"
 #include "engine/motion/map_pairs.hpp"
-#include "engine/motion/pose_tracker.hpp"
 
 namespace palpate {
 
@@ -27,31 +26,28 @@ struct FrameOutcome {
 class FrameFusion {
  public:
   /// Throws as FusionOptions::validate(). `log`, if any, must outlive it.
-  explicit FrameFusion(const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr);
+  explicit FrameFusion(const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr)
+      : map_(options), intake_(options, icp, log) {}
 
   /// Throws nothing for a frame that is wrong: that is an outcome.
   const FrameOutcome& fuse(const DepthCamera& camera, const DepthFrame& frame);
   /// For a frame that its stream could not give.
-  void countLost(std::string_view why);
-  /// From the beginning.
-  void clear();
+  void countLost(std::string_view why, std::uint64_t frames = 1) { intake_.countLost(why, frames); }
+  /// Anew, with the points of a cloud (SurfelMap::begin()), of which the last frame was seen from there.
+  void begin(const PointCloud& cloud, const std::optional<CameraPose>& seenFrom);
 
   const SurfelMap& map() const { return map_; }
-  std::uint64_t fused() const { return fused_; }
-  std::uint64_t unplaced() const { return unplaced_; }
+  std::uint64_t fused() const { return intake_.fused(); }
+  std::uint64_t unplaced() const { return intake_.unplaced(); }
   /// Frames that were refused, or could not be read.
-  std::uint64_t lost() const { return lost_; }
+  std::uint64_t lost() const { return intake_.lost(); }
 
  private:
-  void leaveOut(FrameFate fate, std::uint64_t number, std::string why);
+  const FrameOutcome& leftOut(FrameFate fate);
 
-  Log* log_;
   SurfelMap map_;
-  FrameImages images_;
+  FrameIntake intake_;
   std::vector<shared::PixelSurface> surfaces_;
-  PoseTracker tracker_;
-  std::uint64_t fused_ = 0, unplaced_ = 0, lost_ = 0;
-  bool saidFull_ = false;
   FrameOutcome outcome_;
 };
 

@@ -2,47 +2,50 @@
 
 #include <utility>
 
-#include "engine/core/error.hpp"
-
 namespace palpate {
 
-FusedSource::FusedSource(std::shared_ptr<DepthStream> stream, const FusionOptions& options, const IcpOptions& icp, Log* log)
-    : stream_(std::move(stream)), fusion_(options, icp, log) {}
-
-bool FusedSource::readNext() {
-  while (!hasNext_ && !ended_) {
-    try {
-      hasNext_ = stream_->next(next_);
-      ended_ = !hasNext_;
-    } catch (const Error& error) {
-      fusion_.countLost(error.what());
-    }
-  }
-  return hasNext_;
+FusedSource::FusedSource(FusedStream frames)
+    : frames_(std::move(frames)),
+      begunFrom_(frames_.stream->seenFrom),
+      fusion_(frames_.options, frames_.icp, frames_.log) {
+  begin();
 }
 
-void FusedSource::fuseNext() {
-  hasNext_ = false;
-  fusion_.fuse(stream_->camera(), next_);
-  time_s_ = next_.time_s;
-}
-
-void FusedSource::rewind() {
-  stream_->rewind();
-  fusion_.clear();
-  hasNext_ = ended_ = false;
+void FusedSource::begin() {
+  fusion_.begin(frames_.begin ? *frames_.begin : PointCloud(), begunFrom_);
+  frames_.stream->seenFrom = begunFrom_;
   time_s_ = 0;
+  ++changes_;
 }
 
-bool FusedSource::hasNewer(double time_s, double than_s) {
-  return time_s < than_s || (readNext() && next_.time_s <= time_s);
+void FusedSource::fuseDue(double time_s) {
+  PlayedStream& stream = *frames_.stream;
+  if (!stream.player) return;
+  if (stream.player->rewindFor(time_s)) begin();
+  while (const auto played = stream.player->nextDue(time_s)) {
+    const FrameOutcome& outcome = fusion_.fuse(stream.player->camera(), played->frame);
+    if (outcome.fate != FrameFate::fused) {
+      stream.player->leaveOut(outcome.why);
+      continue;
+    }
+    stream.seenFrom = outcome.pose;
+    time_s_ = played->time_s;
+    ++changes_;
+  }
+  const DepthPlayer::Losses losses = stream.player->takeLosses();
+  fusion_.countLost(losses.why, losses.frames);
+}
+
+bool FusedSource::hasNewer(double time_s, double /*than_s*/) {
+  fuseDue(time_s);
+  return changes_ != shown_;
 }
 
 void FusedSource::makeFrame(double time_s, CloudFrame& frame) {
-  if (time_s < time_s_) rewind();
-  while (readNext() && next_.time_s <= time_s) fuseNext();
+  fuseDue(time_s);
   fusion_.map().show(frame);
   frame.time_s = time_s_;
+  shown_ = changes_;
 }
 
 }  // namespace palpate

@@ -2,38 +2,36 @@
 
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/frame_fusion.hpp"
+#include "engine/motion/fused_stream.hpp"
 
 namespace palpate {
 
-/// The map that the frames of a recorded depth stream fuse into, as it was at a time: points in metres, relative to the map's
-/// origin.
+/// The map that the frames of a depth stream fuse into on the host, as it is at a time: points in metres, relative to the
+/// map's origin. A stream that is taken from it leaves the map as it is.
 class FusedSource final : public CloudSource {
  public:
-  /// `log`, if any, must outlive it. Throws as FusionOptions::validate().
-  FusedSource(std::shared_ptr<DepthStream> stream, const FusionOptions& options, const IcpOptions& icp = {}, Log* log = nullptr);
+  /// Throws as FusionOptions::validate() and SurfelMap::begin().
+  explicit FusedSource(FusedStream frames);
 
   std::size_t size() const override { return fusion_.map().options().capacity; }
   bool keepsPoints() const override { return true; }
-  /// All frames up to that time are fused, from the first one on where time has gone back. A frame that cannot be read, placed or fused is counted, and the map stays as it was.
+  /// All frames that are due by then and that the stream's player hands out are fused. Where those are all there are
+  /// (PlayOptions::exact), the same time has the same map: where it has gone back, the map begins anew. A frame that
+  /// cannot be placed or fused is said, counts as lost, and leaves the map as it was.
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
 
-  /// Frames that were fused count as played, and those that could not be placed as lost.
-  std::optional<PlayCounts> playCounts() const override {
-    return PlayCounts{.played = fusion_.fused(), .lost = fusion_.lost() + fusion_.unplaced()};
-  }
   const FrameFusion& fusion() const { return fusion_; }
 
  private:
-  bool readNext();
-  void fuseNext();
-  void rewind();
+  void begin();
+  void fuseDue(double time_s);
 
-  std::shared_ptr<DepthStream> stream_;
+  FusedStream frames_;
+  std::optional<CameraPose> begunFrom_;  // from where the last frame of the map that it begins with was seen
   FrameFusion fusion_;
-  DepthFrame next_;  // that was read and not fused, where `hasNext_`
-  bool hasNext_ = false, ended_ = false;
-  double time_s_ = 0;  // of the frame that was fused last
+  double time_s_ = 0;                        // of the frame that was fused last
+  std::uint64_t changes_ = 0, shown_ = ~0ull;  // of the map; and how many there were when it was shown
 };
 
 }  // namespace palpate

@@ -59,6 +59,14 @@ void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionO
   }
 }
 
+shared::SurfelRecord givenRecord(const FusionOptions& options, std::uint32_t color) {
+  const float deviation = shared::depthDeviation(sensorOf({}, options).noise, 1.0f);
+  return {.weight = static_cast<float>(shared::kStableCount) / (deviation * deviation),
+          .seen = 0,
+          .counts = shared::kStableCount,
+          .color = color == 0 ? 0u : color | 0xff000000u};
+}
+
 shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& options) {
   return {.camera = {.fx = static_cast<float>(camera.fx),
                      .fy = static_cast<float>(camera.fy),

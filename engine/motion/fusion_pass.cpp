@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
@@ -81,19 +82,13 @@ FusionPass::FusionPass(Device& device, const DepthCamera& camera, const FusionOp
 std::uint32_t FusionPass::pixelWords() const { return wordsFor(pixels()); }
 std::uint32_t FusionPass::slotWords() const { return wordsFor(slots_); }
 
-void FusionPass::reset(Queue& queue, std::uint32_t points) {
-  PALPATE_CHECK(points <= slots_);
+void FusionPass::reset(Queue& queue, const PointCloud& given) {
+  PALPATE_CHECK_LE(given.size(), options_.capacity);
   std::vector<std::uint32_t> ids(slotWords(), 0);
-  for (std::size_t id = points; id < options_.capacity; ++id) ids[id / kMaskBits] |= 1u << id % kMaskBits;
+  for (std::size_t id = given.size(); id < options_.capacity; ++id) ids[id / kMaskBits] |= 1u << id % kMaskBits;
   upload(device_, queue, free_.ids, ids);
-  // As if each had been measured so often from 1 m.
-  const float deviation = shared::depthDeviation(sensorOf(camera_, options_).noise, 1.0f);
   std::vector<shared::SurfelRecord> records(slots_);
-  std::fill_n(records.begin(), points,
-              shared::SurfelRecord{.weight = static_cast<float>(shared::kStableCount) / (deviation * deviation),
-                                   .seen = 0,
-                                   .counts = shared::kStableCount,
-                                   .color = 0});
+  for (std::size_t id = 0; id < given.size(); ++id) records[id] = givenRecord(options_, packedColor(given, id));
   upload(device_, queue, records_, records);
 }
 

@@ -19,9 +19,9 @@ class FusionPass {
   /// requireCamera(), and OutOfGpuMemory.
   FusionPass(Device& device, const DepthCamera& camera, const FusionOptions& options, std::uint32_t slots);
 
-  /// Before the first frame, and to begin again: ids below `points` are those of a cloud that is there, and count as
-  /// measured often enough; the others are free. Waits.
-  void reset(Queue& queue, std::uint32_t points);
+  /// Before the first frame, and to begin anew: the first ids are those of a cloud that is there, whose points count as
+  /// measured often enough, with their colours; the others are free. Waits.
+  void reset(Queue& queue, const PointCloud& given);
   /// What the next run of a recorded list fuses: a frame of this camera, as readFrame() gives it, seen from `pose` in
   /// the world, into a map of that origin. Not while such a list is running. Throws as requirePose().
   void put(const FrameImages& images, const CameraPose& pose, const DVec3& origin);

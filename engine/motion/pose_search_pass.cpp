@@ -55,11 +55,12 @@ PoseSearchPass::PoseSearchPass(Device& device, Queue& queue, FusionPass& fusion,
       frontNormals_(byPixel(device, fusion.camera(), sizeof(Vec4), "icp normals")),
       sums_(Buffer::of<float>(device, std::uint64_t{groupsFor(fusion.camera(), 1)} * shared::kIcpSums, Memory::readback,
                               "icp sums")) {
-  for (std::uint32_t half = 0; half < 2; ++half) recordFront(half);
 }
 
-void PoseSearchPass::recordFront(std::uint32_t half) {
+// Recorded when they are needed: by then there is urgent work, which long dispatches give way to.
+const CommandList& PoseSearchPass::frontOf(std::uint32_t half) {
   auto& list = fronts_[half];
+  if (list) return *list;
   list = std::make_unique<CommandList>(device_, queue_, "icp front");
   list->begin();
   {
@@ -82,6 +83,7 @@ void PoseSearchPass::recordFront(std::uint32_t half) {
                                         .slots = cloud_.slots(),
                                         .turn = turn});
   list->end();
+  return *list;
 }
 
 const CommandList& PoseSearchPass::listFor(std::uint32_t stride) {
@@ -108,7 +110,7 @@ const CommandList& PoseSearchPass::listFor(std::uint32_t stride) {
 IcpResult PoseSearchPass::find(const FrameImages& images, const CameraPose& expected, const DVec3& origin,
                                const IcpOptions& options) {
   fusion_.setPose(images, expected, origin);
-  queue_.run(*fronts_[cloud_.parity()]);
+  queue_.run(frontOf(cloud_.parity()));
   return searchPose(images, expected, options, [&](const IcpQuery& query) { return sum(query, origin); });
 }
 

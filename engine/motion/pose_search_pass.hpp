@@ -27,7 +27,7 @@ class PoseSearchPass {
   std::uint64_t bytes() const;
 
  private:
-  void recordFront(std::uint32_t half);
+  const CommandList& frontOf(std::uint32_t half);
   const CommandList& listFor(std::uint32_t stride);
   IcpSums sum(const IcpQuery& query, const DVec3& origin);
 

@@ -19,8 +19,8 @@ void PoseTracker::fused(const CameraPose& pose) {
   missed_ = 0;
 }
 
-void PoseTracker::clear() {
-  last_.reset();
+void PoseTracker::beginAt(const std::optional<CameraPose>& seenFrom) {
+  last_ = seenFrom;
   missed_ = 0;
   result_ = {};
 }

@@ -23,9 +23,9 @@ class PoseTracker {
 
   /// The frame was fused from there; or it was not, and the camera has had so much longer to move.
   void fused(const CameraPose& pose);
-  void missed() { ++missed_; }
-  /// From the beginning.
-  void clear();
+  void missed(std::uint64_t frames = 1) { missed_ += frames; }
+  /// From where the last frame was seen; nothing: from the beginning.
+  void beginAt(const std::optional<CameraPose>& seenFrom);
 
  private:
   IcpOptions options_;

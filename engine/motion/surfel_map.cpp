@@ -5,8 +5,11 @@
 #include <functional>
 #include <mutex>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
+#include "engine/motion/cloud_source.hpp"
 
 namespace palpate {
 
@@ -39,15 +42,28 @@ struct SurfelMap::Frame {
 
 SurfelMap::SurfelMap(const FusionOptions& options) : options_(options) { options_.validate(); }
 
-void SurfelMap::clear() { *this = SurfelMap(options_); }
+void SurfelMap::begin(const PointCloud& cloud) {
+  if (cloud.size() > options_.capacity)
+    throw Error("fusion: a map of {} points at most cannot begin with {}", options_.capacity, cloud.size());
+  *this = SurfelMap(options_);
+  hasOrigin_ = !cloud.empty();
+  if (!hasOrigin_) return;
+  origin_ = cloud.origin;
+  colored_ = cloud.hasColors();
+  for (std::size_t id = 0; id < cloud.size(); ++id)
+    surfels_.push_back({.place = cloud.positions[id],
+                        .normal = cloud.normals[id],
+                        .record = givenRecord(options_, packedColor(cloud, id))});
+  totals_.points = count();
+}
 
 FusionCounts SurfelMap::fuse(const FrameImages& images, const std::vector<shared::PixelSurface>& surfaces,
                              const CameraPose& pose) {
   PALPATE_CHECK_EQ(images.depths.size(), surfaces.size());
-  const DVec3 origin = frames_ == 0 ? mapOriginFor(pose) : origin_;
+  const DVec3 origin = hasOrigin_ ? origin_ : mapOriginFor(pose);
   Frame frame{.images = images, .surfaces = surfaces, .view = fusionView(images, pose, origin, options_)};
   origin_ = origin;
-  ++frames_;
+  hasOrigin_ = true;
   colored_ |= frame.view.colored != 0;
   const FusionCounts before = totals_;
   covered_.assign(surfaces.size(), 0);
@@ -136,17 +152,11 @@ void SurfelMap::show(CloudFrame& frame) const {
 }
 
 PointCloud SurfelMap::cloud() const {
+  CloudFrame frame;
+  show(frame);
   PointCloud cloud;
   cloud.origin = origin_;
-  for (std::size_t id = 0; id < ids(); ++id) {
-    if (!holds(id)) continue;
-    const shared::Surfel& s = surfels_[id];
-    cloud.positions.push_back(s.place);
-    cloud.normals.push_back(s.normal);
-    if (!colored_) continue;
-    const auto [red, green, blue] = colorOf(s.record);
-    cloud.colors.push_back({red, green, blue, 255});
-  }
+  placeAt(frame, cloud);
   return cloud;
 }
 

@@ -21,7 +21,7 @@ class SurfelMap {
   FusionCounts fuse(const FrameImages& images, const std::vector<shared::PixelSurface>& surfaces,
                     const CameraPose& pose);
 
-  /// World = origin + place. Follows the first frame's camera, and stays.
+  /// World = origin + place. Of the cloud that it began with, or follows the first frame's camera; stays.
   const DVec3& origin() const { return origin_; }
   /// One more than the highest id that a point has had.
   std::size_t ids() const { return surfels_.size(); }
@@ -29,7 +29,7 @@ class SurfelMap {
   const shared::Surfel& surfel(std::size_t id) const { return surfels_[id]; }
   /// Of points that are there.
   std::size_t count() const { return surfels_.size() - free_.size(); }
-  /// Whether a frame has had colours.
+  /// Whether a frame has had colours, or the cloud that it began with.
   bool isColored() const { return colored_; }
   /// All frames together; points as they are now.
   const FusionCounts& totals() const { return totals_; }
@@ -39,8 +39,9 @@ class SurfelMap {
   PointCloud cloud() const;
   /// The same as a frame, with their ids; its time stays.
   void show(CloudFrame& frame) const;
-  /// No point, and no origin.
-  void clear();
+  /// Begins anew with the points of a cloud, which have the first ids and count as measured often enough, and with its
+  /// origin; without points there is no origin either. Throws Error where they are more than the capacity.
+  void begin(const PointCloud& cloud);
 
  private:
   struct Frame;
@@ -55,7 +56,7 @@ class SurfelMap {
   std::vector<std::uint32_t> covered_;   // by pixel: the parts in which points stand
   bool colored_ = false;
   FusionCounts totals_;
-  std::uint64_t frames_ = 0;
+  bool hasOrigin_ = false;
 };
 
 }  // namespace palpate

@@ -37,16 +37,21 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
     : device_(device),
       count_(checkedCount(device, cloud)),
       slots_(checkedSlots(device, count_, spare)),
+      colored_(colored),
       halves_{makeHalf(device, slots_, 0), makeHalf(device, slots_, 1)} {
+  upload(queue ? *queue : latencyQueueOf(device), cloud, halves_[0]);
+}
+
+void LiveCloud::upload(Queue& queue, const PointCloud& cloud, const Half& half) const {
+  PALPATE_CHECK_LE(cloud.size(), std::size_t{slots_});
   std::vector<Vec4> packed(slots_, Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
-  for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
-  Queue& way = queue ? *queue : latencyQueueOf(device);
-  upload(device, way, halves_[0].positions, packed);
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
+  palpate::upload(device_, queue, half.positions, packed);
   std::ranges::fill(packed, Vec4(0));
-  for (std::uint32_t i = 0; i < count_; ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
-  for (std::uint32_t i = 0; colored && i < cloud.colors.size(); ++i)
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
+  for (std::uint32_t i = 0; colored_ && i < cloud.colors.size(); ++i)
     packed[i].w = std::bit_cast<float>(bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]));
-  upload(device, way, halves_[0].normals, packed);
+  palpate::upload(device_, queue, half.normals, packed);
 }
 
 std::vector<PointState> LiveCloud::points() const {

@@ -22,7 +22,7 @@ FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& ind
                   Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities")},
       incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
                 Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
-      task_([this] { isNew_ = writer_.make(wanted_s_); }) {
+      task_([this] { made_ = writer_.make(wanted_s_, incoming_); }) {
   PALPATE_CHECK_EQ(writer.size(), std::size_t{index.cloud().slots()});
   CommandList clear(device, device.latencyQueue(), "no velocities");
   clear.begin();
@@ -53,7 +53,8 @@ void FramePipeline::record() {
 void FramePipeline::submit(SortMethod sort) {
   times_[back()] = {.true_s = writer_.time_s(), .goOn_s = writer_.goOn_s()};
   colored_[back()] = writer_.isColored();
-  ticket_ = device_.latencyQueue().submit(*lists_[index_.parity()].at(sort));
+  const auto& lists = made_ == MadeFrame::incoming ? builds_ : lists_;
+  ticket_ = device_.latencyQueue().submit(*lists[index_.parity()].at(sort));
 }
 
 void FramePipeline::hasArrived() {
@@ -81,14 +82,14 @@ void FramePipeline::runNow() {
 
 void FramePipeline::bring(double time_s) {
   finish();
-  while (writer_.make(time_s)) runNow();
+  while ((made_ = writer_.make(time_s, incoming_)) != MadeFrame::none) runNow();
 }
 
 bool FramePipeline::goOn(double time_s) {
   if (stage_ == Stage::building && device_.latencyQueue().isDone(ticket_)) hasArrived();
   if (stage_ == Stage::idle) startMaking(time_s);
   if (stage_ != Stage::making || !task_.finishedWithin(kLook_us)) return false;
-  if (!isNew_) {
+  if (made_ == MadeFrame::none) {
     stage_ = Stage::idle;
     return false;
   }
@@ -103,7 +104,7 @@ void FramePipeline::finish() {
   if (stage_ == Stage::making) {
     task_.finishedWithin(0);
     stage_ = Stage::idle;
-    if (isNew_) {
+    if (made_ != MadeFrame::none) {
       while (!exchange_.beginWriting(back())) std::this_thread::yield();
       submit(index_.hash().sort());
       index_.built();
@@ -113,6 +114,15 @@ void FramePipeline::finish() {
   if (stage_ != Stage::building) return;
   device_.latencyQueue().wait(ticket_);
   hasArrived();
+}
+
+void FramePipeline::stop() noexcept {
+  if (stage_ != Stage::making) return;
+  try {
+    task_.finishedWithin(0);
+  } catch (...) {  // a frame that could not be made is nobody's any more
+  }
+  stage_ = Stage::idle;
 }
 
 bool FramePipeline::read(const std::function<void(const Placed&)>& read) {

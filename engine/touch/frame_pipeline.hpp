@@ -31,6 +31,8 @@ class FramePipeline {
   bool goOn(double time_s);
   /// Waits for the frame that is under way.
   void finish();
+  /// Waits for the frame that is being made, and drops it: for who goes.
+  void stop() noexcept;
 
   /// The time of the frame in each half of the live cloud, and the velocities of its points: a vec4 for each id, model
   /// units per second.
@@ -80,7 +82,7 @@ class FramePipeline {
   FrameExchange exchange_;
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
-  bool isNew_ = false;  // what was made last
+  MadeFrame made_ = MadeFrame::none;  // last
   Queue::Ticket ticket_ = 0;
   BackgroundTask task_;  // goes first
 };

@@ -8,6 +8,13 @@
 
 namespace palpate {
 
+/// What a FrameWriter has made ready.
+enum class MadeFrame {
+  none,      ///< nothing: all that are due have been made
+  recorded,  ///< the next run of a recorded list brings it
+  incoming   ///< its points stand in the incoming ones already
+};
+
 /// Where the frames of a live cloud come from: whoever writes the points that its next index is built from. make() runs on
 /// a thread of its own, and not while a list that was recorded here runs.
 class FrameWriter {
@@ -16,9 +23,9 @@ class FrameWriter {
 
   /// Slots of the live cloud.
   virtual std::size_t size() const = 0;
-  /// Makes ready what the next run of a recorded list brings: the next one of the frames that are due by `time_s`. False
-  /// where all have been made. Throws Error where it cannot.
-  virtual bool make(double time_s) = 0;
+  /// Makes ready the next one of the frames that are due by `time_s`; `incoming`: the points that its index is built from,
+  /// in any order. Throws Error where it cannot.
+  virtual MadeFrame make(double time_s, const LiveCloud::Half& incoming) = 0;
   /// Records how it becomes the points `incoming`, in any order, and the velocities by id. `front`: the points so far.
   virtual void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
                       const Buffer& velocities) const = 0;

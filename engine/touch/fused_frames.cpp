@@ -1,60 +1,77 @@
 #include "engine/touch/fused_frames.hpp"
 
-#include "engine/core/error.hpp"
+#include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
 
 namespace palpate {
 
-FusedFrames::FusedFrames(Device& device, const FusedStream& frames, std::uint32_t points, std::uint32_t slots,
-                         const DVec3& origin)
-    : stream_(*frames.stream),
-      options_(frames.options),
-      pass_(device, stream_.camera(), options_, slots),
-      slots_(slots),
-      origin_(origin),
-      log_(frames.log) {
-  pass_.reset(device.latencyQueue(), points);
+namespace {
+
+const FusedStream& checked(const FusedStream& frames, const LiveCloud& cloud) {
+  PALPATE_CHECK(frames.stream && frames.stream->player && frames.begin);
+  PALPATE_CHECK_EQ(frames.begin->size(), std::size_t{cloud.count()});
+  return frames;
 }
 
-void FusedFrames::lose(std::string_view why) {
-  ++lost_;
-  if (log_) log_->say("a frame is left out: {}", why);
+}  // namespace
+
+FusedFrames::FusedFrames(Device& device, const FusedStream& frames, const LiveCloud& cloud)
+    : frames_(checked(frames, cloud)),
+      begunFrom_(frames.stream->seenFrom),
+      cloud_(cloud),
+      queue_(device.throughputQueue().another()),
+      pass_(device, frames.stream->player->camera(), frames.options, cloud.slots()),
+      search_(device, *queue_, pass_, cloud),
+      intake_(frames.options, frames.icp, frames.log),
+      colored_(begun().hasColors()) {
+  pass_.reset(*queue_, begun());
+  intake_.beginAt(begunFrom_);
 }
 
-bool FusedFrames::readNext() {
-  while (!hasNext_) {
-    try {
-      if (!stream_.next(next_)) return false;
-      hasNext_ = true;
-    } catch (const Error& error) {
-      lose(error.what());
-    }
-  }
+void FusedFrames::beginAnew(const LiveCloud::Half& incoming) {
+  pass_.reset(*queue_, begun());
+  cloud_.upload(*queue_, begun(), incoming);
+  intake_.beginAt(begunFrom_);
+  frames_.stream->seenFrom = begunFrom_;
+  time_s_ = 0;
+}
+
+bool FusedFrames::puts(const DepthCamera& camera, const DepthFrame& frame) {
+  if (!intake_.read(camera, frame)) return false;
+  pass_.put(intake_.images(), frame.pose.value_or(CameraPose{}), begun().origin);
+  const std::optional<CameraPose> pose =
+      intake_.place(frame, [&](const CameraPose& expected, const IcpOptions& options) {
+        return search_.find(intake_.images(), expected, begun().origin, options);
+      });
+  if (!pose) return false;
+  pass_.setPose(intake_.images(), *pose, begun().origin);
+  // What found no room is known of the frame before, whose list has run.
+  intake_.fused(*pose, pass_.counts().refused);
+  frames_.stream->seenFrom = pose;
+  colored_ |= !intake_.images().colors.empty();
   return true;
 }
 
-bool FusedFrames::puts(const DepthFrame& frame) {
-  try {
-    if (!frame.pose) throw Error("frame {} does not say where it was seen from", frame.number);
-    readFrame(stream_.camera(), frame, options_, images_);
-    pass_.put(images_, *frame.pose, origin_);
-    return true;
-  } catch (const Error& error) {
-    lose(error.what());
-    return false;
+MadeFrame FusedFrames::make(double time_s, const LiveCloud::Half& incoming) {
+  if (!frames_.stream->player) return MadeFrame::none;
+  DepthPlayer& player = *frames_.stream->player;
+  if (player.rewindFor(time_s)) {
+    beginAnew(incoming);
+    return MadeFrame::incoming;
   }
-}
-
-bool FusedFrames::make(double time_s) {
-  while (readNext()) {
-    if (stream_.isRecorded() && next_.time_s > time_s) return false;
-    hasNext_ = false;
-    if (!puts(next_)) continue;
-    time_s_ = next_.time_s;
-    ++fused_;
-    return true;
+  MadeFrame made = MadeFrame::none;
+  while (const auto played = player.nextDue(time_s)) {
+    if (puts(player.camera(), played->frame)) {
+      time_s_ = played->time_s;
+      made = MadeFrame::recorded;
+      break;
+    }
+    player.leaveOut(intake_.why());
   }
-  return false;
+  intake_.sayWhereFull(pass_.counts().refused);
+  const DepthPlayer::Losses losses = player.takeLosses();
+  intake_.countLost(losses.why, losses.frames);
+  return made;
 }
 
 void FusedFrames::record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,

@@ -2,58 +2,53 @@
 
 #include <optional>
 
-#include "engine/core/log.hpp"
-#include "engine/motion/fusion_pass.hpp"
+#include "engine/motion/frame_intake.hpp"
+#include "engine/motion/fused_stream.hpp"
+#include "engine/motion/pose_search_pass.hpp"
 #include "engine/touch/frame_writer.hpp"
 
 namespace palpate {
 
-/// Depth frames that are to be fused on the GPU. `stream` and `log`, if any, outlive what fuses them.
-struct FusedStream {
-  DepthStream* stream = nullptr;
-  FusionOptions options;
-  Log* log = nullptr;
-};
-
 /// The map that depth frames fuse into on the GPU, as points of the live cloud: what has been done to those since the
-/// last frame stays. Each frame says where it was seen from.
+/// last frame stays. A frame that does not say where it was seen from is looked for in the front half, on a queue of its
+/// own, which gives way to questions; nobody writes that half before the frame is made. A stream that is taken from it
+/// leaves the map as it is.
 class FusedFrames final : public FrameWriter {
  public:
-  /// `points`: of the live cloud at first, which have the first ids and count as measured; `origin`: of its places in the
-  /// world. Throws as FusionPass.
-  FusedFrames(Device& device, const FusedStream& frames, std::uint32_t points, std::uint32_t slots, const DVec3& origin);
+  /// `frames.begin` is the live cloud at first, whose points have the first ids. Throws as FusionPass.
+  FusedFrames(Device& device, const FusedStream& frames, const LiveCloud& cloud);
 
-  std::size_t size() const override { return slots_; }
-  /// The next frame that is due; one that cannot be read or fused, or that does not say where it was seen from, is counted
-  /// and left out.
-  bool make(double time_s) override;
+  std::size_t size() const override { return cloud_.slots(); }
+  /// The next frame that the stream's player hands out; one that cannot be placed or fused is said, counts as lost, and is
+  /// left out. Where the time has gone back, the map that it begins with comes first.
+  MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
   void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
   double time_s() const override { return time_s_; }
-  bool isColored() const override { return true; }
+  bool isColored() const override { return colored_; }
 
-  /// Frames that were fused, and that were left out.
-  std::uint64_t fused() const { return fused_; }
-  std::uint64_t lost() const { return lost_; }
+  /// Frames that were fused, and that could not be placed, or read.
+  std::uint64_t fused() const { return intake_.fused(); }
+  std::uint64_t unplaced() const { return intake_.unplaced(); }
+  std::uint64_t lost() const { return intake_.lost(); }
   /// Of the frame that was fused last, once its list has run.
   FusionCounts counts() const { return pass_.counts(); }
 
  private:
-  bool readNext();
-  bool puts(const DepthFrame& frame);
-  void lose(std::string_view why);
+  const PointCloud& begun() const { return *frames_.begin; }
+  void beginAnew(const LiveCloud::Half& incoming);
+  // False where the frame is left out, for whatever reason the intake has.
+  bool puts(const DepthCamera& camera, const DepthFrame& frame);
 
-  DepthStream& stream_;
-  FusionOptions options_;
+  FusedStream frames_;
+  std::optional<CameraPose> begunFrom_;  // from where the last frame of the map that it begins with was seen
+  const LiveCloud& cloud_;
+  std::unique_ptr<Queue> queue_;  // of make()
   FusionPass pass_;
-  std::uint32_t slots_;
-  DVec3 origin_;
-  Log* log_;
-  FrameImages images_;
-  DepthFrame next_;  // that was read and is not due yet, where `hasNext_`
-  bool hasNext_ = false;
+  PoseSearchPass search_;
+  FrameIntake intake_;
   double time_s_ = 0;
-  std::uint64_t fused_ = 0, lost_ = 0;
+  bool colored_;
 };
 
 }  // namespace palpate

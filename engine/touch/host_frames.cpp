@@ -14,13 +14,13 @@ HostFrames::HostFrames(Device& device, CloudSource& source)
       normals_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged normals")),
       velocities_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged velocities")) {}
 
-bool HostFrames::make(double time_s) {
-  if (made_s_ && (*made_s_ == time_s || !source_.hasNewer(time_s, frame_.time_s))) return false;
+MadeFrame HostFrames::make(double time_s, const LiveCloud::Half& /*incoming*/) {
+  if (made_s_ && (*made_s_ == time_s || !source_.hasNewer(time_s, frame_.time_s))) return MadeFrame::none;
   made_s_ = time_s;
   source_.makeFrame(time_s, frame_);
   requireWhole(frame_, source_.size());
   stage();
-  return true;
+  return MadeFrame::recorded;
 }
 
 void HostFrames::stage() {

@@ -15,7 +15,7 @@ class HostFrames final : public FrameWriter {
   HostFrames(Device& device, CloudSource& source);
 
   std::size_t size() const override { return source_.size(); }
-  bool make(double time_s) override;
+  MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
   void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
   double time_s() const override { return frame_.time_s; }

@@ -7,7 +7,6 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/error.hpp"
 #include "engine/gpu/transfer.hpp"
-#include "engine/touch/host_frames.hpp"
 #include "engine/touch/memory.hpp"
 
 namespace palpate {
@@ -15,22 +14,6 @@ namespace palpate {
 namespace {
 
 constexpr double kPoll_us = 1;  // a budget that lets no thread sleep
-
-// A cloud whose index is always built anew needs spare slots for new points alone.
-constexpr std::uint32_t kFewerSpare = 4;
-
-bool moves(const TouchOptions& options) { return options.source || options.fusion; }
-
-std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
-  if (moves(options)) {
-    const std::size_t slots = options.fusion ? options.fusion->options.capacity : options.source->size();
-    PALPATE_CHECK_LE(cloud.size(), slots);
-    return static_cast<std::uint32_t>(slots - cloud.size());
-  }
-  if (!options.brush) return 0;
-  const std::uint32_t spare = HashUpdate::spareSlots(cloud.size());
-  return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
-}
 
 // RGBA8 of every point; none where the cloud has none and none are painted.
 std::vector<std::uint32_t> colorsOf(const PointCloud& cloud, const TouchOptions& options) {
@@ -51,7 +34,6 @@ void requireFused(const TouchOptions& options, QueryMethod method) {
 const PointCloud& fitting(const Device& device, const PointCloud& cloud, const TouchOptions& options) {
   requireFused(options, options.method);
   PALPATE_CHECK(!(options.brush && moves(options)));
-  PALPATE_CHECK(!(options.source && options.fusion));
   requireGpuMemory(device, cloud.size(), options.brush.has_value());
   return cloud;
 }
@@ -116,10 +98,10 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       index_(device, fitting(device, cloud, options), indexOptions(cloud, options)),
       record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
       questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
-                 options.wait.value_or(device.defaultWait()), options.timing) {
+                 options.wait.value_or(device.defaultWait()), options.timing),
+      frames_(device, options, index_) {
   if (options.brush)
     edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
-  makeFrames();
   makeBridge();
   recordAll();
   if (edits_) edits_->followIndex();
@@ -132,19 +114,10 @@ TouchSide::~TouchSide() {
   device_.noteUrgentWork(-1);
   try {
     questions_.withdraw();
+    frames_.stop();
     device_.waitIdle();
   } catch (const GpuError&) {  // the device is lost: nothing runs on it any more
   }
-}
-
-void TouchSide::makeFrames() {
-  if (!moves(options_)) return;
-  if (options_.fusion)
-    writer_ = std::make_unique<FusedFrames>(device_, *options_.fusion, index_.cloud().count(), index_.cloud().slots(),
-                                            origin_);
-  else
-    writer_ = std::make_unique<HostFrames>(device_, *options_.source);
-  frames_.emplace(device_, *writer_, index_);
 }
 
 std::vector<TouchSide::GpuHand> TouchSide::makeHands() const {
@@ -182,7 +155,7 @@ void TouchSide::makeBridge() {
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
     questions_.record(index_.parity(), index_.view(), record_.log.head(),
-                      frames_ ? frames_->velocities(index_.parity()).address() : 0);
+                      frames_.velocities(index_.parity()));
     bridge_->record(index_.parity(), index_.view());
     if (edits_) edits_->record(questions_.contact().state());
     index_.flip();
@@ -250,9 +223,9 @@ bool TouchSide::isAnsweredWithin(std::span<const Pose> poses, double budget_us) 
   // Nothing new is asked while a question is out.
   if (questions_.isOut() && !lateAnswerIsIn(now_s, budget_us)) return false;
   if (realtime && !questions_.mayAskWithin(budget_us)) return false;
-  if (frames_ && !realtime) {
+  if (frames_.move() && !realtime) {
     questions_.withdraw();
-    frames_->bring(now_s);
+    frames_.bring(now_s);
   }
   submitQuestion(poses, realtime);
   return answerWithin(realtime ? std::max(kPoll_us, budget_us - watch.elapsed_us()) : 0, now_s);
@@ -264,10 +237,6 @@ bool TouchSide::isFiniteAt(std::span<const Pose> poses) const {
   return true;
 }
 
-PointsMotion TouchSide::motionSince(double last_s, double now_s) const {
-  return frames_ ? pointsMotion(now_s, frames_->pointsTime(index_.parity()), last_s) : PointsMotion{};
-}
-
 void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
   const double last_s = questions_.question().time_s;  // of the states on the GPU
   questions_.begin();
@@ -276,7 +245,7 @@ void TouchSide::submitQuestion(std::span<const Pose> poses, bool realtime) {
     hand.probes.ask(poses[i]);
     const auto put = [&](std::uint32_t probe, const std::optional<ProxyTracker::State>& newer) {
       questions_.put(hand.firstProbe + probe, Vec3(hand.probes.place(probe, poses[i]) - origin_), stateOf(newer),
-                     motionSince(newer ? newer->time_s : last_s, poses[i].time_s));
+                     frames_.motionSince(newer ? newer->time_s : last_s, poses[i].time_s));
     };
     put(0, i == 0 ? bridge_->newerState() : std::nullopt);
     for (std::uint32_t k = 0; k < hand.points.size(); ++k) {
@@ -402,7 +371,7 @@ void TouchSide::prepare() noexcept {
   try {
     closeTick();
     // In virtual time the frame of the next pose comes first.
-    if (!frames_ || questions_.question().realtime) questions_.askAhead(index_.parity());
+    if (!frames_.move() || questions_.question().realtime) questions_.askAhead(index_.parity());
   } catch (...) {
     failure_ = std::current_exception();
   }
@@ -413,7 +382,7 @@ void TouchSide::closeTick() {
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
   if (realtime)
-    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_ ? frames_->pointsTime(index_.parity()) : PointsTime{});
+    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_.pointsTime());
   if (!answered) return;
   editIfYielding(realtime);
   goOn(questions_.question().time_s, realtime);
@@ -421,7 +390,7 @@ void TouchSide::closeTick() {
 
 void TouchSide::goOn(double time_s, bool realtime) {
   index_.compactFurther(realtime);
-  if (frames_ && realtime && frames_->goOn(time_s)) bridge_->edited(time_s);
+  if (realtime && frames_.goOn(time_s)) bridge_->edited(time_s);
 }
 
 void TouchSide::editIfYielding(bool realtime) {
@@ -433,7 +402,7 @@ void TouchSide::editIfYielding(bool realtime) {
 void TouchSide::finish() {
   settle();
   record_.log.publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
-  if (frames_) frames_->finish();
+  frames_.finish();
   if (!edits_) return;
   edits_->collect(nullptr);
   edits_->endStroke();
@@ -448,12 +417,12 @@ void TouchSide::change(std::span<const PointChange> changes) {
 }
 
 std::size_t TouchSide::readBack(PointCloud& cloud) const {
-  if (frames_) return placeAt(frames_->front(), cloud);
+  if (frames_.move()) return frames_.readBack(cloud);
   return edits_ ? edits_->readBack(cloud) : 0;
 }
 
 EditScope TouchSide::editScope() const {
-  return {.edits = edits_ || frames_,
+  return {.edits = edits_ || frames_.move(),
           .paints = edits_ && (options_.paintable || edits_->pass().brush().kind == BrushKind::paint),
           .newPoints = live().slots() - live().count()};
 }

@@ -9,46 +9,16 @@
 #include "engine/edit/edit_fetch.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/gpu/device.hpp"
-#include "engine/motion/cloud_source.hpp"
 #include "engine/touch/edit_pipeline.hpp"
-#include "engine/touch/frame_pipeline.hpp"
-#include "engine/touch/fused_frames.hpp"
 #include "engine/touch/live_index.hpp"
 #include "engine/touch/patch_bridge.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/question_pipeline.hpp"
+#include "engine/touch/touch_frames.hpp"
+#include "engine/touch/touch_options.hpp"
 #include "engine/touch/touch_statistics.hpp"
 
 namespace palpate {
-
-struct TouchOptions {
-  double radius = 0;  ///< support radius, model units
-  double cell = 0;    ///< edge of a hash cell, model units; 0: the support radius
-  BucketKey bucketKey = BucketKey::teschner;
-  SortMethod sort = kDefaultSort;                 ///< of the index
-  BucketOrder bucketOrder = BucketOrder::stable;  ///< stable: the same poses give the same answers, bit by bit
-  QueryMethod method = QueryMethod::fused;
-  SurfaceKind surface = SurfaceKind::average;
-  bool localRadius = false;   ///< take a smaller support radius where points lie close (SurfaceOptions)
-  double widening = 1;        ///< of the support radius, where the surface is flat; edits are narrow
-  double friction = 0;        ///< coefficient, of a proxy that slides
-  std::optional<bool> split;  ///< fused: whether a few workgroups share a gather (ContactOptions)
-  /// What each hand touches with, model units; one hand with the HIP alone unless given. The first one may have a
-  /// brush. More than one HIP only fused.
-  std::vector<ToolShape> tools = std::vector<ToolShape>(1);
-  std::optional<BrushOptions> brush;  ///< edit while touching, where the HIP itself does
-  CloudSource* source = nullptr;      ///< moves the points, which have no brush then; outlives what it moves
-  std::optional<FusedStream> fusion;  ///< in place of a source: the points are a map that depth frames fuse into
-  bool paintable = false;             ///< keeps colours, for a brush that comes later
-  IndexFollow index = IndexFollow::incremental;
-  std::optional<std::uint32_t>
-      spareSlots;  ///< where the index follows edits; in proportion to the cloud when not given
-  CompactionOptions compaction;
-  std::optional<Wait> wait;   ///< how the servo thread waits for the GPU; the device's default when not given
-  std::optional<bool> ahead;  ///< submit each question before its pose is known (TouchSide); where not given, on
-                              ///< drivers that are known to let it wait, if it does
-  CommandList::Timing timing = CommandList::Timing::sections;
-};
 
 /// The touch side: owns the live cloud and its index, and answers each pose with one small command buffer recorded
 /// ahead (pose, gather, surface, proxy, answer); two where the query method brings the host in between. When the answer
@@ -83,8 +53,8 @@ class TouchSide final : public TouchBackend {
   /// Also publishes the last edit to the log.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
-  bool takeFrame(CloudFrame& frame) override { return frames_ && frames_->take(frame); }
-  FramePipeline* framesOn(const Device& sight) override { return frames_ && &sight == &device_ ? &*frames_ : nullptr; }
+  bool takeFrame(CloudFrame& frame) override { return frames_.take(frame); }
+  FramePipeline* framesOn(const Device& sight) override { return &sight == &device_ ? frames_.pipeline() : nullptr; }
 
   bool keepsEdits() const override { return true; }
   void keepEdits() override { record_.fetch.emplace(device_, record_.log); }
@@ -141,7 +111,6 @@ class TouchSide final : public TouchBackend {
     std::uint64_t answered = 0;      // states that came before the last answer
   };
 
-  void makeFrames();
   std::vector<GpuHand> makeHands() const;
   ContactOptions contactOptions() const;
   void makeBridge();
@@ -156,8 +125,6 @@ class TouchSide final : public TouchBackend {
   bool isFiniteAt(std::span<const Pose> poses) const;
   // A tick that asks. False where the answers are late.
   bool isAnsweredWithin(std::span<const Pose> poses, double budget_us);
-  // How the points have gone on from their frame until `now_s`, for a probe that was asked last at `last_s`.
-  PointsMotion motionSince(double last_s, double now_s) const;
   void submitQuestion(std::span<const Pose> poses, bool realtime);
   // Takes in the answer when it comes within the budget (0: whenever it comes). `now_s`: of the present pose.
   bool answerWithin(double budget_us, double now_s);
@@ -183,10 +150,9 @@ class TouchSide final : public TouchBackend {
   std::vector<Contact> answers_;  // one for each
   TouchStatistics statistics_;
   LiveIndex index_;
-  std::unique_ptr<FrameWriter> writer_;  // where a source moves the points
-  std::optional<FramePipeline> frames_;  // there, too
   EditRecord record_;
   QuestionPipeline questions_;
+  TouchFrames frames_;
   std::optional<EditPipeline> edits_;  // where points are edited
   std::optional<PatchBridge> bridge_;  // of the first hand
   std::exception_ptr failure_;

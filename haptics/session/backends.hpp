@@ -11,6 +11,7 @@
 #include "engine/core/touch_backend.hpp"
 #include "engine/core/touch_capabilities.hpp"
 #include "engine/motion/cloud_source.hpp"
+#include "engine/motion/fused_stream.hpp"
 #include "haptics/session/model.hpp"
 
 namespace palpate {
@@ -25,6 +26,7 @@ struct BackendRequest {
   std::vector<ToolShape> tools;        ///< one for each hand, model units; without points for a single one
   unsigned threads = 0;                ///< on the CPU; 0: one per core
   CloudSource* source = nullptr;       ///< moves the model, and outlives what is made; null: it stands still
+  std::optional<FusedStream> fusion;   ///< in place of a source, where the back end fuses frames: begins with the model
 };
 
 /// One way of answering poses.

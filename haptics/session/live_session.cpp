@@ -157,6 +157,11 @@ std::optional<bool> LiveSession::holdFrames() {
   return player->isPaused();
 }
 
+std::shared_ptr<PlayedStream> LiveSession::releaseStream() {
+  if (!session_.player()) return nullptr;
+  return between([&] { return session_.releaseStream(servo_.next_s); });
+}
+
 void LiveSession::stepFrame() {
   if (DepthPlayer* const player = session_.player()) between([&] { player->step(); });
 }

@@ -73,6 +73,8 @@ class LiveSession {
   std::optional<bool> holdFrames();
   /// Recorded, while they are held: the next one.
   void stepFrame();
+  /// Session::releaseStream(), from now on.
+  std::shared_ptr<PlayedStream> releaseStream();
   /// Session::playCounts().
   std::optional<PlayCounts> playCounts() const { return session_.playCounts(); }
   const Journal& journal() const { return *journal_; }

@@ -64,7 +64,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   FirstFrame first = readFirstFrame(config, loading.log);
   Model model;
   model.cloud = std::move(first.cloud);
-  model.live = std::move(first.live);
+  model.stream = std::move(first.stream);
   model.upright = findUp(model.cloud);
   model.shown = coreBoundsOf(model.cloud);
   measure(model, config.model, loading.threads);

@@ -10,18 +10,12 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/contact/surface.hpp"
-#include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
+#include "engine/motion/fused_stream.hpp"
 #include "haptics/session/session_config.hpp"
 
 namespace palpate {
-
-/// A live depth camera, of whose frames the first one was taken.
-struct LiveFrames {
-  std::shared_ptr<DepthStream> stream;  ///< null once a session plays it
-  DepthFrame first;
-};
 
 struct Model {
   PointCloud cloud;
@@ -32,7 +26,10 @@ struct Model {
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
-  std::shared_ptr<LiveFrames> live;  ///< null where the model is a file or a recording
+  /// What goes on behind the cloud: of a live camera, of a map that frames have fused into, or of a stream that another
+  /// session had (Session::releaseStream()). The first session takes it. Null: the model is a file, or a recording that
+  /// each session plays from its beginning.
+  std::shared_ptr<PlayedStream> stream;
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 

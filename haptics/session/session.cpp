@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "haptics/session/stream_model.hpp"
 
 namespace palpate {
 
@@ -17,7 +18,8 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
 }
 
 std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
-                                          const SessionParts& parts, CloudSource* source) {
+                                          const SessionParts& parts, CloudSource* source,
+                                          const std::optional<FusedStream>& fusion) {
   std::optional<BrushOptions> brush;
   if (config.brush) brush = brushOptions(*config.brush, model.scale);
   // The tool is the first hand's.
@@ -30,7 +32,8 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
                              .paintable = parts.paintable,
                              .tools = std::move(tools),
                              .threads = parts.threads,
-                             .source = source});
+                             .source = source,
+                             .fusion = source ? std::nullopt : fusion});
 }
 
 /// Two of them, in this order; either may be null.
@@ -53,8 +56,10 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       config_(checked(std::move(config), kind_)),
       model_(std::move(model)),
       surface_(kind_.surface(*model_, config_.surface)),
-      source_(makeSource(config_, *model_)),
-      backend_(makeBackend(config_, *model_, surface_, parts, source_.get())),
+      stream_(takeStream(config_, *model_)),
+      fusion_(fusedStream(config_, model_, stream_, parts.threads, parts.log)),
+      source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
+      backend_(makeBackend(config_, *model_, surface_, parts, source_.get(), fusion_)),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       relay_(model_->cloud, *backend_,
              {.follower = follower_.get(),
@@ -65,6 +70,18 @@ Session::Session(SessionConfig config, Model model, const SessionParts& parts)
     : Session(std::move(config), std::make_shared<const Model>(std::move(model)), parts) {}
 
 Session::~Session() { relay_.stop(); }
+
+std::optional<PlayCounts> Session::playCounts() const {
+  if (!stream_ || !stream_->player) return std::nullopt;
+  return stream_->player->counts();
+}
+
+std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
+  if (!player()) return nullptr;
+  backend_->finish();
+  player()->hold(time_s);
+  return std::make_shared<PlayedStream>(std::exchange(*stream_, {}));
+}
 
 void Session::setBrush(const std::optional<BrushConfig>& brush) {
   SessionConfig next = config_;
@@ -158,7 +175,7 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
 }
 
 SculptedCloud Session::sculpted() const {
-  if (const Journal* journal = relay_.journal(); journal && !source_)
+  if (const Journal* journal = relay_.journal(); journal && !config_.moves())
     return {editedCloud(model_->cloud, journal->points()), changedPoints(model_->cloud, journal->points())};
   SculptedCloud sculpted{.cloud = model_->cloud};
   sculpted.edited = backend_->readBack(sculpted.cloud);

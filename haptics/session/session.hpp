@@ -26,6 +26,7 @@ struct SessionParts {
   bool journal = false;  ///< keeps what is done to the points, for undo, saving and logs, where the back end reports it
   std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
   bool paintable = false;     ///< keeps colours for a brush that comes later
+  Log* log = nullptr;         ///< hears of frames that do not go into the map of a depth camera; outlives the session
   FollowerMaker follower;     ///< empty: nobody follows but the journal and the log
 };
 
@@ -67,9 +68,13 @@ class Session {
   /// Throws what went wrong with the follower, which has not followed since; ask once all else is saved.
   void checkFollower() const { relay_.checkFollower(); }
   /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are played.
-  DepthPlayer* player() { return source_ ? source_->player() : nullptr; }
-  /// What became of the frames of a depth camera, where the model is one. From any thread.
-  std::optional<PlayCounts> playCounts() const { return source_ ? source_->playCounts() : std::nullopt; }
+  DepthPlayer* player() { return stream_ ? stream_->player.get() : nullptr; }
+  /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside releaseStream().
+  std::optional<PlayCounts> playCounts() const;
+  /// Holds a depth camera at its present frame, at that time, and hands it on: the points stand still then, and a session
+  /// whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud, once player()
+  /// plays. Between runs. Null where none are played. Throws what a query could not.
+  std::shared_ptr<PlayedStream> releaseStream(double time_s);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }
@@ -107,7 +112,9 @@ class Session {
   SessionConfig config_;
   std::shared_ptr<const Model> model_;
   SurfaceOptions surface_;
-  std::unique_ptr<CloudSource> source_;
+  std::shared_ptr<PlayedStream> stream_;  // where frames are played
+  std::optional<FusedStream> fusion_;     // where they fuse
+  std::unique_ptr<CloudSource> source_;   // where the back end does not do it itself
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
   EditRelay relay_;

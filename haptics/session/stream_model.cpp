@@ -1,5 +1,6 @@
 #include "haptics/session/stream_model.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -8,10 +9,9 @@
 #include "engine/io/depth_camera.hpp"
 #include "engine/io/depth_pipe.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/motion/cloud_source.hpp"
 #include "engine/motion/depth_points.hpp"
-#include "engine/motion/depth_source.hpp"
-#include "engine/motion/fused_playback.hpp"
-#include "engine/motion/fused_source.hpp"
+#include "engine/motion/frame_fusion.hpp"
 
 namespace palpate {
 
@@ -68,13 +68,15 @@ PointCloud firstCloud(const DepthCamera& camera, const DepthFrame& frame) {
   return cloudOf(points, origin);
 }
 
-/// As its map begins.
-PointCloud firstMap(const DepthCamera& camera, const DepthFrame& frame) {
+/// As its map begins, and from where it was seen.
+FirstFrame firstMap(const DepthCamera& camera, const DepthFrame& frame) {
   FrameFusion fusion({});
-  fusion.fuse(camera, frame);
-  PointCloud cloud = fusion.map().cloud();
-  cloud.storedAs.comments = {"comment units: m"};
-  return cloud;
+  const FrameOutcome& outcome = fusion.fuse(camera, frame);
+  FirstFrame first{.cloud = fusion.map().cloud(), .stream = std::make_shared<PlayedStream>()};
+  first.cloud.storedAs.comments = {"comment units: m"};
+  first.stream->behind = DepthPlayer::Place{.pass = 0, .time_s = frame.time_s};
+  first.stream->seenFrom = outcome.pose;
+  return first;
 }
 
 OpenedStream open(const SessionConfig& config, Log* log) {
@@ -93,29 +95,42 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
   FirstFrame first;
   while (first.cloud.empty()) {
     if (!readFrame(*stream, frame, log)) throw Error("{}: ends without a frame that has points", config.model.file);
-    first.cloud = config.stream->fuse ? firstMap(stream->camera(), frame) : firstCloud(stream->camera(), frame);
+    first = config.stream->fuse ? firstMap(stream->camera(), frame)
+                                : FirstFrame{.cloud = firstCloud(stream->camera(), frame), .stream = nullptr};
   }
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
-  if (!stream->isRecorded())
-    first.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = std::move(frame)});
+  if (stream->isRecorded()) return first;
+  const std::optional<CameraPose> seenFrom = first.stream ? first.stream->seenFrom : std::nullopt;
+  first.stream = playedStream(stream, {.exact = false}, std::move(frame));
+  first.stream->seenFrom = seenFrom;
   return first;
 }
 
-std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const Model& model) {
+std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model) {
+  if (!config.stream) return nullptr;
   const StreamConfig& stream = *config.stream;
+  if (model.stream && model.stream->player) {
+    auto taken = std::make_shared<PlayedStream>(std::exchange(*model.stream, {}));
+    taken->player->beginHere();
+    return taken;
+  }
+  if (stream.live || (model.stream && !model.stream->behind))
+    throw Error("{}: is played by another session", config.model.file);
   const PlayOptions options{.speed = stream.speed, .loop = stream.loop, .exact = !config.realtime};
-  const auto played = [&](std::shared_ptr<DepthStream> frames,
-                          std::optional<DepthFrame> first) -> std::unique_ptr<CloudSource> {
-    // All frames that are due, whatever was asked for before, where nothing else bends their times.
-    const bool plain = options.exact && stream.speed == 1 && !stream.loop;
-    if (stream.fuse && plain) return std::make_unique<FusedSource>(std::move(frames), FusionOptions());
-    if (stream.fuse)
-      return std::make_unique<FusedPlayback>(std::move(frames), options, FusionOptions(), std::move(first));
-    return std::make_unique<DepthSource>(std::move(frames), options, model.cloud.origin, std::move(first));
-  };
-  if (!model.live) return played(open(config, nullptr).stream, {});
-  if (!model.live->stream) throw Error("{}: is played by another session", config.model.file);
-  return played(std::exchange(model.live->stream, nullptr), std::move(model.live->first));
+  auto opened = playedStream(open(config, nullptr).stream, options);
+  if (!model.stream) return opened;
+  opened->player->beginBehind(*model.stream->behind);
+  opened->seenFrom = model.stream->seenFrom;
+  return opened;
+}
+
+std::optional<FusedStream> fusedStream(const SessionConfig& config, const std::shared_ptr<const Model>& model,
+                                       std::shared_ptr<PlayedStream> stream, unsigned threads, Log* log) {
+  if (!stream || !config.stream->fuse) return std::nullopt;
+  FusedStream fused{.stream = std::move(stream), .begin = {model, &model->cloud}, .log = log};
+  fused.options.capacity = std::max(fused.options.capacity, model->cloud.size());
+  fused.options.threads = threads;
+  return fused;
 }
 
 }  // namespace palpate

@@ -6,22 +6,26 @@
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
-#include "engine/motion/cloud_source.hpp"
+#include "engine/motion/fused_stream.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/session/session_config.hpp"
 
 namespace palpate {
 
-/// The cloud of the first frame that can be read and has points, in metres, with what is up; and of a live stream what
-/// goes on behind it. Waits for that frame. Throws FileError, Error.
+/// The cloud of the first frame that can be read and has points, in metres, with what is up; and what goes on behind it
+/// (Model::stream). Waits for that frame. Throws FileError, Error.
 struct FirstFrame {
   PointCloud cloud;
-  std::shared_ptr<LiveFrames> live;  ///< null where the stream is recorded
+  std::shared_ptr<PlayedStream> stream;
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
 
-/// Plays the stream of the configuration. `model` was loaded with it; the stream of a live one goes to the first
-/// session that asks.
-std::unique_ptr<CloudSource> makeStreamSource(const SessionConfig& config, const Model& model);
+/// The stream of the configuration, to be played behind the model's cloud: the one that the model has, held as it is, or
+/// else the recording. Null where the configuration has none. Throws FileError, and Error where another session has it.
+std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model);
+
+/// How the frames of a stream that was taken become a map, which begins with the model's cloud; nothing where they do not.
+std::optional<FusedStream> fusedStream(const SessionConfig& config, const std::shared_ptr<const Model>& model,
+                                       std::shared_ptr<PlayedStream> stream, unsigned threads, Log* log);
 
 }  // namespace palpate

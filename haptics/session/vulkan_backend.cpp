@@ -23,7 +23,7 @@ class VulkanBackend final : public BackendKind {
     return methods;
   }
   TouchCapabilities capabilities() const override {
-    return {.asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
+    return {.fusesFrames = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
@@ -46,6 +46,7 @@ class VulkanBackend final : public BackendKind {
                        .tools = request.tools,
                        .brush = request.brush,
                        .source = request.source,
+                       .fusion = request.fusion,
                        .paintable = request.paintable,
                        .index = config.index.follow,
                        .spareSlots = config.index.spareSlots,

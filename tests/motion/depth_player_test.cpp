@@ -159,6 +159,116 @@ TEST_CASE("a live stream that falls silent, or ends, leaves its last frame and s
   CHECK_THROWS_WITH_AS(none.frameAt(0), "the depth stream ended before its first frame", Error);
 }
 
+namespace {
+
+/// The frames that are handed out until a time, by number.
+std::vector<std::uint64_t> handedOut(DepthPlayer& player, double time_s) {
+  std::vector<std::uint64_t> numbers;
+  while (const auto played = player.nextDue(time_s)) {
+    CHECK(played->frame.depth_m[5] == 1 + static_cast<float>(played->frame.number));
+    CHECK(played->time_s <= std::max(time_s, 0.0) + 1e-12);
+    numbers.push_back(played->frame.number);
+  }
+  return numbers;
+}
+
+using Numbers = std::vector<std::uint64_t>;
+
+}  // namespace
+
+TEST_CASE("frames are handed out one after another, each once, however far the time has gone") {
+  for (const double speed : {1.0, 2.0}) {
+    DepthPlayer player(recorded({3}), {.speed = speed});
+    CHECK(handedOut(player, 0.05 / speed) == Numbers{0});
+    CHECK(handedOut(player, 0.05 / speed).empty());
+    CHECK(handedOut(player, 0.25 / speed) == Numbers{1, 2});
+    CHECK(handedOut(player, 9) == Numbers{4});
+    CHECK(handedOut(player, 10).empty());
+    CHECK(player.counts().played == 4);
+    CHECK(player.counts().dropped == 0);
+    const DepthPlayer::Losses losses = player.takeLosses();
+    CHECK(losses.frames == 1);
+    CHECK(losses.why == "frame 3 is torn");
+    CHECK(player.takeLosses().frames == 0);
+  }
+}
+
+TEST_CASE("a loop hands out every frame of every pass, and a time that goes back those of all passes anew") {
+  DepthPlayer player(recorded(), {.loop = true});
+  CHECK(handedOut(player, 1.15) == Numbers{0, 1, 2, 3, 4, 0, 1, 2, 3, 4, 0, 1});
+  CHECK_FALSE(player.rewindFor(1.12));
+  CHECK(player.rewindFor(0.65));
+  CHECK_FALSE(player.rewindFor(0.65));
+  CHECK(handedOut(player, 0.65) == Numbers{0, 1, 2, 3, 4, 0, 1});
+  CHECK(handedOut(player, 0) == Numbers{0});
+}
+
+TEST_CASE("against the clock the newest frame that is due is handed out, and what it overtakes is dropped") {
+  std::vector<double> times_s;
+  for (int k = 0; k < 500; ++k) times_s.push_back(0.01 * k);
+  DepthPlayer player(std::make_shared<RecordedStream>(times_s), {.exact = false});
+  CHECK(player.nextDue(0)->frame.number == 0);
+  std::uint64_t last = 0, played = 1;
+  until([&] {
+    if (const auto next = player.nextDue(3)) {
+      CHECK(next->frame.number > last);
+      last = next->frame.number;
+      ++played;
+    }
+    return last == 300;
+  });
+  CHECK_FALSE(player.nextDue(3).has_value());
+  CHECK(player.counts().played == played);
+  CHECK(player.counts().played + player.counts().dropped == 301);
+}
+
+TEST_CASE("what is handed out comes behind the frame that it begins behind, also where the time goes back") {
+  DepthPlayer player(recorded());
+  player.beginBehind({.pass = 0, .time_s = 0.1});
+  CHECK(handedOut(player, 0.15).empty());
+  CHECK_FALSE(player.rewindFor(0));
+  CHECK(handedOut(player, 0.36) == Numbers{2, 3});
+  CHECK(player.counts().played == 3);
+  CHECK(player.rewindFor(0.05));
+  CHECK(handedOut(player, 0.05).empty());
+  CHECK(handedOut(player, 0.2) == Numbers{2});
+  player.beginHere();
+  CHECK_FALSE(player.rewindFor(0.1));
+  CHECK(handedOut(player, 0.4) == Numbers{3, 4});
+  CHECK(player.rewindFor(0.3));
+  CHECK(handedOut(player, 0.36) == Numbers{3});
+}
+
+TEST_CASE("a player that is held goes on in the time of whoever has it then") {
+  DepthPlayer player(recorded());
+  CHECK(handedOut(player, 0.2) == Numbers{0, 1, 2});
+  player.hold(0.36);
+  player.beginHere();
+  CHECK(handedOut(player, 0).empty());
+  CHECK(handedOut(player, 50).empty());
+  player.play(100);
+  CHECK(handedOut(player, 100.14).empty());
+  CHECK(handedOut(player, 100.16) == Numbers{3});
+  CHECK(handedOut(player, 100.21) == Numbers{4});
+  player.leaveOut("it lies on nothing");
+  CHECK(player.counts().played == 4);
+  CHECK(player.counts().lost == 1);
+  CHECK(player.counts().lastLoss == "it lies on nothing");
+}
+
+TEST_CASE("a live frame that was taken before is the present one, and newer ones are handed out") {
+  const auto stream = std::make_shared<LiveStream>();
+  DepthPlayer player(stream, {.exact = false}, tinyFrame(0, 20));
+  CHECK_FALSE(player.nextDue(1).has_value());
+  stream->give(tinyFrame(1, 20.1));
+  std::uint64_t number = 0;
+  until([&] {
+    if (const auto next = player.nextDue(2)) number = next->frame.number;
+    return number == 1;
+  });
+  CHECK(player.counts().played == 2);
+}
+
 TEST_CASE("a player that goes ends the read that waits") {
   for (int k = 0; k < 20; ++k) {
     const auto stream = std::make_shared<LiveStream>();
@@ -169,7 +279,7 @@ TEST_CASE("a player that goes ends the read that waits") {
 }
 
 TEST_CASE("a source makes points of the frame that is due, the same bytes for the same time") {
-  DepthSource source(recorded(), {}), other(recorded(), {});
+  DepthSource source(playedStream(recorded())), other(playedStream(recorded()));
   CHECK(source.size() == 12);
   CHECK_FALSE(source.keepsPoints());
   CloudFrame frame, again;
@@ -186,7 +296,7 @@ TEST_CASE("a source makes points of the frame that is due, the same bytes for th
   CHECK(again.positions == frame.positions);
   CHECK(again.normals == frame.normals);
   CHECK(again.time_s == 0.22);
-  DepthSource shifted(recorded(), {}, DVec3(0, 0, 1));
+  DepthSource shifted(playedStream(recorded()), DVec3(0, 0, 1));
   shifted.makeFrame(0.25, again);
   CHECK(again.positions[0].z == 2);
 }

@@ -59,7 +59,7 @@ TEST_CASE("a frame is looked for about the last one that was fused, the farther 
   });
   REQUIRE(pose);
   CHECK(pose->centre == at(2.5).centre);
-  tracker.clear();
+  tracker.beginAt({});
   CHECK(tracker.place(frameWith({}), kNever)->centre == DVec3(0));
 }
 

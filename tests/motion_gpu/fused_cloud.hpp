@@ -20,13 +20,13 @@ class FusedCloud {
   FusedCloud(Device& device, const DepthCamera& camera, const FusionOptions& options, const PointCloud& begun = {})
       : device_(device),
         options_(options),
-        cloud_(device, begun, static_cast<std::uint32_t>(options.capacity - begun.size())),
+        cloud_(device, begun, static_cast<std::uint32_t>(options.capacity - begun.size()), nullptr, true),
         hash_(device, makeHashGrid(Vec3(0), 0.01f, cloud_.slots()), cloud_.slots(), kDefaultSort, BucketOrder::stable,
               Slots::spare),
         incoming_{Buffer::of<Vec4>(device, cloud_.slots(), Memory::device, "incoming positions"),
                   Buffer::of<Vec4>(device, cloud_.slots(), Memory::device, "incoming normals"), 0},
         pass_(device, camera, options, cloud_.slots()) {
-    pass_.reset(device.latencyQueue(), cloud_.count());
+    pass_.reset(device.latencyQueue(), begun);
   }
 
   FusionCounts fuse(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin = DVec3(0)) {

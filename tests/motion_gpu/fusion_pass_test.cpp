@@ -168,7 +168,8 @@ TEST_CASE_FIXTURE(FusionFixture, "the same frames give the same bytes, and point
 
 TEST_CASE_FIXTURE(FusionFixture, "a cloud that is there is gone on with, and its ids are not given away") {
   const auto plane = makeShape("plane", 0.3);
-  const PointCloud begun = sampleShape(*plane, {.count = 5000, .seed = 3});
+  PointCloud begun = sampleShape(*plane, {.count = 5000, .seed = 3});
+  begun.colors.assign(begun.size(), {250, 7, 80, 255});
   FusedCloud gpu(device, smallCamera(), smallMap(40'000), begun);
   DepthScene scene;
   scene.add("plane", 3, {0, 0, 0.001});
@@ -183,6 +184,7 @@ TEST_CASE_FIXTURE(FusionFixture, "a cloud that is there is gone on with, and its
     REQUIRE(surfels[id].record.weight > 0);
     furthest = std::max(furthest, glm::distance(Vec2(surfels[id].place), Vec2(begun.positions[id])));
     raised += surfels[id].place.z > 0.0001f ? 1 : 0;
+    CHECK(colorOf(surfels[id].record) == std::array<std::uint8_t, 3>{250, 7, 80});
   }
   CHECK(raised > 3000);
   CHECK(furthest < 0.001f);

@@ -85,7 +85,7 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   CHECK(model.upright.up == UpAxis::minusY);
   CHECK(model.cloud.storedAs.comments == std::vector<std::string>{"comment units: m", "comment up: -y"});
   CHECK(model.spacing == doctest::Approx(0.005).epsilon(0.05));
-  CHECK(model.live == nullptr);
+  CHECK(model.stream == nullptr);
 
   const ScratchFolder colored;
   writeRedwood(colored.path());
@@ -302,7 +302,7 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   const ScratchFolder folder;
   writeWall(folder.path());
   Model model = load(playing(folder.path()));
-  model.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = first});
+  model.stream = playedStream(stream, {.exact = false}, first);
   SessionConfig config = playing("-");
   config.stream->live = true;
   config.realtime = true;
@@ -330,12 +330,158 @@ TEST_CASE("a live camera is felt as it sees: its newest frame, from the one that
   CHECK(counts->played + counts->dropped == 6);
 }
 
+namespace {
+
+/// A wall without a feature does not say where it was seen from.
+void writePoses(const std::filesystem::path& folder) {
+  std::string log;
+  for (int i = 0; i < kFrames; ++i) log += fmt::format("{0} {0} {1}\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i + 1);
+  writeBytes(folder / "trajectory.log", log);
+}
+
+const DVec3 kBeforeWall(0, 0, kRest_m - 0.01), kInWall(0, 0, kRest_m + 0.0005);
+
+/// Into the wall, and at rest there until the end.
+Path intoWall(double duration_s) { return Path({{0, kBeforeWall}, {0.3 * duration_s, kInWall}, {duration_s, kInWall}}); }
+
+/// Nine points on a plane that no camera looks at, one metre beside the wall.
+constexpr std::size_t kBeside = 9;
+void addBeside(PointCloud& cloud) {
+  for (std::size_t i = 0; i < kBeside; ++i) {
+    cloud.positions.emplace_back(1 + 0.002 * static_cast<double>(i % 3), 0.002 * static_cast<double>(i / 3), 0.25);
+    cloud.normals.emplace_back(0, 0, -1);
+    if (!cloud.colors.empty()) cloud.colors.push_back({1, 2, 3, 255});
+  }
+}
+
+bool hasBeside(const PointCloud& cloud) {
+  PointCloud truth;
+  addBeside(truth);
+  return std::ranges::all_of(truth.positions,
+                             [&](const Vec3& place) { return std::ranges::count(cloud.positions, place) == 1; });
+}
+
+}  // namespace
+
+TEST_CASE("a stream that is held goes from one session to the next, with the points that were changed in between") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  const auto cpu = cpuBackend();
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  config.duration_s = 0.075;  // frames 0 to 7
+  Session session(config, load(config), {.backend = *cpu, .threads = 1});
+  runAlone(session, intoWall(0.075));
+  session.finish();
+  CHECK(session.playCounts()->played == 8);
+  Model next = session.model();
+  next.stream = session.releaseStream(0.08);
+  REQUIRE(next.stream != nullptr);
+  CHECK(session.player() == nullptr);
+  CHECK_FALSE(session.playCounts().has_value());
+  CHECK(session.releaseStream(0.08) == nullptr);
+  const PointCloud held = session.sculpted().cloud;
+  next.cloud = held;
+  addBeside(next.cloud);
+
+  config.duration_s = 0.05;
+  Session other(config, next, {.backend = *cpu, .threads = 1});
+  CHECK_THROWS_WITH_AS(Session(config, next, {.backend = *cpu, .threads = 1}),
+                       doctest::Contains("is played by another session"), Error);
+  REQUIRE(other.player() != nullptr);
+  CHECK(other.player()->isPaused());
+  // Held: the map is the one that it began with.
+  runAlone(other, intoWall(0.05));
+  other.finish();
+  CHECK(other.playCounts()->played == 8);
+  CHECK(other.sculpted().cloud.positions == next.cloud.positions);
+  // It goes on behind the eighth frame, and what no camera sees stays.
+  other.player()->play(0.06);
+  runAlone(other, intoWall(0.05), {.begin_s = 0.06});
+  other.finish();
+  CHECK(other.playCounts()->played == 13);
+  CHECK(other.playCounts()->lost == 0);
+  const PointCloud end = other.sculpted().cloud;
+  CHECK(end.positions != next.cloud.positions);
+  CHECK(hasBeside(end));
+  CHECK(session.sculpted().cloud.positions == held.positions);  // which has no more frames
+  // Against the clock as well.
+  Model live = other.model();
+  live.cloud = end;
+  live.stream = other.releaseStream(0.12);
+  config.duration_s = 0;
+  const auto clock = std::make_shared<SteppedClock>();
+  LiveSession window(config, live, {.backend = *cpu, .threads = 1}, {.clock = clock});
+  double until_s = 0.1;
+  window.tickUntil(until_s);
+  CHECK(window.playCounts()->played == 13);
+  CHECK(window.holdFrames() == false);
+  for (int guard = 0; guard < 100 && window.playCounts()->played < 16; ++guard) window.tickUntil(until_s += 0.05);
+  CHECK(window.playCounts()->played == 16);
+  CHECK(window.releaseStream() != nullptr);
+  CHECK_FALSE(window.holdFrames().has_value());
+  window.tickUntil(until_s + 0.1);
+  CHECK(window.isTouching());
+}
+
+TEST_CASE("a recording that fuses may be played by several sessions of one model, each from its beginning") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  std::filesystem::resize_file(folder / "depth" / "0000.png", 200);
+  const auto cpu = cpuBackend();
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  const auto model = std::make_shared<const Model>(load(config));
+  Session one(config, model, {.backend = *cpu, .threads = 1}), other(config, model, {.backend = *cpu, .threads = 1});
+  const Trace first = runAlone(one, intoWall(kDuration_s)).trace(), second = runAlone(other, intoWall(kDuration_s)).trace();
+  CHECK(sameTrace(first, second));
+  CHECK(summarize(first).contactTicks > 60);
+  CHECK(one.playCounts()->played == kFrames - 1);
+  CHECK(one.playCounts()->lost == 1);
+}
+
+TEST_CASE("a live camera whose frames fuse goes on behind the one that was the model, until it ends") {
+  const auto stream = std::make_shared<LiveStream>(kCamera);
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  Model model = load(config);
+  const CameraPose pose{};
+  model.stream = playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose});
+  model.stream->seenFrom = pose;
+  config.model.file = "-";
+  config.stream->live = config.realtime = true;
+  config.duration_s = 0;
+  const auto cpu = cpuBackend();
+  const auto clock = std::make_shared<SteppedClock>();
+  LiveSession session(config, model, {.backend = *cpu, .threads = 1}, {.clock = clock});
+  double until_s = 0.2;
+  session.tickUntil(until_s);
+  CHECK(session.playCounts()->played == 1);
+  for (std::uint64_t k = 1; k <= 3; ++k) {
+    stream->give({.time_s = 0.03 * static_cast<double>(k), .number = k, .depth_m = wall(kRest_m), .pose = pose});
+    for (int guard = 0; guard < 200 && session.playCounts()->played < 1 + k; ++guard)
+      session.tickUntil(until_s += 0.05);
+    CHECK(session.playCounts()->played == 1 + k);
+  }
+  stream->give({.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall says nothing of where it was seen from
+  for (int guard = 0; guard < 200 && session.playCounts()->lost == 0; ++guard) session.tickUntil(until_s += 0.05);
+  CHECK(session.playCounts()->lost == 1);
+  CHECK(session.playCounts()->played == 4);
+  stream->end();
+  session.tickUntil(until_s + 2.5);
+  CHECK(session.isTouching());
+  CHECK(session.playCounts()->silentSince_s.has_value());
+}
+
 TEST_CASE("frames that fuse are felt as the map that they make, and a session with them is run again from its text") {
   const ScratchFolder folder;
   writeWall(folder.path());
-  std::string log;  // a wall without a feature does not say where it was seen from
-  for (int i = 0; i < kFrames; ++i) log += fmt::format("{0} {0} {1}\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n", i, i + 1);
-  writeBytes(folder / "trajectory.log", log);
+  writePoses(folder.path());
   const auto cpu = cpuBackend();
   SessionConfig config = playing(folder.path());
   config.stream->fuse = true;

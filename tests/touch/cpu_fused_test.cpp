@@ -6,10 +6,11 @@
 namespace palpate {
 
 TEST_CASE("depth frames are felt on the CPU while they fuse, and what is taken away is felt no more") {
-  checkFusedTouch([](TableStream& stream, const PointCloud& cloud, double radius) {
-    FusedTouch touch{.source = std::make_unique<FusedSource>(unowned(stream), smallMap())};
+  checkFusedTouch([](TableStream& stream, double radius) {
+    const FusedStream frames = stream.fused(smallMap());
+    FusedTouch touch{.source = std::make_unique<FusedSource>(frames)};
     touch.backend = std::make_unique<CpuTouch>(
-        cloud, CpuTouchOptions{.radius = radius, .threads = 1, .source = touch.source.get()});
+        *frames.begin, CpuTouchOptions{.radius = radius, .threads = 1, .source = touch.source.get()});
     return touch;
   });
 }

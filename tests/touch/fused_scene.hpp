@@ -7,6 +7,7 @@
 
 #include "engine/cloud/spacing.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/motion/fused_stream.hpp"
 #include "shaders/shared/contact.h"
 #include "tests/motion/depth_scene.hpp"
 
@@ -18,13 +19,18 @@ class TableStream final : public DepthStream {
   static constexpr std::uint64_t kFrames = 18, kTaken = 8;
   static constexpr double kPeriod_s = 1.0 / 30;
 
-  TableStream() : camera_(smallCamera()) {
+  /// `posed`: frames say where they were seen from; otherwise the first one alone does, and things stand on the table,
+  /// for ever, that say where the camera is.
+  explicit TableStream(bool posed = true) : camera_(smallCamera()) {
+    const DepthScene things = tableScene();
     DepthScene empty, whole;
     empty.add("plane", 0.8, DVec3(0));
     whole.add("plane", 0.8, DVec3(0)).add("sphere", 0.08, {0, 0, 0.04});
     for (std::uint64_t i = 0; i < kFrames; ++i) {
       const CameraPose pose = onArc(DVec3(0, 0, 0.02), 0.8, 0.03 * static_cast<double>(i));
-      frames_.push_back((i < kTaken ? whole : empty).frame(camera_, pose, 0, i));
+      const DepthScene& seen = !posed ? things : i < kTaken ? whole : empty;
+      frames_.push_back(seen.frame(camera_, pose, 0, i));
+      if (!posed && i > 0) frames_.back().pose.reset();
       frames_.back().time_s = kPeriod_s * static_cast<double>(i);
       frames_.back().colors.assign(frames_.back().depth_m.size(), {10, 200, 30});
     }
@@ -38,11 +44,19 @@ class TableStream final : public DepthStream {
   }
   bool isRecorded() const override { return true; }
   void rewind() override { at_ = 0; }
-  /// What is there before anything is felt: the first frame.
-  PointCloud firstCloud() const {
+  const DepthFrame& at(std::size_t frame) const { return frames_[frame]; }
+  std::uint64_t frames() const override { return frames_.size(); }
+  double duration_s() const override { return frames_.back().time_s; }
+  /// What is there before anything is felt: the first frame; and what comes behind it.
+  FusedStream fused(const FusionOptions& options, const PlayOptions& play = {}) {
     FrameFusion fusion(smallMap());
-    fusion.fuse(camera_, frames_.front());
-    return fusion.map().cloud();
+    const FrameOutcome& outcome = fusion.fuse(camera_, frames_.front());
+    FusedStream frames{.stream = playedStream(unowned(*this), play),
+                       .begin = std::make_shared<PointCloud>(fusion.map().cloud()),
+                       .options = options};
+    frames.stream->player->beginBehind({.pass = 0, .time_s = 0});
+    frames.stream->seenFrom = outcome.pose;
+    return frames;
   }
 
  private:
@@ -55,8 +69,8 @@ struct FusedTouch {
   std::unique_ptr<TouchBackend> backend;
   std::unique_ptr<CloudSource> source;  // goes after it
 };
-/// A back end that feels the map which the stream's frames fuse into, begun with `cloud`.
-using MakeFusedTouch = std::function<FusedTouch(TableStream& stream, const PointCloud& cloud, double radius)>;
+/// A back end that feels the map which the stream's frames fuse into.
+using MakeFusedTouch = std::function<FusedTouch(TableStream& stream, double radius)>;
 
 /// The table is felt where it is, and so is the sphere; once free space has contradicted it nothing is left of it.
 inline void checkFusedTouch(const MakeFusedTouch& make) {
@@ -64,10 +78,10 @@ inline void checkFusedTouch(const MakeFusedTouch& make) {
   for (const bool onSphere : {false, true}) {
     CAPTURE(onSphere);
     TableStream stream;
-    const PointCloud cloud = stream.firstCloud();
+    const PointCloud cloud = *stream.fused(smallMap()).begin;
     const double spacing = meanSpacing(cloud);
     CHECK(spacing < 0.003);
-    FusedTouch touch = make(stream, cloud, 4 * spacing);
+    FusedTouch touch = make(stream, 4 * spacing);
     const DVec3 on = onSphere ? DVec3(0, 0, 0.08) : DVec3(0.09, -0.03, 0);
     const double duration_s = TableStream::kPeriod_s * TableStream::kFrames;
     int touched = 0, free = 0;

@@ -6,29 +6,92 @@
 
 namespace palpate {
 
+namespace {
+
+constexpr double kRadius = 0.008;
+
+std::unique_ptr<TouchSide> fusedTouch(Device& device, const FusedStream& frames, double radius = kRadius) {
+  return std::make_unique<TouchSide>(device, *frames.begin, TouchOptions{.radius = radius, .fusion = frames});
+}
+
+PointCloud pointsOf(TouchSide& touch, const FusedStream& frames) {
+  PointCloud cloud = *frames.begin;
+  touch.finish();
+  touch.readBack(cloud);
+  return cloud;
+}
+
+/// Above the map, where nothing is touched.
+Pose awayAt(double time_s) { return {.time_s = time_s, .hip = {0, 0, 0.5}}; }
+
+}  // namespace
+
 TEST_CASE_FIXTURE(GpuFixture, "depth frames are felt while they fuse on the GPU, and what is taken away is felt no more") {
-  checkFusedTouch([this](TableStream& stream, const PointCloud& cloud, double radius) {
-    return FusedTouch{.backend = std::make_unique<TouchSide>(
-                          device, cloud,
-                          TouchOptions{.radius = radius,
-                                       .fusion = FusedStream{.stream = &stream, .options = smallMap(60'000)}}),
-                      .source = nullptr};
+  checkFusedTouch([this](TableStream& stream, double radius) {
+    return FusedTouch{.backend = fusedTouch(device, stream.fused(smallMap(60'000)), radius), .source = nullptr};
   });
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GPU as it is on the host") {
   TableStream first, second;
-  const PointCloud cloud = first.firstCloud();
-  FusedSource source(unowned(first), smallMap(60'000));
-  const double radius = 4 * meanSpacing(cloud);
-  TouchSide host(device, cloud, {.radius = radius, .source = &source});
-  TouchSide fused(device, cloud, {.radius = radius, .fusion = FusedStream{.stream = &second, .options = smallMap(60'000)}});
+  const FusedStream onHost = first.fused(smallMap(60'000)), onGpu = second.fused(smallMap(60'000));
+  FusedSource source(onHost);
+  TouchSide host(device, *onHost.begin, {.radius = kRadius, .source = &source});
+  const auto fused = fusedTouch(device, onGpu);
   for (int i = 0; i < 300; i += 3) {
     const Pose pose{.time_s = 1e-3 * i, .hip = {0.002 * std::sin(0.05 * i), 0, std::max(0.09 - 0.0005 * i, 0.079)}};
-    const Contact a = host.query(pose, 0), b = fused.query(pose, 0);
+    const Contact a = host.query(pose, 0), b = fused->query(pose, 0);
     CHECK(a.touching == b.touching);
     CHECK(glm::distance(a.proxy, b.proxy) < 1e-5);
   }
+  CHECK(onGpu.stream->player->counts().played == onHost.stream->player->counts().played);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "where time goes back the map on the GPU begins anew, and the same time has the same bytes") {
+  TableStream stream, again;
+  const FusedStream frames = stream.fused(smallMap(40'000)), straight = again.fused(smallMap(40'000));
+  const auto touch = fusedTouch(device, frames), other = fusedTouch(device, straight);
+  for (const double time_s : {0.1, 0.2, 0.05}) touch->query(awayAt(time_s), 0);
+  other->query(awayAt(0.05), 0);
+  const PointCloud a = pointsOf(*touch, frames), b = pointsOf(*other, straight);
+  CHECK(a.positions == b.positions);
+  CHECK(a.normals == b.normals);
+  CHECK(a.colors == b.colors);
+  touch->query(awayAt(0), 0);
+  CHECK(pointsOf(*touch, frames).positions == frames.begin->positions);
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "frames without poses are placed on the GPU, held, and taken from one map to the next") {
+  TableStream stream(false);
+  FusedStream frames = stream.fused(smallMap(40'000));
+  auto touch = fusedTouch(device, frames);
+  touch->query(awayAt(0.11), 0);  // three frames
+  const DVec3 target(0, 0, 0.02);
+  const auto errorOf = [&](const FusedStream& played, int frame) {
+    return glm::distance(played.stream->seenFrom->centre, onArc(target, 0.8, 0.03 * frame).centre);
+  };
+  CHECK(frames.stream->player->counts().played == 4);
+  CHECK(frames.stream->player->counts().lost == 0);
+  CHECK(errorOf(frames, 3) < 0.004);
+  frames.stream->player->pause(0.11);
+  touch->query(awayAt(0.5), 0);
+  const auto map = std::make_shared<PointCloud>(pointsOf(*touch, frames));
+  FusedStream next{.stream = std::make_shared<PlayedStream>(std::exchange(*frames.stream, {})),
+                   .begin = map,
+                   .options = smallMap(40'000)};
+  next.stream->player->beginHere();
+  touch->query(awayAt(1), 0);  // nobody's any more: it stays
+  CHECK(pointsOf(*touch, frames).positions == map->positions);
+  touch.reset();
+  touch = fusedTouch(device, next);
+  CHECK(pointsOf(*touch, next).positions == map->positions);
+  next.stream->player->play(0);
+  // Against the clock, on a thread of its own.
+  for (int i = 0; i < 2000 && next.stream->player->counts().played < 6; ++i) touch->query(awayAt(0.06), 500);
+  CHECK(next.stream->player->counts().played == 6);
+  CHECK(pointsOf(*touch, next).size() > 10'000);
+  CHECK(next.stream->player->counts().lost == 0);
+  CHECK(errorOf(next, 5) < 0.004);
 }
 
 }  // namespace palpate

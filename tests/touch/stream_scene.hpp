@@ -53,7 +53,7 @@ using MakeStreamTouch =
 /// The answers to a stylus in virtual time that comes within 20 ms from 5 mm in front of the first wall, and stays at a
 /// depth.
 inline std::vector<Contact> feelWall(const MakeStreamTouch& make, const std::vector<double>& depths_m, double hip_m) {
-  DepthSource source(std::make_shared<WallStream>(depths_m), {});
+  DepthSource source(playedStream(std::make_shared<WallStream>(depths_m)), DVec3(0));
   CloudFrame first;
   source.makeFrame(0, first);
   PointCloud cloud;

@@ -1,0 +1,65 @@
+#include "engine/motion/frame_intake.hpp"
+
+#include <utility>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+// Numbers that are left out are of frames that were lost or dropped: the camera has had so much longer to move.
+void FrameIntake::noteNumber(std::uint64_t number) {
+  if (number_ && number > *number_ + 1) tracker_.missed(number - *number_ - 1);
+  number_ = number;
+}
+
+bool FrameIntake::read(const DepthCamera& camera, const DepthFrame& frame) {
+  noteNumber(frame.number);
+  try {
+    readFrame(camera, frame, options_, images_);
+    if (frame.pose) requirePose(*frame.pose, frame.number);
+    return true;
+  } catch (const Error& error) {
+    ++lost_;
+    leaveOut(frame.number, error.what());
+    return false;
+  }
+}
+
+std::optional<CameraPose> FrameIntake::place(const DepthFrame& frame, const PoseTracker::Search& search) {
+  std::optional<CameraPose> pose = tracker_.place(frame, search);
+  if (pose) return pose;
+  ++unplaced_;
+  leaveOut(frame.number, tracker_.result().why());
+  return std::nullopt;
+}
+
+void FrameIntake::fused(const CameraPose& pose, std::uint64_t refused) {
+  tracker_.fused(pose);
+  ++fused_;
+  sayWhereFull(refused);
+}
+
+void FrameIntake::sayWhereFull(std::uint64_t refused) {
+  if (refused > 0 && !std::exchange(saidFull_, true) && log_)
+    log_->say("the map is full: {} points; what is seen anew finds no room", options_.capacity);
+}
+
+void FrameIntake::countLost(std::string_view why, std::uint64_t frames) {
+  if (frames == 0) return;
+  lost_ += frames;
+  if (log_) log_->say("a frame is lost: {}", why);
+}
+
+void FrameIntake::leaveOut(std::uint64_t number, std::string why) {
+  tracker_.missed();
+  why_ = std::move(why);
+  if (log_) log_->say("frame {} is not fused: {}", number, why_);
+}
+
+void FrameIntake::beginAt(const std::optional<CameraPose>& seenFrom) {
+  tracker_.beginAt(seenFrom);
+  number_.reset();
+  fused_ = unplaced_ = lost_ = 0;
+}
+
+}  // namespace palpate
