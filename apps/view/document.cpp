@@ -23,8 +23,6 @@ std::optional<StreamConfig> streamOf(const std::string& file, const WindowOption
   return stream;
 }
 
-bool isLive(const WindowSession& session) { return session.config().stream && session.config().stream->live; }
-
 }  // namespace
 
 Document::Document(const DocumentParts& parts, WindowOptions options, bool asks)
@@ -44,6 +42,8 @@ void Document::open(const std::string& file) {
     WindowOptions options = options_;
     options.config.model.file = file;
     options.config.stream = streamOf(file, options_);
+    handedOn_ = HandedOn::no;
+    opened_ = options;
     loader_.open(options, parts_.settings.brush, parts_.settings.feel);
   });
 }
@@ -69,13 +69,15 @@ bool Document::load(const std::function<void()>& letGo) {
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    if (!isLive(*result->session)) recent_.add(result->session->file());
+    if (!isLive()) recent_.add(result->session->file());
     letGo();
+    const bool isAnother = handedOn_ == HandedOn::no;
     install(std::move(result->session));
-    return true;
+    return isAnother;
   }
   if (!result->failure.empty()) {
     std::erase(offered_, loader_.file());  // nobody is offered it again
+    handedOn_ = HandedOn::no;
     messages_.say(result->failure);
   }
   return false;
@@ -89,13 +91,18 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   saveQuestion_.reset();
   if (!session_) return;
   saidOfFrames_ = {};
-  saveFile_ = isLive(*session_) ? "camera.ply" : whereToSave(session_->file()).string();
+  const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
+  if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
+  if (handedOn == HandedOn::toGoOn) holdFrames();
+  if (handedOn != HandedOn::no) return;
+  saveFile_ = isLive() ? "camera.ply" : whereToSave(session_->file()).string();
 }
 
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   sayWhatFramesLack();
+  messages_.tryTo([&] { sculptHeld(); });
 }
 
 void Document::sayWhatFramesLack() {
@@ -166,9 +173,34 @@ void Document::carryOut(const ViewRequests& requests) {
   if (!requests.play.empty()) play(requests.play);
   if (requests.endPlaying) session_->endPlaying();
   if (requests.exportTicks) writeTicks();
-  if (requests.holdFrames)
-    if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
-  if (requests.stepFrame) session_->stepFrame();
+  if (requests.holdFrames) holdFrames();
+  if (requests.stepFrame && session_->isHeldStill())
+    messages_.say("what is sculpted is one frame; K lets the frames go on");
+  else if (requests.stepFrame)
+    session_->stepFrame();
+}
+
+void Document::holdFrames() {
+  if (session_->isHeldStill()) return letFramesGoOn();
+  if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
+}
+
+void Document::sculptHeld() {
+  if (!session_->holdsFrames() || !parts_.settings.brush.kind || !session_->isTouching() || loader_.isLoading()) return;
+  WindowOptions options = opened_;
+  options.config.stream.reset();
+  handedOn_ = HandedOn::held;
+  loader_.open(options, parts_.settings.brush, parts_.settings.feel, session_->handOn());
+}
+
+void Document::letFramesGoOn() {
+  const auto goOn = [this] {
+    handedOn_ = HandedOn::toGoOn;
+    loader_.open(opened_, parts_.settings.brush, parts_.settings.feel, session_->handOn());
+  };
+  // The next frame takes the place of all points, where they are no map.
+  if (opened_.config.stream->fuse) return goOn();
+  leave(goOn);
 }
 
 void Document::play(const std::string& log) {

@@ -44,7 +44,7 @@ class Document {
   /// Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
   /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes. Whether
-  /// another model is open since.
+  /// another model is open since, and not the same that is held or goes on.
   bool load(const std::function<void()>& letGo);
   const Loader& loader() const { return loader_; }
 
@@ -68,7 +68,12 @@ class Document {
   const std::string& saveFile() const { return saveFile_; }
 
  private:
+  bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
   void install(std::unique_ptr<WindowSession> session);
+  // Of a camera: frames are held or go on, and what is held is sculpted once there is a brush.
+  void holdFrames();
+  void sculptHeld();
+  void letFramesGoOn();
   // To where Ctrl+S goes; asks first where a file would lose something.
   void save();
   void saveTo(const std::string& file);
@@ -83,6 +88,8 @@ class Document {
   std::vector<std::string> offered_;
   Loader loader_;
   std::unique_ptr<WindowSession> session_;
+  WindowOptions opened_;  // that its file was opened with
+  enum class HandedOn { no, held, toGoOn } handedOn_ = HandedOn::no;  // the points of the session before
   std::string saveFile_;  // the model's own, or the one beside it
   struct {
     bool lost = false, silent = false;

@@ -15,12 +15,25 @@ Loader::~Loader() { cancel(); }
 
 void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel) {
   cancel();
+  given_.reset();
+  const std::string name = std::filesystem::path(options.config.model.file).filename().string();
+  begin(std::move(options), brush, feel, "reading " + name);
+}
+
+void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model) {
+  cancel();
+  given_ = std::move(model);
+  begin(std::move(options), brush, feel, "preparing touch and sight");
+}
+
+void Loader::begin(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel,
+                   const std::string& what) {
   options_ = std::move(options);
   brush_ = brush;
   feel_ = feel;
   cancelled_ = isRead_ = isLet_ = false;
   mayBuild_ = {};
-  enter("reading " + std::filesystem::path(options_.config.model.file).filename().string(), 0);
+  enter(what, 0);
   context_.log().listen(this);
   result_ = std::async(std::launch::async, [this] { return load(); });
 }
@@ -41,7 +54,8 @@ void Loader::build() {
 Loader::Result Loader::load() {
   try {
     // Normals on the CPU: the GPU's queues belong to the session that is open still.
-    Model model = loadModel(options_.config, {.log = context_.log(), .threads = context_.threads()});
+    Model model = given_ ? std::move(*given_)
+                         : loadModel(options_.config, {.log = context_.log(), .threads = context_.threads()});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

@@ -20,6 +20,8 @@ class Loader final : private LogListener {
 
   /// Ends what is being loaded, and begins with another file.
   void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel);
+  /// The same with a model that is there, and is not read.
+  void open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model);
   bool isLoading() const { return result_.valid(); }
   std::string file() const { return options_.config.model.file; }
   double progress() const { return progress_; }
@@ -42,6 +44,7 @@ class Loader final : private LogListener {
   struct Cancelled {};
   void said(std::string_view line) override;
   void progressed(std::string_view what, double fraction) override;
+  void begin(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, const std::string& what);
   Result load();
   void cancel();
   void enter(std::string stage, double progress);
@@ -51,6 +54,7 @@ class Loader final : private LogListener {
   WindowOptions options_;
   BrushSettings brush_;
   FeelSettings feel_;
+  std::optional<Model> given_;  // in place of what the file has
   std::atomic<bool> cancelled_ = false, isRead_ = false;
   std::atomic<double> progress_ = 0;
   std::promise<void> mayBuild_;

@@ -52,6 +52,7 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
       stylus_(mapFor(this->model(), bounds_), parkingPlace(this->model(), bounds_)),
       map_(options.device ? mapInto(options.deviceFacts, this->model()) : mapFor(this->model(), bounds_)),
       seen_(1 / config.rate_Hz) {
+  if (DepthPlayer* const player = session_.player()) held_ = player->isPaused();
   if (!config.moves() && (!config.brush || config.brush->kind != BrushKind::push)) session_.setBrush(config.brush);
   start();
 }
@@ -154,7 +155,26 @@ std::optional<bool> LiveSession::holdFrames() {
   DepthPlayer* const player = session_.player();
   if (!player) return std::nullopt;
   between([&] { player->isPaused() ? player->play(servo_.next_s) : player->pause(servo_.next_s); });
-  return player->isPaused();
+  return held_ = player->isPaused();
+}
+
+Model LiveSession::handOn() {
+  if (servo_.lost) throw Error("{}: the session has ended; what it has can be saved", file());
+  endRecording();
+  return between([&] {
+    const Model& had = model();
+    std::shared_ptr<PlayedStream> stream = session_.releaseStream(servo_.next_s);
+    if (!stream && isHeldStill()) stream = std::make_shared<PlayedStream>(std::exchange(*had.stream, {}));
+    // The surface is felt as it was: with the same scale and spacing.
+    return Model{.cloud = session_.sculpted().cloud,
+                 .scale = had.scale,
+                 .spacing = had.spacing,
+                 .wideSpacing = had.wideSpacing,
+                 .noise = had.noise,
+                 .upright = had.upright,
+                 .shown = had.shown,
+                 .stream = std::move(stream)};
+  });
 }
 
 std::shared_ptr<PlayedStream> LiveSession::releaseStream() {

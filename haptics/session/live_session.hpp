@@ -73,6 +73,14 @@ class LiveSession {
   std::optional<bool> holdFrames();
   /// Recorded, while they are held: the next one.
   void stepFrame();
+  /// Whether frames are held.
+  bool holdsFrames() const { return held_; }
+  /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
+  bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
+  /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has
+  /// no more. A session whose configuration has no stream sculpts the points; one that has it goes on from them once it
+  /// lets its frames go on. Throws what a query could not.
+  Model handOn();
   /// Session::releaseStream(), from now on.
   std::shared_ptr<PlayedStream> releaseStream();
   /// Session::playCounts().
@@ -131,6 +139,7 @@ class LiveSession {
   Session session_;
   LiveOptions options_;
   Bounds bounds_;
+  bool held_ = false;
   Journal* journal_;
   GuidedTouch stylus_;
   WorkspaceMap map_;

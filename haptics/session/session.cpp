@@ -106,6 +106,8 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
   if (config_.stream && config_.stream->live)
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
+  if (model_->stream && !config_.stream)
+    throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   recording_ = std::make_unique<SessionRecording>(file,
                                                   RecordedSession{.config = config_,

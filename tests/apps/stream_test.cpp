@@ -179,4 +179,41 @@ TEST_CASE("the window plays a recording") {
   CHECK(jsonOf(played->folder / "end.json")["last_message"] == "frames are held");
 }
 
+TEST_CASE("in the window a map that is held is sculpted, undone and saved, and goes on with what was done to it") {
+  if (!hasDisplay()) return;
+  const auto played =
+      play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.2 --fuse on --edit carve",
+           R"(
+0.3 state %/begin.json
+0.5 key k
+0.6 impatient
+0.7 patient
+0.8 mouse 320 180
+0.9 key space down
+1.0 button left down
+1.1 wheel 4
+1.8 button left up
+1.9 key space up
+2.0 state %/carved.json
+2.1 key ctrl+z
+2.2 state %/undone.json
+2.3 key ctrl+y
+2.4 save %/carved.ply
+2.7 state %/saved.json
+2.8 key k
+3.2 state %/on.json
+3.3 quit
+)",
+           "", [](const std::filesystem::path& folder) { writeRedwood(folder / "recorded", {.frames = 30}); });
+  CAPTURE(played->outcome.text);
+  REQUIRE(played->outcome.code == 0);
+  const auto carved = played->state("carved.json");
+  CHECK(played->state("begin.json")["edits"] == 0);
+  CHECK(carved["edits"] > 0);
+  CHECK(carved["undoable"] == 1);
+  CHECK(played->state("undone.json")["undoable"] == 0);
+  CHECK(std::filesystem::exists(played->folder / "carved.ply"));
+  CHECK(played->state("on.json")["last_message"] == "frames go on");
+}
+
 }  // namespace palpate

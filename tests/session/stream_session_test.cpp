@@ -425,6 +425,61 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
   CHECK(window.isTouching());
 }
 
+TEST_CASE("what is held is handed on, sculpted, undone and handed back, and frames go on behind it") {
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  const auto cpu = cpuBackend();
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = config.realtime = true;
+  config.duration_s = 0;
+  const auto clock = std::make_shared<SteppedClock>();
+  auto playing = std::make_unique<LiveSession>(config, load(config), SessionParts{.backend = *cpu, .threads = 1},
+                                               LiveOptions{.clock = clock});
+  CHECK_FALSE(playing->holdsFrames());
+  CHECK_FALSE(playing->isHeldStill());
+  double until_s = 0;
+  for (int guard = 0; guard < 100 && playing->playCounts()->played < 4; ++guard) playing->tickUntil(until_s += 0.02);
+  Model held = playing->handOn();
+  playing.reset();
+  REQUIRE(held.stream != nullptr);
+  const std::size_t points = held.cloud.size();
+  CHECK(points > 1000);
+
+  SessionConfig still = config;
+  still.stream.reset();
+  still.brush = BrushConfig{.kind = BrushKind::carve, .radius_mm = 30};
+  const auto second = std::make_shared<SteppedClock>();
+  auto sculpting = std::make_unique<LiveSession>(still, std::move(held), SessionParts{.backend = *cpu, .threads = 1},
+                                                 LiveOptions{.clock = second});
+  CHECK(sculpting->isHeldStill());
+  CHECK_FALSE(sculpting->holdFrames().has_value());
+  CHECK_THROWS_WITH_AS(sculpting->record((folder / "log").string()), doctest::Contains("save the points"), Error);
+  sculpting->aim(DVec3(0, 0, kRest_m - 0.05));
+  sculpting->tickUntil(until_s = 1);
+  sculpting->aim(DVec3(0, 0, kRest_m + 0.01));
+  for (int guard = 0; guard < 100 && sculpting->edits() == 0; ++guard) sculpting->tickUntil(until_s += 0.05);
+  REQUIRE(sculpting->edits() > 0);
+  sculpting->lift();
+  sculpting->tickUntil(until_s += 0.1);
+  CHECK(sculpting->isChanged());
+  Model carved = sculpting->handOn();
+  sculpting.reset();
+  REQUIRE(carved.stream != nullptr);
+  CHECK(carved.cloud.size() < points);
+
+  const auto third = std::make_shared<SteppedClock>();
+  LiveSession goingOn(config, carved, {.backend = *cpu, .threads = 1}, {.clock = third});
+  CHECK(goingOn.holdsFrames());
+  goingOn.tickUntil(0.05);
+  CHECK(goingOn.playCounts()->played == 4);
+  CHECK(goingOn.holdFrames() == false);
+  until_s = 0.05;
+  for (int guard = 0; guard < 100 && goingOn.playCounts()->played < 6; ++guard) goingOn.tickUntil(until_s += 0.02);
+  CHECK(goingOn.playCounts()->played >= 6);
+  CHECK(goingOn.isTouching());
+}
+
 TEST_CASE("a recording that fuses may be played by several sessions of one model, each from its beginning") {
   const ScratchFolder folder;
   writeWall(folder.path());
