@@ -36,7 +36,7 @@ class FusedFrames final : public FrameWriter {
 
  private:
   const PointCloud& begun() const { return *frames_.begin; }
-  void beginAnew(const LiveCloud::Half& incoming);
+  void startOver(const LiveCloud::Half& incoming);
   // False where the frame is left out, for whatever reason the intake has.
   bool puts(const DepthCamera& camera, const DepthFrame& frame);
 

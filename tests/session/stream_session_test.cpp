@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "engine/cloud/up.hpp"
+#include "engine/motion/fused_source.hpp"
 #include "haptics/session/live_session.hpp"
 #include "tests/motion/depth_stream.hpp"
 #include "tests/rgbd_writer.hpp"
@@ -409,6 +410,39 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
   CHECK_FALSE(window.holdFrames().has_value());
   window.tickUntil(until_s + 0.1);
   CHECK(window.isTouching());
+}
+
+TEST_CASE("a back end that fuses frames itself is handed the stream, and no source") {
+  struct Fusing final : BackendKind {
+    std::string_view name() const override { return "fusing"; }
+    const std::vector<std::string>& methods() const override { return cpu->methods(); }
+    TouchCapabilities capabilities() const override { return {.fusesFrames = true}; }
+    std::string machine(unsigned threads) const override { return cpu->machine(threads); }
+    std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
+      CHECK(request.source == nullptr);
+      if (request.fusion) source = std::make_unique<FusedSource>(*request.fusion);
+      begun = request.fusion && request.fusion->begin.get() == &request.model.cloud;
+      BackendRequest asked = request;
+      asked.source = source.get();
+      return cpu->make(asked);
+    }
+    std::unique_ptr<BackendKind> cpu = cpuBackend();
+    mutable std::unique_ptr<FusedSource> source;
+    mutable bool begun = false;
+  } fusing;
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  const auto cpu = cpuBackend();
+  Session own(config, load(config), {.backend = *cpu, .threads = 1});
+  config.backend.name = "fusing";
+  Session given(config, load(config), {.backend = fusing, .threads = 1});
+  CHECK(fusing.begun);
+  CHECK(sameTrace(runAlone(own, intoWall(kDuration_s)).trace(), runAlone(given, intoWall(kDuration_s)).trace()));
+  CHECK(given.playCounts()->played == kFrames);
+  CHECK(given.player() != nullptr);
 }
 
 TEST_CASE("a recording that fuses may be played by several sessions of one model, each from its beginning") {
