@@ -132,7 +132,8 @@ TEST_CASE("frames on standard input fuse against the clock until they end, on bo
   const ScratchFolder folder;
   const DepthCamera camera = recordedCamera();
   std::string frames =
-      intrinsicsJson(camera, R"(, "depth_scale": 5000, "format": "z16", "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])") +
+      intrinsicsJson(camera,
+                     R"(, "depth_scale": 5000, "format": "z16", "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])") +
       "\n";
   for (int i = 0; i < 3; ++i) {
     frames += fmt::format("frame {}\n", 0.03 * i);

@@ -47,7 +47,9 @@ TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GP
   CHECK(onGpu.stream->player->counts().played == onHost.stream->player->counts().played);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "where time goes back the map on the GPU begins anew, and the same time has the same bytes, full or not") {
+TEST_CASE_FIXTURE(
+    GpuFixture,
+    "where time goes back the map on the GPU begins anew, and the same time has the same bytes, full or not") {
   TableStream stream, again;
   FusedStream frames = stream.fused(smallMap(40'000)), straight = again.fused(smallMap(40'000));
   struct Lines final : LogListener {
@@ -67,8 +69,8 @@ TEST_CASE_FIXTURE(GpuFixture, "where time goes back the map on the GPU begins an
   CHECK(a.positions == b.positions);
   CHECK(a.normals == b.normals);
   CHECK(a.colors == b.colors);
-  CHECK(lines.all ==
-        std::vector{fmt::format("the map is full: {} points; what is seen anew finds no room", frames.options.capacity)});
+  CHECK(lines.all == std::vector{fmt::format("the map is full: {} points; what is seen anew finds no room",
+                                             frames.options.capacity)});
   touch->query(awayAt(0), 0);
   CHECK(pointsOf(*touch, frames).positions == frames.begin->positions);
 }
