@@ -43,10 +43,10 @@ class DepthPlayer {
   /// recording, or the first one that could be read where none was. Live: the last that has come. Waits for the first
   /// one. Throws Error where there is none and none will come.
   Played frameAt(double time_s);
-  /// The same frames one after another, for a map that each of them goes into: the next one that is due at a time of the
-  /// session and was not handed out before. Recorded and exact: every one, in order and without a gap, of all passes.
-  /// Otherwise the newest alone, and what it overtakes is dropped. Nothing where all have been; waits for the first one,
-  /// and where it plays exactly for the next. A time that has gone back begins anew, as rewindFor() says.
+  /// The same frames one after another, for a map that each of them goes into: the next one that is due at a time of
+  /// the session and was not handed out before. Recorded and exact: every one, in order and without a gap, of all
+  /// passes. Otherwise the newest alone, and what it overtakes is dropped. Nothing where all have been; waits for the
+  /// first one, and where it plays exactly for the next. A time that has gone back begins anew, as rewindFor() says.
   std::optional<Played> nextDue(double time_s);
   /// Recorded: where a frame that nextDue() has handed out is not due yet at that time, it begins anew, from the first
   /// frame on or behind the one that beginBehind() or beginHere() has named. Whether it did: then a map begins anew.

@@ -6,8 +6,8 @@
 
 namespace palpate {
 
-/// The map that the frames of a depth stream fuse into on the host, as it is at a time: points in metres, relative to the
-/// map's origin. A stream that is taken from it leaves the map as it is.
+/// The map that the frames of a depth stream fuse into on the host, as it is at a time: points in metres, relative to
+/// the map's origin. A stream that is taken from it leaves the map as it is.
 class FusedSource final : public CloudSource {
  public:
   /// Throws as FusionOptions::validate() and SurfelMap::begin().
@@ -30,7 +30,7 @@ class FusedSource final : public CloudSource {
   FusedStream frames_;
   std::optional<CameraPose> begunFrom_;  // from where the last frame of the map that it begins with was seen
   FrameFusion fusion_;
-  double time_s_ = 0;                        // of the frame that was fused last
+  double time_s_ = 0;                          // of the frame that was fused last
   std::uint64_t changes_ = 0, shown_ = ~0ull;  // of the map; and how many there were when it was shown
 };
 

@@ -30,8 +30,8 @@ inline std::shared_ptr<PlayedStream> playedStream(std::shared_ptr<DepthStream> s
   return played;
 }
 
-/// Depth frames that are to be fused, on the host or on the GPU: into a map that begins with the points of a cloud, which
-/// count as measured often enough. `log`, if any, outlives what fuses them.
+/// Depth frames that are to be fused, on the host or on the GPU: into a map that begins with the points of a cloud,
+/// which count as measured often enough. `log`, if any, outlives what fuses them.
 struct FusedStream {
   std::shared_ptr<PlayedStream> stream;
   std::shared_ptr<const PointCloud> begin;  ///< with normals; its origin is the map's. Null: no point

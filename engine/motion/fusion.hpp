@@ -55,8 +55,8 @@ struct FrameImages {
 /// or colours, and for a depth that is negative or no number, with its pixel; for a camera as requireCamera().
 void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options, FrameImages& images);
 
-/// What is known of a point that no frame has seen, but that is there: as if it had been measured often enough from 1 m.
-/// `color`: RGBA8; 0 where it has none.
+/// What is known of a point that no frame has seen, but that is there: as if it had been measured often enough from 1
+/// m. `color`: RGBA8; 0 where it has none.
 shared::SurfelRecord givenRecord(const FusionOptions& options, std::uint32_t color);
 
 shared::DepthSensor sensorOf(const DepthCamera& camera, const FusionOptions& options);

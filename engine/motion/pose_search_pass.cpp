@@ -54,8 +54,7 @@ PoseSearchPass::PoseSearchPass(Device& device, Queue& queue, FusionPass& fusion,
       frontPlaces_(byPixel(device, fusion.camera(), sizeof(Vec4), "icp places")),
       frontNormals_(byPixel(device, fusion.camera(), sizeof(Vec4), "icp normals")),
       sums_(Buffer::of<float>(device, std::uint64_t{groupsFor(fusion.camera(), 1)} * shared::kIcpSums, Memory::readback,
-                              "icp sums")) {
-}
+                              "icp sums")) {}
 
 // Recorded when they are needed: by then there is urgent work, which long dispatches give way to.
 const CommandList& PoseSearchPass::frontOf(std::uint32_t half) {

@@ -50,8 +50,8 @@ class LiveCloud {
 
   /// The points that are there, in the order of their slots. Waits for the latency queue.
   std::vector<PointState> points() const;
-  /// Puts the points of a cloud, as many as slots at most, into memory of that many slots, in the order of their ids, as
-  /// the first half had them. Waits for `queue`.
+  /// Puts the points of a cloud, as many as slots at most, into memory of that many slots, in the order of their ids,
+  /// as the first half had them. Waits for `queue`.
   void upload(Queue& queue, const PointCloud& cloud, const Half& half) const;
 
  private:

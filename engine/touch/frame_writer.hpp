@@ -23,8 +23,8 @@ class FrameWriter {
 
   /// Slots of the live cloud.
   virtual std::size_t size() const = 0;
-  /// Makes ready the next one of the frames that are due by `time_s`; `incoming`: the points that its index is built from,
-  /// in any order. Throws Error where it cannot.
+  /// Makes ready the next one of the frames that are due by `time_s`; `incoming`: the points that its index is built
+  /// from, in any order. Throws Error where it cannot.
   virtual MadeFrame make(double time_s, const LiveCloud::Half& incoming) = 0;
   /// Records how it becomes the points `incoming`, in any order, and the velocities by id. `front`: the points so far.
   virtual void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,

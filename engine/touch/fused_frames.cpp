@@ -28,7 +28,7 @@ FusedFrames::FusedFrames(Device& device, const FusedStream& frames, const LiveCl
   intake_.beginAt(begunFrom_);
 }
 
-void FusedFrames::beginAnew(const LiveCloud::Half& incoming) {
+void FusedFrames::startOver(const LiveCloud::Half& incoming) {
   pass_.reset(*queue_, begun());
   cloud_.upload(*queue_, begun(), incoming);
   intake_.beginAt(begunFrom_);
@@ -56,7 +56,7 @@ MadeFrame FusedFrames::make(double time_s, const LiveCloud::Half& incoming) {
   if (!frames_.stream->player) return MadeFrame::none;
   DepthPlayer& player = *frames_.stream->player;
   if (player.rewindFor(time_s)) {
-    beginAnew(incoming);
+    startOver(incoming);
     return MadeFrame::incoming;
   }
   MadeFrame made = MadeFrame::none;

@@ -10,17 +10,17 @@
 namespace palpate {
 
 /// The map that depth frames fuse into on the GPU, as points of the live cloud: what has been done to those since the
-/// last frame stays. A frame that does not say where it was seen from is looked for in the front half, on a queue of its
-/// own, which gives way to questions; nobody writes that half before the frame is made. A stream that is taken from it
-/// leaves the map as it is.
+/// last frame stays. A frame that does not say where it was seen from is looked for in the front half, on a queue of
+/// its own, which gives way to questions; nobody writes that half before the frame is made. A stream that is taken from
+/// it leaves the map as it is.
 class FusedFrames final : public FrameWriter {
  public:
   /// `frames.begin` is the live cloud at first, whose points have the first ids. Throws as FusionPass.
   FusedFrames(Device& device, const FusedStream& frames, const LiveCloud& cloud);
 
   std::size_t size() const override { return cloud_.slots(); }
-  /// The next frame that the stream's player hands out; one that cannot be placed or fused is said, counts as lost, and is
-  /// left out. Where the time has gone back, the map that it begins with comes first.
+  /// The next frame that the stream's player hands out; one that cannot be placed or fused is said, counts as lost, and
+  /// is left out. Where the time has gone back, the map that it begins with comes first.
   MadeFrame make(double time_s, const LiveCloud::Half& incoming) override;
   void record(CommandList& list, const LiveCloud::Half& front, const LiveCloud::Half& incoming,
               const Buffer& velocities) const override;
@@ -36,7 +36,7 @@ class FusedFrames final : public FrameWriter {
 
  private:
   const PointCloud& begun() const { return *frames_.begin; }
-  void beginAnew(const LiveCloud::Half& incoming);
+  void startOver(const LiveCloud::Half& incoming);
   // False where the frame is left out, for whatever reason the intake has.
   bool puts(const DepthCamera& camera, const DepthFrame& frame);
 

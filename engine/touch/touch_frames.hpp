@@ -16,8 +16,8 @@ inline bool moves(const TouchOptions& options) { return options.source || option
 /// Empty slots of the live cloud behind the points that are there.
 std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options);
 
-/// The frames of the touch side, where something moves its points: who writes them, and how they come into the live cloud.
-/// Without any, nothing happens here. For the thread that asks.
+/// The frames of the touch side, where something moves its points: who writes them, and how they come into the live
+/// cloud. Without any, nothing happens here. For the thread that asks.
 class TouchFrames {
  public:
   /// `index` must outlive it. Brings the frame of time 0.

@@ -33,7 +33,7 @@ struct TouchOptions {
   CloudSource* source = nullptr;      ///< moves the points, which have no brush then; outlives what it moves
   /// In place of a source: the points are a map that depth frames fuse into, which begins with the cloud.
   std::optional<FusedStream> fusion;
-  bool paintable = false;             ///< keeps colours, for a brush that comes later
+  bool paintable = false;  ///< keeps colours, for a brush that comes later
   IndexFollow index = IndexFollow::incremental;
   std::optional<std::uint32_t>
       spareSlots;  ///< where the index follows edits; in proportion to the cloud when not given

@@ -154,8 +154,7 @@ void TouchSide::makeBridge() {
 
 void TouchSide::recordAll() {
   for (int turn = 0; turn < 2; ++turn) {
-    questions_.record(index_.parity(), index_.view(), record_.log.head(),
-                      frames_.velocities(index_.parity()));
+    questions_.record(index_.parity(), index_.view(), record_.log.head(), frames_.velocities(index_.parity()));
     bridge_->record(index_.parity(), index_.view());
     if (edits_) edits_->record(questions_.contact().state());
     index_.flip();
@@ -381,8 +380,7 @@ void TouchSide::closeTick() {
   if (!questions_.isInTick()) return;
   const bool answered = questions_.state() == QuestionState::answered, realtime = questions_.question().realtime;
   questions_.closeTick();
-  if (realtime)
-    bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_.pointsTime());
+  if (realtime) bridge_->renew(hands_.front().probes.question(), index_.parity(), frames_.pointsTime());
   if (!answered) return;
   editIfYielding(realtime);
   goOn(questions_.question().time_s, realtime);

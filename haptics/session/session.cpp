@@ -17,8 +17,8 @@ SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   return config;
 }
 
-std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model, const SurfaceOptions& surface,
-                                          const SessionParts& parts, CloudSource* source,
+std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Model& model,
+                                          const SurfaceOptions& surface, const SessionParts& parts, CloudSource* source,
                                           const std::optional<FusedStream>& fusion) {
   std::optional<BrushOptions> brush;
   if (config.brush) brush = brushOptions(*config.brush, model.scale);

@@ -69,11 +69,12 @@ class Session {
   void checkFollower() const { relay_.checkFollower(); }
   /// What holds the frames of a depth camera and lets them go on; between runs, after finish(). Null where none are played.
   DepthPlayer* player() { return stream_ ? stream_->player.get() : nullptr; }
-  /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside releaseStream().
+  /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside
+  /// releaseStream().
   std::optional<PlayCounts> playCounts() const;
-  /// Holds a depth camera at its present frame, at that time, and hands it on: the points stand still then, and a session
-  /// whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud, once player()
-  /// plays. Between runs. Null where none are played. Throws what a query could not.
+  /// Holds a depth camera at its present frame, at that time, and hands it on: the points stand still then, and a
+  /// session whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud,
+  /// once player() plays. Between runs. Null where none are played. Throws what a query could not.
   std::shared_ptr<PlayedStream> releaseStream(double time_s);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }

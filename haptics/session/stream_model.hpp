@@ -20,11 +20,13 @@ struct FirstFrame {
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
 
-/// The stream of the configuration, to be played behind the model's cloud: the one that the model has, held as it is, or
-/// else the recording. Null where the configuration has none. Throws FileError, and Error where another session has it.
+/// The stream of the configuration, to be played behind the model's cloud: the one that the model has, held as it is,
+/// or else the recording. Null where the configuration has none. Throws FileError, and Error where another session has
+/// it.
 std::shared_ptr<PlayedStream> takeStream(const SessionConfig& config, const Model& model);
 
-/// How the frames of a stream that was taken become a map, which begins with the model's cloud; nothing where they do not.
+/// How the frames of a stream that was taken become a map, which begins with the model's cloud; nothing where they do
+/// not.
 std::optional<FusedStream> fusedStream(const SessionConfig& config, const std::shared_ptr<const Model>& model,
                                        std::shared_ptr<PlayedStream> stream, unsigned threads, Log* log);
 

@@ -128,6 +128,36 @@ TEST_CASE("frames on standard input are felt against the clock until they end, a
   CHECK(report["contact_ticks"] > 10);
 }
 
+TEST_CASE("frames on standard input fuse against the clock until they end, on both back ends") {
+  const ScratchFolder folder;
+  const DepthCamera camera = recordedCamera();
+  std::string frames =
+      intrinsicsJson(camera,
+                     R"(, "depth_scale": 5000, "format": "z16", "pose": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1])") +
+      "\n";
+  for (int i = 0; i < 3; ++i) {
+    frames += fmt::format("frame {}\n", 0.03 * i);
+    for (const float depth : depthSeen(camera, {})) {
+      const auto value = static_cast<std::uint16_t>(std::lround(5000 * depth));
+      frames += {static_cast<char>(value & 0xff), static_cast<char>(value >> 8)};
+    }
+  }
+  writeBytes(folder / "frames", frames);
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const Outcome outcome =
+        run("cat " + (folder / "frames").string() + " | " + program() + " --threads 1 touch --live - --fuse on " +
+            "--realtime --path " + pathInto(folder.path()) + " --mm-per-unit 1000 --backend " + backend + " --json " +
+            (folder / "r.json").string() + " --save " + (folder / "map.ply").string());
+    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+    const auto report = jsonOf(folder / "r.json");
+    CHECK(report["frames"]["lost"] == 0);
+    CHECK(report["frames"]["played"] >= 1);
+    CHECK(report["frames"]["played"].get<int>() + report["frames"]["dropped"].get<int>() <= 3);
+    works("info " + (folder / "map.ply").string());
+  }
+}
+
 TEST_CASE("what does not go with a depth camera is refused, and says which option") {
   const ScratchFolder folder;
   writeRedwood(folder / "recorded");

@@ -148,7 +148,8 @@ TEST_CASE("a recording that is played fuses each frame once, however it is asked
     }
 }
 
-TEST_CASE("a map begins with a cloud: its first frame is not fused twice, and it begins so again where time goes back") {
+TEST_CASE(
+    "a map begins with a cloud: its first frame is not fused twice, and it begins so again where time goes back") {
   FewFrames stream(Kind::recorded, 99);
   FusedStream frames = fused(stream);
   frames.begin = firstMap(stream, stream.at(0));
@@ -186,13 +187,13 @@ TEST_CASE("a map far from zero keeps the origin of the cloud that it begins with
   CHECK_THROWS_WITH_AS(map.begin(cloud), "fusion: a map of 2 points at most cannot begin with 3", Error);
 }
 
-TEST_CASE("frames without poses go on from where the last one was seen, also from one owner of the stream to the next") {
+TEST_CASE(
+    "frames without poses go on from where the last one was seen, also from one owner of the stream to the next") {
   FewFrames stream(Kind::recorded, 99);
   const CameraPose first = *stream.at(0).pose;
   const DepthScene scene = tableScene();
   for (std::size_t i = 0; i < 6; ++i) {
-    DepthFrame frame =
-        scene.frame(stream.camera(), onArc(DVec3(0, 0, 0.02), 1.0, 0.01 * static_cast<double>(i)), 0, i);
+    DepthFrame frame = scene.frame(stream.camera(), onArc(DVec3(0, 0, 0.02), 1.0, 0.01 * static_cast<double>(i)), 0, i);
     frame.time_s = 0.1 * static_cast<double>(i);
     if (i == 0) frame.pose = first;
     if (i > 0) frame.pose.reset();

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "engine/cloud/up.hpp"
+#include "engine/motion/fused_source.hpp"
 #include "haptics/session/live_session.hpp"
 #include "tests/motion/depth_stream.hpp"
 #include "tests/rgbd_writer.hpp"
@@ -342,7 +343,9 @@ void writePoses(const std::filesystem::path& folder) {
 const DVec3 kBeforeWall(0, 0, kRest_m - 0.01), kInWall(0, 0, kRest_m + 0.0005);
 
 /// Into the wall, and at rest there until the end.
-Path intoWall(double duration_s) { return Path({{0, kBeforeWall}, {0.3 * duration_s, kInWall}, {duration_s, kInWall}}); }
+Path intoWall(double duration_s) {
+  return Path({{0, kBeforeWall}, {0.3 * duration_s, kInWall}, {duration_s, kInWall}});
+}
 
 /// Nine points on a plane that no camera looks at, one metre beside the wall.
 constexpr std::size_t kBeside = 9;
@@ -416,6 +419,9 @@ TEST_CASE("a stream that is held goes from one session to the next, with the poi
   double until_s = 0.1;
   window.tickUntil(until_s);
   CHECK(window.playCounts()->played == 13);
+  window.stepFrame();
+  for (int guard = 0; guard < 20 && window.playCounts()->played < 14; ++guard) window.tickUntil(until_s += 0.05);
+  CHECK(window.playCounts()->played == 14);
   CHECK(window.holdFrames() == false);
   for (int guard = 0; guard < 100 && window.playCounts()->played < 16; ++guard) window.tickUntil(until_s += 0.05);
   CHECK(window.playCounts()->played == 16);
@@ -480,6 +486,39 @@ TEST_CASE("what is held is handed on, sculpted, undone and handed back, and fram
   CHECK(goingOn.isTouching());
 }
 
+TEST_CASE("a back end that fuses frames itself is handed the stream, and no source") {
+  struct Fusing final : BackendKind {
+    std::string_view name() const override { return "fusing"; }
+    const std::vector<std::string>& methods() const override { return cpu->methods(); }
+    TouchCapabilities capabilities() const override { return {.fusesFrames = true}; }
+    std::string machine(unsigned threads) const override { return cpu->machine(threads); }
+    std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
+      CHECK(request.source == nullptr);
+      if (request.fusion) source = std::make_unique<FusedSource>(*request.fusion);
+      begun = request.fusion && request.fusion->begin.get() == &request.model.cloud;
+      BackendRequest asked = request;
+      asked.source = source.get();
+      return cpu->make(asked);
+    }
+    std::unique_ptr<BackendKind> cpu = cpuBackend();
+    mutable std::unique_ptr<FusedSource> source;
+    mutable bool begun = false;
+  } fusing;
+  const ScratchFolder folder;
+  writeWall(folder.path());
+  writePoses(folder.path());
+  SessionConfig config = playing(folder.path());
+  config.stream->fuse = true;
+  const auto cpu = cpuBackend();
+  Session own(config, load(config), {.backend = *cpu, .threads = 1});
+  config.backend.name = "fusing";
+  Session given(config, load(config), {.backend = fusing, .threads = 1});
+  CHECK(fusing.begun);
+  CHECK(sameTrace(runAlone(own, intoWall(kDuration_s)).trace(), runAlone(given, intoWall(kDuration_s)).trace()));
+  CHECK(given.playCounts()->played == kFrames);
+  CHECK(given.player() != nullptr);
+}
+
 TEST_CASE("a recording that fuses may be played by several sessions of one model, each from its beginning") {
   const ScratchFolder folder;
   writeWall(folder.path());
@@ -490,7 +529,8 @@ TEST_CASE("a recording that fuses may be played by several sessions of one model
   config.stream->fuse = true;
   const auto model = std::make_shared<const Model>(load(config));
   Session one(config, model, {.backend = *cpu, .threads = 1}), other(config, model, {.backend = *cpu, .threads = 1});
-  const Trace first = runAlone(one, intoWall(kDuration_s)).trace(), second = runAlone(other, intoWall(kDuration_s)).trace();
+  const Trace first = runAlone(one, intoWall(kDuration_s)).trace(),
+              second = runAlone(other, intoWall(kDuration_s)).trace();
   CHECK(sameTrace(first, second));
   CHECK(summarize(first).contactTicks > 60);
   CHECK(one.playCounts()->played == kFrames - 1);
@@ -506,7 +546,8 @@ TEST_CASE("a live camera whose frames fuse goes on behind the one that was the m
   config.stream->fuse = true;
   Model model = load(config);
   const CameraPose pose{};
-  model.stream = playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose});
+  model.stream =
+      playedStream(stream, {.exact = false}, DepthFrame{.number = 0, .depth_m = wall(kRest_m), .pose = pose});
   model.stream->seenFrom = pose;
   config.model.file = "-";
   config.stream->live = config.realtime = true;
@@ -523,7 +564,8 @@ TEST_CASE("a live camera whose frames fuse goes on behind the one that was the m
       session.tickUntil(until_s += 0.05);
     CHECK(session.playCounts()->played == 1 + k);
   }
-  stream->give({.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall says nothing of where it was seen from
+  stream->give(
+      {.time_s = 0.2, .number = 4, .depth_m = wall(kRest_m)});  // a wall says nothing of where it was seen from
   for (int guard = 0; guard < 200 && session.playCounts()->lost == 0; ++guard) session.tickUntil(until_s += 0.05);
   CHECK(session.playCounts()->lost == 1);
   CHECK(session.playCounts()->played == 4);

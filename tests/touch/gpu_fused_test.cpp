@@ -47,9 +47,21 @@ TEST_CASE_FIXTURE(GpuFixture, "a map that is fused on the host is felt on the GP
   CHECK(onGpu.stream->player->counts().played == onHost.stream->player->counts().played);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "where time goes back the map on the GPU begins anew, and the same time has the same bytes") {
+TEST_CASE_FIXTURE(
+    GpuFixture,
+    "where time goes back the map on the GPU begins anew, and the same time has the same bytes, full or not") {
   TableStream stream, again;
-  const FusedStream frames = stream.fused(smallMap(40'000)), straight = again.fused(smallMap(40'000));
+  FusedStream frames = stream.fused(smallMap(40'000)), straight = again.fused(smallMap(40'000));
+  struct Lines final : LogListener {
+    std::vector<std::string> all;
+    void said(std::string_view line) override { all.emplace_back(line); }
+    void progressed(std::string_view, double) override {}
+  } lines;
+  Log log(true);
+  log.listen(&lines);
+  frames.log = &log;
+  // The second frame finds no room.
+  for (FusedStream* each : {&frames, &straight}) each->options.capacity = each->begin->size() + 10;
   const auto touch = fusedTouch(device, frames), other = fusedTouch(device, straight);
   for (const double time_s : {0.1, 0.2, 0.05}) touch->query(awayAt(time_s), 0);
   other->query(awayAt(0.05), 0);
@@ -57,6 +69,8 @@ TEST_CASE_FIXTURE(GpuFixture, "where time goes back the map on the GPU begins an
   CHECK(a.positions == b.positions);
   CHECK(a.normals == b.normals);
   CHECK(a.colors == b.colors);
+  CHECK(lines.all == std::vector{fmt::format("the map is full: {} points; what is seen anew finds no room",
+                                             frames.options.capacity)});
   touch->query(awayAt(0), 0);
   CHECK(pointsOf(*touch, frames).positions == frames.begin->positions);
 }
