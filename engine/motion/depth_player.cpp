@@ -75,6 +75,7 @@ void DepthPlayer::playRecorded(double time_s) {
   const std::scoped_lock lock(mutex_);
   asked_s_ = time_s;
   played_ += taken > 0;
+  if (taken > 0) noteView();
   if (!options_.exact && taken > 1) dropped_ += taken - 1;
 }
 
@@ -93,7 +94,18 @@ void DepthPlayer::playLive(double time_s) {
   if (taken == 0) return;
   lastCame_s_ = time_s;
   ++played_;
+  noteView();
   dropped_ += taken - 1;
+}
+
+void DepthPlayer::noteView() {
+  view_.reset();
+  if (frame_.pose) view_ = {.frustum = frustumOf(camera(), *frame_.pose), .number = frame_.number};
+}
+
+std::optional<PlayedView> DepthPlayer::view() const {
+  const std::scoped_lock lock(mutex_);
+  return view_;
 }
 
 DepthPlayer::Played DepthPlayer::frameAt(double time_s) {

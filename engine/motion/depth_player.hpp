@@ -47,6 +47,8 @@ class DepthPlayer {
 
   /// From any thread.
   PlayCounts counts() const;
+  /// CloudSource::playedView(). From any thread.
+  std::optional<PlayedView> view() const;
 
  private:
   using Place = DepthReadAhead::Place;
@@ -55,6 +57,8 @@ class DepthPlayer {
   void playRecorded(double time_s);
   void playLive(double time_s);
   void requireFrame() const;
+  // Of frame_; while mutex_ is held.
+  void noteView();
 
   const PlayOptions options_;
   DepthReadAhead ahead_;
@@ -68,6 +72,7 @@ class DepthPlayer {
   mutable std::mutex mutex_;  // of what follows
   std::uint64_t played_ = 0, dropped_ = 0;
   double asked_s_ = 0, lastCame_s_ = 0;
+  std::optional<PlayedView> view_;
 };
 
 }  // namespace palpate

@@ -23,6 +23,7 @@ class DepthSource final : public CloudSource {
 
   DepthPlayer* player() override { return &player_; }
   std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
+  std::optional<PlayedView> playedView() const override { return player_.view(); }
 
  private:
   DepthPlayer player_;

@@ -24,6 +24,7 @@ class FusedPlayback final : public CloudSource {
   std::uint64_t fused() const { return fusion_.fused(); }
   DepthPlayer* player() override { return &player_; }
   std::optional<PlayCounts> playCounts() const override { return player_.counts(); }
+  std::optional<PlayedView> playedView() const override { return player_.view(); }
 
  private:
   DepthPlayer player_;

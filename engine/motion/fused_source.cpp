@@ -25,6 +25,14 @@ void FusedSource::fuseNext() {
   hasNext_ = false;
   fusion_.fuse(stream_->camera(), next_);
   time_s_ = next_.time_s;
+  const std::scoped_lock lock(mutex_);
+  view_.reset();
+  if (next_.pose) view_ = {.frustum = frustumOf(stream_->camera(), *next_.pose), .number = next_.number};
+}
+
+std::optional<PlayedView> FusedSource::playedView() const {
+  const std::scoped_lock lock(mutex_);
+  return view_;
 }
 
 void FusedSource::rewind() {

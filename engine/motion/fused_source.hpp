@@ -1,5 +1,7 @@
 #pragma once
 
+#include <mutex>
+
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/frame_fusion.hpp"
 
@@ -22,6 +24,7 @@ class FusedSource final : public CloudSource {
   std::optional<PlayCounts> playCounts() const override {
     return PlayCounts{.played = fusion_.fused(), .lost = fusion_.lost() + fusion_.unplaced()};
   }
+  std::optional<PlayedView> playedView() const override;
   const FrameFusion& fusion() const { return fusion_; }
 
  private:
@@ -34,6 +37,9 @@ class FusedSource final : public CloudSource {
   DepthFrame next_;  // that was read and not fused, where `hasNext_`
   bool hasNext_ = false, ended_ = false;
   double time_s_ = 0;  // of the frame that was fused last
+
+  mutable std::mutex mutex_;
+  std::optional<PlayedView> view_;  // of that frame, where it says it; under the mutex
 };
 
 }  // namespace palpate

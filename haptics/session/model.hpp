@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/contact/surface.hpp"
+#include "engine/core/camera_frustum.hpp"
 #include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
@@ -32,6 +34,7 @@ struct Model {
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
+  std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   std::shared_ptr<LiveFrames> live;  ///< null where the model is a file or a recording
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
@@ -50,6 +53,10 @@ struct ModelLoading {
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
 Model loadModel(const SessionConfig& config, const ModelLoading& loading);
+
+/// What is given, mm per unit; where that is 0 what the cloud's file says (scaleSaidIn()), or else the longest side is
+/// 100 mm.
+ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit);
 
 /// The checksum of a model as it was loaded, normals included.
 std::uint64_t checksumOf(const Model& model);

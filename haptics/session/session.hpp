@@ -70,6 +70,8 @@ class Session {
   DepthPlayer* player() { return source_ ? source_->player() : nullptr; }
   /// What became of the frames of a depth camera, where the model is one. From any thread.
   std::optional<PlayCounts> playCounts() const { return source_ ? source_->playCounts() : std::nullopt; }
+  /// From where the newest of those was seen, where it says it. From any thread.
+  std::optional<PlayedView> playedView() const { return source_ ? source_->playedView() : std::nullopt; }
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }

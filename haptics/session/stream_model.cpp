@@ -95,6 +95,7 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
     if (!readFrame(*stream, frame, log)) throw Error("{}: ends without a frame that has points", config.model.file);
     first.cloud = config.stream->fuse ? firstMap(stream->camera(), frame) : firstCloud(stream->camera(), frame);
   }
+  if (frame.pose) first.camera = frustumOf(stream->camera(), *frame.pose);
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (!stream->isRecorded())
     first.live = std::make_shared<LiveFrames>(LiveFrames{.stream = stream, .first = std::move(frame)});

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/camera_frustum.hpp"
 #include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/motion/cloud_source.hpp"
@@ -16,6 +18,7 @@ namespace palpate {
 /// goes on behind it. Waits for that frame. Throws FileError, Error.
 struct FirstFrame {
   PointCloud cloud;
+  std::optional<CameraFrustum> camera;  ///< that took it; none where the frame does not say where it stood
   std::shared_ptr<LiveFrames> live;  ///< null where the stream is recorded
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
