@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-constexpr double kShortest = 0.01, kLongest = 0.06;  // of the longest side of what is shown
+constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of what is shown
 constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255};
 constexpr double kCameraOpacity = 0.9;
 

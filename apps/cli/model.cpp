@@ -43,7 +43,7 @@ void addScaleOptions(Options& command, ScaleOptions& options) {
 void addAllPointsOption(Options& command, bool& allPoints) {
   command.addFlag("--all-points", allPoints,
                   "of a COLMAP folder also the points that are unreliable by its own measures: rays that meet at less "
-                  "than 1.5 degrees, errors of more than 4 pixels, or fewer than two images");
+                  "than 1.5 degrees, errors of more than 4 pixels, or fewer than three images");
 }
 
 double ScaleOptions::given() const {

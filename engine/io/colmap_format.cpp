@@ -133,8 +133,8 @@ StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const Clou
   ReliabilityCounts counts;
   StoredCloud stored{.cloud = cloudOf(folder, model, options.allPoints ? nullptr : &counts, log),
                      .cameras = frustaOf(model)};
-  if (counts.isAll()) {
-    if (log) log->say("{}: {}; all are kept", folder.string(), counts.sentence());
+  if (counts.isMost()) {
+    if (log) log->say("{}: all points are kept, as most would be left out: {}", folder.string(), counts.sentence());
     stored.cloud = cloudOf(folder, model, nullptr, log);
   } else if (counts.leftOut() > 0) {
     stored.leftOut = counts.sentence();

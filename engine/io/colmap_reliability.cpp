@@ -11,6 +11,7 @@ namespace palpate {
 
 namespace {
 
+constexpr std::size_t kLeastViews = 3;
 constexpr double kMostError_px = 4;
 constexpr double kLeastAngle_deg = 1.5;
 // Each pair of rays is looked at; of a longer track every n-th view stands for those about it.
@@ -39,7 +40,7 @@ bool spread(const std::vector<DVec3>& rays, double leastSine) {
 
 Reliability reliabilityOf(const ColmapPoint& point, const ColmapModel& model) {
   static const double leastSine = std::sin(kLeastAngle_deg * std::numbers::pi / 180);
-  if (point.images.size() < 2) return Reliability::fewViews;
+  if (point.images.size() < kLeastViews) return Reliability::fewViews;
   if (point.error > kMostError_px) return Reliability::largeError;
   return spread(raysOf(point, model), leastSine) ? Reliability::reliable : Reliability::smallAngle;
 }
@@ -58,7 +59,7 @@ std::string ReliabilityCounts::sentence() const {
   };
   add(Reliability::smallAngle, fmt::format("with rays that meet at less than {} degrees", kLeastAngle_deg));
   add(Reliability::largeError, fmt::format("with errors of more than {} pixels", kMostError_px));
-  add(Reliability::fewViews, "that fewer than two images saw");
+  add(Reliability::fewViews, fmt::format("that fewer than {} images saw", kLeastViews));
   return fmt::format("{} of {} points, which are unreliable: {}", leftOut(), all(), fmt::join(why, ", "));
 }
 

@@ -7,6 +7,7 @@
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/compute_pipeline.hpp"
+#include "engine/render/camera.hpp"
 #include "engine/render/frame_options.hpp"
 
 namespace palpate {
@@ -25,8 +26,9 @@ class LinePass {
   /// `pixels`: of the pictures.
   LinePass(Device& device, std::uint64_t pixels);
 
-  /// A line with an end that is no number, or too large for single precision, is left out.
-  void record(CommandList& list, std::span<const SpaceLine> lines, const LineTarget& target);
+  /// A line with an end that is no number, or 1e30 or more, is left out, and so is what is not in the picture.
+  void record(CommandList& list, std::span<const SpaceLine> lines, const Camera& camera, const UVec2& size_px,
+              const LineTarget& target);
 
  private:
   // Recordings that may be under way at a time (Frame::kInFlight): each has lines of its own.

@@ -27,7 +27,7 @@ class Shading {
  private:
   std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
   std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
-  void recordLines(CommandList& list, const RasterTarget& target, const FrameOptions& options);
+  void recordLines(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
   // Where the depth is that is shaded.
   DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
 

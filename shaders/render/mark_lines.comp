@@ -11,25 +11,6 @@ layout(push_constant, scalar) uniform Push { LineArgs args; };
 // An end in the picture: pixels, and the inverse of its depth, which is linear there.
 vec3 placeInPicture(RenderView view, vec3 p) { return vec3(sampleOf(view, p) / float(view.supersample), 1 / p.z); }
 
-// Cuts off what is nearer than the picture begins. False where nothing is left.
-bool clipNear(float nearDepth, inout vec3 a, inout vec3 b) {
-  if (a.z < nearDepth && b.z < nearDepth) return false;
-  const float share = (nearDepth - a.z) / (b.z - a.z);
-  if (a.z < nearDepth) a = mix(a, b, share);
-  else if (b.z < nearDepth) b = mix(a, b, share);
-  return true;
-}
-
-// The part of the way from a to b along one axis that lies between two values (Liang and Barsky 1984).
-void clipSpan(float a, float b, float low, float high, inout vec2 span) {
-  if (a == b) {
-    if (a < low || a > high) span = vec2(1, 0);
-    return;
-  }
-  const vec2 ends = (vec2(low, high) - a) / (b - a);
-  span = vec2(max(span.x, min(ends.x, ends.y)), min(span.y, max(ends.x, ends.y)));
-}
-
 void mark(uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) return;
   const vec2 way = b.xy - a.xy, off = vec2(pixel) + 0.5 - a.xy;
@@ -50,17 +31,8 @@ void main() {
   const RenderView view = args.frame.at[0].view;
   const uvec2 size = view.size_px / view.supersample;
   const RenderLine line = args.lines.at[number];
-  vec3 from = toEye(view, line.from - view.eye), to = toEye(view, line.to - view.eye);
-  if (!clipNear(view.nearDepth, from, to)) return;
-  vec3 a = placeInPicture(view, from), b = placeInPicture(view, to);
+  const vec3 a = placeInPicture(view, line.from), b = placeInPicture(view, line.to);
   const float reach = 0.5 * line.width_px + 1;
-  vec2 span = vec2(0, 1);
-  clipSpan(a.x, b.x, -reach, float(size.x) + reach, span);
-  clipSpan(a.y, b.y, -reach, float(size.y) + reach, span);
-  if (!(span.x <= span.y)) return;
-  const vec3 whole = b - a, begin = a;
-  a = begin + span.x * whole;
-  b = begin + span.y * whole;
 
   // Column by column where it runs more across than down, else row by row.
   const bool across = abs(b.x - a.x) >= abs(b.y - a.y);

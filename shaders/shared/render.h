@@ -233,14 +233,15 @@ struct ResolveArgs {
 };
 PALPATE_SIZE(ResolveArgs, 64);
 
-// Thin lines in space. The widest is so many pixels; each is walked by a few invocations, side by side.
+// Thin lines in space, cut off where they leave the picture. The widest is so many pixels; each is walked by a few
+// invocations, side by side.
 const float kWidestLine_px = 16;
 const uint kLineWalkers = 32;
 // Of a line that lies behind the surface: how much of it shines through.
 const float kHiddenLine = 0.25f;
 
 struct RenderLine {
-  vec3 from;   // model units relative to the cloud's origin
+  vec3 from;   // in eye space
   uint color;  // RGB8, red in the lowest byte, as encoded for a screen; the highest byte is how opaque it is
   vec3 to;
   float width_px;
