@@ -100,8 +100,9 @@ void addPictureOptions(Options& command, PictureOptions& options) {
   command.add("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM").typeName("FILE.pfm");
   command.addFlag("--scale-bar", options.scaleBar,
                   "draw a bar of a round length, in the file's unit, at the depth of the camera's target");
-  command.addFlag("--cameras", options.cameras,
-                  "draw the cameras of a COLMAP folder, of fused.ply with its views, or of a depth camera, as pyramids");
+  command.addFlag(
+      "--cameras", options.cameras,
+      "draw the cameras of a COLMAP folder, of fused.ply with its views, or of a depth camera, as pyramids");
   command.addFlag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
 }
 

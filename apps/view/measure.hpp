@@ -13,7 +13,8 @@ namespace palpate {
 
 class Measure {
  public:
-  /// The first place or the second; a third one is the first of another two. Model units relative to the cloud's origin.
+  /// The first place or the second; a third one is the first of another two. Model units relative to the cloud's
+  /// origin.
   void take(const DVec3& place);
   /// Of the model in that file: what was measured on another one is forgotten.
   void belongTo(const std::string& file);

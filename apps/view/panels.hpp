@@ -32,7 +32,7 @@ struct ViewStatus {
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
   Upright upright;                   ///< by the model's shape
   LengthUnit unit = LengthUnit::unknown;
-  std::optional<double> measured;  ///< between two places that were picked, units
+  std::optional<double> measured;      ///< between two places that were picked, units
   std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;

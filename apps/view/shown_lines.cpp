@@ -7,7 +7,7 @@ namespace palpate {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
-constexpr double kMark = 0.012;  // half as wide as the cross at a measured place, in longest sides
+constexpr double kMark = 0.02;  // half as wide as the cross at a measured place, in longest sides
 constexpr double kMeasureWidth_px = 2.5;
 constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
 

@@ -162,8 +162,8 @@ void Viewer::welcome() {
   fitCamera();
   measure_.belongTo(session.file());
   if (const auto distance = measure_.distance())
-    messages_.say(fmt::format("1 unit is {:.6g} mm: what is measured is {:.6g} mm long", session.model().scale.mm_per_unit,
-                              session.model().scale.toMm(*distance)));
+    messages_.say(fmt::format("1 unit is {:.6g} mm: what is measured is {:.6g} mm long",
+                              session.model().scale.mm_per_unit, session.model().scale.toMm(*distance)));
   const Upright& upright = session.model().upright;
   if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
   window_.setTitle(std::filesystem::path(session.file()).filename().string() + " - palpate");
@@ -179,8 +179,12 @@ void Viewer::fitCamera() {
 }
 
 Pointed Viewer::pointed() {
-  return {document_.session(), viewpoint_, shown_.picture().picked(), DVec2(screen_.size_px()), script_.clock_s(),
-          settings_.view.measures ? &measure_ : nullptr};
+  return {.session = document_.session(),
+          .viewpoint = viewpoint_,
+          .picked = shown_.picture().picked(),
+          .size_px = DVec2(screen_.size_px()),
+          .time_s = script_.clock_s(),
+          .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 
 void Viewer::sayLost(const std::string& failure) {

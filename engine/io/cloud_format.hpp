@@ -43,7 +43,8 @@ struct StoredCloud {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of its faces; empty where there are none
   /// What the file has and this does not, in words: "12 edge", "normals in double precision".
   std::vector<std::string> lost;
-  /// Points of the file that are not in the cloud, and why, in words; empty where all are (CloudReadOptions::allPoints).
+  /// Points of the file that are not in the cloud, and why, in words; empty where all are
+  /// (CloudReadOptions::allPoints).
   std::string leftOut = {};
   /// Where pictures of it were taken, in the file's coordinates; empty where the file does not say.
   std::vector<CameraFrustum> cameras = {};

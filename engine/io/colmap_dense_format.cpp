@@ -22,8 +22,7 @@ std::filesystem::path viewsBeside(std::filesystem::path cloud) { return cloud +=
 
 bool holdsViews(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored) ||
-      !std::filesystem::is_regular_file(viewsBeside(path), ignored))
+  if (!std::filesystem::is_regular_file(path, ignored) || !std::filesystem::is_regular_file(viewsBeside(path), ignored))
     return false;
   try {
     return !isOurs(readPlyInfo(path).comments);
@@ -61,19 +60,22 @@ StoredCloud readDense(const std::filesystem::path& file, Log* log, const CloudRe
   const std::string name = file.filename().string();
   if (!folder) {
     if (log)
-      log->say("{}: its views are not used: there is no model (images.bin or images.txt) in 'sparse' beside it, nor in "
-               "its own folder",
-               name);
+      log->say(
+          "{}: its views are not used: there is no model (images.bin or images.txt) in 'sparse' beside it, nor in "
+          "its own folder",
+          name);
     return stored;
   }
   const ColmapModel model = readColmapImages(*folder);
   const std::vector<PointSight> sights = readSights(file, stored.cloud, model, log);
   stored.cameras = frustaOf(model);
   std::vector<std::string>& comments = stored.cloud.storedAs.comments;
-  if (const auto up = upOf(model); up && !upSaidIn(comments)) comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
+  if (const auto up = upOf(model); up && !upSaidIn(comments))
+    comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (stored.cloud.hasNormals()) {
     const std::size_t turned = faceViews(stored.cloud, sights);
-    if (log && turned > 0) log->say("{}: {} normals faced away from the images that saw them, and are turned", name, turned);
+    if (log && turned > 0)
+      log->say("{}: {} normals faced away from the images that saw them, and are turned", name, turned);
   } else if (!stored.cloud.empty()) {
     normalsFromViews(stored.cloud, sights);
     if (log) log->say("{}: has no normals; they face the {} images that saw its points", name, model.images.size());

@@ -50,7 +50,9 @@ bool ReliabilityCounts::add(Reliability reliability) {
   return reliability == Reliability::reliable;
 }
 
-std::uint64_t ReliabilityCounts::all() const { return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0}); }
+std::uint64_t ReliabilityCounts::all() const {
+  return std::accumulate(counts_.begin(), counts_.end(), std::uint64_t{0});
+}
 
 std::string ReliabilityCounts::sentence() const {
   std::vector<std::string> why;

@@ -17,9 +17,9 @@ enum class Reliability : std::uint8_t {
 };
 
 /// By the rules that COLMAP itself filters with (Schoenberger and Frahm 2016, section 4; of its mapper the defaults of
-/// `filter_max_reproj_error`, `filter_min_tri_angle` and `tri_ignore_two_view_tracks`): an error of 4 pixels at most, two
-/// rays that meet at 1.5 degrees at least, taken as lines, and three images. A false match of two images has no error:
-/// only a third one contradicts it. An error that nobody knows says nothing.
+/// `filter_max_reproj_error`, `filter_min_tri_angle` and `tri_ignore_two_view_tracks`): an error of 4 pixels at most,
+/// two rays that meet at 1.5 degrees at least, taken as lines, and three images. A false match of two images has no
+/// error: only a third one contradicts it. An error that nobody knows says nothing.
 Reliability reliabilityOf(const ColmapPoint& point, const ColmapModel& model);
 
 /// How many points of each kind there are.

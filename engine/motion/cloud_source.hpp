@@ -32,8 +32,8 @@ class CloudSource {
   virtual DepthPlayer* player() { return nullptr; }
   /// What became of the frames of a depth camera, where it plays one. From any thread.
   virtual std::optional<PlayCounts> playCounts() const { return std::nullopt; }
-  /// Of the newest frame of a depth camera that was asked for; nothing where it does not say where it was seen from. From
-  /// any thread.
+  /// Of the newest frame of a depth camera that was asked for; nothing where it does not say where it was seen from.
+  /// From any thread.
   virtual std::optional<PlayedView> playedView() const { return std::nullopt; }
 };
 

@@ -29,7 +29,8 @@ bool isDrawable(const SpaceLine& line) {
 /// The planes through which lines leave a picture, in eye space: what is seen has no negative distance from any.
 class SeenSpace {
  public:
-  SeenSpace(const Camera& camera, const UVec2& size_px) : axes_(camera.axes()), eye_(camera.eye), near_(camera.nearDepth) {
+  SeenSpace(const Camera& camera, const UVec2& size_px)
+      : axes_(camera.axes()), eye_(camera.eye), near_(camera.nearDepth) {
     const double beside_px = shared::kWidestLine_px;  // for the width of a line beside the picture
     const double focal_px = camera.focal_px(size_px.y);
     const DVec2 size(size_px), middle_px = camera.center * size;

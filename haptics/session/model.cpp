@@ -49,10 +49,9 @@ ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
 Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   if (isRgbdFolder(config.file))
     throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
-  StoredCloud stored = readCloud(config.file, &loading.log,
-                                 {.normalsFromFaces = config.normals == NormalSource::face,
-                                  .pointsOnly = true,
-                                  .allPoints = config.allPoints});
+  StoredCloud stored = readCloud(
+      config.file, &loading.log,
+      {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
   if (!stored.leftOut.empty())
     loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
   Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};

@@ -31,7 +31,8 @@ DVec2 seenAt(const DVec3& place) {
   const double focal_px = 0.5 * kHeight / std::tan(22.5 / 57.29577951308232);
   const DVec3 way = place - kEye;
   const double depth = glm::dot(way, forward);
-  return {0.5 * kWidth + focal_px * glm::dot(way, right) / depth, 0.5 * kHeight - focal_px * glm::dot(way, top) / depth};
+  return {0.5 * kWidth + focal_px * glm::dot(way, right) / depth,
+          0.5 * kHeight - focal_px * glm::dot(way, top) / depth};
 }
 
 std::string rendering(const std::filesystem::path& model, const std::filesystem::path& picture) {
@@ -106,8 +107,8 @@ TEST_CASE("a model that says nothing of cameras is drawn as it was, and it is sa
   const ScratchFolder folder;
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
   works("render " + (folder / "s.ply").string() + " --size 200x150 -o " + (folder / "without.png").string());
-  const Outcome outcome =
-      palpate("render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " + (folder / "with.png").string());
+  const Outcome outcome = palpate("render " + (folder / "s.ply").string() + " --size 200x150 --cameras -o " +
+                                  (folder / "with.png").string());
   CHECK(outcome.code == 0);
   CHECK_MESSAGE(says(outcome.text, "no cameras are drawn: the model does not say where any stood"), outcome.text);
   CHECK(contentOf(folder / "without.png") == contentOf(folder / "with.png"));
@@ -136,8 +137,9 @@ TEST_CASE("unreliable points are left out of a COLMAP folder unless all are aske
                     json = (folder / "j.json").string();
   const Outcome outcome = palpate("convert " + model + " " + out + " --json " + json);
   CHECK(outcome.code == 0);
-  CHECK_MESSAGE(says(outcome.text, "50 of 950 points, which are unreliable: 50 with rays that meet at less than 1.5 "
-                                   "degrees (--all-points keeps them)"),
+  CHECK_MESSAGE(says(outcome.text,
+                     "50 of 950 points, which are unreliable: 50 with rays that meet at less than 1.5 "
+                     "degrees (--all-points keeps them)"),
                 outcome.text);
   CHECK(jsonOf(json)["points"] == 900);
   works("convert " + model + " " + out + " --all-points --force --json " + json);
@@ -153,7 +155,8 @@ TEST_CASE("unreliable points are left out of a COLMAP folder unless all are aske
   CHECK_MESSAGE(says(drawn.text, "left out are 50 of 950 points"), drawn.text);
 }
 
-TEST_CASE("the window shows a reconstruction's cameras, and a recording's with the way that it has gone; F hides them") {
+TEST_CASE(
+    "the window shows a reconstruction's cameras, and a recording's with the way that it has gone; F hides them") {
   if (!hasDisplay()) return;
   const auto played = play("%/model --size 480x360 --backend cpu", R"(
 0.1 key tab

@@ -76,8 +76,8 @@ TEST_CASE("the command line takes a scale from two places, and convert writes it
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string(),
                     json = (folder / "j.json").string();
   works("--quiet make sphere -n 2000 -o " + model);
-  works("--quiet touch " + model + " --backend cpu --path builtin:press --duration 0.05 --scale-from=0,0,0:3,4,0=10 --json " +
-        json);
+  works("--quiet touch " + model +
+        " --backend cpu --path builtin:press --duration 0.05 --scale-from=0,0,0:3,4,0=10 --json " + json);
   CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(2));
   works("convert " + model + " " + out + " --scale-from=-1,0,0:0.5,0,2=340 --json " + json);
   works("info " + out + " --json " + json);

@@ -27,7 +27,9 @@ TEST_CASE("a unit is what a comment of the file says it is") {
 }
 
 TEST_CASE("a scale is what a comment says it is, and one that is said takes the place of another") {
-  const auto said = [](const std::string& comment) { return scaleSaidIn(std::vector<std::string>{"comment units: m", comment}); };
+  const auto said = [](const std::string& comment) {
+    return scaleSaidIn(std::vector<std::string>{"comment units: m", comment});
+  };
   CHECK(said("comment mm_per_unit: 137.25") == 137.25);
   CHECK(said("comment mm_per_unit: 1e-05") == 1e-5);
   for (const char* none : {"comment mm_per_unit: ", "comment mm_per_unit: 0", "comment mm_per_unit: -3",

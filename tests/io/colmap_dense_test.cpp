@@ -16,14 +16,15 @@
 namespace palpate::test {
 namespace {
 
-constexpr int kSide = 12;                        // points along an edge of a sheet, and
-constexpr std::size_t kSheet = kSide * kSide;    // of each of two sheets, both at z = 5
-constexpr std::uint32_t kFront = 0, kBack = 2;   // places of the images before and behind them; their ids are others
+constexpr int kSide = 12;                       // points along an edge of a sheet, and
+constexpr std::size_t kSheet = kSide * kSide;   // of each of two sheets, both at z = 5
+constexpr std::uint32_t kFront = 0, kBack = 2;  // places of the images before and behind them; their ids are others
 
 /// Images before, far aside and behind; the ids are no places in the file.
 WrittenColmap images() {
-  return {.images = {{.id = 2, .centre = {0, 0, 0}}, {.id = 0, .centre = {500, 0, 5}}, {.id = 900, .centre = {0, 0, 10}}},
-          .points = {}};
+  return {
+      .images = {{.id = 2, .centre = {0, 0, 0}}, {.id = 0, .centre = {500, 0, 5}}, {.id = 900, .centre = {0, 0, 10}}},
+      .points = {}};
 }
 
 std::uint32_t seenBy(std::size_t point) { return point < kSheet ? kFront : kBack; }
@@ -50,12 +51,14 @@ enum class Normals { none, right, every5thWrong };
 
 void writeCloud(const std::filesystem::path& file, Normals normals) {
   std::ofstream out(file);
-  out << "ply\nformat ascii 1.0\nelement vertex " << 2 * kSheet << "\nproperty float x\nproperty float y\nproperty float z\n";
+  out << "ply\nformat ascii 1.0\nelement vertex " << 2 * kSheet
+      << "\nproperty float x\nproperty float y\nproperty float z\n";
   if (normals != Normals::none) out << "property float nx\nproperty float ny\nproperty float nz\n";
   out << "end_header\n";
   for (std::size_t i = 0; i < 2 * kSheet; ++i) {
     const std::size_t in = i % kSheet;
-    out << (i < kSheet ? 0 : 5) + 0.1 * static_cast<double>(in % kSide) << ' ' << 0.1 * static_cast<double>(in / kSide) << " 5";
+    out << (i < kSheet ? 0 : 5) + 0.1 * static_cast<double>(in % kSide) << ' ' << 0.1 * static_cast<double>(in / kSide)
+        << " 5";
     const bool turned = normals == Normals::every5thWrong && i % 5 == 0;
     if (normals != Normals::none) out << " 0 0 " << (turned ? -1 : 1) * facing(i).z;
     out << '\n';
@@ -97,7 +100,8 @@ TEST_CASE("a fused cloud without normals gets them from the images that saw its 
   const StoredCloud stored = readCloud(folder / "fused.ply");
   REQUIRE(stored.cloud.size() == 2 * kSheet);
   REQUIRE(stored.cloud.hasNormals());
-  for (std::size_t i = 0; i < stored.cloud.size(); ++i) CHECK(glm::distance(stored.cloud.normals[i], facing(i)) < 1e-5f);
+  for (std::size_t i = 0; i < stored.cloud.size(); ++i)
+    CHECK(glm::distance(stored.cloud.normals[i], facing(i)) < 1e-5f);
   CHECK(stored.cameras.size() == 3);
   CHECK(stored.lost == std::vector<std::string>{"which images saw each point"});
   CHECK(findUp(stored.cloud).up == UpAxis::minusY);
@@ -160,7 +164,8 @@ TEST_CASE("views that end too early, anywhere, are refused with the byte and wha
     writeBytes(folder / "fused.ply.vis", whole.substr(0, size));
     const std::string message = refusal(folder / "fused.ply");
     CHECK_MESSAGE(message.starts_with("fused.ply.vis: byte "), message);
-    CHECK_MESSAGE(message.find("fuse fused.ply again with COLMAP, or take this file away") != std::string::npos, message);
+    CHECK_MESSAGE(message.find("fuse fused.ply again with COLMAP, or take this file away") != std::string::npos,
+                  message);
   }
 }
 
@@ -177,8 +182,8 @@ TEST_CASE("views that lie are refused, and take no memory") {
     CHECK(with(0, lie).starts_with(
         fmt::format("fused.ply.vis: byte 0: has the views of {} points, and fused.ply has 288;", lie)));
   CHECK(with(8, ~std::uint32_t{0}).starts_with("fused.ply.vis: byte "));  // views that run over the others
-  CHECK(with(12, std::uint32_t{3}).starts_with(
-      "fused.ply.vis: byte 12: point 1 was seen by image 3, counted from 0, and the model has 3;"));
+  CHECK(with(12, std::uint32_t{3})
+            .starts_with("fused.ply.vis: byte 12: point 1 was seen by image 3, counted from 0, and the model has 3;"));
   CHECK(with(12, std::uint32_t{2}) == "read");
   writeBytes(folder / "fused.ply.vis", views() + 'x');
   CHECK(refusal(folder / "fused.ply")

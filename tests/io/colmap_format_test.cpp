@@ -279,9 +279,11 @@ TEST_CASE("a real reconstruction: every point has a normal that faces those who 
   CHECK(i == cloud.size());
   MESSAGE(facing, " of ", views, " views are from in front");
   CHECK(static_cast<double>(facing) > 0.95 * static_cast<double>(views));
-  // What was photographed is farther than 60 units; of what hangs in the air before it most goes, of the rest hardly any.
+  // What was photographed is farther than 60 units; of what hangs in the air before it most goes, of the rest hardly
+  // any.
   const auto inTheAir = [](const PointCloud& of) {
-    return std::ranges::count_if(of.positions, [&](const Vec3& p) { return of.origin.z + static_cast<double>(p.z) < 60; });
+    return std::ranges::count_if(of.positions,
+                                 [&](const Vec3& p) { return of.origin.z + static_cast<double>(p.z) < 60; });
   };
   const StoredCloud reliable = readCloud(folder);
   CHECK(reliable.cloud.size() == 4093);

@@ -1,5 +1,5 @@
-// What cameras see, against the formula by which a picture comes about: a corner of the pyramid is projected to the corner
-// of the picture.
+// What cameras see, against the formula by which a picture comes about: a corner of the pyramid is projected to the
+// corner of the picture.
 #include "engine/io/colmap_frusta.hpp"
 
 #include <doctest/doctest.h>

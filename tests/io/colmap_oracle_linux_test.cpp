@@ -1,5 +1,5 @@
-// What is read of a COLMAP folder, against COLMAP itself where this machine has it: it writes the same model in its other
-// form, and both are the same to us.
+// What is read of a COLMAP folder, against COLMAP itself where this machine has it: it writes the same model in its
+// other form, and both are the same to us.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -25,10 +25,10 @@ bool hasColmap() {
 
 void convert(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& form) {
   std::filesystem::create_directories(to);
-  const std::string command =
-      fmt::format("QT_QPA_PLATFORM=offscreen colmap model_converter --input_path '{}' --output_path '{}' --output_type {} "
-                  "> /dev/null 2>&1",
-                  from.string(), to.string(), form);
+  const std::string command = fmt::format(
+      "QT_QPA_PLATFORM=offscreen colmap model_converter --input_path '{}' --output_path '{}' --output_type {} "
+      "> /dev/null 2>&1",
+      from.string(), to.string(), form);
   REQUIRE_MESSAGE(std::system(command.c_str()) == 0, command);
 }
 
@@ -73,7 +73,8 @@ void checkSame(const std::filesystem::path& one, const std::filesystem::path& ot
   CHECK(frustaOf(a).size() == frustaOf(b).size());
   // Points are in any order, too: by their places.
   const auto sorted = [](std::vector<ColmapPoint> points) {
-    std::ranges::sort(points, {}, [](const ColmapPoint& p) { return std::tuple(p.position.x, p.position.y, p.position.z); });
+    std::ranges::sort(points, {},
+                      [](const ColmapPoint& p) { return std::tuple(p.position.x, p.position.y, p.position.z); });
     return points;
   };
   const auto points = sorted(pointsOf(one, a)), again = sorted(pointsOf(other, b));

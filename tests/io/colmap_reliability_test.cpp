@@ -70,9 +70,10 @@ Reconstruction reconstructed() {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> share(0, 1);
   std::normal_distribution<double> noise_px(0, 0.5);
-  Reconstruction made{.written = {.camera = "1 SIMPLE_PINHOLE 2000 2000 1000 1000 1000", .images = ring(), .points = {}},
-                      .kinds = {},
-                      .off = {}};
+  Reconstruction made{
+      .written = {.camera = "1 SIMPLE_PINHOLE 2000 2000 1000 1000 1000", .images = ring(), .points = {}},
+      .kinds = {},
+      .off = {}};
   for (int i = 0; i < 1200; ++i) {
     const Kind kind = i % 6 == 0    ? Kind::narrow
                       : i % 25 == 1 ? Kind::mistaken
@@ -97,7 +98,8 @@ Reconstruction reconstructed() {
     point.place = triangulated(seen, places_px);
     point.error_px = 0;
     for (std::size_t k = 0; k < seen.size(); ++k)
-      point.error_px += glm::distance(projected(*seen[k], point.place), places_px[k]) / static_cast<double>(seen.size());
+      point.error_px +=
+          glm::distance(projected(*seen[k], point.place), places_px[k]) / static_cast<double>(seen.size());
     made.kinds.push_back(kind);
     made.off.push_back(std::abs(glm::length(point.place) - kRadius));
     made.written.points.push_back(point);
@@ -137,7 +139,8 @@ TEST_CASE("points that their rays say nothing of are left out, and all good ones
   CHECK(stored.leftOut ==
         fmt::format("{} of 1200 points, which are unreliable: {} with rays that meet at less than 1.5 degrees, {} with "
                     "errors of more than 4 pixels, {} that fewer than 3 images saw",
-                    1200 - of(all, Kind::good), of(all, Kind::narrow), of(all, Kind::mistaken), of(all, Kind::mispaired)));
+                    1200 - of(all, Kind::good), of(all, Kind::narrow), of(all, Kind::mistaken),
+                    of(all, Kind::mispaired)));
   const StoredCloud every = readCloud(folder.path(), nullptr, {.allPoints = true});
   CHECK(every.cloud.size() == 1200);
   CHECK(every.leftOut.empty());
@@ -175,8 +178,8 @@ TEST_CASE("where most are unreliable all stay") {
   for (const int reliable : {0, 14, 15}) {
     CAPTURE(reliable);
     const ScratchFolder folder;
-    WrittenColmap written{
-        .images = {{.id = 1}, {.id = 2, .centre = {1, 0, 0}}, {.id = 3, .centre = {0, 1, 0}}}, .points = {}};
+    WrittenColmap written{.images = {{.id = 1}, {.id = 2, .centre = {1, 0, 0}}, {.id = 3, .centre = {0, 1, 0}}},
+                          .points = {}};
     for (int i = 0; i < 30; ++i) {
       WrittenPoint& point = written.points.emplace_back();
       point = {.place = DVec3(0.1 * i, 0.01 * i * i, 5), .images = {1, 2}};

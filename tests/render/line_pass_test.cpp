@@ -61,7 +61,8 @@ TEST_CASE_FIXTURE(LineFixture, "a line lies between the places where its ends ar
   const DVec3 from(-1.3, 0.9, 1.2), to(0.7, -0.5, 2.1);
   for (const std::uint32_t supersample : {1u, 2u}) {
     CAPTURE(supersample);
-    const Image without = bare(supersample), with = shown({{.from = from, .to = to, .color = kRed, .width_px = 2}}, supersample);
+    const Image without = bare(supersample),
+                with = shown({{.from = from, .to = to, .color = kRed, .width_px = 2}}, supersample);
     for (int k = 0; k <= 20; ++k) CHECK(redder(with, without, seenAt(from + k / 20.0 * (to - from))) > 100);
     const DVec2 a = seenAt(from), b = seenAt(to), along = glm::normalize(b - a), across(-along.y, along.x);
     std::size_t changed = 0, beside = 0;
@@ -91,13 +92,15 @@ TEST_CASE_FIXTURE(LineFixture, "what lies behind the surface shines through fain
   CHECK(std::abs(farBehind - behind) < 30);
 }
 
-TEST_CASE_FIXTURE(LineFixture, "lines that begin behind the eye, or end far outside, are drawn as far as they are seen") {
+TEST_CASE_FIXTURE(LineFixture,
+                  "lines that begin behind the eye, or end far outside, are drawn as far as they are seen") {
   const Image without = bare();
   const Image behind = shown({{.from = {1.35, 0.2, 9}, .to = {1.35, 0.2, -1}, .color = kRed, .width_px = 2}});
   for (const double z : {1.0, 0.5, 0.0, -0.9}) CHECK(redder(behind, without, seenAt({1.35, 0.2, z})) > 100);
   const Image wide = shown({{.from = {-1e9, 1.2, 0}, .to = {1e9, 1.2, 0}, .color = kRed, .width_px = 2}});
   for (const double x : {-1.9, -1.0, 0.3, 1.9}) CHECK(redder(wide, without, seenAt({x, 1.2, 0})) > 100);
-  const Image all = shown({{.from = {0, 0, 5}, .to = {0, 3, 8}, .color = kRed}, {.from = {900, 0, 0}, .to = {900, 5, 0}}});
+  const Image all =
+      shown({{.from = {0, 0, 5}, .to = {0, 3, 8}, .color = kRed}, {.from = {900, 0, 0}, .to = {900, 5, 0}}});
   CHECK(all.rgba == without.rgba);
 }
 
