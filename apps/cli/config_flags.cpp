@@ -13,9 +13,10 @@ namespace palpate {
 namespace {
 
 // What belongs to each hand is said of all of them at once, but for these of the second one.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 61> kFlags{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 62> kFlags{{
     {"model.mm_per_unit", "--mm-per-unit"},
     {"model.normals", "--normals"},
+    {"model.all_points", "--all-points"},
     {"backend.name", "--backend"},
     {"backend.method", "--method"},
     {"backend.deterministic", "--deterministic"},

@@ -2,6 +2,8 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/fused_folder.hpp"
+#include "apps/cli/model.hpp"
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
@@ -12,7 +14,8 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output, normals = "keep";
-  bool ascii = false, force = false;
+  bool ascii = false, force = false, allPoints = false;
+  ScaleOptions scale;
   std::string intrinsics;
   double depthScale = 0;
 };
@@ -51,7 +54,8 @@ struct ConvertInput {
 ConvertInput readInput(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
-    return {.stored = readCloud(options.input, &context.log(), {.normalsFromFaces = options.normals == "face"}),
+    return {.stored = readCloud(options.input, &context.log(),
+                                {.normalsFromFaces = options.normals == "face", .allPoints = options.allPoints}),
             .format = std::string(from.name)};
   }
   FusedFolder fused =
@@ -66,6 +70,7 @@ ConvertInput readInput(Context& context, const ConvertOptions& options) {
 void convert(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) cloudFormats().toRead(options.input);  // says what it is not, before all else
   const CloudFormat& to = cloudFormats().toWrite(options.output);
+  const double mm_per_unit = options.scale.given();
   checkTarget(options);
   context.checkWritable(options.output);
   ConvertInput input = readInput(context, options);
@@ -73,10 +78,12 @@ void convert(Context& context, const ConvertOptions& options) {
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
   std::vector<std::string> lost = stored.lost;
   for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--all-points keeps them)");
   const std::vector<std::string> kept = attributesOf(stored);
   // Before it is gone.
   if (!lost.empty()) context.log().say("{}: not kept: {}", options.output, fmt::join(lost, ", "));
   markAsOurs(stored.cloud);
+  if (mm_per_unit > 0) sayScale(stored.cloud.storedAs.comments, mm_per_unit);
   std::filesystem::path keptAs;
   to.write(options.output, stored.cloud,
            {.ascii = options.ascii,
@@ -114,12 +121,15 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
       .check(between(1e-3, 1e6));
+  addAllPointsOption(sub, options->allPoints);
+  addScaleOptions(sub, options->scale);
   sub.addFlag("--ascii", options->ascii, "write ASCII instead of binary little-endian");
   sub.addFlag("--force", options->force, "replace OUT where it exists; where it is IN, that is kept as IN.bak");
   sub.footer(
       "Points keep their order, coordinates their precision, and properties of points that palpate does not know are "
       "carried through. A folder of depth frames is fused into one cloud in metres. Faces are written as triangles. "
-      "What OUT cannot hold is named before it is written.\n");
+      "A scale is written as a "
+      "comment, which touch and view heed; coordinates stay. What OUT cannot hold is named before it is written.\n");
   sub.whenNamed([&, options] { command = [&context, options] { convert(context, *options); }; });
 }
 

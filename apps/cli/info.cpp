@@ -13,10 +13,11 @@ namespace {
 
 double mib(std::uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
-void info(Context& context, const std::string& file, const LookOptions& look) {
+void info(Context& context, const std::string& file, const LookOptions& look, bool allPoints) {
   const FileContents contents = contentsOf(file);
   const std::string_view format = cloudFormats().toRead(file).name;
-  Model model{.cloud = readCloud(file, nullptr, {.pointsOnly = true}).cloud};
+  StoredCloud stored = readCloud(file, nullptr, {.pointsOnly = true, .allPoints = allPoints});
+  Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
   const PointCloud& cloud = model.cloud;
   model.upright = findUp(cloud);
   model.shown = coreBoundsOf(cloud);
@@ -26,7 +27,7 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
   const Bounds bounds = boundsOf(cloud);
   const SpacingRange spacings = spacingRange(cloud, context.threads());
   const double spacing = spacings.mean;
-  const ModelScale scale = ModelScale::fitting(bounds.longestSide());
+  const ModelScale scale = scaleOf(cloud, 0);
   const GpuMemory memory = predictGpuMemory(cloud.size(), cloud.hasColors());
   const DVec3 min = bounds.min + cloud.origin, max = bounds.max + cloud.origin;
 
@@ -40,6 +41,7 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
     for (const FileElement::Property& property : element.properties) fmt::print(out, " {}", property.name);
     fmt::print(out, "\n");
   }
+  if (!stored.leftOut.empty()) fmt::print(out, "  left out: {}; --all-points keeps them\n", stored.leftOut);
   fmt::print(out, "  normals: {}   colours: {}   carried through: {} properties of points\n",
              cloud.hasNormals() ? "yes" : "no", cloud.hasColors() ? "yes" : "no", cloud.extra.size());
   fmt::print(out, "  bounding box: ({}, {}, {}) to ({}, {}, {})\n", min.x, min.y, min.z, max.x, max.y, max.z);
@@ -47,8 +49,8 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
   fmt::print(out, "  size: {:.6g} x {:.6g} x {:.6g} {}\n", size.x, size.y, size.z, nameOf(unit));
   fmt::print(out, "  up: {} ({}); heights from {:.6g} to {:.6g} {}\n", nameOf(upright.up), upright.why, heights.low,
              heights.high, nameOf(unit));
-  fmt::print(out, "  mean spacing: {:.6g} {}, {:.4g} mm where the longest side is {:g} mm\n", spacing, nameOf(unit),
-             scale.toMm(spacing), kDefaultLongestSide_mm);
+  fmt::print(out, "  mean spacing: {:.6g} {}, {:.4g} mm where the longest side is {:.6g} mm\n", spacing, nameOf(unit),
+             scale.toMm(spacing), scale.toMm(bounds.longestSide()));
   fmt::print(out, "  noise of the positions: {:.3f} spacings\n", spacings.noise);
   fmt::print(
       out,
@@ -62,6 +64,8 @@ void info(Context& context, const std::string& file, const LookOptions& look) {
                      {"format", format},
                      {"made_from", contents.madeFrom.empty() ? Json(nullptr) : Json(contents.madeFrom)},
                      {"elements", elements},
+                     {"left_out", stored.leftOut.empty() ? Json(nullptr) : Json(stored.leftOut)},
+                     {"cameras", model.cameras.size()},
                      {"normals", cloud.hasNormals()},
                      {"colors", cloud.hasColors()},
                      {"attributes", attributes},
@@ -120,16 +124,18 @@ void addInfo(Options& app, Context& context, Command& command) {
   sub.add("model", *file, modelsAndStreams()).required().typeName("MODEL");
   auto look = std::make_shared<LookOptions>();
   addLookOptions(sub, *look);
+  auto allPoints = std::make_shared<bool>(false);
+  addAllPointsOption(sub, *allPoints);
   sub.heading("A depth camera");
   auto stream = std::make_shared<StreamOptions>();
   addDepthOptions(sub, *stream);
   sub.heading("Options");
-  sub.whenNamed([&, file, look, stream] {
-    command = [&context, file, look, stream] {
+  sub.whenNamed([&, file, look, allPoints, stream] {
+    command = [&context, file, look, allPoints, stream] {
       if (streamConfig(*stream, *file))
         infoOfFrames(context, *file, *stream);
       else
-        info(context, *file, *look);
+        info(context, *file, *look, *allPoints);
     };
   });
 }

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "apps/cli/parse_list.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "haptics/session/vulkan_backend.hpp"
 
@@ -18,19 +19,56 @@ void addModelOptions(Options& command, ModelOptions& options) {
 void addModelOptions(Options& command, ModelOptions& options, const std::string& what, bool isRequired) {
   Option model = command.add("model", options.file, what).typeName("MODEL");
   if (isRequired) model.required();
-  command
-      .add("--mm-per-unit", options.mm_per_unit,
-           "millimetres per model unit (default: the longest side becomes 100 mm)")
-      .check(between(bounds::kLeastScale, bounds::kMostScale));
+  addScaleOptions(command, options.scale);
   command
       .add("--normals", options.normals,
            "keep: the file's, estimated where it has none; estimate: from the points; face: from the faces")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
+  addAllPointsOption(command, options.allPoints);
+}
+
+void addScaleOptions(Options& command, ScaleOptions& options) {
+  command
+      .add("--mm-per-unit", options.mm_per_unit,
+           "millimetres per model unit (default: what a comment of the file says, mm_per_unit, or the longest side "
+           "becomes 100 mm)")
+      .check(between(bounds::kLeastScale, bounds::kMostScale));
+  command
+      .add("--scale-from", options.from,
+           "the same by two places of the model, in its units, and how many mm they are apart: \"0,0,0:1.5,0,2=340\"")
+      .typeName("X,Y,Z:X,Y,Z=MM");
+}
+
+void addAllPointsOption(Options& command, bool& allPoints) {
+  command.addFlag("--all-points", allPoints,
+                  "of a COLMAP folder also the points that are unreliable by its own measures: rays that meet at less "
+                  "than 1.5 degrees, errors of more than 4 pixels, or fewer than three images");
+}
+
+double ScaleOptions::given() const {
+  if (from.empty()) return mm_per_unit;
+  if (mm_per_unit > 0) throw UsageError("--scale-from: --mm-per-unit says the scale already; leave one of them out");
+  constexpr const char* kWanted = "two places and a length in mm, as in 0,0,0:1.5,0,2=340";
+  const std::size_t colon = from.find(':'), equals = from.find('=');
+  if (colon == from.npos || equals == from.npos || equals < colon)
+    throw UsageError("--scale-from: '{}' is not {}", from, kWanted);
+  const auto place = [&](std::size_t begin, std::size_t end) {
+    const auto [x, y, z] = parseList<double, 3>(from.substr(begin, end - begin), ',', "--scale-from", kWanted);
+    return DVec3(x, y, z);
+  };
+  const double apart = glm::distance(place(0, colon), place(colon + 1, equals));
+  const double apart_mm = parseList<double, 1>(from.substr(equals + 1), ',', "--scale-from", kWanted)[0];
+  const double scale = apart_mm / apart;
+  if (!(apart > 0)) throw UsageError("--scale-from: both places are the same one");
+  if (!(scale >= bounds::kLeastScale && scale <= bounds::kMostScale))
+    throw UsageError("--scale-from: {} mm for {} units are {} mm per unit, which is not between {} and {}", apart_mm,
+                     apart, scale, bounds::kLeastScale, bounds::kMostScale);
+  return scale;
 }
 
 ModelConfig ModelOptions::config() const {
-  ModelConfig config{.file = file, .mm_per_unit = mm_per_unit};
+  ModelConfig config{.file = file, .mm_per_unit = scale.given(), .allPoints = allPoints};
   for (const auto& [name, source] : kNormalSources)
     if (name == normals) config.normals = source;
   return config;

@@ -6,11 +6,26 @@
 
 namespace palpate {
 
+/// How large the model is in the hand.
+struct ScaleOptions {
+  double mm_per_unit = 0;  ///< 0: as the file says, or the longest side becomes 100 mm
+  std::string from;        ///< two places of the model and how far apart they are; empty: none
+
+  /// Millimetres per model unit; 0 as above. Throws UsageError.
+  double given() const;
+};
+/// --mm-per-unit and --scale-from.
+void addScaleOptions(Options& command, ScaleOptions& options);
+/// --all-points.
+void addAllPointsOption(Options& command, bool& allPoints);
+
 struct ModelOptions {
   std::string file;
-  double mm_per_unit = 0;  ///< 0: the longest side becomes 100 mm
+  ScaleOptions scale;
   std::string normals = "keep";
+  bool allPoints = false;
 
+  /// Throws UsageError.
   ModelConfig config() const;
 };
 /// `what` the model may be, for the help; whether there may be another one in its place (stream_options.hpp).

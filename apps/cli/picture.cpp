@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/cli/camera_lines.hpp"
 #include "apps/cli/legend.hpp"
 #include "apps/cli/parse_list.hpp"
 
@@ -99,6 +100,9 @@ void addPictureOptions(Options& command, PictureOptions& options) {
   command.add("--depth", options.depthFile, "also write eye-space depth, model units, as a PFM").typeName("FILE.pfm");
   command.addFlag("--scale-bar", options.scaleBar,
                   "draw a bar of a round length, in the file's unit, at the depth of the camera's target");
+  command.addFlag(
+      "--cameras", options.cameras,
+      "draw the cameras of a COLMAP folder, of fused.ply with its views, or of a depth camera, as pyramids");
   command.addFlag("--print-frame", options.printFrame, "list the passes of the frame with threads, bytes and GPU us");
 }
 
@@ -139,6 +143,9 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
   frameOf.overlays = overlays;
+  if (options.cameras) frameOf.lines = cameraLines(model);
+  if (options.cameras && model.cameras.empty())
+    context.log().say("{}: no cameras are drawn: the model does not say where any stood", file);
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
   const Upright upright = uprightOf(model, options.look);
   const LengthUnit unit = unitOf(model.cloud, options.look);

@@ -12,6 +12,7 @@ struct PictureOptions {
               raster = "compute";
   std::uint32_t smooth_px = 0, samples = 4;
   bool printFrame = false, scaleBar = false, everyPoint = false;
+  bool cameras = false;  ///< with those that took pictures of it
   bool points = false;  ///< bare ones instead of discs
 };
 void addPictureOptions(Options& command, PictureOptions& options);

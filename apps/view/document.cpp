@@ -48,6 +48,17 @@ void Document::open(const std::string& file) {
   });
 }
 
+void Document::openAtScale(double mm_per_unit) {
+  if (isLive(*session_)) throw Error("a live camera measures in metres; its scale is given with --mm-per-unit");
+  leave([this, mm_per_unit] {
+    WindowOptions options = options_;
+    options.config.model = session_->config().model;
+    options.config.model.mm_per_unit = mm_per_unit;
+    options.config.stream = session_->config().stream;
+    loader_.open(options, parts_.settings.brush, parts_.settings.feel);
+  });
+}
+
 void Document::leave(std::function<void()> then) {
   if (!session_ || !session_->isChanged() || !asks_) return then();
   saveQuestion_.reset();

@@ -41,6 +41,8 @@ class Document {
 
   /// Opens a file, once the person has agreed.
   void open(const std::string& file);
+  /// Opens what is open again, once the person has agreed, at another scale. Throws Error for what cannot come again.
+  void openAtScale(double mm_per_unit);
   /// Does it now, or after the person was asked about changes.
   void leave(std::function<void()> then);
   /// Once for each picture: goes on with what is being opened. `letGo` is called before what is open goes. Whether

@@ -67,7 +67,7 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
     case GLFW_KEY_T:
       return {.stylus = StylusRequest::lockOrUnlock};
     case GLFW_KEY_ESCAPE:
-      view.help = false;
+      view.help = view.measures = false;
       return {.stylus = StylusRequest::putAway};
     case GLFW_KEY_H:
       view.help = !view.help;
@@ -77,6 +77,12 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       break;
     case GLFW_KEY_C:
       view.plots = !view.plots;
+      break;
+    case GLFW_KEY_F:
+      view.cameras = !view.cameras;
+      break;
+    case GLFW_KEY_D:
+      view.measures = !view.measures;
       break;
     case GLFW_KEY_M:
       view.mesh = !view.mesh;

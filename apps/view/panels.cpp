@@ -131,6 +131,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewR
     drawBrush(status, settings.brush, settings.view, requests);
     drawFeel(status, settings.feel, settings.forcesOn);
     drawLook(status, settings.view, requests);
+    drawMeasure(status, settings.view, requests);
     drawSession(status, requests);
   }
   ImGui::PopItemWidth();
@@ -143,7 +144,7 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     help(status.model.c_str());
     ImGui::TextDisabled("%zu points, 1 unit = %.4g mm", status.session->model().cloud.size(),
                         status.session->model().scale.mm_per_unit);
-    help("--mm-per-unit gives another size; without it the longest side is 100 mm");
+    help("--mm-per-unit or Measure give another size; otherwise the longest side is 100 mm, unless the file says more");
   } else if (!status.loading) {
     ImGui::Text("Drop a point cloud (%s) here", cloudFormats().namesRead().c_str());
   }
@@ -258,6 +259,8 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
     ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
                         status.meshTime_ms);
   }
+  checkbox("cameras", view.cameras);
+  help("F: from where the pictures of the model were taken, where its files say it");
   checkbox("smooth outlines", view.smoothOutlines);
   help("four samples a pixel: slower");
   ImGui::SameLine();
@@ -276,6 +279,25 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   ImGui::SameLine();
   if (button("Picture")) requests.screenshot = true;
   help("P: writes a picture of the window to a file");
+}
+
+void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
+  if (view.measures) ImGui::SetNextItemOpen(true);
+  if (!header("Measure")) return;
+  checkbox("pick two places", view.measures);
+  help("D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  if (!status.measured) {
+    ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
+    return;
+  }
+  const ModelScale& scale = status.session->model().scale;
+  const std::string unit(nameOf(status.unit));
+  ImGui::Text("%.6g %s, %.6g mm", *status.measured, unit.c_str(), scale.toMm(*status.measured));
+  help("as the model is felt; its true length scales it");
+  const bool entered = field("true length, mm", trueLength_);
+  ImGui::SameLine();
+  if ((button("Set") || entered) && trueLength_[0]) requests.trueLength = trueLength_.data();
+  help("opens the model again, so that this is its length in the hand; saved files say it (mm_per_unit)");
 }
 
 void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {

@@ -32,6 +32,7 @@ struct ViewStatus {
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
   Upright upright;                   ///< by the model's shape
   LengthUnit unit = LengthUnit::unknown;
+  std::optional<double> measured;      ///< between two places that were picked, units
   std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
   std::uint64_t meshTriangles = 0;
@@ -74,6 +75,7 @@ class Panels {
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
+  void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawSession(const ViewStatus& status, ViewRequests& requests);
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawHelp(ViewSettings& view);
@@ -86,7 +88,7 @@ class Panels {
   float em(double units) const { return static_cast<float>(units * 14 * gui_.scale()); }
 
   const Gui& gui_;
-  std::array<char, 512> open_{}, saveAs_{}, log_{};
+  std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;

@@ -45,6 +45,12 @@ void plot(const char* what, const std::vector<float>& curve, float least, float 
   help(fmt::format("0 to {:.3g} at most; the last {}", largest, span).c_str());
 }
 
+std::string measureLine(const ViewStatus& status) {
+  if (!status.measured) return "measure: click two places of the model (D ends it)";
+  return fmt::format("measured: {:.6g} {}, {:.6g} mm", *status.measured, nameOf(status.unit),
+                     status.session->model().scale.toMm(*status.measured));
+}
+
 }  // namespace
 
 void Panels::drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
@@ -93,7 +99,7 @@ void Panels::drawHelp(ViewSettings& view) {
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
   ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  static constexpr std::array<std::pair<const char*, const char*>, 19> kRows{
+  static constexpr std::array<std::pair<const char*, const char*>, 20> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
        {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
@@ -109,6 +115,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"Ctrl+S", "save"},
        {"Backspace", "forces off, and on again"},
        {"M", "triangles (marching cubes), or points"},
+       {"D,  F", "measure between two places,  cameras on and off"},
        {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
        {"P,  C", "picture to a file,  curves on and off"},
        {"Tab", "panels on and off"},
@@ -136,6 +143,7 @@ void Panels::drawMessages(const ViewStatus& status, const ViewSettings& view) {
     lines.insert(lines.begin(), status.device + ": button 1 sculpts, button 2 is the clutch");
   else if (status.stylus)
     lines.insert(lines.begin(), "stylus: press with the left button");
+  if (view.measures && status.session) lines.insert(lines.begin(), measureLine(status));
   if (lines.empty() && status.session && !view.help) lines.push_back("hold Space to touch,  H for help");
   if (lines.empty()) return;
   const ImVec2 display = ImGui::GetIO().DisplaySize;

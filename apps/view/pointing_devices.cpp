@@ -45,6 +45,11 @@ void PointingDevices::press(MouseButton button, bool shift, const Pointed& at) {
     return;
   }
   const auto place = placeUnderCursor(at);
+  if (at.measure && left && !shift && place) {
+    at.measure->take(*place);
+    drag_.beginOther();
+    return;
+  }
   const bool again = left && drag_.isDoubleClick(at.time_s, cursor_px_);
   drag_.noteClick(at.time_s, cursor_px_);
   if (again && place) return at.viewpoint.lookAt(*place);

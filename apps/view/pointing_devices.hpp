@@ -6,6 +6,7 @@
 
 #include "apps/view/camera_drag.hpp"
 #include "apps/view/events.hpp"
+#include "apps/view/measure.hpp"
 #include "apps/view/requests.hpp"
 #include "apps/view/space_mouse.hpp"
 #include "apps/view/stylus_hand.hpp"
@@ -23,6 +24,7 @@ struct Pointed {
   Pick picked;
   DVec2 size_px{0};
   double time_s = 0;
+  Measure* measure = nullptr;  ///< that the left button picks places for; null: it turns the view
 };
 
 class PointingDevices {

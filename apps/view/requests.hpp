@@ -22,6 +22,7 @@ struct ViewRequests {
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;
   std::string open, saveAs, record, play;
+  std::string trueLength;  ///< in mm, of what is measured, as it was typed; empty: none
 };
 
 /// Whether to save beside a file or over it.

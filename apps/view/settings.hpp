@@ -16,6 +16,8 @@ struct ViewSettings {
   std::optional<LengthUnit> unit;
   double discRadius_mm = 0;  ///< 0: each as wide as closes the surface
   bool smoothOutlines = false, scaleBar = true, dark = true;
+  bool cameras = true;    ///< that took pictures of the model are shown
+  bool measures = false;  ///< the left button picks the two places of a measure
   bool mesh = false;
   int lattice = 128;
   bool followsSurface = true;  ///< the stylus stays at the surface that is seen under the cursor; else in one plane

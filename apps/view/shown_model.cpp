@@ -29,11 +29,13 @@ FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view
 void ShownModel::forget() {
   mesh_.clear();
   picture_.forget();
+  lines_.forget();
   edited_ = {};
 }
 
-void ShownModel::follow(WindowSession& session, ViewSettings& view, Messages& messages) {
+void ShownModel::follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages) {
   edited_ = session.takeBatch();
+  lines_.follow(session, view, measure);
   if (!view.mesh) return mesh_.clear();
   try {
     if (session.config().moves()) throw Error("a model that moves is not shown as triangles yet");
@@ -64,7 +66,9 @@ void ShownModel::fit(const UVec2& window_px, const ViewSettings& view) {
 
 void ShownModel::record(CommandList& list, WindowSession& session, const Camera& camera, const ViewSettings& view,
                         bool touched) {
-  picture_.record(list, session, mesh_, camera, frameOptions(session, view, touched));
+  FrameOptions options = frameOptions(session, view, touched);
+  options.lines = lines_.lines();
+  picture_.record(list, session, mesh_, camera, options);
 }
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 
 #include "apps/view/model_picture.hpp"
 #include "apps/view/settings.hpp"
+#include "apps/view/shown_lines.hpp"
 #include "apps/view/shown_mesh.hpp"
 
 namespace palpate {
@@ -16,7 +17,7 @@ class ShownModel {
   /// Another model comes. While the GPU draws nothing.
   void forget();
   /// Once for each picture: what was done to the points since the last one.
-  void follow(WindowSession& session, ViewSettings& view, Messages& messages);
+  void follow(WindowSession& session, ViewSettings& view, const Measure& measure, Messages& messages);
 
   /// Takes in what the last picture had under the cursor, once it is done.
   void takePick();
@@ -31,10 +32,12 @@ class ShownModel {
   ModelPicture& picture() { return picture_; }
   const ModelPicture& picture() const { return picture_; }
   const ShownMesh& mesh() const { return mesh_; }
+  const ShownLines& lines() const { return lines_; }
 
  private:
   ModelPicture picture_;
   ShownMesh mesh_;
+  ShownLines lines_;
   EditBatch edited_;    // since the last picture
   double moved_s_ = 0;  // when something did last
 };

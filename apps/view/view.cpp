@@ -18,10 +18,10 @@ struct ViewCommandOptions {
   LookOptions look;
   MotionOptions motion;
   StreamOptions stream;
-  double mm_per_unit = 0;
+  ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", device = "mouse", scheduler = "device", present = "auto";
-  bool rumble = false, realtime = false;
+  bool rumble = false, realtime = false, allPoints = false;
   double rate_Hz = 1000, undoMemory_MiB = 1024;
 };
 
@@ -54,7 +54,8 @@ void view(Context& context, const ViewCommandOptions& options) {
   Frame::checkSize(width, height);
   ViewOptions view{.models = options.models, .look = options.look, .size_px = {width, height}};
   if (!options.script.empty()) view.script = readScript(options.script);
-  view.session.config.model = ModelOptions{.mm_per_unit = options.mm_per_unit, .normals = options.normals}.config();
+  view.session.config.model =
+      ModelOptions{.scale = options.scale, .normals = options.normals, .allPoints = options.allPoints}.config();
   view.session.config.rate_Hz = options.rate_Hz;
   view.session.config.motion = motionConfig(options.motion);
   if (view.session.config.motion && options.edit != "none")
@@ -94,12 +95,11 @@ void addView(Options& app, Context& context, Command& command) {
   auto options = std::make_shared<ViewCommandOptions>();
   sub.add("models", options->models, modelsAndStreams() + "; the first one is opened, others can be dropped on the window")
       .typeName("MODEL");
-  sub.add("--mm-per-unit", options->mm_per_unit,
-          "millimetres per model unit (default: the longest side becomes 100 mm)")
-      .check(between(bounds::kLeastScale, bounds::kMostScale));
+  addScaleOptions(sub, options->scale);
   sub.add("--normals", options->normals, "keep, estimate or face, as in palpate touch")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
+  addAllPointsOption(sub, options->allPoints);
   addLookOptions(sub, options->look);
   sub.add("--size", options->size, "of the window, width x height, pixels").showDefault();
   sub.add("--script", options->script,

@@ -140,6 +140,7 @@ void Viewer::carryOut(const ViewRequests& requests) {
   if (!session) return;
   messages_.tryTo([&] {
     document_.carryOut(requests);
+    if (!requests.trueLength.empty()) setTrueLength(requests.trueLength);
     if (requests.screenshot) screen_.keep(document_.freeName("", "png"), true);
   });
   if (requests.resetView) fitCamera();
@@ -159,10 +160,17 @@ void Viewer::welcome() {
   WindowSession& session = *document_.session();
   session.setForces(settings_.forcesOn);
   fitCamera();
+  measure_.belongTo(session.file());
+  if (const auto distance = measure_.distance())
+    messages_.say(fmt::format("1 unit is {:.6g} mm: what is measured is {:.6g} mm long",
+                              session.model().scale.mm_per_unit, session.model().scale.toMm(*distance)));
   const Upright& upright = session.model().upright;
   if (!settings_.view.up) messages_.say(fmt::format("up is {}: {}", nameOf(upright.up), upright.why));
   window_.setTitle(std::filesystem::path(session.file()).filename().string() + " - palpate");
 }
+
+// Of what is measured: the model is opened again at that scale.
+void Viewer::setTrueLength(const std::string& text) { document_.openAtScale(measure_.scaleFor(text)); }
 
 void Viewer::fitCamera() {
   const DVec2 window_px = glm::max(DVec2(window_.size_px()), DVec2(1));
@@ -171,7 +179,12 @@ void Viewer::fitCamera() {
 }
 
 Pointed Viewer::pointed() {
-  return {document_.session(), viewpoint_, shown_.picture().picked(), DVec2(screen_.size_px()), script_.clock_s()};
+  return {.session = document_.session(),
+          .viewpoint = viewpoint_,
+          .picked = shown_.picture().picked(),
+          .size_px = DVec2(screen_.size_px()),
+          .time_s = script_.clock_s(),
+          .measure = settings_.view.measures ? &measure_ : nullptr};
 }
 
 void Viewer::sayLost(const std::string& failure) {
@@ -184,7 +197,7 @@ void Viewer::followSession() {
   if (const auto failure = session->follow()) sayLost(*failure);
   document_.follow();
   brushNotes_.notePaint(*session, settings_.view, messages_);
-  shown_.follow(*session, settings_.view, messages_);
+  shown_.follow(*session, settings_.view, measure_, messages_);
 }
 
 void Viewer::playTicks() {

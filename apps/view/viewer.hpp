@@ -53,6 +53,7 @@ class Viewer {
   void draw(double dt_s);
   void keepClear(const UVec2& before_px, const UVec2& now_px);
   void fitCamera();
+  void setTrueLength(const std::string& text);
   Pointed pointed();
   ViewStatus status();
   ViewStatus::ScaleBar scaleOfPicture() const;
@@ -70,6 +71,7 @@ class Viewer {
   Viewpoint viewpoint_;
   Keyboard keyboard_;
   PointingDevices pointing_;
+  Measure measure_;
   BrushNotes brushNotes_;
   ScriptPlayer script_;
   enum class Closing { no, asked, done } closing_ = Closing::no;

@@ -29,6 +29,7 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   const Journal& journal = session.journal();
   const BrushSettings& brush = session.brushSettings();
   state["model"] = session.file();
+  state["mm_per_unit"] = session.model().scale.mm_per_unit;
   state["points"] = std::ranges::count_if(journal.points(), [](const PointState& point) { return !point.gone(); });
   state["tool"] = brush.kind ? nameIn(kBrushKinds, *brush.kind) : "feel";
   state["surface"] = nameIn(kSurfaceKinds, session.feel().surface);
@@ -80,6 +81,7 @@ ViewStatus Viewer::status() {
   status.models = document_.offered();
   status.recent = document_.recent();
   status.unit = unitOf(view, session);
+  status.measured = measure_.distance();
   if (session) {
     status.model = session->file();
     status.upright = session->model().upright;
@@ -115,6 +117,8 @@ void Viewer::writeState(const std::string& file) {
              {"fps", pace_.fps()},
              {"pictures", pace_.count()},
              {"pictures_of_model", shown_.picture().made()},
+             {"cameras_shown", shown_.lines().cameras()},
+             {"measured", document_.session() && measure_.distance() ? Json(*measure_.distance()) : Json(nullptr)},
              {"picked_depth", shown_.picture().picked().depth},
              {"asks_about_changes", document_.asksAboutChanges()},
              {"asks_how_to_save", document_.saveQuestion().has_value()},

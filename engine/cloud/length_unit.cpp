@@ -1,13 +1,18 @@
 #include "engine/cloud/length_unit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
-#include <vector>
+#include <system_error>
 
 namespace palpate {
 
 namespace {
+
+constexpr std::string_view kScaleComment = "comment mm_per_unit: ";
 
 constexpr std::array<std::pair<std::string_view, LengthUnit>, 20> kWords{{{"mm", LengthUnit::mm},
                                                                           {"millimeter", LengthUnit::mm},
@@ -58,6 +63,22 @@ LengthUnit unitSaidIn(std::span<const std::string> comments) {
         if (words[i] == word && (words[i - 1] == "unit" || words[i - 1] == "units")) return unit;
   }
   return LengthUnit::unknown;
+}
+
+std::optional<double> scaleSaidIn(std::span<const std::string> comments) {
+  for (const std::string& comment : comments) {
+    if (!comment.starts_with(kScaleComment)) continue;
+    const char* const end = comment.data() + comment.size();
+    double mm_per_unit = 0;
+    const auto [last, error] = std::from_chars(comment.data() + kScaleComment.size(), end, mm_per_unit);
+    if (error == std::errc() && last == end && mm_per_unit > 0 && std::isfinite(mm_per_unit)) return mm_per_unit;
+  }
+  return std::nullopt;
+}
+
+void sayScale(std::vector<std::string>& comments, double mm_per_unit) {
+  std::erase_if(comments, [](const std::string& comment) { return comment.starts_with(kScaleComment); });
+  comments.push_back(fmt::format("{}{}", kScaleComment, mm_per_unit));
 }
 
 double roundLength(double length) {

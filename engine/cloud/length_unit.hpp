@@ -1,12 +1,15 @@
-// The unit of a file's lengths, for what people read: scale bars, heights, sizes. It scales nothing.
+// The unit of a file's lengths, for what people read: scale bars, heights, sizes. It scales nothing; what does is the
+// number of millimetres that a unit is in the hand.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace palpate {
 
@@ -23,6 +26,12 @@ std::string_view nameOf(LengthUnit unit);
 
 /// What a file's comments say, as in `comment units: mm` or `obj_info unit = metres`; unknown where none says it.
 LengthUnit unitSaidIn(std::span<const std::string> comments);
+
+/// How many millimetres a unit is, as in `comment mm_per_unit: 137.2`; nothing where none says it, or no positive
+/// number.
+std::optional<double> scaleSaidIn(std::span<const std::string> comments);
+/// Has the comments say that, in the place of any other scale.
+void sayScale(std::vector<std::string>& comments, double mm_per_unit);
 
 /// The longest of 1, 2, 5, 10, … units, of 0.1, 0.2, 0.5 and so on, that is at most `length`; 0 where that is not
 /// positive.

@@ -68,6 +68,8 @@ DVec3 normalAt(std::uint32_t i, const Neighbourhood& near) {
 
 }  // namespace
 
+void PointSight::addView(const DVec3& place, const DVec3& eye) { towardsViews += unitOr(eye - place, DVec3(0)); }
+
 void normalsFromViews(PointCloud& cloud, std::span<const PointSight> sights, unsigned neighbours, unsigned threads) {
   PALPATE_CHECK_EQ(sights.size(), cloud.size());
   cloud.normals.resize(cloud.size());
@@ -84,6 +86,18 @@ void normalsFromViews(PointCloud& cloud, std::span<const PointSight> sights, uns
       cloud.normals[i] = Vec3(normalAt(point, {cloud.positions, sights, around, squaredDistances}));
     }
   });
+}
+
+std::size_t faceViews(PointCloud& cloud, std::span<const PointSight> sights) {
+  PALPATE_CHECK_EQ(sights.size(), cloud.size());
+  PALPATE_CHECK_EQ(cloud.normals.size(), cloud.size());
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!(glm::dot(DVec3(cloud.normals[i]), sights[i].towardsViews) < 0)) continue;
+    cloud.normals[i] = -cloud.normals[i];
+    ++turned;
+  }
+  return turned;
 }
 
 }  // namespace palpate

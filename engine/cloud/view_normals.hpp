@@ -1,6 +1,7 @@
 // Normals of points that cameras saw.
 #pragma once
 
+#include <cstddef>
 #include <span>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -11,6 +12,9 @@ namespace palpate {
 struct PointSight {
   DVec3 towardsViews{0};  ///< sum of the unit directions to the places that it was seen from; zero: nobody saw it
   double weight = 1;      ///< how much it counts, positive: the inverse of the variance of its place, in any unit
+
+  /// The point stands at `place`, and was seen from `eye`.
+  void addView(const DVec3& place, const DVec3& eye);
 };
 
 /// Gives each point the normal of the plane that its nearest `neighbours` points fit best, each counting by its weight
@@ -20,5 +24,9 @@ struct PointSight {
 /// not depend on `threads` (0: one per core).
 void normalsFromViews(PointCloud& cloud, std::span<const PointSight> sights, unsigned neighbours = 16,
                       unsigned threads = 0);
+
+/// Turns the normals of a cloud round that face away from the views of their points; how many those were. What nobody
+/// saw stays. One sight for each point.
+std::size_t faceViews(PointCloud& cloud, std::span<const PointSight> sights);
 
 }  // namespace palpate

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/camera_frustum.hpp"
 #include "engine/core/log.hpp"
 
 namespace palpate {
@@ -42,12 +43,19 @@ struct StoredCloud {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< of its faces; empty where there are none
   /// What the file has and this does not, in words: "12 edge", "normals in double precision".
   std::vector<std::string> lost;
+  /// Points of the file that are not in the cloud, and why, in words; empty where all are
+  /// (CloudReadOptions::allPoints).
+  std::string leftOut = {};
+  /// Where pictures of it were taken, in the file's coordinates; empty where the file does not say.
+  std::vector<CameraFrustum> cameras = {};
 };
 
 struct CloudReadOptions {
   bool normalsFromFaces = false;  ///< area-weighted, in place of any that the file gives
   /// Leaves out the triangles, which need not be right then; what is lost is said through the log, and nowhere else.
   bool pointsOnly = false;
+  /// Of a reconstruction also the points that its own measures tell to be unreliable (colmap_reliability.hpp).
+  bool allPoints = false;
 };
 struct CloudWriteOptions {
   bool ascii = false;  ///< shortest decimals that read back as the same number

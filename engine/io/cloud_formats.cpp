@@ -8,6 +8,7 @@
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/bag_file.hpp"
+#include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/ply_format.hpp"
@@ -86,6 +87,7 @@ const CloudFormats& cloudFormats() {
       plyFormat(),
       xyzFormat(),
       colmapFormat(),
+      colmapDenseFormat(),
       gaussianFormat(),
   };
   static const CloudFormats table{formats};

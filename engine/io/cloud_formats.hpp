@@ -19,7 +19,7 @@ class CloudFormats {
   /// By the file's ending; where nobody knows it the first one, as for reading: what was opened can be saved.
   const CloudFormat& toSave(const std::filesystem::path& file) const;
 
-  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, 3DGS"
+  std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
   std::string endingsWritten() const;  ///< as above
 

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <optional>
 
-#include "engine/cloud/up.hpp"
 #include "engine/cloud/view_normals.hpp"
 #include "engine/core/error.hpp"
+#include "engine/io/colmap_frusta.hpp"
 #include "engine/io/colmap_model.hpp"
+#include "engine/io/colmap_reliability.hpp"
 #include "engine/io/ply_vertices.hpp"
 
 namespace palpate {
@@ -49,12 +49,6 @@ std::vector<double> weightsOf(const std::vector<double>& errors, const std::vect
   return weights;
 }
 
-std::optional<UpAxis> upOf(const ColmapModel& model) {
-  DVec3 up(0);
-  for (const ColmapImage& image : model.images) up -= image.down;
-  return upOfCameras(up / std::max(1.0, static_cast<double>(model.images.size())));
-}
-
 /// From rows to a cloud, with what its normals follow from.
 class PointsOfModel {
  public:
@@ -69,13 +63,8 @@ class PointsOfModel {
     put(track);
     errors_.push_back(point.error);
     tracks_.push_back(track);
-    DVec3 towards(0);
-    for (const std::uint32_t image : point.images) {
-      const DVec3 way = model_.images[image].center - point.position;
-      const double far = glm::length(way);
-      if (far > 0) towards += way / far;
-    }
-    sights_.push_back({.towardsViews = towards});
+    PointSight& sight = sights_.emplace_back();
+    for (const std::uint32_t image : point.images) sight.addView(point.position, model_.images[image].center);
     if (++rows_ == kBatch) flush();
   }
 
@@ -126,15 +115,30 @@ FileContents contentsOfColmap(const std::filesystem::path& folder) {
   return contents;
 }
 
-StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const CloudReadOptions& options) {
-  const ColmapModel model = readColmapImages(folder);
-  if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
+/// `counts`: of the points that are left out; null: none are.
+PointCloud cloudOf(const std::filesystem::path& folder, const ColmapModel& model, ReliabilityCounts* counts, Log* log) {
   PointsOfModel points(folder, model, log);
   std::function<void(double)> progress;
   if (log) progress = [&](double share) { log->progress(folder.string(), share); };
-  readColmapPoints(
-      folder, model, [&](const ColmapPoint& point) { points.add(point); }, progress);
-  StoredCloud stored{.cloud = points.finish(log)};
+  const auto take = [&](const ColmapPoint& point) {
+    if (!counts || counts->add(reliabilityOf(point, model))) points.add(point);
+  };
+  readColmapPoints(folder, model, take, progress);
+  return points.finish(log);
+}
+
+StoredCloud readColmap(const std::filesystem::path& folder, Log* log, const CloudReadOptions& options) {
+  const ColmapModel model = readColmapImages(folder);
+  if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", folder.string());
+  ReliabilityCounts counts;
+  StoredCloud stored{.cloud = cloudOf(folder, model, options.allPoints ? nullptr : &counts, log),
+                     .cameras = frustaOf(model)};
+  if (counts.isMost()) {
+    if (log) log->say("{}: all points are kept, as most would be left out: {}", folder.string(), counts.sentence());
+    stored.cloud = cloudOf(folder, model, nullptr, log);
+  } else if (counts.leftOut() > 0) {
+    stored.leftOut = counts.sentence();
+  }
   if (const auto up = upOf(model)) stored.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   const auto lose = [&](std::size_t count, std::string_view what) {
     if (count > 0) stored.lost.push_back(fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"));

@@ -221,6 +221,13 @@ bool isFile(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path, ignored);
 }
 
+/// In either form.
+bool hasFile(const std::filesystem::path& folder, std::string_view stem) {
+  for (const std::string_view form : {"bin", "txt"})
+    if (isFile(folder / fmt::format("{}.{}", stem, form))) return true;
+  return false;
+}
+
 /// Binary where there are both, as COLMAP itself reads them.
 std::unique_ptr<Rows> open(const std::filesystem::path& folder, std::string_view stem,
                            std::function<void(double)> progress = {}) {
@@ -272,12 +279,9 @@ void placeImage(Rows& rows, ColmapImage& image) {
 
 }  // namespace
 
-bool isColmapFolder(const std::filesystem::path& path) {
-  for (const std::string_view stem : {kPoints, kImages})
-    for (const std::string_view form : {"bin", "txt"})
-      if (isFile(path / fmt::format("{}.{}", stem, form))) return true;
-  return false;
-}
+bool isColmapFolder(const std::filesystem::path& path) { return hasFile(path, kPoints) || hasFile(path, kImages); }
+
+bool hasColmapImages(const std::filesystem::path& folder) { return hasFile(folder, kImages); }
 
 ColmapCounts countColmap(const std::filesystem::path& folder) {
   return {.cameras = open(folder, kCameras)->count(),

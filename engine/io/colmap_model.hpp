@@ -47,6 +47,8 @@ struct ColmapModel {
 };
 
 bool isColmapFolder(const std::filesystem::path& path);
+/// Whether a folder says where images were taken, as that of any part of a reconstruction does.
+bool hasColmapImages(const std::filesystem::path& folder);
 
 /// Reads no points, and no more of text than its lines. Throws FileError.
 ColmapCounts countColmap(const std::filesystem::path& folder);

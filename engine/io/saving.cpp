@@ -45,7 +45,7 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
   FileInTheWay found{.name = file.filename().string()};
   try {
     const FileContents contents = contentsOf(file, formats);
-    found.byPalpate = std::ranges::find(contents.comments, kOurs) != contents.comments.end();
+    found.byPalpate = isOurs(contents.comments);
     found.more = moreOf(contents);
   } catch (const FileError&) {  // it is something else
   }
@@ -58,9 +58,11 @@ void sayWhatIsLost(const std::filesystem::path& file, Log& log) {
   log.say("{}; the file that is there is kept as {}", inTheWay.sentence(), AtomicFile::nameToKeep(file).string());
 }
 
+bool isOurs(std::span<const std::string> comments) { return std::ranges::find(comments, kOurs) != comments.end(); }
+
 void markAsOurs(PointCloud& cloud) {
   auto& comments = cloud.storedAs.comments;
-  if (std::ranges::find(comments, kOurs) == comments.end()) comments.emplace_back(kOurs);
+  if (!isOurs(comments)) comments.emplace_back(kOurs);
 }
 
 std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud cloud, const CloudFormats& formats) {

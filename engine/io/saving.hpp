@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "engine/cloud/point_cloud.hpp"
@@ -27,6 +28,9 @@ FileInTheWay fileInTheWay(const std::filesystem::path& file, const CloudFormats&
 /// Says what saving a sculpted cloud as `file` is going to cost, and as what the file that is there is kept; nothing
 /// where it costs nothing, or the name is empty.
 void sayWhatIsLost(const std::filesystem::path& file, Log& log);
+
+/// Whether the comments of a file say that palpate wrote it.
+bool isOurs(std::span<const std::string> comments);
 
 /// Says in the header of what is written from `cloud` that palpate wrote it.
 void markAsOurs(PointCloud& cloud);

@@ -147,6 +147,7 @@ void DepthPlayer::count(double time_s, std::uint64_t taken) {
   asked_s_ = time_s;
   if (taken == 0) return;
   ++played_;
+  noteView();
   dropped_ += taken - 1;
 }
 
@@ -154,6 +155,16 @@ DepthPlayer::Played DepthPlayer::present() const {
   return {.frame = frame_,
           .time_s = currentSince_s_,
           .serial = current_->pass * std::max<std::uint64_t>(1, ahead_.stream().frames()) + frame_.number};
+}
+
+void DepthPlayer::noteView() {
+  view_.reset();
+  if (frame_.pose) view_ = {.frustum = frustumOf(camera(), *frame_.pose), .number = frame_.number};
+}
+
+std::optional<PlayedView> DepthPlayer::view() const {
+  const std::scoped_lock lock(mutex_);
+  return view_;
 }
 
 DepthPlayer::Played DepthPlayer::frameAt(double time_s) {

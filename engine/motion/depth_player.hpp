@@ -80,6 +80,8 @@ class DepthPlayer {
 
   /// From any thread.
   PlayCounts counts() const;
+  /// From where the newest frame that was handed out was seen; nothing where it does not say. From any thread.
+  std::optional<PlayedView> view() const;
 
  private:
   Place placeAt(double time_s) const;
@@ -98,6 +100,8 @@ class DepthPlayer {
   void requireFrame() const;
   void count(double time_s, std::uint64_t taken);
   Played present() const;
+  // Of frame_; while mutex_ is held.
+  void noteView();
 
   const PlayOptions options_;
   DepthReadAhead ahead_;
@@ -115,6 +119,7 @@ class DepthPlayer {
   std::uint64_t played_ = 0, dropped_ = 0, leftOut_ = 0;
   std::string lastLeftOut_;  // why
   double asked_s_ = 0, lastCame_s_ = 0;
+  std::optional<PlayedView> view_;
 };
 
 }  // namespace palpate

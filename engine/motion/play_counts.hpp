@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "engine/core/camera_frustum.hpp"
+
 namespace palpate {
 
 /// What became of the frames of a depth camera so far.
@@ -15,6 +17,12 @@ struct PlayCounts {
   /// Of a live camera: the session's time at which its last frame came, where that is more than a second ago, or no
   /// more will come.
   std::optional<double> silentSince_s;
+};
+
+/// From where the frame that a depth camera plays was seen.
+struct PlayedView {
+  CameraFrustum frustum;     ///< metres, in the world of the poses
+  std::uint64_t number = 0;  ///< of the frame (DepthFrame::number)
 };
 
 }  // namespace palpate

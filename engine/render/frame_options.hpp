@@ -3,9 +3,11 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/vec.hpp"
@@ -81,6 +83,16 @@ struct Overlays {
   bool operator==(const Overlays&) const = default;
 };
 
+/// A thin line in space, as wide in the picture wherever it is. What lies behind the surface shines through a little.
+struct SpaceLine {
+  DVec3 from{0}, to{0};  ///< model units relative to the cloud's origin
+  std::array<std::uint8_t, 3> color{};
+  double opacity = 1;
+  double width_px = 1.5;  ///< shared::kWidestLine_px at most
+
+  bool operator==(const SpaceLine&) const = default;
+};
+
 struct FrameOptions {
   ImagePass pass = ImagePass::final;
   ColorBy color = ColorBy::rgb;
@@ -95,6 +107,8 @@ struct FrameOptions {
   std::optional<Bounds> shown;  ///< what colours by height, depth and position span; the cloud's box when not given
   std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
   Overlays overlays;
+  /// Drawn over all of it; null: none. A list that was given is not changed: another one comes in its place.
+  std::shared_ptr<const std::vector<SpaceLine>> lines;
 
   bool operator==(const FrameOptions&) const = default;
 };

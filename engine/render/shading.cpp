@@ -63,6 +63,15 @@ void Shading::record(CommandList& list, const RasterTarget& target, const Camera
   resolve.first_px = over.first_px;
   resolve.size_px = over.size_px;
   list.dispatch(overlay_, std::uint64_t{over.size_px.x} * over.size_px.y, resolve);
+  recordLines(list, target, camera, options);
+}
+
+void Shading::recordLines(CommandList& list, const RasterTarget& target, const Camera& camera,
+                          const FrameOptions& options) {
+  if (!options.lines || options.lines->empty()) return;
+  if (!lines_) lines_ = std::make_unique<LinePass>(device_, pixels());
+  lines_->record(list, *options.lines, camera, {size_.width, size_.height},
+                 {.frame = target.frame, .depthImage = depthImage_.address(), .image = image_.address()});
 }
 
 }  // namespace palpate

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <memory>
+
 #include "engine/gpu/command_list.hpp"
 #include "engine/render/camera.hpp"
 #include "engine/render/compute_raster.hpp"
 #include "engine/render/frame_constants.hpp"
 #include "engine/render/frame_options.hpp"
+#include "engine/render/line_pass.hpp"
 
 namespace palpate {
 
@@ -24,6 +27,7 @@ class Shading {
  private:
   std::uint64_t pixels() const { return std::uint64_t{size_.width} * size_.height; }
   std::uint64_t samples() const { return pixels() * size_.supersample * size_.supersample; }
+  void recordLines(CommandList& list, const RasterTarget& target, const Camera& camera, const FrameOptions& options);
   // Where the depth is that is shaded.
   DeviceAddress recordSmoothing(CommandList& list, const RasterTarget& target);
 
@@ -32,6 +36,7 @@ class Shading {
   ComputePipeline closeHoles_, smoothDepth_, shade_, resolve_, overlay_;
   Buffer smoothed_;  // made at its first use
   Buffer source_, shaded_, image_, depthImage_;
+  std::unique_ptr<LinePass> lines_;  // made at its first use
 };
 
 }  // namespace palpate

@@ -213,6 +213,7 @@ void describe(auto&& in, auto& config, const ModelConfig*) {
   in.field("file", config.file);
   in.field("mm_per_unit", config.mm_per_unit);
   in.field("normals", config.normals, kNormalSources);
+  in.field("all_points", config.allPoints);
 }
 
 void describe(auto&& in, auto& config, const BackendConfig*) {

@@ -173,7 +173,8 @@ Model LiveSession::handOn() {
                  .noise = had.noise,
                  .upright = had.upright,
                  .shown = had.shown,
-                 .stream = std::move(stream)};
+                 .stream = std::move(stream),
+                 .cameras = had.cameras};
   });
 }
 

@@ -85,6 +85,8 @@ class LiveSession {
   std::shared_ptr<PlayedStream> releaseStream();
   /// Session::playCounts().
   std::optional<PlayCounts> playCounts() const { return session_.playCounts(); }
+  /// Session::playedView().
+  std::optional<PlayedView> playedView() const { return session_.playedView(); }
   const Journal& journal() const { return *journal_; }
   /// False where there is nothing to take back, or to do again.
   bool undo() { return undoStrokes(1, 0); }

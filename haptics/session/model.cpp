@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
@@ -10,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "haptics/session/bounds.hpp"
 #include "haptics/session/stream_model.hpp"
 #include "shaders/shared/contact.h"
 
@@ -26,8 +28,9 @@ namespace {
 
 /// What follows from the points.
 void measure(Model& model, const ModelConfig& config, unsigned threads) {
-  model.scale =
-      config.mm_per_unit > 0 ? ModelScale{config.mm_per_unit} : ModelScale::fitting(boundsOf(model.cloud).longestSide());
+  model.scale = scaleOf(model.cloud, config.mm_per_unit);
+  // What is saved of it says so.
+  if (config.mm_per_unit > 0) sayScale(model.cloud.storedAs.comments, config.mm_per_unit);
   const SpacingRange spacing = spacingRange(model.cloud, threads);
   model.spacing = spacing.mean;
   model.wideSpacing = spacing.wide;
@@ -36,14 +39,22 @@ void measure(Model& model, const ModelConfig& config, unsigned threads) {
 
 }  // namespace
 
+ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit) {
+  if (mm_per_unit > 0) return {mm_per_unit};
+  const auto said = scaleSaidIn(cloud.storedAs.comments);
+  if (said && *said >= bounds::kLeastScale && *said <= bounds::kMostScale) return {*said};
+  return ModelScale::fitting(boundsOf(cloud).longestSide());
+}
+
 Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   if (isRgbdFolder(config.file))
     throw FileError(config.file, "is a recorded depth camera, and not one cloud; touch, view, render and info read it");
-  Model model;
-  model.cloud =
-      readCloud(config.file, &loading.log,
-                {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true})
-          .cloud;
+  StoredCloud stored = readCloud(
+      config.file, &loading.log,
+      {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
+  if (!stored.leftOut.empty())
+    loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
+  Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
   PointCloud& cloud = model.cloud;
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);
@@ -65,6 +76,7 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   Model model;
   model.cloud = std::move(first.cloud);
   model.stream = std::move(first.stream);
+  if (first.camera) model.cameras = {*first.camera};
   model.upright = findUp(model.cloud);
   model.shown = coreBoundsOf(model.cloud);
   measure(model, config.model, loading.threads);

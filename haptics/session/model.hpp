@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/cloud/up.hpp"
 #include "engine/contact/surface.hpp"
+#include "engine/core/camera_frustum.hpp"
 #include "engine/core/log.hpp"
 #include "engine/core/units.hpp"
 #include "engine/motion/fused_stream.hpp"
@@ -30,6 +32,7 @@ struct Model {
   /// session had (Session::releaseStream()). The first session takes it. Null: the model is a file, or a recording that
   /// each session plays from its beginning.
   std::shared_ptr<PlayedStream> stream;
+  std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 
@@ -47,6 +50,10 @@ struct ModelLoading {
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
 Model loadModel(const SessionConfig& config, const ModelLoading& loading);
+
+/// What is given, mm per unit; where that is 0 what the cloud's file says (scaleSaidIn()), or else the longest side is
+/// 100 mm.
+ModelScale scaleOf(const PointCloud& cloud, double mm_per_unit);
 
 /// The checksum of a model as it was loaded, normals included.
 std::uint64_t checksumOf(const Model& model);

@@ -76,6 +76,11 @@ std::optional<PlayCounts> Session::playCounts() const {
   return stream_->player->counts();
 }
 
+std::optional<PlayedView> Session::playedView() const {
+  if (!stream_ || !stream_->player) return std::nullopt;
+  return stream_->player->view();
+}
+
 std::shared_ptr<PlayedStream> Session::releaseStream(double time_s) {
   if (!player()) return nullptr;
   backend_->finish();

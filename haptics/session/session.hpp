@@ -72,6 +72,8 @@ class Session {
   /// What became of the frames of a depth camera, where the model is one. From any thread, but not beside
   /// releaseStream().
   std::optional<PlayCounts> playCounts() const;
+  /// From where the newest of those was seen, where it says it. As playCounts().
+  std::optional<PlayedView> playedView() const;
   /// Holds a depth camera at its present frame, at that time, and hands it on: the points stand still then, and a
   /// session whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud,
   /// once player() plays. Between runs. Null where none are played. Throws what a query could not.

@@ -44,8 +44,9 @@ inline constexpr std::array<std::pair<std::string_view, NormalSource>, 3> kNorma
 
 struct ModelConfig {
   std::string file;
-  double mm_per_unit = 0;  ///< millimetres per model unit; 0: the longest side becomes 100 mm
+  double mm_per_unit = 0;  ///< millimetres per model unit; 0: as the file says, or the longest side becomes 100 mm
   NormalSource normals = NormalSource::keep;
+  bool allPoints = false;  ///< of a reconstruction also those that its own measures tell to be unreliable
 
   bool operator==(const ModelConfig&) const = default;
 };

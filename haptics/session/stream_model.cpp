@@ -98,6 +98,7 @@ FirstFrame readFirstFrame(const SessionConfig& config, Log& log) {
     first = config.stream->fuse ? firstMap(stream->camera(), frame)
                                 : FirstFrame{.cloud = firstCloud(stream->camera(), frame), .stream = nullptr};
   }
+  if (frame.pose) first.camera = frustumOf(stream->camera(), *frame.pose);
   if (up) first.cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
   if (stream->isRecorded()) return first;
   const std::optional<CameraPose> seenFrom = first.stream ? first.stream->seenFrom : std::nullopt;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/camera_frustum.hpp"
 #include "engine/core/depth_stream.hpp"
 #include "engine/core/log.hpp"
 #include "engine/motion/fused_stream.hpp"
@@ -17,6 +19,7 @@ namespace palpate {
 struct FirstFrame {
   PointCloud cloud;
   std::shared_ptr<PlayedStream> stream;
+  std::optional<CameraFrustum> camera;  ///< that took it; none where the frame does not say where it stood
 };
 FirstFrame readFirstFrame(const SessionConfig& config, Log& log);
 

@@ -233,5 +233,35 @@ struct ResolveArgs {
 };
 PALPATE_SIZE(ResolveArgs, 64);
 
+// Thin lines in space, cut off where they leave the picture. The widest is so many pixels; each is walked by a few
+// invocations, side by side.
+const float kWidestLine_px = 16;
+const uint kLineWalkers = 32;
+// Of a line that lies behind the surface: how much of it shines through.
+const float kHiddenLine = 0.25f;
+
+struct RenderLine {
+  vec3 from;   // in eye space
+  uint color;  // RGB8, red in the lowest byte, as encoded for a screen; the highest byte is how opaque it is
+  vec3 to;
+  float width_px;
+};
+PALPATE_SIZE(RenderLine, 32);
+
+#ifndef __cplusplus
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RenderLines { RenderLine at[]; };
+#endif
+
+struct LineArgs {
+  PALPATE_ADDRESS(RenderFrames) frame;
+  PALPATE_ADDRESS(RenderLines) lines;
+  PALPATE_ADDRESS(Uints) marks;        // one per pixel: how opaque the line there is, then its colour; 0: none
+  PALPATE_ADDRESS(Floats) depthImage;  // as in ResolveArgs, and so the image
+  PALPATE_ADDRESS(Uints) image;
+  uint count;  // lines
+  uint unused;
+};
+PALPATE_SIZE(LineArgs, 48);
+
 PALPATE_SHARED_END
 #endif

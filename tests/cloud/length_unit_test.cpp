@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace palpate {
@@ -23,6 +24,24 @@ TEST_CASE("a unit is what a comment of the file says it is") {
   CHECK(unitSaidIn({}) == LengthUnit::unknown);
   CHECK(nameOf(LengthUnit::inch) == "in");
   CHECK(nameOf(LengthUnit::unknown) == "units");
+}
+
+TEST_CASE("a scale is what a comment says it is, and one that is said takes the place of another") {
+  const auto said = [](const std::string& comment) {
+    return scaleSaidIn(std::vector<std::string>{"comment units: m", comment});
+  };
+  CHECK(said("comment mm_per_unit: 137.25") == 137.25);
+  CHECK(said("comment mm_per_unit: 1e-05") == 1e-5);
+  for (const char* none : {"comment mm_per_unit: ", "comment mm_per_unit: 0", "comment mm_per_unit: -3",
+                           "comment mm_per_unit: nan", "comment mm_per_unit: inf", "comment mm_per_unit: 3 or 4",
+                           "comment mm_per_unit 3", "obj_info mm_per_unit: 3", ""})
+    CHECK_FALSE(said(none));
+  CHECK_FALSE(scaleSaidIn({}));
+  std::vector<std::string> comments{"comment mm_per_unit: 5", "comment made by a scanner"};
+  sayScale(comments, 0.1 + 0.2);
+  CHECK(comments.size() == 2);
+  CHECK(scaleSaidIn(comments) == 0.1 + 0.2);
+  CHECK(unitSaidIn(comments) == LengthUnit::unknown);
 }
 
 TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not above") {

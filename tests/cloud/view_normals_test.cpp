@@ -99,6 +99,31 @@ TEST_CASE("a point that nobody saw, or that was seen edge on, has the side of it
   CHECK(judge(seen).inwards == 0);
 }
 
+TEST_CASE("normals that face away from their views are turned; those that nobody saw, and all others, stay") {
+  SeenShape seen = seenSphere(500, 3, 0);
+  std::vector<Vec3> expected;
+  std::size_t inwards = 0;
+  for (std::size_t i = 0; i < seen.truth.size(); ++i) {
+    const bool isTurned = i % 3 == 0, isUnseen = i % 7 == 0;
+    const Vec3 out(seen.truth[i]);
+    seen.cloud.normals.push_back(isTurned ? -out : out);
+    expected.push_back(isTurned && isUnseen ? -out : out);
+    if (isUnseen) seen.sights[i].towardsViews = DVec3(0);
+    inwards += isTurned && !isUnseen;
+  }
+  CHECK(faceViews(seen.cloud, seen.sights) == inwards);
+  CHECK(seen.cloud.normals == expected);
+  CHECK(faceViews(seen.cloud, seen.sights) == 0);
+}
+
+TEST_CASE("a view adds the unit direction to it, and one from the point itself nothing") {
+  PointSight sight;
+  sight.addView({1, 2, 3}, {1, 2, 13});
+  sight.addView({1, 2, 3}, {-4, 2, 3});
+  sight.addView({1, 2, 3}, {1, 2, 3});
+  CHECK(sight.towardsViews == DVec3(-1, 0, 1));
+}
+
 TEST_CASE("no point, one, all in one place and all on a line have unit normals that face their views") {
   for (const std::size_t count : {0, 1, 2, 40})
     for (const float step : {0.0f, 0.1f}) {

@@ -33,6 +33,27 @@ std::uint64_t dueAt(double stream_s, const std::set<std::uint64_t>& lost, bool l
   return due;
 }
 
+/// Frames that say where they were seen from, but for those that do not; the camera goes along x.
+class PosedStream final : public DepthStream {
+ public:
+  explicit PosedStream(std::set<std::uint64_t> poseless) : poseless_(std::move(poseless)) {}
+  const DepthCamera& camera() const override { return frames_.camera(); }
+  bool next(DepthFrame& frame) override {
+    if (!frames_.next(frame)) return false;
+    frame.pose.reset();
+    if (!poseless_.contains(frame.number)) frame.pose = {.centre = {static_cast<double>(frame.number), 0, 0}};
+    return true;
+  }
+  bool isRecorded() const override { return true; }
+  void rewind() override { frames_.rewind(); }
+  std::uint64_t frames() const override { return frames_.frames(); }
+  double duration_s() const override { return frames_.duration_s(); }
+
+ private:
+  std::set<std::uint64_t> poseless_;
+  RecordedStream frames_{kTimes_s};
+};
+
 /// Waits until the player has read what there is.
 template <class Ready>
 void until(Ready&& ready) {
@@ -73,6 +94,20 @@ TEST_CASE("a frame is of the time from which on it is due, whatever was asked fo
   }
   CHECK(straight.frameAt(0.11).time_s == doctest::Approx(0.1));
   CHECK(straight.frameAt(0.31).time_s == doctest::Approx(0.3));  // in the second pass, whose first frame came at 0.25
+}
+
+TEST_CASE("a player tells from where its frame was seen, and nothing of a frame that does not say it") {
+  DepthPlayer player(std::make_shared<PosedStream>(std::set<std::uint64_t>{2}));
+  CHECK_FALSE(player.view());
+  for (const double time_s : {0.0, 0.15, 0.4, 0.36, 0.2, 0.11}) {
+    CAPTURE(time_s);
+    const std::uint64_t number = player.frameAt(time_s).frame.number;
+    const auto view = player.view();
+    REQUIRE(view.has_value() == (number != 2));
+    if (!view) continue;
+    CHECK(view->number == number);
+    CHECK(view->frustum == frustumOf(kTinyCamera, {.centre = {static_cast<double>(number), 0, 0}}));
+  }
 }
 
 TEST_CASE("lost frames are counted and the last reason kept; none at all is an error") {

@@ -84,7 +84,8 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   CHECK(model.cloud.normals[0] == Vec3(0, 0, -1));
   CHECK_FALSE(model.cloud.hasColors());
   CHECK(model.upright.up == UpAxis::minusY);
-  CHECK(model.cloud.storedAs.comments == std::vector<std::string>{"comment units: m", "comment up: -y"});
+  CHECK(model.cloud.storedAs.comments ==
+        std::vector<std::string>{"comment units: m", "comment up: -y", "comment mm_per_unit: 1000"});
   CHECK(model.spacing == doctest::Approx(0.005).epsilon(0.05));
   CHECK(model.stream == nullptr);
 
@@ -95,6 +96,10 @@ TEST_CASE("the first frame of a recording is the model, in metres, with what is 
   const Model second = load(config);
   CHECK(second.cloud.hasColors());
   CHECK(second.cloud.colors[0][2] == 1);  // the first frame that could be read
+  const CameraFrustum frustum = frustumOf(recordedCamera(), recordedPose(1.0 / 30));
+  REQUIRE(second.cameras.size() == 1);
+  CHECK(glm::distance(second.cameras[0].centre, frustum.centre) < 1e-6);
+  for (std::size_t k = 0; k < 4; ++k) CHECK(glm::distance(second.cameras[0].corners[k], frustum.corners[k]) < 1e-6);
 }
 
 TEST_CASE("a world far from zero keeps its detail") {

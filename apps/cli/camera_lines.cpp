@@ -1,0 +1,65 @@
+#include "apps/cli/camera_lines.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/cloud/point_tree.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of what is shown
+constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255};
+constexpr double kCameraOpacity = 0.9;
+
+/// From each camera to the one that is nearest to it; in the middle of all.
+double usualGap(std::span<const CameraFrustum> cameras) {
+  std::vector<Vec3> places;
+  for (const CameraFrustum& camera : cameras) places.emplace_back(camera.centre - cameras.front().centre);
+  const PointTree tree(places);
+  std::vector<double> gaps;
+  std::array<std::uint32_t, 2> nearest{};
+  std::array<double, 2> squaredDistances{};
+  for (const Vec3& place : places)
+    if (tree.nearest(place, nearest, squaredDistances) == 2) gaps.push_back(std::sqrt(squaredDistances[1]));
+  if (gaps.empty()) return 0;
+  const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2);
+  std::ranges::nth_element(gaps, middle);
+  return *middle;
+}
+
+}  // namespace
+
+double frustumLength(const Model& model) {
+  const double side = model.shownBounds().longestSide() > 0 ? model.shownBounds().longestSide() : 1;
+  if (model.cameras.size() < 2) return kLongest * side;
+  return std::clamp(0.5 * usualGap(model.cameras), kShortest * side, kLongest * side);
+}
+
+void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length) {
+  const DVec3 centre = frustum.centre - origin;
+  const auto add = [&](const DVec3& from, const DVec3& to) {
+    lines.push_back({.from = from, .to = to, .color = kCameraColor, .opacity = kCameraOpacity});
+  };
+  std::array<DVec3, 4> corners;
+  for (std::size_t k = 0; k < 4; ++k) corners[k] = centre + length * frustum.corners[k];
+  for (std::size_t k = 0; k < 4; ++k) {
+    add(centre, corners[k]);
+    add(corners[k], corners[(k + 1) % 4]);
+  }
+  constexpr double kRoof = 0.25;  // of the picture's height
+  const DVec3 ridge = 0.5 * (corners[0] + corners[1]) + kRoof * (corners[0] - corners[3]);
+  add(corners[0], ridge);
+  add(ridge, corners[1]);
+}
+
+std::shared_ptr<const std::vector<SpaceLine>> cameraLines(const Model& model) {
+  if (model.cameras.empty()) return nullptr;
+  const double length = frustumLength(model);
+  auto lines = std::make_shared<std::vector<SpaceLine>>();
+  for (const CameraFrustum& camera : model.cameras) addFrustum(*lines, camera, model.cloud.origin, length);
+  return lines;
+}
+
+}  // namespace palpate

@@ -1,0 +1,46 @@
+#include "apps/view/measure.hpp"
+
+#include <charconv>
+
+#include "engine/core/error.hpp"
+#include "haptics/session/bounds.hpp"
+
+namespace palpate {
+
+void Measure::take(const DVec3& place) {
+  if (places_.size() == 2) places_.clear();
+  places_.push_back(place);
+  ++version_;
+}
+
+void Measure::belongTo(const std::string& file) {
+  if (file != file_) forget();
+  file_ = file;
+}
+
+void Measure::forget() {
+  places_.clear();
+  ++version_;
+}
+
+std::optional<double> Measure::distance() const {
+  if (places_.size() < 2) return std::nullopt;
+  return glm::distance(places_[0], places_[1]);
+}
+
+double Measure::scaleFor(const std::string& text) const {
+  double true_mm = 0;
+  const char* const end = text.data() + text.size();
+  const auto [last, error] = std::from_chars(text.data(), end, true_mm);
+  if (error != std::errc() || last != end || !(true_mm > 0))
+    throw Error("true length: '{}' is not a positive length in mm", text);
+  const double units = distance().value_or(0);
+  if (!(units > 0)) throw Error("nothing is measured: click two different places of the model first");
+  const double scale = true_mm / units;
+  if (!(scale >= bounds::kLeastScale && scale <= bounds::kMostScale))
+    throw Error("{} mm for {:.6g} units are {} mm per unit, which is not between {} and {}", true_mm, units, scale,
+                bounds::kLeastScale, bounds::kMostScale);
+  return scale;
+}
+
+}  // namespace palpate

@@ -1,0 +1,63 @@
+#include "apps/view/shown_lines.hpp"
+
+#include "apps/cli/camera_lines.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
+constexpr double kMark = 0.02;  // half as wide as the cross at a measured place, in longest sides
+constexpr double kMeasureWidth_px = 2.5;
+constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
+
+void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {
+  const auto add = [&](const DVec3& from, const DVec3& to) {
+    lines.push_back({.from = from, .to = to, .color = kMeasureColor, .width_px = kMeasureWidth_px});
+  };
+  for (const DVec3& place : places)
+    for (int axis = 0; axis < 3; ++axis) {
+      DVec3 half(0);
+      half[axis] = kMark * longestSide;
+      add(place - half, place + half);
+    }
+  if (places.size() == 2) add(places[0], places[1]);
+}
+
+}  // namespace
+
+void ShownLines::followCamera(const WindowSession& session) {
+  const auto view = session.playedView();
+  if (!view || (played_ && played_->number == view->number)) return;
+  if (played_ && view->number < played_->number) way_.clear();  // it begins again
+  if (way_.size() >= kLongestWay) way_.erase(way_.begin(), way_.begin() + kLongestWay / 2);
+  played_ = view;
+  way_.push_back(view->frustum.centre);
+}
+
+void ShownLines::addCameras(const WindowSession& session, std::vector<SpaceLine>& lines) {
+  const Model& model = session.model();
+  if (!(length_ > 0)) length_ = frustumLength(model);
+  const std::span<const CameraFrustum> shown =
+      played_ ? std::span<const CameraFrustum>(&played_->frustum, 1) : std::span<const CameraFrustum>(model.cameras);
+  cameras_ = shown.size();
+  for (const CameraFrustum& camera : shown) addFrustum(lines, camera, model.cloud.origin, length_);
+  for (std::size_t k = 1; k < way_.size(); ++k)
+    lines.push_back({.from = way_[k - 1] - model.cloud.origin, .to = way_[k] - model.cloud.origin, .color = kWayColor});
+}
+
+void ShownLines::follow(const WindowSession& session, const ViewSettings& view, const Measure& measure) {
+  followCamera(session);
+  const MadeOf madeOf{.cameras = view.cameras,
+                      .frame = played_ ? std::optional(played_->number) : std::nullopt,
+                      .measure = measure.version()};
+  if (madeOf_ == madeOf) return;
+  madeOf_ = madeOf;
+  auto lines = std::make_shared<std::vector<SpaceLine>>();
+  cameras_ = 0;
+  if (view.cameras) addCameras(session, *lines);
+  addMeasure(*lines, measure.places(), session.longestSide());
+  lines_ = std::move(lines);
+}
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Lines in space, pass 1: each pixel gets the most opaque mark of the lines that cover it. A line is a strip of so many
+// pixels about the way between its ends; a pixel is covered as far as its middle lies within that, with a ramp of a
+// pixel at the edge.
+#include "shaders/lib/index.glsl"
+#include "shaders/render/view.glsl"
+
+layout(push_constant, scalar) uniform Push { LineArgs args; };
+
+// An end in the picture: pixels, and the inverse of its depth, which is linear there.
+vec3 placeInPicture(RenderView view, vec3 p) { return vec3(sampleOf(view, p) / float(view.supersample), 1 / p.z); }
+
+void mark(uvec2 size, ivec2 pixel, vec3 a, vec3 b, RenderLine line) {
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) return;
+  const vec2 way = b.xy - a.xy, off = vec2(pixel) + 0.5 - a.xy;
+  const float share = clamp(dot(off, way) / max(dot(way, way), 1.0e-12), 0, 1);
+  const float covered = clamp(0.5 * line.width_px + 0.5 - length(off - share * way), 0, 1) * min(line.width_px, 1);
+  if (covered <= 0) return;
+  const uint at = uint(pixel.y) * size.x + uint(pixel.x);
+  const float surface = args.depthImage.at[at];
+  const bool hidden = surface > 0 && surface * mix(a.z, b.z, share) < 1;
+  const float opacity = covered * float(line.color >> 24) / 255 * (hidden ? kHiddenLine : 1);
+  const uint level = uint(255 * opacity + 0.5);
+  if (level > 0) atomicMax(args.marks.at[at], level << 24 | (line.color & 0xFFFFFF));
+}
+
+void main() {
+  const uint number = threadIndex() / kLineWalkers, walker = threadIndex() % kLineWalkers;
+  if (number >= args.count) return;
+  const RenderView view = args.frame.at[0].view;
+  const uvec2 size = view.size_px / view.supersample;
+  const RenderLine line = args.lines.at[number];
+  const vec3 a = placeInPicture(view, line.from), b = placeInPicture(view, line.to);
+  const float reach = 0.5 * line.width_px + 1;
+
+  // Column by column where it runs more across than down, else row by row.
+  const bool across = abs(b.x - a.x) >= abs(b.y - a.y);
+  const vec2 p = across ? a.xy : a.yx, q = across ? b.xy : b.yx;
+  const float slope = p.x == q.x ? 0 : (q.y - p.y) / (q.x - p.x);
+  const float aside = reach * sqrt(1 + slope * slope);
+  const int first = int(floor(min(p.x, q.x) - reach)), last = int(floor(max(p.x, q.x) + reach));
+  for (int u = first + int(walker); u <= last; u += int(kLineWalkers)) {
+    const float middle = p.y + slope * (float(u) + 0.5 - p.x);
+    for (int v = int(floor(middle - aside)); v <= int(floor(middle + aside)); ++v)
+      mark(size, across ? ivec2(u, v) : ivec2(v, u), a, b, line);
+  }
+}

@@ -1,0 +1,107 @@
+// How large a model is, by two places and the length between them: in the window, and on the command line.
+#include <cmath>
+
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+bool isRefused(const std::string& arguments, const std::string& saying) {
+  const Outcome outcome = palpate(arguments);
+  CHECK_MESSAGE(outcome.code == 2, outcome.text);
+  CHECK_MESSAGE(says(outcome.text, saying), outcome.text);
+  return outcome.code == 2;
+}
+
+}  // namespace
+
+TEST_CASE("two places that are picked give their distance, and a true length the scale, which saved files say") {
+  if (!hasDisplay()) return;
+  // A plane of 3 x 2 units that faces the eye fills much of the window.
+  const auto played = play("%/plane.ply --size 800x600 --backend cpu", R"(
+0.1 key tab
+0.2 key z
+0.3 key d
+0.4 mouse 300 300
+0.6 button left down
+0.6 button left up
+0.7 state %/one.json
+0.8 mouse 500 300
+1.0 button left down
+1.0 button left up
+1.2 state %/two.json
+1.25 screenshot %/two.png
+1.3 key tab
+1.5 click true length, mm
+1.6 text 400
+1.7 click Set
+2.0 state %/scaled.json
+2.1 save %/saved.ply
+2.3 click true length, mm
+2.4 text x
+2.5 click Set
+2.7 state %/refused.json
+2.8 drop %/saved.ply
+3.0 state %/reopened.json
+3.1 quit
+)",
+                           "", [](const std::filesystem::path& folder) {
+                             works("--quiet make plane -n 20000 --size 3 -o " + (folder / "plane.ply").string());
+                           });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto one = played->state("one.json"), two = played->state("two.json"), scaled = played->state("scaled.json");
+  CHECK(one["measured"].is_null());
+  REQUIRE_FALSE(two["measured"].is_null());
+  // The view is along z: 200 pixels at the depth of the plane, by the picture's own camera of 45 degrees.
+  const auto vec = [](const Result& v) { return DVec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
+  const double depth = glm::distance(vec(two["camera"]["eye"]), vec(two["camera"]["target"]));
+  const double units = 200 * depth / (0.5 * 600 / std::tan(22.5 / 57.29577951308232));
+  CHECK(two["measured"].get<double>() == doctest::Approx(units).epsilon(0.02));
+  CHECK(two["mm_per_unit"].get<double>() == doctest::Approx(100 / 3.0).epsilon(0.01));
+  CHECK(scaled["mm_per_unit"].get<double>() == doctest::Approx(400 / two["measured"].get<double>()));
+  CHECK(scaled["measured"] == two["measured"]);
+  CHECK(says(scaled["last_message"].get<std::string>() + played->outcome.text, "what is measured is 400 mm long"));
+  const auto refused = played->state("refused.json");
+  CHECK(refused["mm_per_unit"] == scaled["mm_per_unit"]);
+  CHECK(says(refused["last_message"].get<std::string>(), "is not a positive length in mm"));
+  const auto reopened = played->state("reopened.json");
+  CHECK(reopened["mm_per_unit"].get<double>() == doctest::Approx(scaled["mm_per_unit"].get<double>()).epsilon(1e-6));
+  CHECK(reopened["measured"].is_null());
+}
+
+TEST_CASE("the command line takes a scale from two places, and convert writes it down") {
+  const ScratchFolder folder;
+  const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string(),
+                    json = (folder / "j.json").string();
+  works("--quiet make sphere -n 2000 -o " + model);
+  works("--quiet touch " + model +
+        " --backend cpu --path builtin:press --duration 0.05 --scale-from=0,0,0:3,4,0=10 --json " + json);
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(2));
+  works("convert " + model + " " + out + " --scale-from=-1,0,0:0.5,0,2=340 --json " + json);
+  works("info " + out + " --json " + json);
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(340 / 2.5));
+  works("--quiet touch " + out + " --backend cpu --path builtin:press --duration 0.05 --json " + json);
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(340 / 2.5));
+  works("--quiet touch " + out + " --backend cpu --path builtin:press --duration 0.05 --mm-per-unit 7 --json " + json);
+  CHECK(jsonOf(json)["mm_per_unit"] == 7);
+  works("info " + model + " --json " + json);
+  const double usual = jsonOf(json)["mm_per_unit"].get<double>();
+  works("--quiet touch " + model + " --backend cpu --path builtin:press --duration 0.05 --json " + json);
+  CHECK(jsonOf(json)["mm_per_unit"].get<double>() == doctest::Approx(usual));
+
+  const std::vector<std::string> commands{"touch " + model, "convert " + model + " " + (folder / "n.ply").string(),
+                                          "render " + model + " -o " + (folder / "n.png").string()};
+  for (const std::string& command : commands) {
+    isRefused(command + " --scale-from 1,2:3,4,5=6", "--scale-from: ");
+    isRefused(command + " --scale-from 1,2,3:3,4,5", "is not two places and a length in mm");
+    isRefused(command + " --scale-from 1,2,3:1,2,3=5", "--scale-from: both places are the same one");
+    isRefused(command + " --scale-from 1,2,3:1,2,4=-5", "mm per unit, which is not between");
+    isRefused(command + " --scale-from 1,2,3:1,2,4=nan", "mm per unit, which is not between");
+    isRefused(command + " --scale-from 1,2,3:1,2,4=5 --mm-per-unit 3", "--mm-per-unit says the scale already");
+  }
+  CHECK_FALSE(std::filesystem::exists(folder / "n.ply"));
+}
+
+}  // namespace palpate
