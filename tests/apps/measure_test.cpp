@@ -71,6 +71,46 @@ TEST_CASE("two places that are picked give their distance, and a true length the
   CHECK(reopened["measured"].is_null());
 }
 
+TEST_CASE("a scale is not set over changes before the person has said what becomes of them") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/sphere.ply --size 800x600 --edit push --backend cpu", R"(
+0.1 mouse 400 300
+0.4 key space down
+0.5 button left down
+4.0 button left up
+4.1 key space up
+4.2 ask
+4.3 key d
+4.4 mouse 360 260
+4.6 button left down
+4.6 button left up
+4.7 mouse 440 330
+4.9 button left down
+4.9 button left up
+5.1 click true length, mm
+5.2 text 500
+5.3 click Set
+5.5 state %/asked.json
+5.6 click Cancel
+5.8 state %/cancelled.json
+5.9 click Set
+6.1 click Do not save
+6.4 state %/scaled.json
+6.5 quit
+)",
+                           "", [](const auto& folder) { makeSphere(folder, 5000); });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto asked = played->state("asked.json"), cancelled = played->state("cancelled.json"),
+             scaled = played->state("scaled.json");
+  REQUIRE(asked["changed"] == true);
+  CHECK(asked["asks_about_changes"] == true);
+  CHECK(cancelled["asks_about_changes"] == false);
+  CHECK(cancelled["changed"] == true);
+  CHECK(cancelled["mm_per_unit"] == asked["mm_per_unit"]);
+  CHECK(scaled["changed"] == false);
+  CHECK(scaled["mm_per_unit"].get<double>() == doctest::Approx(500 / cancelled["measured"].get<double>()));
+}
+
 TEST_CASE("the command line takes a scale from two places, and convert writes it down") {
   const ScratchFolder folder;
   const std::string model = (folder / "s.ply").string(), out = (folder / "o.ply").string(),
