@@ -42,20 +42,22 @@ void Document::open(const std::string& file) {
     WindowOptions options = options_;
     options.config.model.file = file;
     options.config.stream = streamOf(file, options_);
-    handedOn_ = HandedOn::no;
-    opened_ = options;
-    loader_.open(options, parts_.settings.brush, parts_.settings.feel);
+    read(std::move(options));
   });
 }
 
+void Document::read(WindowOptions options) {
+  handedOn_ = HandedOn::no;
+  opened_ = std::move(options);
+  loader_.open(opened_, parts_.settings.brush, parts_.settings.feel);
+}
+
 void Document::openAtScale(double mm_per_unit) {
-  if (isLive(*session_)) throw Error("a live camera measures in metres; its scale is given with --mm-per-unit");
+  if (isLive()) throw Error("a live camera measures in metres; its scale is given with --mm-per-unit");
   leave([this, mm_per_unit] {
-    WindowOptions options = options_;
-    options.config.model = session_->config().model;
+    WindowOptions options = opened_;
     options.config.model.mm_per_unit = mm_per_unit;
-    options.config.stream = session_->config().stream;
-    loader_.open(options, parts_.settings.brush, parts_.settings.feel);
+    read(std::move(options));
   });
 }
 

@@ -70,6 +70,7 @@ class Document {
   const std::string& saveFile() const { return saveFile_; }
 
  private:
+  void read(WindowOptions options);
   bool isLive() const { return opened_.config.stream && opened_.config.stream->live; }
   void install(std::unique_ptr<WindowSession> session);
   // Of a camera: frames are held or go on, and what is held is sculpted once there is a brush.
