@@ -1,8 +1,11 @@
 // What it costs to take depth frames into a map that is touched, and how true that map is.
 #include <algorithm>
 #include <deque>
+#include <functional>
+#include <numbers>
 
 #include "apps/bench/bench.hpp"
+#include "apps/bench/stream_felt.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "engine/cloud/analytic_shape.hpp"
 #include "engine/cloud/counter_random.hpp"
@@ -26,6 +29,7 @@ constexpr double kTurn_rad = 0.01;  // from one to the next
 struct StreamBenchOptions : BenchOptions {
   std::vector<std::string> frames{"640x480", "1280x720"};
   double noise = 1;
+  double felt_s = 0;
 };
 
 // A camera with the field of view of the usual ones.
@@ -64,6 +68,10 @@ DepthFrame frameOf(const AnalyticShape& shape, const DepthCamera& camera, std::u
   return frame;
 }
 
+double spacingOf(const PointCloud& map) {
+  return std::sqrt(std::numbers::pi * kSize_m * kSize_m / static_cast<double>(map.size()));
+}
+
 struct Fused {
   Summary fuse_us, index_us, arrival_us;
   std::vector<std::pair<std::string, double>> passes_us;  // in their order: medians, each timed by itself
@@ -76,8 +84,7 @@ Fused fuse(Device& device, const PointCloud& map, const DepthCamera& camera, con
   FusionOptions fusion;
   fusion.capacity = map.size() + map.size() / 5 + frames.front().depth_m.size();
   LiveCloud live(device, map, static_cast<std::uint32_t>(fusion.capacity - map.size()));
-  const double spacing = std::sqrt(std::acos(-1.0) * kSize_m * kSize_m / static_cast<double>(map.size()));
-  const HashGrid grid = makeHashGrid(Vec3(boundsOf(map).min), 4 * spacing, live.slots());
+  const HashGrid grid = makeHashGrid(Vec3(boundsOf(map).min), 4 * spacingOf(map), live.slots());
   const SpatialHash hash(device, grid, live.slots(), kDefaultSort, BucketOrder::arrival, Slots::spare);
   const LiveCloud::Half incoming{Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming positions"),
                                  Buffer::of<Vec4>(device, live.slots(), Memory::device, "incoming normals"), 0};
@@ -176,10 +183,27 @@ Json toJson(const std::string& frames, std::size_t surfels, const Fused& fused) 
 
 Json benchStream(Context& context, const StreamBenchOptions& options) {
   const auto shape = makeShape("sphere", kSize_m);
-  Json result{{"rows", Json::array()}, {"truth", Json::array()}};
+  Json result{{"rows", Json::array()}, {"felt", Json::array()}, {"truth", Json::array()}};
   fmt::print(context.tables(), "\nstream: depth frames into a map, us, median / p99.9\n{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n",
              "frames", "surfels", "matched", "fuse", "index", "arrival to index");
   const auto pair = [](const Summary& us) { return fmt::format("{:.1f} / {:.1f}", us.p50, us.p999); };
+  std::vector<std::function<void()>> reports;  // behind the table
+  const auto felt = [&](const std::string& size, const PointCloud& map, const DepthCamera& camera,
+                        const std::vector<DepthFrame>& frames) {
+    const auto all = feelStreams(context, {.map = map,
+                                           .camera = camera,
+                                           .frames = frames,
+                                           .radius_m = 0.5 * kSize_m,
+                                           .spacing_m = spacingOf(map),
+                                           .duration_s = options.felt_s});
+    for (const FeltStream& one : all) {
+      Json row = toJson(one);
+      row["frames_of"] = size;
+      row["surfels"] = map.size();
+      result["felt"].push_back(row);
+    }
+    reports.push_back([&context, all] { printFeltStreams(context.tables(), all); });
+  };
   for (const std::string& size : options.frames) {
     const DepthCamera camera = cameraOf(size);
     std::vector<DepthFrame> frames;
@@ -192,11 +216,13 @@ Json benchStream(Context& context, const StreamBenchOptions& options) {
       fmt::print(context.tables(), "{:<12}{:>10}{:>10}{:>20}{:>20}{:>20}\n", size, surfels, fused.counts.matched,
                  pair(fused.fuse_us), pair(fused.index_us), pair(fused.arrival_us));
       result["rows"].push_back(toJson(size, map.size(), fused));
+      if (options.felt_s > 0) felt(size, map, camera, frames);
     }
     Json truth = judge(*shape, camera, frames, context.threads());
     truth["size"] = size;
     result["truth"].push_back(truth);
   }
+  for (const auto& report : reports) report();
   fmt::print(context.tables(), "\nagainst the shape, from an empty map, mm RMS\n{:<12}{:>8}{:>10}{:>10}{:>10}\n", "frames",
              "views", "points", "depths", "map");
   for (const Json& truth : result["truth"])
@@ -215,6 +241,9 @@ void addStreamBench(Options& bench, Context& context, Command& command) {
   sub.add("--frames", options->frames, "sizes of the frames, width x height, pixels").separatedBy(',').showDefault();
   sub.add("--noise", options->noise, "of the depths, times that of a structured-light camera")
       .check(between(0, 100))
+      .showDefault();
+  sub.add("--felt", options->felt_s, "so long a hand feels the map against the clock, drawn, still and with frames, s")
+      .check(between(0, bounds::kLongest_s))
       .showDefault();
   addRepeatOptions(sub, *options);
   sub.footer(

@@ -38,7 +38,7 @@ std::string methodOf(const std::string& backend, const FeelSettings& feel) {
 
 SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush, const FeelSettings& feel) {
   SessionConfig config = options.config;
-  if (!config.moves()) config.brush = brushOf(brush);
+  if (!config.stream) config.brush = brushOf(brush);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -77,7 +77,8 @@ std::optional<BrushOptions> WindowSession::brush() const {
 void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
-  if (!config().moves()) setBrush(brushOf(brush));
+  if (!config().stream) return setBrush(brushOf(brush));
+  if (brush.kind && !holdsFrames()) throw Error("frames that go on are not sculpted; K holds them");
 }
 
 void WindowSession::setFeel(const FeelSettings& feel) {

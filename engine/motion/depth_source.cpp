@@ -14,7 +14,7 @@ namespace {
 // Frames that are farther apart show another world: nothing is known of what happened in between.
 constexpr double kLongestGap_s = 0.2;
 // From points on the host to points that are felt: 300,000 of them are copied and indexed within it.
-constexpr double kHandOver_s = 0.002;
+constexpr double kHandOver_s = 0.003;
 // Points that have arrived are made once more where no other frame comes for so long: for whoever sees or saves them.
 constexpr double kSettled_s = 0.1;
 

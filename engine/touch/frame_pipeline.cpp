@@ -22,7 +22,12 @@ FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& ind
                   Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities")},
       incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
                 Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
-      task_([this] { made_ = writer_.make(wanted_s_, incoming_); }) {
+      beside_(device.throughputQueue().another()),
+      task_([this] {
+        made_ = writer_.make(wanted_s_, incoming_);
+        // Only here, where questions are known to be urgent, they are recorded in pieces that give way.
+        if (made_ != MadeFrame::none) record(*beside_, listsBeside_);
+      }) {
   PALPATE_CHECK_EQ(writer.size(), std::size_t{index.cloud().slots()});
   CommandList clear(device, device.latencyQueue(), "no velocities");
   clear.begin();
@@ -30,19 +35,21 @@ FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& ind
   clear.end();
   device.latencyQueue().run(clear);
   for (int turn = 0; turn < 2; ++turn) {
-    record();
+    record(device.latencyQueue(), listsFirst_);
     index_.flip();
   }
   bring(0);
 }
 
-void FramePipeline::record() {
+// For the half that is felt now, unless they are there.
+void FramePipeline::record(const Queue& queue, Lists& lists) {
   const SpatialHash& hash = index_.hash();
   const LiveCloud& cloud = index_.cloud();
   for (const SortMethod sort : {hash.sort(), hash.fallback()})
     for (const bool writes : {true, false}) {
-      auto& list = (writes ? lists_ : builds_)[cloud.parity()][sort];
-      list = std::make_unique<CommandList>(device_, device_.latencyQueue(), writes ? "frame" : "frame's index");
+      auto& list = (writes ? lists.frames : lists.builds)[cloud.parity()][sort];
+      if (list) continue;
+      list = std::make_unique<CommandList>(device_, queue, writes ? "frame" : "frame's index");
       list->begin();
       if (writes) writer_.record(*list, cloud.front(), incoming_, velocities_[cloud.back().parity]);
       hash.recordBuild(*list, incoming_, cloud.back(), cloud.slots(), sort);
@@ -50,14 +57,17 @@ void FramePipeline::record() {
     }
 }
 
-void FramePipeline::submit(SortMethod sort) {
+void FramePipeline::submit(Queue& queue, const Lists& lists) {
   times_[back()] = {.true_s = writer_.time_s(), .goOn_s = writer_.goOn_s()};
   colored_[back()] = writer_.isColored();
-  const auto& lists = made_ == MadeFrame::incoming ? builds_ : lists_;
-  ticket_ = device_.latencyQueue().submit(*lists[index_.parity()].at(sort));
+  const auto& ways = made_ == MadeFrame::incoming ? lists.builds : lists.frames;
+  on_ = &queue;
+  ticket_ = queue.submit(*ways[index_.parity()].at(index_.hash().sort()));
+  stage_ = Stage::building;
 }
 
 void FramePipeline::hasArrived() {
+  index_.built();
   exchange_.publish(index_.parity(), pointsTime(index_.parity()).true_s);
   stage_ = Stage::idle;
 }
@@ -72,11 +82,10 @@ void FramePipeline::runNow() {
   while (!exchange_.beginWriting(back())) std::this_thread::yield();
   const SpatialHash& hash = index_.hash();
   const SortMethod used = hash.sort();
-  submit(used);
-  device_.latencyQueue().wait(ticket_);
+  submit(device_.latencyQueue(), listsFirst_);
+  on_->wait(ticket_);
   // A bucket may have been crowded, and its points may stand in any order.
-  if (used != hash.sort()) device_.latencyQueue().run(*builds_[index_.parity()].at(hash.fallback()));
-  index_.built();
+  if (used != hash.sort()) on_->run(*listsFirst_.builds[index_.parity()].at(hash.fallback()));
   hasArrived();
 }
 
@@ -86,18 +95,19 @@ void FramePipeline::bring(double time_s) {
 }
 
 bool FramePipeline::goOn(double time_s) {
-  if (stage_ == Stage::building && device_.latencyQueue().isDone(ticket_)) hasArrived();
+  if (stage_ == Stage::building) {
+    if (!on_->isDone(ticket_)) return false;
+    hasArrived();
+    return true;  // the half that was felt is written once the next tick is answered: its last patch has come by then
+  }
   if (stage_ == Stage::idle) startMaking(time_s);
-  if (stage_ != Stage::making || !task_.finishedWithin(kLook_us)) return false;
+  if (!task_.finishedWithin(kLook_us)) return false;
   if (made_ == MadeFrame::none) {
     stage_ = Stage::idle;
     return false;
   }
-  if (!exchange_.beginWriting(back())) return false;
-  submit(index_.hash().sort());
-  index_.built();
-  stage_ = Stage::building;
-  return true;
+  if (exchange_.beginWriting(back())) submit(*beside_, listsBeside_);
+  return false;
 }
 
 void FramePipeline::finish() {
@@ -106,13 +116,11 @@ void FramePipeline::finish() {
     stage_ = Stage::idle;
     if (made_ != MadeFrame::none) {
       while (!exchange_.beginWriting(back())) std::this_thread::yield();
-      submit(index_.hash().sort());
-      index_.built();
-      stage_ = Stage::building;
+      submit(device_.latencyQueue(), listsFirst_);
     }
   }
   if (stage_ != Stage::building) return;
-  device_.latencyQueue().wait(ticket_);
+  on_->wait(ticket_);
   hasArrived();
 }
 

@@ -17,7 +17,7 @@ namespace palpate {
 
 /// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
 /// frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits
-/// for it but the next question, whose queue it goes through.
+/// for it: against the clock it is built beside the questions, on the queue of throughput.
 class FramePipeline {
  public:
   /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
@@ -25,9 +25,9 @@ class FramePipeline {
 
   /// Virtual time: the frame of that time is felt from now on. Waits for it.
   void bring(double time_s);
-  /// Against the clock, between ticks: the frame that is ready goes to the GPU, and is felt by the questions behind it;
-  /// where none is under way the next one is begun, for that time. True where the points will have moved. Throws what
-  /// the making of a frame has thrown.
+  /// Against the clock, between ticks: the frame that is ready goes to the GPU, beside the questions, and is felt once it
+  /// is done; where none is under way the next one is begun, for that time. True where the points have moved. Throws
+  /// what the making of a frame has thrown.
   bool goOn(double time_s);
   /// Waits for the frame that is under way.
   void finish();
@@ -63,10 +63,15 @@ class FramePipeline {
     building  // on the GPU
   };
   std::uint32_t back() const { return 1 - index_.parity(); }
-  void record();
+  // By the half that is felt before; and the build alone.
+  struct Lists {
+    std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> frames, builds;
+  };
+  void record(const Queue& queue, Lists& lists);
   void runNow();
   void startMaking(double time_s);
-  void submit(SortMethod sort);
+  void submit(Queue& queue, const Lists& lists);
+  // It is felt from now on.
   void hasArrived();
   CloudFrame fetch(Queue& queue, const Placed& placed) const;
 
@@ -77,12 +82,13 @@ class FramePipeline {
   std::array<PointsTime, 2> times_{};
   std::array<bool, 2> colored_{};
   LiveCloud::Half incoming_;  // in any order
-  // By the half that is felt before; and the build alone.
-  std::array<std::map<SortMethod, std::unique_ptr<CommandList>>, 2> lists_, builds_;
+  Lists listsFirst_, listsBeside_;  // before all questions, and beside them
   FrameExchange exchange_;
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
   MadeFrame made_ = MadeFrame::none;  // last
+  std::unique_ptr<Queue> beside_;  // of throughput, which gives way
+  Queue* on_ = nullptr;            // that builds
   Queue::Ticket ticket_ = 0;
   BackgroundTask task_;  // goes first
 };

@@ -42,7 +42,7 @@ void checkAgreement(Device& device, const Way& way, std::string_view shape) {
     worstProxy = std::max(worstProxy, glm::distance(gpu.proxy, cpu.proxy) / radius);
     worstNormal_deg = std::max(worstNormal_deg, angleBetween_deg(gpu.normal, cpu.normal));
   }
-  CHECK(touched > 40);
+  CHECK(touched > 30);
   CHECK(disagreed == 0);
   CHECK(worstProxy < 1e-4);
   CHECK(worstNormal_deg < 0.1);

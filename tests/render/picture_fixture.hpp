@@ -45,11 +45,15 @@ inline PointCloud backBesideCrowd() {
 inline PointCloud strewnCloud(std::size_t count, const Vec3& center = Vec3(0), std::uint32_t seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1, 1);
+  const auto somewhere = [&] {
+    const float z = unit(random), y = unit(random);
+    return Vec3(unit(random), y, z);
+  };
   PointCloud cloud;
   while (cloud.size() < count) {
-    const Vec3 normal{unit(random), unit(random), unit(random)};
+    const Vec3 normal = somewhere();
     if (glm::length(normal) > 1 || glm::length(normal) < 0.1f) continue;
-    cloud.positions.push_back(center + Vec3{unit(random), unit(random), unit(random)});
+    cloud.positions.push_back(center + somewhere());
     cloud.normals.push_back(cloud.size() % 5 == 0 ? Vec3(0) : glm::normalize(normal));
   }
   return cloud;
