@@ -14,6 +14,8 @@ namespace {
 constexpr double kFastest_m_s = 1;   // of a surface that is followed, towards the camera or away
 constexpr double kLeastWay = 0.01;   // in depths: what noise alone lets it move
 constexpr double kSameDepth = 0.02;  // in depths: pixels side by side that see one surface
+// One for each core would take the servo thread its own, where it has no real-time priority.
+constexpr unsigned kThreads = 2;
 
 /// A place of a picture, no farther out than the middles of its outermost pixels; nothing beside the picture.
 std::optional<DVec2> placeWithin(const DepthCamera& camera, const DVec2& place) {
@@ -79,7 +81,7 @@ void DepthBlend::follow(const DepthCamera& camera, const DepthFrame& before, con
   const double toGo = 1 - std::clamp(step.gone_s / step.goOn_s, 0.0, 1.0);
   points.goOn_s = toGo * step.goOn_s;
   const CameraPose pose = before.pose.value_or(CameraPose{});
-  parallelFor(points.size(), 0, [&](std::size_t begin, std::size_t end) {
+  parallelFor(points.size(), kThreads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const DVec3 place = DVec3(points.positions[i]) + origin, normal(points.normals[i]);
       const auto seen = seenBefore(camera, before, pose, place, step.between_s);

@@ -209,21 +209,22 @@ TEST_CASE("the window plays a recording") {
   CHECK(jsonOf(played->folder / "end.json")["last_message"] == "frames are held");
 }
 
-TEST_CASE("in the window a map that is held is sculpted, undone and saved, and goes on with what was done to it") {
+TEST_CASE("in the window a frame that is held is sculpted, undone and saved, and the next ones go on") {
   if (!hasDisplay()) return;
   const auto played =
-      play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.2 --fuse on --edit carve --tool-radius 60",
+      play("%/recorded --size 480x360 --rate 200 --backend cpu --speed 0.2 --edit carve --mm-per-unit 20",
            R"(
 0.3 state %/begin.json
 0.5 key k
 0.6 impatient
 0.7 patient
-0.8 mouse 320 180
+0.8 mouse 373 180
 0.9 key space down
 1.0 button left down
 1.1 wheel 4
 1.8 button left up
 1.9 key space up
+1.95 screenshot %/carved.png
 2.0 state %/carved.json
 2.1 key ctrl+z
 2.2 state %/undone.json
@@ -244,7 +245,7 @@ TEST_CASE("in the window a map that is held is sculpted, undone and saved, and g
   CHECK(played->state("undone.json")["undoable"] == 0);
   CHECK(std::filesystem::exists(played->folder / "carved.ply"));
   CHECK(played->outcome.text.find("frames go on") != std::string::npos);
-  CHECK(played->state("on.json")["edits"] == 0);  // of this session: it begins with what the other one left
+  CHECK(played->state("on.json")["edits"] == 0);
 }
 
 }  // namespace palpate
