@@ -54,6 +54,21 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
   add(ridge, corners[1]);
 }
 
+PointCloud placesWithCameras(const Model& model) {
+  constexpr double kFarOff = 10;  // longest sides from the middle
+  const Bounds box = model.shownBounds();
+  PointCloud places;
+  places.origin = model.cloud.origin;
+  for (unsigned corner = 0; corner < 8; ++corner)
+    places.positions.emplace_back((corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
+                                  (corner & 4 ? box.max : box.min).z);
+  for (const CameraFrustum& camera : model.cameras) {
+    const DVec3 place = camera.centre - model.cloud.origin;
+    if (glm::distance(place, box.center()) <= kFarOff * box.longestSide()) places.positions.emplace_back(place);
+  }
+  return places;
+}
+
 std::shared_ptr<const std::vector<SpaceLine>> cameraLines(const Model& model) {
   if (model.cameras.empty()) return nullptr;
   const double length = frustumLength(model);

@@ -153,7 +153,11 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
     context.log().say("{}: the model has no points, and the picture is empty", file);
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
-  const Camera camera = Camera::parse(options.camera, model.cloud, aspect, framingOf(model, upright.up));
+  Framing framing = framingOf(model, upright.up);
+  const bool showsCameras = options.cameras && !model.cameras.empty() && !model.cloud.empty();
+  if (showsCameras) framing.shown.reset();  // all of these places
+  const Camera camera =
+      Camera::parse(options.camera, showsCameras ? placesWithCameras(model) : model.cloud, aspect, framing);
   const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size);

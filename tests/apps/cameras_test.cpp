@@ -103,6 +103,32 @@ TEST_CASE("render draws a camera's pyramid with its corners where its intrinsics
   CHECK(changed == 0);
 }
 
+TEST_CASE("where no view is asked for, the picture shows the cameras as well") {
+  const ScratchFolder folder;
+  WrittenColmap far = sheet();
+  for (WrittenImage& image : far.images) image.centre.z = -60;
+  writeColmap(folder / "model", far);
+  const auto draw = [&](const std::string& options) {
+    works("render " + (folder / "model").string() + " --size 240x180 --background 0,0,0 -o " +
+          (folder / "p.png").string() + options);
+    return Picture(folder / "p.png");
+  };
+  const auto pixels = [](const Picture& picture, auto&& is) {
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < picture.rgb.size(); i += 3)
+      found += is(picture.rgb[i], picture.rgb[i + 1], picture.rgb[i + 2]) ? 1 : 0;
+    return found;
+  };
+  const auto isBlue = [](int red, int, int blue) { return blue > red + 60; };
+  const auto isSheet = [](int red, int green, int blue) {
+    return red > 20 && std::abs(red - green) < 20 && blue < red + 20;
+  };
+  const Picture with = draw(" --cameras");
+  CHECK(pixels(with, isBlue) > 20);
+  CHECK(pixels(with, isSheet) > 50);
+  CHECK(pixels(draw(""), isBlue) == 0);
+}
+
 TEST_CASE("a model that says nothing of cameras is drawn as it was, and it is said") {
   const ScratchFolder folder;
   works("--quiet make sphere -n 2000 -o " + (folder / "s.ply").string());
