@@ -18,8 +18,8 @@ double frustumLength(const Model& model);
 /// The pyramid of a camera, with a roof over the upper edge of its picture. `origin`: of the cloud.
 void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, const DVec3& origin, double length);
 
-/// What a picture with the cameras is to show of them and of the model: the corners of its box, and where they stand but
-/// for those that are far off. Relative to the model's origin.
+/// What a picture with the cameras is to show of them and of the model: the corners of its box, and where they stand
+/// but for those that are far off. Relative to the model's origin.
 PointCloud placesWithCameras(const Model& model);
 
 /// All of a model's cameras; null where it has none.
