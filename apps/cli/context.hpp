@@ -78,6 +78,7 @@ using Command = std::function<void()>;
 /// Each file of apps/cli adds its subcommand: options, help, and what to do.
 void addInfo(Options& app, Context& context, Command& command);
 void addMake(Options& app, Context& context, Command& command);
+void addSimulate(Options& app, Context& context, Command& command);
 void addTouch(Options& app, Context& context, Command& command);
 void addReplay(Options& app, Context& context, Command& command);
 void addRender(Options& app, Context& context, Command& command);

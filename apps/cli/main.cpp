@@ -17,6 +17,7 @@ void addSubcommands(Options& app, Context& context, Command& command) {
   addConvert(app, context, command);
   addInfo(app, context, command);
   addMake(app, context, command);
+  addSimulate(app, context, command);
   addReplay(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);

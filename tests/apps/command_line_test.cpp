@@ -38,7 +38,7 @@ TEST_CASE("the overview is readable, and the options of touch stand under headin
   CHECK(std::ranges::count(overview.text, '\n') < 50);
   CHECK(says(overview.text, "palpate MODEL... opens the window"));
   for (const char* command :
-       {"view", "touch", "render", "mesh", "info", "make", "convert", "replay", "bench", "doctor"})
+       {"view", "touch", "render", "mesh", "info", "make", "simulate", "convert", "replay", "bench", "doctor"})
     CHECK_MESSAGE(says(overview.text, std::string("\n  ") + command + " "), command);
   const std::string touch = palpate("touch --help").text;
   std::size_t last = 0;

@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cli/context.hpp"
+#include "apps/cli/progress.hpp"
+#include "engine/core/clock.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/core/statistics.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/matter_scene_file.hpp"
+#include "engine/io/saving.hpp"
+#include "engine/matter/matter_world.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kLongestDuration_s = 1e5;
+constexpr double kMmPerMetre = 1e3;
+
+struct SimulateOptions {
+  std::string scene, probe, save;
+  double duration_s = 1;
+};
+
+MatterScene sceneOf(const std::string& name) {
+  const auto names = matterSceneNames();
+  return std::ranges::find(names, name) != names.end() ? matterSceneNamed(name) : readMatterScene(name);
+}
+
+Json vectorJson(const DVec3& v) { return {v.x, v.y, v.z}; }
+
+Json summaryJson(const Summary& summary) {
+  return {{"p50", summary.p50}, {"p99", summary.p99}, {"p999", summary.p999}, {"max", summary.max}};
+}
+
+// What has failed, and what to do.
+void requireRunning(const MatterWorld& world) {
+  if (world.state() == MatterState::running) return;
+  throw Error("the simulation {} after {:.3f} s; take more substeps",
+              world.state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
+              world.time_s());
+}
+
+void save(const std::string& file, const MatterWorld& world) {
+  PointCloud cloud;
+  cloud.positions = world.positionsById();
+  for (Vec3& position : cloud.positions) position *= static_cast<float>(kMmPerMetre);
+  cloud.storedAs.comments.emplace_back("comment units: mm");
+  markAsOurs(cloud);
+  writeCloud(file, cloud);
+}
+
+void simulate(Context& context, const SimulateOptions& options) {
+  if (!options.save.empty()) Context::checkWritable(options.save);
+  const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
+  const MatterScene scene = sceneOf(options.scene);
+  MatterWorld world(scene, {.threads = context.threads()});
+  const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
+  std::vector<double> step_us;
+  double mostCompression = 0;
+  Progress progress(context.log(), options.scene);
+  for (std::size_t k = 0; k < steps; ++k) {
+    const Stopwatch watch;
+    world.step();
+    step_us.push_back(watch.elapsed_us());
+    requireRunning(world);
+    mostCompression = std::max(mostCompression, world.observe().maxCompression);
+    progress.set(static_cast<double>(k + 1) / static_cast<double>(steps));
+  }
+  if (!options.save.empty()) save(options.save, world);
+  const MatterObservation seen = world.observe();
+  const Summary times = summarize(std::move(step_us));
+  const bool hasPressure = !options.probe.empty() && scene.matter == Matter::water;
+  const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: {} particles of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
+             nameOf(kMatters, scene.matter), seen.time_s, world.plan().substeps);
+  fmt::print(out, "  a millisecond takes {:.0f} us (median), {:.0f} us at most\n", times.p50, times.max);
+  fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
+             seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
+  if (hasPressure) fmt::print(out, "  pressure at {} mm: {:.1f} Pa\n", options.probe, pressure_Pa);
+  context.writeJson({{"time_s", seen.time_s},
+                     {"particles", seen.particles},
+                     {"substeps", world.plan().substeps},
+                     {"step_us", summaryJson(times)},
+                     {"kinetic_J", seen.kinetic_J},
+                     {"potential_J", seen.potential_J},
+                     {"momentum_kg_m_s", vectorJson(seen.momentum)},
+                     {"max_compression", mostCompression},
+                     {"front_mm", seen.front_m * kMmPerMetre},
+                     {"pressure_Pa", hasPressure ? Json(pressure_Pa) : Json(nullptr)}});
+}
+
+}  // namespace
+
+void addSimulate(Options& app, Context& context, Command& command) {
+  Options& sub = app.addSubcommand("simulate", "matter that moves by itself, without a hand, on the CPU");
+  auto options = std::make_shared<SimulateOptions>();
+  std::string names;
+  for (const std::string_view name : matterSceneNames()) names += (names.empty() ? "" : ", ") + std::string(name);
+  sub.add("scene", options->scene, "a JSON file, or one of " + names).required().typeName("SCENE");
+  sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
+  sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
+  sub.add("--save", options->save, "file for the particles at the end, mm: " + cloudFormats().endingsWritten())
+      .typeName("FILE");
+  sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
+}
+
+}  // namespace palpate

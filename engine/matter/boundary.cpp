@@ -1,0 +1,74 @@
+#include "engine/matter/boundary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Points have no compression of their own, so that matter under pressure comes nearer to them than to its own kind, by
+// so much whatever the pressure is: measured on balls of 3, 4 and 5 spacings, whose buoyancy was that of smaller ones.
+constexpr double kNearer_spacings = 0.075;
+
+double ballVolume(double radius) { return radius > 0 ? 4 * kPi / 3 * radius * radius * radius : 0; }
+
+// Points of equal area on a sphere, along a spiral by the golden angle (Vogel 1979).
+void addShell(std::size_t count, double radius, double volume, std::vector<BoundaryPoint>& points) {
+  const double turn = kPi * (3 - std::sqrt(5.0));
+  for (std::size_t k = 0; k < count; ++k) {
+    const double y = 1 - 2 * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+    const double across = std::sqrt(1 - y * y), angle = turn * static_cast<double>(k);
+    points.push_back({.place = radius * DVec3(across * std::cos(angle), y, across * std::sin(angle)),
+                      .volume = static_cast<float>(volume / static_cast<double>(count))});
+  }
+}
+
+Vec3 extentOf(std::span<const BoundaryPoint> points) {
+  Vec3 most{0};
+  for (const BoundaryPoint& point : points) most = glm::max(most, glm::abs(point.place));
+  return most;
+}
+
+}  // namespace
+
+std::vector<BoundaryPoint> ballPoints(double radius_m, double spacing_m, double support_m) {
+  std::vector<BoundaryPoint> points;
+  const double cube = spacing_m * spacing_m * spacing_m, surface = radius_m + kNearer_spacings * spacing_m;
+  for (double outer = surface; outer > 0 && outer > surface - support_m; outer -= spacing_m) {
+    const double inner = std::max(outer - spacing_m, 0.0);
+    const double volume = (ballVolume(outer) - ballVolume(inner)) / cube;
+    const double radius = inner > 0 ? (outer + inner) / 2 : 0;
+    const auto count = inner > 0 ? static_cast<std::size_t>(std::max(1.0, std::round(volume))) : std::size_t{1};
+    addShell(count, radius, volume, points);
+  }
+  return points;
+}
+
+BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support)
+    : support_(support),
+      cells_({.size = 2.0f * extentOf(points) + support}, support),
+      middle_(extentOf(points) + 0.5f * support) {
+  std::vector<Vec4> places;
+  for (const BoundaryPoint& point : points) {
+    places.emplace_back(point.place + middle_, point.volume);
+    extent_ = std::max(extent_, glm::length(point.place));
+  }
+  std::vector<std::uint32_t> order;
+  cells_.sort(places, order);
+  for (const std::uint32_t k : order) points_.push_back(places[k]);
+}
+
+void BoundaryBody::moveTo(const BodyMotion& motion) {
+  motion_ = motion;
+  toWorld_ = glm::mat3(glm::mat3_cast(glm::normalize(motion.orientation)));
+  toBody_ = glm::transpose(toWorld_);
+  place_ = motion.place;
+  velocity_ = motion.velocity;
+  spin_ = motion.spin;
+}
+
+}  // namespace palpate

@@ -1,0 +1,37 @@
+// What the particles of a kind of matter do to each other, to walls and to bodies: the seam between kinds.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "engine/matter/boundary.hpp"
+#include "engine/matter/matter_particles.hpp"
+#include "engine/matter/matter_scene.hpp"
+
+namespace palpate {
+
+/// How far particles meet each other, and a wall at the least, in spacings.
+struct MatterReach {
+  float neighbour_spacings = 0, wall_spacings = 0;
+};
+
+class MatterLaw {
+ public:
+  virtual ~MatterLaw() = default;
+
+  virtual MatterReach reach() const = 0;
+  /// From places that were predicted to those that the substep ends with: settles each slot once. `sums`: one for each
+  /// block, empty, with an exchange for each body.
+  virtual void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
+                     WorkerTeam& team) = 0;
+  /// Pressure at a particle after solve(), Pa: what goes through a plane across the unit vector `down`, or the mean of
+  /// all planes where that is 0. 0 for matter that has none.
+  virtual double pressureOf(const MatterParticles& particles, std::size_t slot, const Vec3& down) const = 0;
+};
+
+/// A new kind of matter is a file and a line here.
+std::unique_ptr<MatterLaw> waterLaw(const MatterScene& scene, const MatterPlan& plan);
+std::unique_ptr<MatterLaw> sandLaw(const MatterScene& scene, const MatterPlan& plan);
+std::unique_ptr<MatterLaw> lawOf(const MatterScene& scene, const MatterPlan& plan);
+
+}  // namespace palpate

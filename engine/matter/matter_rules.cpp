@@ -1,0 +1,73 @@
+#include "engine/matter/matter_rules.hpp"
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Sum of the weights in a neighbourhood that is filled evenly, without grain, with one particle in a cube of spacing 1.
+double evenSum(double support_spacings) {
+  return 2 * kPi / 21 * support_spacings * support_spacings * support_spacings;
+}
+
+// So far, in support radii, the share `wanted` is beyond a plane.
+double distanceOfShare(double wanted) {
+  double low = 0, high = 1;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (shared::shareBeyond(middle) > wanted ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+// Square of the speed that the pushes of one iteration come to, before the moment of the weights scales it.
+double pushSpeed2(const Fluid& fluid) {
+  const double speed = kStiffness * fluid.spacing_m / fluid.substep_s;
+  return speed * speed;
+}
+
+}  // namespace
+
+LatticeSums latticeSums(double support_spacings) {
+  LatticeSums sums;
+  const int most = static_cast<int>(std::ceil(support_spacings));
+  for (int z = -most; z <= most; ++z)
+    for (int y = -most; y <= most; ++y)
+      for (int x = -most; x <= most; ++x) {
+        const double r = glm::length(DVec3(x, y, z)) / support_spacings;
+        if (r >= 1) continue;
+        sums.weight += shared::wendland(r);
+        sums.moment += shared::wendlandPull(r) * r * r / 3;
+        if (y >= 0) continue;
+        sums.beyond += shared::wendland(r);
+        sums.shear -= shared::wendlandPull(r) * y;
+      }
+  return sums;
+}
+
+shared::WaterRules waterRules(const Fluid& fluid) {
+  const double support = kSupport_spacings * fluid.spacing_m;
+  const LatticeSums sums = latticeSums(kSupport_spacings);
+  const double even = evenSum(kSupport_spacings);
+  const double push = fluid.substep_s * pushSpeed2(fluid) / sums.weight;
+  const double drag = fluid.substep_s * 2 * fluid.viscosity_Pa_s / fluid.density_kg_m3 / sums.moment;
+  const double atRest = distanceOfShare(sums.beyond / even);  // from the wall as it is taken, in support radii
+  const double layers = sums.shear * fluid.spacing_m / shared::shareInLayer(atRest);
+  shared::WaterRules rules{};
+  rules.support = static_cast<float>(support);
+  rules.restSum = static_cast<float>(sums.weight);
+  rules.wallSum = static_cast<float>(even);
+  rules.wallInset = static_cast<float>(atRest - 0.5 / kSupport_spacings);
+  rules.push = static_cast<float>(push / (support * support));
+  rules.wallPush = static_cast<float>(push * even / support);
+  rules.drag = static_cast<float>(drag / (support * support));
+  rules.wallDrag = static_cast<float>(drag * layers / (support * support));
+  rules.nearest = static_cast<float>(fluid.spacing_m / 2);
+  rules.step = static_cast<float>(fluid.substep_s);
+  return rules;
+}
+
+}  // namespace palpate

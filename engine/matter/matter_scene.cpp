@@ -1,0 +1,194 @@
+#include "engine/matter/matter_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/matter/matter_rules.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kLeastSpacing_mm = 0.01, kMostSpacing_mm = 1e4;
+constexpr double kMostBox_mm = 1e6;
+constexpr double kMostCells = 64e6;        // of the grid, whose memory grows with the box
+constexpr double kBytesOfParticle = 1600;  // with its neighbours
+constexpr double kBytesOfCell = 4;
+constexpr std::uint64_t kMostParticles = 1 << 27;  // as neighbours are numbered
+constexpr std::uint32_t kMostSubsteps = 1000;
+// A particle that falls through the whole box goes so many spacings in a substep at most.
+constexpr double kMostWay_spacings = 0.5;
+
+void requireBetween(std::string_view field, double value, double least, double most) {
+  if (!(value >= least && value <= most)) throw Error("{}: is {}; it is from {:g} to {:g}", field, value, least, most);
+}
+
+void requireBetween(std::string_view field, const DVec3& value, double least, double most) {
+  for (int k = 0; k < 3; ++k) requireBetween(field, value[k], least, most);
+}
+
+void requireFields(const MatterScene& scene) {
+  if (scene.matter == Matter::soft) throw Error("matter: soft bodies are not built yet; there are water and sand");
+  requireBetween("spacing_mm", scene.spacing_mm, kLeastSpacing_mm, kMostSpacing_mm);
+  requireBetween("box_mm", scene.box_mm, scene.spacing_mm, kMostBox_mm);
+  requireBetween("fill_mm", scene.fill_mm, 0, kMostBox_mm);
+  for (int k = 0; k < 3; ++k)
+    if (!(scene.fill_mm[k] <= scene.box_mm[k]))
+      throw Error("fill_mm: is {} along {}, where the box is {}", scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
+  requireBetween("density_kg_m3", scene.density_kg_m3, 1, 1e5);
+  requireBetween("viscosity_Pa_s", scene.viscosity_Pa_s, 0, 1e4);
+  requireBetween("friction", scene.friction, 0, 10);
+  requireBetween("gravity_m_s2", scene.gravity_m_s2, -1000, 1000);
+  requireBetween("gain", scene.gain, 0, 1e4);
+  requireBetween("substeps", scene.substeps, 0, kMostSubsteps);
+}
+
+void requireTool(const MatterScene& scene) {
+  const auto& [radius, mass] = scene.tool;
+  requireBetween("tool.radius_mm", radius, 0, kMostBox_mm);
+  requireBetween("tool.mass_kg", mass, 0, 1e6);
+  if (radius == 0) return;
+  if (radius < scene.spacing_mm)
+    throw Error("tool.radius_mm: is {}; it is at least the spacing, {}", radius, scene.spacing_mm);
+  const double smallest = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
+  if (2 * radius >= smallest) throw Error("tool.radius_mm: is {}; twice that is below the box, {}", radius, smallest);
+  const double displaced = scene.density_kg_m3 * 4 / 3 * 3.14159265358979 * std::pow(radius * 1e-3, 3);
+  if (mass < displaced / 2)
+    throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
+}
+
+// Shortest substep at which the grains at the bottom of the fill overlap by a fiftieth of their diameter, at a contact
+// above and one below.
+double grainSubstep(const MatterScene& scene, double spacing_m) {
+  const double drop = std::abs(glm::dot(scene.gravity_m_s2, scene.fill_mm * 1e-3));
+  return drop > 0 ? std::sqrt(0.02 * kGrainShare / drop) * spacing_m : kMatterStep_s;
+}
+
+// Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
+// has fallen by its own height.
+double neededSpeedOfSound(const MatterScene& scene) {
+  const double drop = std::abs(glm::dot(scene.gravity_m_s2, scene.fill_mm * 1e-3));
+  return std::sqrt(200 * drop);
+}
+
+// Substeps in a step, as a real number.
+double neededSubsteps(const MatterScene& scene, double spacing_m) {
+  const double bySound = scene.matter == Matter::sand
+                             ? kMatterStep_s / grainSubstep(scene, spacing_m)
+                             : kMatterStep_s * neededSpeedOfSound(scene) / (kStiffness * spacing_m);
+  const double fall_m_s = std::sqrt(2 * glm::length(scene.gravity_m_s2) * glm::length(scene.box_mm) * 1e-3);
+  const double byFall = kMatterStep_s * fall_m_s / (kMostWay_spacings * spacing_m);
+  const double viscosity_m2_s = scene.matter == Matter::water ? scene.viscosity_Pa_s / scene.density_kg_m3 : 0;
+  const double byViscosity = kMatterStep_s * viscosity_m2_s / (kMostDiffusion * spacing_m * spacing_m);
+  return std::max({1.0, bySound, byFall, byViscosity});
+}
+
+void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_bytes) {
+  if (cells > kMostCells)
+    throw Error("spacing_mm: is so small that the box has {:.3g} cells, {:g} at most; take a larger one", cells,
+                kMostCells);
+  if (plan.bytes > memory_bytes || plan.particles > kMostParticles)
+    throw Error("spacing_mm: makes {} particles, which take about {} MiB of {}; take a larger one", plan.particles,
+                plan.bytes >> 20, memory_bytes >> 20);
+}
+
+}  // namespace
+
+MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
+  requireFields(scene);
+  requireTool(scene);
+  MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
+  double particles = 1, cells = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::floor(scene.fill_mm[k] / scene.spacing_mm + 0.5);
+    plan.lattice[k] =
+        static_cast<std::uint32_t>(std::min(along, std::floor(scene.box_mm[k] / scene.spacing_mm + 1e-6)));
+    particles *= plan.lattice[k];
+    cells *= std::max(1.0, std::floor(scene.box_mm[k] / scene.spacing_mm / (kReach_spacings / 2)));
+    if (scene.periodic[k] && scene.box_mm[k] < 3 * kReach_spacings * scene.spacing_mm)
+      throw Error("box_mm: is {} along {}, where it is periodic; it is at least {} spacings there", scene.box_mm[k],
+                  "xyz"[k], 3 * kReach_spacings);
+  }
+  plan.particles = static_cast<std::uint64_t>(std::min(particles, 1e18));
+  plan.bytes = static_cast<std::uint64_t>(std::min(particles * kBytesOfParticle + cells * kBytesOfCell, 1e18));
+  requireMemory(plan, cells, memory_bytes);
+  const double needed = std::ceil(neededSubsteps(scene, plan.spacing_m) - 1e-9);
+  if (needed > kMostSubsteps)
+    throw Error(
+        "spacing_mm: needs {:.0f} substeps of a step of {} s, {} at most; take a larger one, less viscosity or less "
+        "gravity",
+        needed, kMatterStep_s, kMostSubsteps);
+  if (scene.substeps != 0 && scene.substeps < needed)
+    throw Error("substeps: is {}; this scene needs {:.0f}, or 0 for as many as it needs", scene.substeps, needed);
+  plan.substeps = scene.substeps != 0 ? scene.substeps : static_cast<std::uint32_t>(needed);
+  plan.substep_s = kMatterStep_s / plan.substeps;
+  plan.mass_kg = scene.density_kg_m3 * plan.spacing_m * plan.spacing_m * plan.spacing_m;
+  plan.speedOfSound_m_s = kStiffness * plan.spacing_m / plan.substep_s;
+  return plan;
+}
+
+namespace {
+
+// Grains that stand exactly upon each other would not know where to fall to: each is moved by so much at most, along
+// each axis, by numbers that follow from its own.
+constexpr float kUneven_spacings = 0.15f;
+
+Vec3 unevenness(std::uint32_t number) {
+  Vec3 moved;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::uint32_t bits = 3 * number + static_cast<std::uint32_t>(axis);
+    // The finalizer of MurmurHash3 (Appleby), which spreads neighbouring numbers.
+    bits = (bits ^ bits >> 16) * 0x85ebca6bu;
+    bits = (bits ^ bits >> 13) * 0xc2b2ae35u;
+    bits ^= bits >> 16;
+    moved[axis] = kUneven_spacings * (static_cast<float>(bits >> 8) / 0x1p23f - 1.0f);
+  }
+  return moved;
+}
+
+}  // namespace
+
+std::vector<Vec3> placesAtRest(const MatterScene& scene) {
+  const MatterPlan plan = planOf(scene);
+  std::vector<Vec3> places;
+  places.reserve(plan.particles);
+  for (std::uint32_t z = 0; z < plan.lattice.z; ++z)
+    for (std::uint32_t y = 0; y < plan.lattice.y; ++y)
+      for (std::uint32_t x = 0; x < plan.lattice.x; ++x) places.emplace_back((DVec3(x, y, z) + 0.5) * plan.spacing_m);
+  if (scene.matter == Matter::sand)
+    for (std::size_t i = 0; i < places.size(); ++i)
+      places[i] += static_cast<float>(plan.spacing_m) * unevenness(static_cast<std::uint32_t>(i));
+  return places;
+}
+
+namespace {
+
+const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
+  static const std::vector<std::pair<std::string_view, MatterScene>> scenes{
+      {"water", {.box_mm = {170, 200, 170}, .fill_mm = {170, 170, 170}, .spacing_mm = 10}},
+      {"dam", {.box_mm = {600, 300, 50}, .fill_mm = {100, 200, 50}, .spacing_mm = 10}},
+      {"sand",
+       {.matter = Matter::sand,
+        .box_mm = {300, 150, 150},
+        .fill_mm = {100, 100, 150},
+        .spacing_mm = 10,
+        .density_kg_m3 = 1600}}};
+  return scenes;
+}
+
+}  // namespace
+
+std::vector<std::string_view> matterSceneNames() {
+  std::vector<std::string_view> names;
+  for (const auto& [name, scene] : builtInScenes()) names.push_back(name);
+  return names;
+}
+
+MatterScene matterSceneNamed(std::string_view name) {
+  if (const auto scene = valueNamed(builtInScenes(), name)) return *scene;
+  throw Error("there is no scene '{}'; there are {}", name, fmt::join(matterSceneNames(), ", "));
+}
+
+}  // namespace palpate

@@ -1,0 +1,75 @@
+// What a scene of matter is made of, and what a simulation of it will need: looked at before anything runs.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+enum class Matter { water, sand, soft };
+inline constexpr std::array<std::pair<std::string_view, Matter>, 3> kMatters{
+    {{"water", Matter::water}, {"sand", Matter::sand}, {"soft", Matter::soft}}};
+
+/// A ball that a hand holds by a spring and a damper.
+struct MatterTool {
+  double radius_mm = 0;  ///< 0: there is none
+  double mass_kg = 0;    ///< of the simulated body; at least half of that of the matter it displaces
+
+  bool operator==(const MatterTool&) const = default;
+};
+
+/// Fields are in the units of the file (engine/io/matter_scene_file.hpp), which has the same names. Axes are
+/// right-handed; the box stands from 0 to `box_mm`, and y is up as long as gravity says nothing else.
+struct MatterScene {
+  Matter matter = Matter::water;
+  DVec3 box_mm{100};             ///< inner sides, mm
+  DVec3 fill_mm{100, 50, 100};   ///< the corner at 0 is filled so far at the beginning, at rest, mm
+  double spacing_mm = 5;         ///< of the particles at rest: a particle stands for its cube, mm
+  double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
+  double viscosity_Pa_s = 1e-3;  ///< dynamic; of water alone, Pa s
+  double friction = 0.5;  ///< Coulomb's coefficient between grains, and between grains and walls; of sand alone, 1
+  DVec3 gravity_m_s2{0, -9.81, 0};  ///< m/s^2
+  std::uint32_t substeps = 0;       ///< in a step of kMatterStep_s; 0: as many as it needs
+  MatterTool tool;
+  double gain = 1;                 ///< of the force that the hand feels over the real one, 1
+  std::array<bool, 3> periodic{};  ///< axes without walls, on which what leaves comes in again; not in files
+
+  bool operator==(const MatterScene&) const = default;
+};
+
+/// Length of a step.
+inline constexpr double kMatterStep_s = 1e-3;
+
+/// Memory that a simulation takes at most, as it is planned.
+inline constexpr std::uint64_t kMostMatterBytes = std::uint64_t{2} << 30;
+
+/// What a scene comes to.
+struct MatterPlan {
+  UVec3 lattice{0};  ///< particles along each side of the fill
+  std::uint64_t particles = 0;
+  std::uint64_t bytes = 0;     ///< about
+  std::uint32_t substeps = 1;  ///< in a step
+  double substep_s = kMatterStep_s;
+  double spacing_m = 0;
+  double mass_kg = 0;           ///< of a particle
+  double speedOfSound_m_s = 0;  ///< of the simulated matter, far below that of the real one
+};
+
+/// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
+MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+
+/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains a
+/// little beside that.
+std::vector<Vec3> placesAtRest(const MatterScene& scene);
+
+/// Names of the scenes that need no file.
+std::vector<std::string_view> matterSceneNames();
+/// Throws Error with the names that there are.
+MatterScene matterSceneNamed(std::string_view name);
+
+}  // namespace palpate

@@ -1,0 +1,177 @@
+// Grains with friction by positions (Macklin et al. 2014), whose contacts remember how far they were displaced
+// (Cundall, Strack 1979): one pass of gathers, in which each of the two keeps its own copy of a contact, alike but for
+// the sign.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "engine/matter/matter_law.hpp"
+#include "engine/matter/matter_rules.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Balls of one size touch 12 of their kind at most; overlapping ones, walls and tools may be a few more.
+constexpr std::size_t kMostContacts = 20;
+// What else than a grain a contact may be with: the six walls, and the points of bodies.
+constexpr std::uint32_t kFirstWall = 0x80000000u;
+constexpr std::uint32_t kFirstBodyPoint = 0x80000010u;
+
+// Of a grain: with whom, by ids, and how far it was displaced.
+struct Contacts {
+  std::array<std::uint32_t, kMostContacts> with;
+  std::array<Vec3, kMostContacts> slip;
+  std::uint32_t count = 0;
+
+  // Nothing where they did not touch.
+  const Vec3* slipWith(std::uint32_t other) const {
+    for (std::uint32_t k = 0; k < count; ++k)
+      if (with[k] == other) return &slip[k];
+    return nullptr;
+  }
+  void add(std::uint32_t other, const Vec3& displaced) {
+    if (count == kMostContacts) return;
+    with[count] = other;
+    slip[count++] = displaced;
+  }
+};
+
+class SandLaw final : public MatterLaw {
+ public:
+  explicit SandLaw(const shared::GrainRules& rules) : rules_(rules) {}
+
+  MatterReach reach() const override { return {.neighbour_spacings = 1, .wall_spacings = 0.25f}; }
+  double pressureOf(const MatterParticles&, std::size_t, const Vec3&) const override { return 0; }
+
+  void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
+             WorkerTeam& team) override {
+    before_.resize(particles.size());
+    after_.resize(particles.size());
+    team.forEach(sums.size(), [&](std::size_t block) {
+      const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, particles.size());
+      for (std::size_t i = begin; i < end; ++i) touch(particles, bodies, i, sums[block]);
+    });
+    particles.flip();
+    before_.swap(after_);
+  }
+
+ private:
+  // A grain on its way through a substep.
+  struct Grain {
+    Vec3 place, velocity;
+    const Contacts& before;
+    Contacts& after;
+    Vec3 change{0};
+    float mostOverlap = 0;
+  };
+
+  // What a grain touches.
+  struct Other {
+    std::uint32_t id;
+    Vec3 offset;    // from it to the grain, m
+    float overlap;  // m
+    Vec3 velocity;  // m/s, as the grain's: with what gravity has added, where that moves it
+    Vec3 fall;      // what gravity has added to that, m/s
+  };
+
+  // The change of the grain's velocity by it.
+  Vec3 meet(Grain& grain, const Other& other, const Vec3& fall) const {
+    const Vec3 moved = rules_.step * (grain.velocity - other.velocity);
+    Vec3 slip(0);
+    // What it left, and what the two moved since: the velocities before gravity are those of the last substep.
+    if (const Vec3* const left = grain.before.slipWith(other.id))
+      slip = *left + moved - rules_.step * (fall - other.fall);
+    const shared::GrainContact contact =
+        shared::grainContact<float>(rules_, glm::normalize(other.offset), other.overlap, moved, slip);
+    grain.after.add(other.id, contact.slip);
+    grain.change += contact.change;
+    grain.mostOverlap = std::max(grain.mostOverlap, other.overlap);
+    return contact.change;
+  }
+
+  void meetNeighbours(const MatterParticles& particles, std::size_t slot, Grain& grain) const {
+    for (const Neighbour neighbour : particles.lists().of(slot)) {
+      const Vec3 offset = grain.place - Vec3(particles.places()[neighbour.slot]) - particles.shiftOf(neighbour);
+      const float distance = glm::length(offset);
+      if (!(distance < rules_.diameter && distance > 0)) continue;
+      meet(grain,
+           {.id = particles.ids()[neighbour.slot],
+            .offset = offset,
+            .overlap = rules_.diameter - distance,
+            .velocity = particles.velocities()[neighbour.slot],
+            .fall = particles.fall()},
+           particles.fall());
+    }
+  }
+
+  // The impulse of all walls on the grain, for each kg.
+  DVec3 meetWalls(const MatterBox& box, const Vec3& fall, Grain& grain) const {
+    const Vec3 before = grain.change;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (box.periodic[static_cast<std::size_t>(axis)]) continue;
+      for (int side = 0; side < 2; ++side) {
+        const float distance = side == 0 ? grain.place[axis] : box.size[axis] - grain.place[axis];
+        const float overlap = rules_.diameter / 2 - distance;
+        if (!(overlap > 0)) continue;
+        Vec3 inwards(0);
+        inwards[axis] = side == 0 ? 1.0f : -1.0f;
+        meet(grain,
+             {.id = kFirstWall + static_cast<std::uint32_t>(2 * axis + side),
+              .offset = inwards,
+              .overlap = overlap,
+              .velocity = Vec3(0),
+              .fall = Vec3(0)},
+             fall);
+      }
+    }
+    return DVec3(grain.change - before);
+  }
+
+  void touch(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t slot, BlockSums& sums) {
+    const std::uint32_t id = particles.ids()[slot];
+    Grain grain{.place = Vec3(particles.places()[slot]),
+                .velocity = std::as_const(particles).velocities()[slot],
+                .before = before_[id],
+                .after = after_[id]};
+    grain.after.count = 0;
+    const double mass = particles.config().mass_kg;
+    meetNeighbours(std::as_const(particles), slot, grain);
+    sums.wallImpulse -= mass * meetWalls(particles.config().box, particles.fall(), grain);
+    std::uint32_t first = kFirstBodyPoint;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      bodies[b].forEachNear(grain.place, [&](const BoundaryMeeting& met) {
+        const float distance = glm::length(met.offset);
+        if (!(distance < rules_.diameter && distance > 0)) return;
+        const Vec3 part = meet(grain,
+                               {.id = first + met.number,
+                                .offset = met.offset,
+                                .overlap = rules_.diameter - distance,
+                                .velocity = met.velocity,
+                                .fall = Vec3(0)},
+                               particles.fall());
+        sums.bodies[b].add(-mass * DVec3(part), DVec3(grain.place - met.offset) - bodies[b].place());
+      });
+      first += bodies[b].size();
+    }
+    sums.mostCompression = std::max(sums.mostCompression, grain.mostOverlap / rules_.diameter);
+    particles.settle(slot, grain.change, sums);
+  }
+
+  shared::GrainRules rules_;
+  std::vector<Contacts> before_, after_;  // by id
+};
+
+}  // namespace
+
+std::unique_ptr<MatterLaw> sandLaw(const MatterScene& scene, const MatterPlan& plan) {
+  shared::GrainRules rules{};
+  rules.diameter = static_cast<float>(plan.spacing_m);
+  rules.share = static_cast<float>(kGrainShare);
+  rules.friction = static_cast<float>(scene.friction);
+  rules.step = static_cast<float>(plan.substep_s);
+  return std::make_unique<SandLaw>(rules);
+}
+
+}  // namespace palpate

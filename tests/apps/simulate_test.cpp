@@ -1,0 +1,72 @@
+// Matter that moves by itself, as a user meets it.
+#include <cmath>
+
+#include "engine/io/ply_reader.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kSmallTank =
+    R"({"matter": "water", "box_mm": [80, 160, 80], "fill_mm": [80, 120, 80], "spacing_mm": 10})";
+
+}  // namespace
+
+TEST_CASE("a scene is simulated without a hand, and its particles are kept") {
+  const ScratchFolder folder;
+  const std::string scene = (folder / "tank.json").string(), json = (folder / "out.json").string();
+  std::ofstream(scene) << kSmallTank;
+  works("simulate " + scene + " --duration 0.4 --probe 40,60,40 --save " + (folder / "out.ply").string() + " --json " +
+        json);
+  const auto result = jsonOf(json);
+  CHECK(result["particles"] == 8 * 12 * 8);
+  CHECK(std::abs(result["time_s"].get<double>() - 0.4) < 1e-9);
+  CHECK(std::abs(result["pressure_Pa"].get<double>() - 1000 * 9.81 * 0.06) < 60);
+  CHECK(result["max_compression"] < 0.02);
+  CHECK(result["potential_J"] > 0);
+  CHECK(result["kinetic_J"] < 0.01);
+  CHECK(result["momentum_kg_m_s"].size() == 3);
+  CHECK(std::abs(result["front_mm"].get<double>() - 80) < 0.01);
+  CHECK(result["step_us"]["p50"] > 0);
+  CHECK(result["step_us"].contains("p999"));
+  const PointCloud cloud = readPly(folder / "out.ply");
+  CHECK(cloud.size() == 8 * 12 * 8);
+  const Bounds bounds = boundsOf(cloud);
+  CHECK(bounds.max.x > 70);
+  CHECK(bounds.max.x < 80);
+}
+
+TEST_CASE("the scenes that need no file run, the same for any number of threads") {
+  const ScratchFolder folder;
+  for (const std::string name : {"water", "dam", "sand"}) {
+    CAPTURE(name);
+    const auto saved = [&](const std::string& threads) {
+      const std::string file = (folder / (name + threads + ".ply")).string();
+      works("simulate " + name + " --duration 0.02 --threads " + threads + " --save " + file);
+      return contentOf(file);
+    };
+    CHECK(saved("1") == saved("3"));
+  }
+}
+
+TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file") {
+  const ScratchFolder folder;
+  const std::string scene = (folder / "scene.json").string(), save = (folder / "out.ply").string();
+  const auto refusal = [&](const std::string& text) {
+    std::ofstream(scene) << text;
+    const Outcome outcome = palpate("simulate " + scene + " --save " + save);
+    CHECK(outcome.code == 1);
+    CHECK_FALSE(std::filesystem::exists(save));
+    return outcome.text;
+  };
+  CHECK(says(refusal(R"({"matter": "soft"})"), "scene.json: "));
+  CHECK(says(refusal(std::string(kSmallTank).replace(12, 5, "honey")), "there are water, sand, soft"));
+  CHECK(says(refusal(std::string(kSmallTank).insert(1, "\"colour\": 1, ")), "'colour': is not known"));
+  CHECK(says(palpate("simulate nothing.json").text, "nothing.json"));
+  CHECK(palpate("simulate water --duration -1").code == 2);
+  CHECK(palpate("simulate water --probe 1,2").code == 2);
+}
+
+}  // namespace palpate

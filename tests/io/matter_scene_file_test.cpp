@@ -1,0 +1,93 @@
+// Scenes of matter as files.
+#include "engine/io/matter_scene_file.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/core/error.hpp"
+#include "tests/says.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr const char* kLeast = R"("box_mm": [100, 80, 60], "fill_mm": [50, 40, 60], "spacing_mm": 5)";
+
+std::string refusal(const std::string& json) {
+  try {
+    parseMatterScene(json);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+std::string waterWith(const std::string& more) {
+  return std::string(R"({"matter": "water", )") + kLeast + ", " + more + "}";
+}
+
+}  // namespace
+
+TEST_CASE("a scene of matter is read with all that it says") {
+  const MatterScene water = parseMatterScene(waterWith(
+      R"("density_kg_m3": 900, "viscosity_Pa_s": 0.1, "gravity_m_s2": [0, 0, -5], "substeps": 9,
+         "tool": {"radius_mm": 12, "mass_kg": 0.2}, "gain": 40)"));
+  CHECK(water == MatterScene{.matter = Matter::water,
+                             .box_mm = {100, 80, 60},
+                             .fill_mm = {50, 40, 60},
+                             .spacing_mm = 5,
+                             .density_kg_m3 = 900,
+                             .viscosity_Pa_s = 0.1,
+                             .gravity_m_s2 = {0, 0, -5},
+                             .substeps = 9,
+                             .tool = {.radius_mm = 12, .mass_kg = 0.2},
+                             .gain = 40});
+  const MatterScene sand = parseMatterScene(std::string(R"({"friction": 0.3, "matter": "sand", )") + kLeast + "}");
+  CHECK(sand.matter == Matter::sand);
+  CHECK(sand.friction == 0.3);
+  CHECK(sand.density_kg_m3 == MatterScene{}.density_kg_m3);
+}
+
+TEST_CASE("a scene of matter that says something wrong is refused with the field") {
+  CHECK(refusal(waterWith(R"("gain": 1)")) == "read");
+  CHECK(says(refusal("{"), "is no JSON"));
+  CHECK(says(refusal("[]"), "is no JSON object"));
+  CHECK(says(refusal("{}"), "matter: is not there"));
+  CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is not there"));
+  CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kLeast + "}"), "there are water, sand, soft"));
+  CHECK(says(refusal(std::string(R"({"matter": "soft", "young_Pa": 1e4, )") + kLeast + "}"),
+             "matter: soft bodies are not built yet"));
+  CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "'young_Pa': is not known; there are matter, box_mm"));
+  CHECK(says(refusal(waterWith(R"("friction": 0.5)")), "friction: belongs to no scene of water"));
+  CHECK(says(refusal(waterWith(R"("gain": "much")")), "gain: is"));
+  CHECK(says(refusal(waterWith(R"("gain": null)")), "gain: is"));
+  CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1])")), "gravity_m_s2: is no list of 3 numbers"));
+  CHECK(says(refusal(waterWith(R"("gravity_m_s2": [0, 1, "2"])")), "gravity_m_s2: is"));
+  CHECK(says(refusal(waterWith(R"("substeps": 1.5)")), "substeps: is 1.5; it is a whole number"));
+  CHECK(says(refusal(waterWith(R"("tool": 3)")), "tool: is no object"));
+  CHECK(says(refusal(waterWith(R"("tool": {"colour": 3})")), "tool: 'colour' is not known"));
+  CHECK(says(refusal(waterWith(R"("tool": {"mass_kg": "3"})")), "tool.mass_kg: is"));
+}
+
+TEST_CASE("a file of a scene is refused by its name, the field and the bounds") {
+  const ScratchFolder folder;
+  const auto file = folder / "scene.json";
+  const auto readRefusal = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    try {
+      readMatterScene(file);
+    } catch (const FileError& error) {
+      return std::string(error.what());
+    }
+    return std::string("read");
+  };
+  CHECK(readRefusal(waterWith(R"("gain": 1)")) == "read");
+  CHECK(says(readRefusal(waterWith(R"("gain": -1)")), "scene.json: gain: is -1; it is from 0 to"));
+  CHECK(says(readRefusal(waterWith(R"("density_kg_m3": 0)")), "scene.json: density_kg_m3: is 0;"));
+  CHECK(says(readRefusal(""), "scene.json: is no JSON"));
+  CHECK(says(readRefusal(std::string(2 << 20, ' ')), "scene.json: is too long"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,72 @@
+// What a scene may say.
+#include <cmath>
+#include <limits>
+
+#include "tests/matter/matter_scenes.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+TEST_CASE("a scene that cannot be simulated is refused with its field, before anything runs") {
+  const auto with = [](auto change) {
+    MatterScene scene;
+    change(scene);
+    return refusal(scene);
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  CHECK(refusal({}) == "taken");
+  CHECK(says(with([](MatterScene& s) { s.matter = Matter::soft; }), "matter: soft bodies are not built yet"));
+  CHECK(says(with([](MatterScene& s) { s.spacing_mm = 0; }), "spacing_mm: is 0;"));
+  CHECK(says(with([](MatterScene& s) { s.spacing_mm = -1; }), "spacing_mm: is -1;"));
+  CHECK(says(with([](MatterScene& s) { s.spacing_mm = kNaN; }), "spacing_mm: is nan;"));
+  CHECK(says(with([](MatterScene& s) { s.box_mm.y = 1; }), "box_mm: is 1;"));
+  CHECK(says(with([](MatterScene& s) { s.fill_mm.z = 101; }), "fill_mm: is 101 along z"));
+  CHECK(says(with([](MatterScene& s) { s.fill_mm.z = -1; }), "fill_mm: is -1;"));
+  CHECK(says(with([](MatterScene& s) { s.density_kg_m3 = 0; }), "density_kg_m3: is 0;"));
+  CHECK(says(with([](MatterScene& s) { s.viscosity_Pa_s = -1e-3; }), "viscosity_Pa_s: is -0.001;"));
+  CHECK(says(with([](MatterScene& s) { s.viscosity_Pa_s = 1e4; }), "substeps"));
+  CHECK(says(with([](MatterScene& s) { s.friction = -0.5; }), "friction: is -0.5;"));
+  CHECK(says(with([](MatterScene& s) { s.gravity_m_s2.x = INFINITY; }), "gravity_m_s2: is inf;"));
+  CHECK(says(with([](MatterScene& s) { s.gain = -1; }), "gain: is -1;"));
+  CHECK(says(with([](MatterScene& s) { s.substeps = 1; }), "substeps: is 1; this scene needs"));
+  CHECK(says(with([](MatterScene& s) { s.substeps = 100000; }), "substeps: is 100000;"));
+  CHECK(says(with([](MatterScene& s) { s.spacing_mm = 0.4; }), "spacing_mm: makes 7812500 particles"));
+  CHECK(says(with([](MatterScene& s) { s.box_mm = DVec3(1e6), s.fill_mm = DVec3(10); }), "spacing_mm: is so small"));
+  CHECK(says(with([](MatterScene& s) { s.tool = {.radius_mm = 50, .mass_kg = 10}; }), "tool.radius_mm: is 50; twice"));
+  CHECK(says(with([](MatterScene& s) { s.tool = {.radius_mm = 1, .mass_kg = 10}; }), "tool.radius_mm: is 1;"));
+  CHECK(says(with([](MatterScene& s) { s.tool = {.radius_mm = 20, .mass_kg = 0.01}; }), "tool.mass_kg: is 0.01;"));
+  CHECK(says(with([](MatterScene& s) { s.tool = {.radius_mm = 20, .mass_kg = kNaN}; }), "tool.mass_kg: is nan;"));
+  CHECK(says(refusal({}, 1 << 20), "spacing_mm: makes 4000 particles"));
+}
+
+TEST_CASE("a scene has as many substeps as it needs, or more where it says so") {
+  const MatterPlan plan = planOf({});
+  CHECK(plan.particles == 20 * 10 * 20);
+  CHECK(plan.mass_kg == doctest::Approx(1000 * 5e-3 * 5e-3 * 5e-3));
+  CHECK(plan.substeps >= 2);
+  MatterScene finer;
+  finer.substeps = plan.substeps + 3;
+  CHECK(planOf(finer).substeps == plan.substeps + 3);
+  CHECK(planOf(finer).speedOfSound_m_s > plan.speedOfSound_m_s);
+  MatterScene honey;
+  honey.viscosity_Pa_s = 30;
+  CHECK(planOf(honey).substeps > plan.substeps);
+}
+
+TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
+  const MatterScene scene{.box_mm = {40, 30, 20}, .fill_mm = {20, 30, 0}, .spacing_mm = 10};
+  CHECK(placesAtRest(scene).empty());
+  MatterScene filled = scene;
+  filled.fill_mm.z = 20;
+  const auto places = placesAtRest(filled);
+  CHECK(places.size() == 2 * 3 * 2);
+  CHECK(places.front() == Vec3(0.005f));
+  CHECK(glm::length(places.back() - Vec3(0.015f, 0.025f, 0.015f)) < 1e-7f);
+}
+
+TEST_CASE("there are scenes that need no file, and another name is told which") {
+  for (const std::string_view name : matterSceneNames()) CHECK(refusal(matterSceneNamed(name)) == "taken");
+  CHECK_THROWS_WITH(matterSceneNamed("lava"), "there is no scene 'lava'; there are water, dam, sand");
+}
+
+}  // namespace palpate

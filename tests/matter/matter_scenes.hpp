@@ -1,0 +1,60 @@
+// Scenes for the tests, and what is asked of them again and again.
+#pragma once
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.hpp"
+#include "engine/matter/matter_world.hpp"
+
+namespace palpate {
+
+inline constexpr double kGravity_m_s2 = 9.81;
+
+/// A tank that is filled from wall to wall, of whole spacings.
+inline MatterScene tank(const DVec3& spacings, double filled_spacings, double spacing_mm = 10) {
+  return {.box_mm = spacings * spacing_mm,
+          .fill_mm = DVec3(spacings.x, filled_spacings, spacings.z) * spacing_mm,
+          .spacing_mm = spacing_mm};
+}
+
+inline void run(MatterWorld& world, int steps) {
+  for (int k = 0; k < steps; ++k) world.step();
+  REQUIRE(world.state() == MatterState::running);
+}
+
+inline double massOf(const MatterWorld& world) {
+  return world.plan().mass_kg * static_cast<double>(world.plan().particles);
+}
+
+/// Whether a value is what is expected, but for a share of that. Shows both where it is not.
+inline bool isWithin(double share, double value, double expected) {
+  if (std::abs(value - expected) <= share * std::abs(expected)) return true;
+  MESSAGE(value);
+  MESSAGE(expected);
+  return false;
+}
+
+/// Whether two simulations are in the same state, to the last bit.
+inline bool sameBytes(const MatterWorld& a, const MatterWorld& b) {
+  const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
+    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(Vec3)) == 0;
+  };
+  return same(a.positionsById(), b.positionsById()) && same(a.velocitiesById(), b.velocitiesById());
+}
+
+/// What a scene is refused with; "taken" where it is not.
+inline std::string refusal(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes) {
+  try {
+    planOf(scene, memory_bytes);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+}  // namespace palpate

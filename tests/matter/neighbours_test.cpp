@@ -1,0 +1,90 @@
+// Cells and lists against all pairs, and the formulas against what they are of.
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "engine/matter/matter_rules.hpp"
+#include "engine/matter/neighbour_lists.hpp"
+#include "tests/matter/matter_scenes.hpp"
+
+namespace palpate {
+
+TEST_CASE("lists have everyone within their reach, and nobody else, also across periodic borders") {
+  constexpr float kReach = 0.1f;
+  for (const bool periodic : {false, true}) {
+    CAPTURE(periodic);
+    const MatterBox box{.size = {0.4f, 0.31f, 0.5f}, .periodic = {periodic, false, periodic}};
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> share(0, 1);
+    std::vector<Vec4> places(700), sorted;
+    for (Vec4& place : places)
+      for (int axis = 0; axis < 3; ++axis) place[axis] = share(random) * box.size[axis];
+    CellGrid grid(box, kReach);
+    std::vector<std::uint32_t> order;
+    grid.sort(places, order);
+    for (const std::uint32_t k : order) sorted.push_back(places[k]);
+    WorkerTeam team(2);
+    NeighbourLists lists(kReach);
+    REQUIRE(lists.build(grid, sorted, team));
+    std::size_t pairs = 0;
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      std::set<std::uint32_t> expected, listed;
+      for (std::uint32_t j = 0; j < sorted.size(); ++j) {
+        Vec3 offset(sorted[i] - sorted[j]);
+        for (int axis = 0; axis < 3; ++axis)
+          if (box.periodic[static_cast<std::size_t>(axis)])
+            offset[axis] -= box.size[axis] * std::round(offset[axis] / box.size[axis]);
+        if (j != i && glm::length(offset) < kReach) expected.insert(j);
+      }
+      for (const Neighbour neighbour : lists.of(i)) {
+        listed.insert(neighbour.slot);
+        CHECK(glm::length(Vec3(sorted[i] - sorted[neighbour.slot]) - grid.shiftOf(neighbour.image)) < kReach);
+      }
+      REQUIRE(listed == expected);
+      REQUIRE(lists.of(i).size() == expected.size());
+      pairs += expected.size();
+    }
+    CHECK(pairs > 5000);
+  }
+}
+
+TEST_CASE("what lies beyond a plane is the integral of the weights there") {
+  // Midpoint sums over a ball, in slices across the plane.
+  for (const double distance : {0.0, 0.2, 0.5, 0.9}) {
+    CAPTURE(distance);
+    constexpr int kCells = 120;
+    double beyond = 0, all = 0;
+    for (int z = 0; z < kCells; ++z)
+      for (int y = 0; y < kCells; ++y) {
+        const double along = (z + 0.5) / kCells, across = (y + 0.5) / kCells;
+        const double weight = shared::wendland(std::min(std::hypot(along, across), 1.0)) * across;
+        all += 2 * weight;
+        if (along > distance) beyond += weight;
+      }
+    CHECK(shared::shareBeyond(distance) == doctest::Approx(beyond / all).epsilon(0.01));
+    const double slope = (shared::shareBeyond(distance + 1e-5) - shared::shareBeyond(distance)) / 1e-5;
+    CHECK(shared::shareInLayer(distance) == doctest::Approx(-slope).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("a pull is the slope of the weight") {
+  for (const double r : {0.1, 0.4, 0.7, 0.95}) {
+    const double slope = (shared::wendland(r + 1e-6) - shared::wendland(r - 1e-6)) / 2e-6;
+    CHECK(shared::wendlandPull(r) * r == doctest::Approx(-slope).epsilon(1e-6));
+  }
+  CHECK(std::isfinite(shared::wendlandPull(0.0f)));
+}
+
+TEST_CASE("matter at rest on its lattice misses nothing at a wall") {
+  const Fluid fluid{.spacing_m = 0.01, .density_kg_m3 = 1000, .viscosity_Pa_s = 1e-3, .substep_s = 5e-4};
+  const shared::WaterRules rules = waterRules(fluid);
+  const LatticeSums sums = latticeSums(kSupport_spacings);
+  const auto far = shared::wallsBeside<float>(rules, 0.5f, 1, false);
+  const auto near = shared::wallsBeside<float>(rules, 0.005f, 1, false);
+  CHECK(shared::wallEffect(rules, far, far, far).sum == 0);
+  const float beside = shared::wallEffect(rules, far, near, far).sum;
+  CHECK(beside == doctest::Approx(sums.beyond).epsilon(1e-4));
+  CHECK(shared::compressionOf<float>(rules, static_cast<float>(sums.weight)) == doctest::Approx(0));
+}
+
+}  // namespace palpate
