@@ -1,176 +1,251 @@
 #include "engine/cloud/even_points.hpp"
 
+#include <algorithm>
 #include <array>
-#include <compare>
+#include <limits>
+#include <vector>
 
-#include "engine/cloud/morton.hpp"
 #include "engine/cloud/morton_cells.hpp"
+#include "engine/cloud/morton_sort.hpp"
 #include "engine/core/check.hpp"
-#include "engine/core/parallel.hpp"
-#include "engine/core/parallel_sort.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr std::size_t kPasses = 8;  // as many as the parities of three coordinates
+constexpr std::size_t kCellsAtOnce = 256;  // that a thread takes
+constexpr std::size_t kPasses = 8;         // as many as the parities of three coordinates
 
-constexpr float kSide = 2;         // distances along a cell: looking cells up costs more than looking at points
+// Distances along a cell: looking cells up costs more than looking at points, unless all of them are looked at.
+constexpr float kWide = 2, kNarrow = 1;
 constexpr float kSameFace = 0.5f;  // cosine of the normals of points that keep company
 
-/// Points by the cells of a grid.
+struct OrientedPoint {
+  Vec3 place, normal;
+};
+
+/// Points coordinate by coordinate, so that compilers let several of them be compared at once.
+class PointLanes {
+ public:
+  void clear() { blocks_.clear(), count_ = 0; }
+  void add(const OrientedPoint& point) {
+    if (count_ % kLanes == 0) blocks_.push_back(nowhere());
+    Block& block = blocks_.back();
+    const std::size_t k = count_++ % kLanes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      block.place[axis][k] = point.place[static_cast<int>(axis)];
+      block.normal[axis][k] = point.normal[static_cast<int>(axis)];
+    }
+  }
+
+  /// The sum of the normals of those nearer than `distance` that are of the same face.
+  Vec3 normalsNear(const OrientedPoint& point, float distance) const {
+    std::array<Lanes, 3> sums{};
+    for (const Block& block : blocks_)
+      for (std::size_t k = 0; k < kLanes; ++k) {
+        const std::int32_t counts = static_cast<std::int32_t>(block.squaredWay(point, k) < distance * distance) &
+                                    static_cast<std::int32_t>(block.cosine(point, k) > kSameFace);
+        const auto weight = static_cast<float>(counts);
+        for (std::size_t axis = 0; axis < 3; ++axis) sums[axis][k] += weight * block.normal[axis][k];
+      }
+    Vec3 sum(0);
+    for (std::size_t k = 0; k < kLanes; ++k) sum += Vec3(sums[0][k], sums[1][k], sums[2][k]);
+    return sum;
+  }
+
+ private:
+  static constexpr std::size_t kLanes = 8;
+  using Lanes = std::array<float, kLanes>;
+  struct Block {
+    std::array<Lanes, 3> place, normal;
+
+    float squaredWay(const OrientedPoint& point, std::size_t k) const {
+      const float x = place[0][k] - point.place.x, y = place[1][k] - point.place.y, z = place[2][k] - point.place.z;
+      return x * x + y * y + z * z;
+    }
+    float cosine(const OrientedPoint& point, std::size_t k) const {
+      return normal[0][k] * point.normal.x + normal[1][k] * point.normal.y + normal[2][k] * point.normal.z;
+    }
+  };
+  /// Lanes without a point are farther off than any distance.
+  static Block nowhere() {
+    Block block{};
+    for (Lanes& places : block.place) places.fill(std::numeric_limits<float>::infinity());
+    return block;
+  }
+
+  std::vector<Block> blocks_;
+  std::size_t count_ = 0;
+};
+
+/// Points by the cells of a grid, those of a cell in their order.
 class GriddedPoints {
  public:
-  GriddedPoints(std::span<const Vec3> points, std::span<const Vec3> normals, float distance, unsigned threads)
-      : points_(points),
-        normals_(normals),
-        distance_(distance),
-        side_(kSide * distance),
-        order_(points.size()),
-        kept_(points.size(), 0) {
-    parallelFor(points.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        order_[i] = {mortonCode(mortonCell(points_[i], side_)), static_cast<std::uint32_t>(i)};
+  GriddedPoints(std::span<const Vec3> points, std::span<const Vec3> normals, float distance, float side,
+                unsigned threads)
+      : distance_(distance), side_(side * distance), threads_(threads) {
+    order_ = parallelMake(points.size(), threads, [&](std::size_t i) {
+      return Entry{mortonCode(mortonCell(points[i], side_)), static_cast<std::uint32_t>(i)};
     });
-    parallelSort(order_, threads);
-    std::vector<std::uint64_t> codes;
-    for (std::size_t k = 0; k < order_.size(); ++k) {
-      if (!codes.empty() && codes.back() == order_[k].code) continue;
-      codes.push_back(order_[k].code);
-      begins_.push_back(k);
-    }
-    begins_.push_back(order_.size());
-    cells_ = MortonCells(std::move(codes));
+    sortByMorton(order_, threads, [](const Entry& entry) { return entry.code; });
+    begins_ = parallelRuns(order_.size(), threads, [&](std::size_t k) { return order_[k].code == order_[k - 1].code; });
+    const auto codeOf = [&](std::size_t cell) { return order_[begins_[cell]].code; };
+    cells_ = MortonCells(parallelMake(begins_.size() - 1, threads, codeOf), threads);
+    points_ = parallelMake(order_.size(), threads, [&](std::size_t k) {
+      return OrientedPoint{points[order_[k].point], normals[order_[k].point]};
+    });
   }
 
-  std::vector<std::uint32_t> evenlySpaced(unsigned threads) {
-    std::array<std::vector<std::uint32_t>, kPasses> passes;
-    for (std::uint32_t cell = 0; cell < cells_.count(); ++cell) passes[cells_.code(cell) % kPasses].push_back(cell);
-    for (const std::vector<std::uint32_t>& pass : passes)
-      parallelFor(pass.size(), threads, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) chooseIn(pass[k]);
+  BareVector<std::uint32_t> evenlySpaced() {
+    keptOnes_.resize(points_.size());
+    keptCounts_ = parallelMake(cells_.count(), threads_, [](std::size_t) { return std::uint32_t{0}; });
+    kept_.resize(points_.size());
+    for (std::size_t pass = 0; pass < kPasses; ++pass)
+      parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+        std::vector<OrientedPoint> kept;
+        for (std::size_t cell = begin; cell < end; ++cell)
+          if (cells_.code(cell) % kPasses == pass) chooseIn(cell, kept);
       });
     return chosen();
   }
 
-  std::vector<std::uint32_t> inCompany(std::size_t fewest, unsigned threads) {
-    forEachPoint(threads,
-                 [&](std::uint32_t point, const Around& around) { kept_[point] = hasCompany(point, around, fewest); });
+  BareVector<std::uint32_t> inCompany(std::size_t fewest) {
+    kept_.resize(points_.size());
+    forEachPoint([&](std::size_t k, const Around& around) { kept_[k] = hasCompany(k, around, fewest); });
     return chosen();
   }
 
-  std::vector<Vec3> smoothedNormals(unsigned threads) const {
-    std::vector<Vec3> smooth(points_.size());
-    forEachPoint(threads, [&](std::uint32_t point, const Around& around) {
-      Vec3 sum(0);
-      forNear(point, around, [&](std::uint32_t other) {
-        if (glm::dot(normals_[point], normals_[other]) > kSameFace) sum += normals_[other];
-        return false;
-      });
-      smooth[point] = glm::normalize(sum);  // its own is among them, and all are on its side
+  BareVector<Vec3> smoothedNormals() const {
+    BareVector<Vec3> smooth(points_.size());
+    parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
+      PointLanes near;
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        near.clear();
+        const Around around = cellsAround(cell);
+        for (std::size_t c = 0; c < around.count; ++c)
+          for (std::size_t k = begins_[around.cells[c]]; k < begins_[around.cells[c] + 1]; ++k) near.add(points_[k]);
+        // A point's own normal is among them, and all are on its side.
+        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k)
+          smooth[order_[k].point] = glm::normalize(near.normalsNear(points_[k], distance_));
+      }
     });
     return smooth;
   }
 
  private:
   struct Entry {
-    std::uint64_t code = 0;
-    std::uint32_t point = 0;
-    auto operator<=>(const Entry&) const = default;
+    std::uint64_t code;
+    std::uint32_t point;
   };
-
   struct Around {
     std::array<std::uint32_t, 27> cells;
     std::size_t count = 0;
   };
+  /// The cell itself first, where most is near by.
   Around cellsAround(std::size_t cell) const {
-    const IVec3 at = mortonCell(points_[order_[begins_[cell]].point], side_);
     Around around;
-    for (int z = -1; z <= 1; ++z)
-      for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x)
-          if (const auto near = cells_.find(mortonCode(at + IVec3(x, y, z)))) around.cells[around.count++] = *near;
+    around.cells[around.count++] = static_cast<std::uint32_t>(cell);
+    cells_.forEachAround(mortonCellOf(cells_.code(cell)), [&](std::uint32_t near) {
+      if (near != cell) around.cells[around.count++] = near;
+    });
     return around;
   }
 
   template <class Use>
-  void forEachPoint(unsigned threads, Use&& use) const {
-    parallelFor(cells_.count(), threads, [&](std::size_t begin, std::size_t end) {
+  void forEachPoint(Use&& use) const {
+    parallelBlocks(cells_.count(), kCellsAtOnce, threads_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t cell = begin; cell < end; ++cell) {
         const Around around = cellsAround(cell);
-        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(order_[k].point, around);
+        for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) use(k, around);
       }
     });
   }
 
   /// Calls use(other) for the points nearer than the distance, itself included, until it says that it has enough.
   template <class Use>
-  void forNear(std::uint32_t point, const Around& around, Use&& use) const {
+  void forNear(std::size_t point, const Around& around, Use&& use) const {
+    const Vec3 place = points_[point].place;
     for (std::size_t c = 0; c < around.count; ++c)
       for (std::size_t k = begins_[around.cells[c]]; k < begins_[around.cells[c] + 1]; ++k) {
-        const Vec3 way = points_[order_[k].point] - points_[point];
-        if (glm::dot(way, way) < distance_ * distance_ && use(order_[k].point)) return;
+        const Vec3 way = points_[k].place - place;
+        if (glm::dot(way, way) < distance_ * distance_ && use(k)) return;
       }
   }
 
-  void chooseIn(std::uint32_t cell) {
+  void chooseIn(std::size_t cell, std::vector<OrientedPoint>& kept) {
+    kept.clear();
     const Around around = cellsAround(cell);
-    for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
-      const std::uint32_t point = order_[k].point;
-      bool free = true;
-      forNear(point, around, [&](std::uint32_t other) {
-        if (kept_[other] && glm::dot(normals_[point], normals_[other]) >= 0) free = false;
-        return !free;
-      });
-      kept_[point] = free;
+    for (std::size_t c = 0; c < around.count; ++c) {
+      const auto first = keptOnes_.begin() + static_cast<std::ptrdiff_t>(begins_[around.cells[c]]);
+      kept.insert(kept.end(), first, first + keptCounts_[around.cells[c]]);
     }
+    const std::size_t before = kept.size();
+    for (std::size_t k = begins_[cell]; k < begins_[cell + 1]; ++k) {
+      kept_[k] = isFree(points_[k], kept);
+      if (kept_[k]) kept.push_back(points_[k]);
+    }
+    std::copy(kept.begin() + static_cast<std::ptrdiff_t>(before), kept.end(), &keptOnes_[begins_[cell]]);
+    keptCounts_[cell] = static_cast<std::uint32_t>(kept.size() - before);
   }
 
-  bool hasCompany(std::uint32_t point, const Around& around, std::size_t fewest) const {
+  bool isFree(const OrientedPoint& point, std::span<const OrientedPoint> kept) const {
+    return std::ranges::none_of(kept, [&](const OrientedPoint& other) {
+      const Vec3 way = other.place - point.place;
+      return glm::dot(way, way) < distance_ * distance_ && glm::dot(point.normal, other.normal) >= 0;
+    });
+  }
+
+  bool hasCompany(std::size_t point, const Around& around, std::size_t fewest) const {
     std::size_t found = 0;
-    forNear(point, around, [&](std::uint32_t other) {
-      if (other != point && glm::dot(normals_[point], normals_[other]) > kSameFace) ++found;
+    forNear(point, around, [&](std::size_t other) {
+      if (other != point && glm::dot(points_[point].normal, points_[other].normal) > kSameFace) ++found;
       return found >= fewest;
     });
     return found >= fewest;
   }
 
-  std::vector<std::uint32_t> chosen() const {
-    std::vector<std::uint32_t> numbers;
-    for (std::uint32_t i = 0; i < kept_.size(); ++i)
-      if (kept_[i]) numbers.push_back(i);
-    return numbers;
+  BareVector<std::uint32_t> chosen() const {
+    BareVector<std::uint8_t> isChosen(kept_.size());
+    parallelFor(kept_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) isChosen[order_[k].point] = kept_[k];
+    });
+    return parallelCollect(
+        isChosen.size(), threads_, [&](std::size_t i) { return isChosen[i] != 0; },
+        [](std::size_t i) { return static_cast<std::uint32_t>(i); });
   }
 
-  std::span<const Vec3> points_, normals_;
-  float distance_, side_;            // of a cell
-  std::vector<Entry> order_;         // by cell
-  std::vector<std::size_t> begins_;  // of the cells, and the end of the last
+  float distance_, side_;  // of a cell
+  unsigned threads_;
+  BareVector<Entry> order_;           // by cell
+  BareVector<OrientedPoint> points_;  // in that order
+  BareVector<std::size_t> begins_;    // of the cells, and the end of the last
   MortonCells cells_;
-  std::vector<std::uint8_t> kept_;
+  BareVector<std::uint8_t> kept_;         // in the order of the cells
+  BareVector<OrientedPoint> keptOnes_;    // of each cell, from where its points begin
+  BareVector<std::uint32_t> keptCounts_;  // of these in each cell
 };
 
 }  // namespace
 
-std::vector<std::uint32_t> evenlySpaced(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
-                                        unsigned threads) {
+BareVector<std::uint32_t> evenlySpaced(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                       unsigned threads) {
   PALPATE_CHECK_EQ(points.size(), normals.size());
   PALPATE_CHECK_LT(0.0f, distance);
-  return GriddedPoints(points, normals, distance, threads).evenlySpaced(threads);
+  return GriddedPoints(points, normals, distance, kWide, threads).evenlySpaced();
 }
 
-std::vector<std::uint32_t> inCompany(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
-                                     std::size_t fewest, unsigned threads) {
+BareVector<std::uint32_t> inCompany(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                    std::size_t fewest, unsigned threads) {
   PALPATE_CHECK_EQ(points.size(), normals.size());
   PALPATE_CHECK_LT(0.0f, distance);
-  return GriddedPoints(points, normals, distance, threads).inCompany(fewest, threads);
+  return GriddedPoints(points, normals, distance, kWide, threads).inCompany(fewest);
 }
 
-std::vector<Vec3> smoothedNormals(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
-                                  unsigned threads) {
+BareVector<Vec3> smoothedNormals(std::span<const Vec3> points, std::span<const Vec3> normals, float distance,
+                                 unsigned threads) {
   PALPATE_CHECK_EQ(points.size(), normals.size());
   PALPATE_CHECK_LT(0.0f, distance);
-  return GriddedPoints(points, normals, distance, threads).smoothedNormals(threads);
+  return GriddedPoints(points, normals, distance, kNarrow, threads).smoothedNormals();
 }
 
 }  // namespace palpate

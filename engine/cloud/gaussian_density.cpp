@@ -5,32 +5,58 @@
 #include <cmath>
 #include <cstdint>
 
+// Eight or sixteen lanes go together on processors that can (AVX2, AVX-512, but not their fused multiplications, which
+// this file is compiled without, so that results are the same on all), where the compiler can leave the choice to the
+// moment when the program starts.
+#if defined(__x86_64__) && defined(__gnu_linux__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define PALPATE_WIDEST_LANES [[gnu::target_clones("avx512f", "avx2", "default")]]
+#define PALPATE_INTO_CALLER __attribute__((always_inline))
+#else
+#define PALPATE_WIDEST_LANES
+#define PALPATE_INTO_CALLER
+#endif
+
 namespace palpate {
 
 namespace {
 
-/// e^-x for x >= 0 to 2e-5 of itself, e^-40 from there on: without a branch, a call or a comparison of floats, so that
-/// compilers let lanes go together.
-inline float fallingExp(float x) {
-  constexpr float kLog2E = 1.44269504f, kLn2 = 0.69314718f, kMost = 40;
+/// e^(-x / 2) for x >= 0 to 4e-6 of itself, e^-40 from 80 on: without a branch, a call or a comparison of floats, so
+/// that compilers let lanes go together.
+PALPATE_INTO_CALLER inline float fallingExp(float x) {
+  constexpr float kHalfLog2E = 0.72134752f, kMost = 80;
+  constexpr float kWhole =
+      12582912 + 127;  // floats of this size are whole; their last bits become those of an exponent
   // Positive numbers are in the order of their bits.
   const float most = std::bit_cast<float>(std::min(std::bit_cast<std::int32_t>(x), std::bit_cast<std::int32_t>(kMost)));
-  const float power = -kLog2E * most;
-  const auto whole = static_cast<std::int32_t>(power);  // towards zero, so that the rest is in (-1, 0]
-  const float y = (power - static_cast<float>(whole)) * kLn2;
-  const float series =
-      1 + y * (1 + y * (0.5f + y * (1.0f / 6 + y * (1.0f / 24 + y * (1.0f / 120 + y * (1.0f / 720))))));
-  return series * std::bit_cast<float>((whole + 127) << 23);
+  const float power = -kHalfLog2E * most, shifted = power + kWhole;
+  const float y = power - (shifted - kWhole);  // in [-0.5, 0.5]
+  const float series = 1 + y * (0.693124193f + y * (0.240240986f + y * (0.055906425f + y * 0.009582853f)));
+  return series * std::bit_cast<float>(std::bit_cast<std::int32_t>(shifted) << 23);
 }
 
-template <class Lanes>
-float sum(const Lanes& lanes) {
-  float total = 0;
-  for (const float lane : lanes) total += lane;
-  return total;
+/// In one order, whatever the lanes that go together.
+template <std::size_t kCount>
+PALPATE_INTO_CALLER inline float sum(const std::array<float, kCount>& lanes) {
+  if constexpr (kCount == 1) {
+    return lanes[0];
+  } else {
+    std::array<float, kCount / 2> halves;
+    for (std::size_t k = 0; k < kCount / 2; ++k) halves[k] = lanes[k] + lanes[k + kCount / 2];
+    return sum(halves);
+  }
 }
 
 }  // namespace
+
+FeltGaussian::FeltGaussian(const GaussianDisc& disc)
+    : center(disc.center), opacity(disc.opacity), color(disc.color), reach(disc.reach) {
+  for (const Vec3& axis : {disc.longest, disc.middle, disc.shortest}) {
+    const float square = glm::dot(axis, axis), weight = 1 / (square * square);
+    xx += weight * axis.x * axis.x, yy += weight * axis.y * axis.y, zz += weight * axis.z * axis.z;
+    xy += weight * axis.x * axis.y, xz += weight * axis.x * axis.z, yz += weight * axis.y * axis.z;
+  }
+}
 
 /// What a block of Gaussians makes of a place: their densities there, and their precision times the way from their
 /// centres.
@@ -39,7 +65,7 @@ struct GaussianDensity::Felt {
 };
 
 template <class Use>
-inline void GaussianDensity::forEach(const Vec3& p, Use&& use) const {
+PALPATE_INTO_CALLER inline void GaussianDensity::forEach(const Vec3& p, Use&& use) const {
   for (const Block& block : blocks_) {
     const auto& c = block.columns;
     Felt felt;
@@ -49,36 +75,39 @@ inline void GaussianDensity::forEach(const Vec3& p, Use&& use) const {
       felt.y[k] = c[kXY][k] * x + c[kYY][k] * y + c[kYZ][k] * z;
       felt.z[k] = c[kXZ][k] * x + c[kYZ][k] * y + c[kZZ][k] * z;
       const float squared = x * felt.x[k] + y * felt.y[k] + z * felt.z[k];
-      felt.density[k] = c[kOpacity][k] * fallingExp(0.5f * squared);
+      felt.density[k] = c[kOpacity][k] * fallingExp(squared);
     }
     use(block, felt);
   }
 }
 
-void GaussianDensity::clear() {
-  blocks_.clear();
-  count_ = 0;
+void GaussianDensity::fill(std::span<const FeltGaussian> gaussians, std::span<const std::uint32_t> chosen) {
+  blocks_.resize((chosen.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const FeltGaussian& g = gaussians[chosen[i]];
+    auto& c = blocks_[i / kLanes].columns;
+    const std::size_t k = i % kLanes;
+    c[kX][k] = g.center.x, c[kY][k] = g.center.y, c[kZ][k] = g.center.z;
+    c[kOpacity][k] = g.opacity;
+    c[kXX][k] = g.xx, c[kYY][k] = g.yy, c[kZZ][k] = g.zz;
+    c[kXY][k] = g.xy, c[kXZ][k] = g.xz, c[kYZ][k] = g.yz;
+    c[kRed][k] = g.color.x, c[kGreen][k] = g.color.y, c[kBlue][k] = g.color.z;
+  }
+  if (const std::size_t used = chosen.size() % kLanes; used != 0)
+    for (Lanes& column : blocks_.back().columns) std::fill(column.begin() + used, column.end(), 0.0f);
 }
 
-void GaussianDensity::add(const GaussianDisc& disc) {
-  if (count_ % kLanes == 0) blocks_.push_back({});
-  auto& c = blocks_.back().columns;
-  const std::size_t k = count_++ % kLanes;
-  for (int i = 0; i < 3; ++i) {
-    c[kX + static_cast<std::size_t>(i)][k] = disc.center[i];
-    c[kRed + static_cast<std::size_t>(i)][k] = disc.color[i];
-  }
-  c[kOpacity][k] = disc.opacity;
-  for (const Vec3& axis : {disc.longest, disc.middle, disc.shortest}) {
-    const float square = glm::dot(axis, axis), weight = 1 / (square * square);
-    c[kXX][k] += weight * axis.x * axis.x, c[kYY][k] += weight * axis.y * axis.y, c[kZZ][k] += weight * axis.z * axis.z;
-    c[kXY][k] += weight * axis.x * axis.y, c[kXZ][k] += weight * axis.x * axis.z, c[kYZ][k] += weight * axis.y * axis.z;
-  }
+PALPATE_WIDEST_LANES float GaussianDensity::densityAt(const Vec3& p) const {
+  Lanes density{};
+  forEach(p, [&](const Block&, const Felt& felt) PALPATE_INTO_CALLER {
+    for (std::size_t k = 0; k < kLanes; ++k) density[k] += felt.density[k];
+  });
+  return sum(density);
 }
 
-GaussianDensity::Slope GaussianDensity::slopeAt(const Vec3& p) const {
+PALPATE_WIDEST_LANES GaussianDensity::Slope GaussianDensity::slopeAt(const Vec3& p) const {
   Lanes density{}, x{}, y{}, z{};
-  forEach(p, [&](const Block&, const Felt& felt) {
+  forEach(p, [&](const Block&, const Felt& felt) PALPATE_INTO_CALLER {
     for (std::size_t k = 0; k < kLanes; ++k) {
       density[k] += felt.density[k];
       x[k] -= felt.density[k] * felt.x[k];
@@ -89,11 +118,11 @@ GaussianDensity::Slope GaussianDensity::slopeAt(const Vec3& p) const {
   return {sum(density), {sum(x), sum(y), sum(z)}};
 }
 
-GaussianDensity::Curvature GaussianDensity::curvatureAt(const Vec3& p) const {
+PALPATE_WIDEST_LANES GaussianDensity::Curvature GaussianDensity::curvatureAt(const Vec3& p) const {
   Lanes density{};
   std::array<Lanes, 3> slope{};
   std::array<Lanes, 6> bend{};  // of the density itself, with the sign changed
-  forEach(p, [&](const Block& block, const Felt& felt) {
+  forEach(p, [&](const Block& block, const Felt& felt) PALPATE_INTO_CALLER {
     const auto& c = block.columns;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const float w = felt.density[k], x = felt.x[k], y = felt.y[k], z = felt.z[k];
@@ -117,9 +146,9 @@ GaussianDensity::Curvature GaussianDensity::curvatureAt(const Vec3& p) const {
   return found;
 }
 
-GaussianDensity::Behind GaussianDensity::behind(const Vec3& p, const Vec3& n) const {
+PALPATE_WIDEST_LANES GaussianDensity::Behind GaussianDensity::behind(const Vec3& p, const Vec3& n) const {
   Lanes density{}, off{}, thin{}, red{}, green{}, blue{};
-  forEach(p, [&](const Block& block, const Felt& felt) {
+  forEach(p, [&](const Block& block, const Felt& felt) PALPATE_INTO_CALLER {
     const auto& c = block.columns;
     for (std::size_t k = 0; k < kLanes; ++k) {
       const float w = felt.density[k];

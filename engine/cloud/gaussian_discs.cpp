@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -39,27 +39,26 @@ struct Size {
   Use use = Use::disc;
 };
 
-std::vector<Size> sizesOf(const GaussianScene& scene, unsigned threads) {
-  std::vector<Size> sizes(scene.size());
-  parallelFor(scene.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& logs = scene.logScales[i];
-      const auto [longest, middle, shortest] = byLength(logs);
-      Size& size = sizes[i];
-      size = {opacityOf(scene.opacityLogits[i]), logs[longest], 0.5f * (logs[longest] + logs[middle])};
-      if (size.opacity < kFaint)
-        size.use = Use::faint;
-      else if (logs[longest] > kLargestLog || logs[middle] < -kLargestLog)
-        size.use = Use::oversized;
-    }
+BareVector<Size> sizesOf(const GaussianScene& scene, unsigned threads) {
+  return parallelMake(scene.size(), threads, [&](std::size_t i) {
+    const Vec3& logs = scene.logScales[i];
+    const auto [longest, middle, shortest] = byLength(logs);
+    Size size{opacityOf(scene.opacityLogits[i]), logs[longest], 0.5f * (logs[longest] + logs[middle])};
+    if (size.opacity < kFaint)
+      size.use = Use::faint;
+    else if (logs[longest] > kLargestLog || logs[middle] < -kLargestLog)
+      size.use = Use::oversized;
+    return size;
   });
-  return sizes;
 }
 
 /// Counts in whole numbers, so that no order of summing shows.
 class RadiusHistogram {
  public:
   void add(const Size& size) { counts_[binOf(size.logRadius)] += static_cast<std::uint64_t>(size.opacity * 65536); }
+  void add(const RadiusHistogram& other) {
+    for (std::size_t bin = 0; bin < kBins; ++bin) counts_[bin] += other.counts_[bin];
+  }
   double median() const {
     std::uint64_t total = 0, below = 0;
     for (const std::uint64_t count : counts_) total += count;
@@ -78,22 +77,37 @@ class RadiusHistogram {
   std::vector<std::uint64_t> counts_ = std::vector<std::uint64_t>(kBins);
 };
 
-double usualRadiusOf(const std::vector<Size>& sizes) {
-  RadiusHistogram histogram;
-  for (const Size& size : sizes)
-    if (size.use == Use::disc) histogram.add(size);
-  const double median = histogram.median();
-  double area = 0, weight = 0;  // in squared medians
-  for (const Size& size : sizes) {
-    if (size.use != Use::disc || size.logLongest - std::log(median) > std::log(kOversized)) continue;
-    area += size.opacity * std::pow(std::exp(size.logRadius) / median, 2);
-    weight += size.opacity;
-  }
+double medianRadiusOf(const BareVector<Size>& sizes, unsigned threads) {
+  const auto histogramOf = [&](std::size_t begin, std::size_t end) {
+    RadiusHistogram histogram;
+    for (std::size_t i = begin; i < end; ++i)
+      if (sizes[i].use == Use::disc) histogram.add(sizes[i]);
+    return histogram;
+  };
+  const auto join = [](RadiusHistogram a, const RadiusHistogram& b) {
+    a.add(b);
+    return a;
+  };
+  return parallelReduce(sizes.size(), threads, RadiusHistogram(), histogramOf, join).median();
+}
+
+double usualRadiusOf(const BareVector<Size>& sizes, unsigned threads) {
+  const double median = medianRadiusOf(sizes, threads), logMedian = std::log(median);
+  struct Share {
+    double area, weight;  // in squared medians
+  };
+  const auto shares = parallelMake(sizes.size(), threads, [&](std::size_t i) {
+    const Size& size = sizes[i];
+    if (size.use != Use::disc || size.logLongest - logMedian > std::log(kOversized)) return Share{0, 0};
+    return Share{size.opacity * std::pow(std::exp(size.logRadius) / median, 2), size.opacity};
+  });
+  double area = 0, weight = 0;
+  for (const Share& share : shares) area += share.area, weight += share.weight;  // in one order, to be the same always
   return weight > 0 ? median * std::max(1.0, std::sqrt(area / weight / kMostMeanArea)) : median;
 }
 
 /// The median of each coordinate, of a sample.
-DVec3 middleOf(const GaussianScene& scene, const std::vector<Size>& sizes) {
+DVec3 middleOf(const GaussianScene& scene, const BareVector<Size>& sizes) {
   std::array<std::vector<double>, 3> sample;
   const std::size_t step = scene.size() / kSample + 1;
   for (std::size_t i = 0; i < scene.size(); i += step)
@@ -148,25 +162,25 @@ float GaussianDisc::area() const { return std::numbers::pi_v<float> * glm::lengt
 
 GaussianDiscs discsOf(const GaussianScene& scene, unsigned threads) {
   GaussianDiscs made;
-  std::vector<Size> sizes = sizesOf(scene, threads);
-  made.usualRadius = usualRadiusOf(sizes);
+  BareVector<Size> sizes = sizesOf(scene, threads);
+  made.usualRadius = usualRadiusOf(sizes, threads);
   made.origin = middleOf(scene, sizes);
   const double logOversized = std::log(kOversized * made.usualRadius);
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    Use& use = sizes[i].use;
-    const DVec3 far = glm::abs(scene.centers[i] - made.origin) / made.usualRadius;
-    if (use == Use::disc && sizes[i].logLongest > logOversized) use = Use::oversized;
-    if (use == Use::disc && !(std::max({far.x, far.y, far.z}) < kFarthest)) use = Use::outlying;
-    made.faint += use == Use::faint;
-    made.oversized += use == Use::oversized;
-    made.outlying += use == Use::outlying;
-    if (use == Use::disc) kept.push_back(i);
-  }
-  made.discs.resize(kept.size());
-  parallelFor(kept.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) made.discs[k] = discOf(scene, kept[k], sizes[kept[k]], made);
+  parallelFor(sizes.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Use& use = sizes[i].use;
+      const DVec3 far = glm::abs(scene.centers[i] - made.origin) / made.usualRadius;
+      if (use == Use::disc && sizes[i].logLongest > logOversized) use = Use::oversized;
+      if (use == Use::disc && !(std::max({far.x, far.y, far.z}) < kFarthest)) use = Use::outlying;
+    }
   });
+  const auto countOf = [&](Use use) {
+    return parallelCount(sizes.size(), threads, [&](std::size_t i) { return sizes[i].use == use; });
+  };
+  made.faint = countOf(Use::faint), made.oversized = countOf(Use::oversized), made.outlying = countOf(Use::outlying);
+  made.discs = parallelCollect(
+      sizes.size(), threads, [&](std::size_t i) { return sizes[i].use == Use::disc; },
+      [&](std::size_t i) { return discOf(scene, i, sizes[i], made); });
   return made;
 }
 

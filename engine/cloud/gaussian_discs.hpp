@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "engine/cloud/gaussian_scene.hpp"
+#include "engine/core/bare_vector.hpp"
 
 namespace palpate {
 
@@ -20,7 +20,7 @@ struct GaussianDisc {
 };
 
 struct GaussianDiscs {
-  std::vector<GaussianDisc> discs;                     ///< in the order of the scene
+  BareVector<GaussianDisc> discs;                      ///< in the order of the scene
   DVec3 origin{0};                                     ///< where their zero is, model units
   double usualRadius = 0;                              ///< model units
   std::size_t faint = 0, oversized = 0, outlying = 0;  ///< Gaussians that are none

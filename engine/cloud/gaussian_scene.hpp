@@ -3,19 +3,20 @@
 // known.
 #pragma once
 
-#include <vector>
+#include <cstddef>
 
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
 
 /// One entry of each for every Gaussian; all finite.
 struct GaussianScene {
-  std::vector<DVec3> centers;        ///< model units
-  std::vector<Vec3> logScales;       ///< natural logarithms of the deviations along its axes, model units
-  std::vector<Vec4> rotations;       ///< w x y z, of any length; turns the axes into the scene. Zero turns nothing
-  std::vector<float> opacityLogits;  ///< opacity = 1 / (1 + e^-o)
-  std::vector<Vec3> colorHarmonics;  ///< degree 0: colour = 0.5 + 0.28209479 f, from 0 to 1
+  BareVector<DVec3> centers;        ///< model units
+  BareVector<Vec3> logScales;       ///< natural logarithms of the deviations along its axes, model units
+  BareVector<Vec4> rotations;       ///< w x y z, of any length; turns the axes into the scene. Zero turns nothing
+  BareVector<float> opacityLogits;  ///< opacity = 1 / (1 + e^-o)
+  BareVector<Vec3> colorHarmonics;  ///< degree 0: colour = 0.5 + 0.28209479 f, from 0 to 1
 
   std::size_t size() const { return centers.size(); }
 };

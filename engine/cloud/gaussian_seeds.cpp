@@ -1,16 +1,16 @@
 #include "engine/cloud/gaussian_seeds.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "engine/cloud/counter_random.hpp"
-#include "engine/cloud/morton.hpp"
-#include "engine/core/parallel.hpp"
-#include "engine/core/parallel_sort.hpp"
+#include "engine/cloud/morton_sort.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -22,133 +22,196 @@ constexpr int kFinestLevel = 2;    // cells of four voxels: about as wide as wha
 constexpr std::uint64_t kMostCellsOfDisc =
     1000;  // on average, so that many large discs cost no more than coarser cells
 
-std::uint32_t seedsOfDisc(const GaussianDisc& disc, std::size_t i) {
+std::size_t seedsOfDisc(const GaussianDisc& disc, std::size_t i) {
   constexpr std::uint64_t kStream = 1;  // of random numbers
   const double wanted = static_cast<double>(kRim * kRim * disc.area() / kSeedArea);
   return static_cast<std::uint32_t>(wanted + randomUnit(kStream, i));
 }
 
-}  // namespace
-
-bool GaussianSeed::operator<(const GaussianSeed& other) const {
-  const auto order = [](const GaussianSeed& s) { return std::tie(s.voxel, s.disc, s.place.x, s.place.y, s.place.z); };
-  return order(*this) < order(other);
+/// Writes `count` seeds over disc `i`.
+void seedDisc(const GaussianDisc& disc, std::size_t i, std::size_t count, GaussianSeed* seeds) {
+  constexpr std::uint64_t kStream = 2;
+  constexpr double kGoldenCosine = -0.7373688780783197, kGoldenSine = 0.6754902942615238;  // of 2.399963229728653
+  const double turned = 2 * std::numbers::pi * randomUnit(kStream, i);
+  double cosine = std::cos(turned), sine = std::sin(turned);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double out = kRim * std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(count));
+    const Vec3 place =
+        disc.center + static_cast<float>(out * cosine) * disc.longest + static_cast<float>(out * sine) * disc.middle;
+    seeds[k] = {mortonCode(mortonCell(place, kSeedVoxel)), place, static_cast<std::uint32_t>(i)};
+    const double before = cosine;
+    cosine = before * kGoldenCosine - sine * kGoldenSine, sine = before * kGoldenSine + sine * kGoldenCosine;
+  }
 }
 
-std::vector<GaussianSeed> seedsOver(std::span<const GaussianDisc> discs, unsigned threads) {
-  std::vector<std::size_t> begins(discs.size() + 1, 0);
-  for (std::size_t i = 0; i < discs.size(); ++i) begins[i + 1] = begins[i] + seedsOfDisc(discs[i], i);
-  std::vector<GaussianSeed> seeds(begins.back());
+/// Of the seeds in a voxel, in the order of their discs, the first one.
+GaussianSeed firstOf(std::span<const GaussianSeed> seeds) {
+  const auto order = [](const GaussianSeed& s) { return std::tie(s.disc, s.place.x, s.place.y, s.place.z); };
+  std::size_t first = 0;
+  for (std::size_t k = 1; k < seeds.size() && seeds[k].disc == seeds[0].disc; ++k)
+    if (order(seeds[k]) < order(seeds[first])) first = k;
+  return seeds[first];
+}
+
+/// The voxels, counted from the outermost one, that a disc is in and that it gets to; both ends included.
+struct VoxelBox {
+  IVec3 low, middle, high;
+
+  VoxelBox(const GaussianDisc& disc, float margin)
+      : low(mortonCell(disc.center - disc.reach - margin, kSeedVoxel)),
+        middle(mortonCell(disc.center, kSeedVoxel)),
+        high(mortonCell(disc.center + disc.reach + margin, kSeedVoxel)) {}
+  std::uint64_t cells(int level) const {
+    std::uint64_t count = 1;
+    for (int k = 0; k < 3; ++k) count *= static_cast<std::uint64_t>((high[k] >> level) - (low[k] >> level) + 1);
+    return count;
+  }
+  bool staysNextTo(int level) const {
+    bool next = true;
+    for (int k = 0; k < 3; ++k)
+      next = next && (high[k] >> level) - (middle[k] >> level) <= 1 && (middle[k] >> level) - (low[k] >> level) <= 1;
+    return next;
+  }
+};
+
+/// Where a Gaussian is felt.
+GaussianRegion regionOf(const FeltGaussian& felt) { return {felt.center - felt.reach, felt.center + felt.reach}; }
+
+}  // namespace
+
+BareVector<GaussianSeed> seedsOver(std::span<const GaussianDisc> discs, unsigned threads) {
+  auto begins = parallelMake(discs.size(), threads, [&](std::size_t i) { return seedsOfDisc(discs[i], i); });
+  begins.push_back(0);
+  const std::size_t total = parallelSumBefore(std::span(begins), threads);
+  BareVector<GaussianSeed> all(total);
   parallelFor(discs.size(), threads, [&](std::size_t begin, std::size_t end) {
-    constexpr std::uint64_t kStream = 2;
-    constexpr double kGoldenAngle = 2.399963229728653;
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t count = begins[i + 1] - begins[i];
-      const double turned = 2 * std::numbers::pi * randomUnit(kStream, i);
-      for (std::size_t k = 0; k < count; ++k) {
-        const double out = kRim * std::sqrt((static_cast<double>(k) + 0.5) / static_cast<double>(count));
-        const double angle = turned + kGoldenAngle * static_cast<double>(k);
-        const Vec3 place = discs[i].center + static_cast<float>(out * std::cos(angle)) * discs[i].longest +
-                           static_cast<float>(out * std::sin(angle)) * discs[i].middle;
-        seeds[begins[i] + k] = {mortonCode(mortonCell(place, kSeedVoxel)), place, static_cast<std::uint32_t>(i)};
-      }
-    }
+    for (std::size_t i = begin; i < end; ++i) seedDisc(discs[i], i, begins[i + 1] - begins[i], all.data() + begins[i]);
   });
-  parallelSort(seeds, threads);
-  const auto sameVoxel = [](const GaussianSeed& a, const GaussianSeed& b) { return a.voxel == b.voxel; };
-  const auto rest = std::ranges::unique(seeds, sameVoxel);
-  seeds.erase(rest.begin(), rest.end());
-  return seeds;
+
+  sortByMorton(all, threads, [](const GaussianSeed& seed) { return seed.voxel; });
+
+  const auto voxels = parallelRuns(total, threads, [&](std::size_t k) { return all[k].voxel == all[k - 1].voxel; });
+  return parallelMake(voxels.size() - 1, threads, [&](std::size_t voxel) {
+    return firstOf({all.data() + voxels[voxel], all.data() + voxels[voxel + 1]});
+  });
 }
 
 SeedCells::SeedCells(std::span<const GaussianDisc> discs, std::span<const GaussianSeed> seeds, float margin,
                      unsigned threads)
-    : discs_(discs), seeds_(seeds), margin_(margin), level_(kFinestLevel) {
-  divide(threads);
-  listDiscs(threads);
-}
-
-SeedCells::Box SeedCells::boxOf(const GaussianDisc& disc) const {
-  const Vec3 reach = disc.reach + margin_;
-  Box box{mortonCell(disc.center - reach, kSeedVoxel), mortonCell(disc.center + reach, kSeedVoxel)};
-  for (int k = 0; k < 3; ++k) box.low[k] >>= level_, box.high[k] >>= level_;
-  return box;
-}
-
-/// Cells as fine as their lists may be long.
-void SeedCells::divide(unsigned threads) {
-  const auto cellsOfDiscs = [&] {
-    std::atomic<std::uint64_t> cells = 0;
-    parallelFor(discs_.size(), threads, [&](std::size_t begin, std::size_t end) {
-      std::uint64_t own = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        const Box box = boxOf(discs_[i]);
-        const glm::u64vec3 size(box.high - box.low + 1);
-        own += size.x * size.y * size.z;
-      }
-      cells += own;
-    });
-    return cells.load();
-  };
-  while (level_ < kMortonBits && cellsOfDiscs() > kMostCellsOfDisc * discs_.size()) ++level_;
-  std::vector<std::uint64_t> codes;
-  for (std::size_t i = 0; i < seeds_.size(); ++i) {
-    const std::uint64_t code = seeds_[i].voxel >> (3 * level_);
-    if (!codes.empty() && codes.back() == code) continue;
-    codes.push_back(code);
-    begins_.push_back(i);
-  }
-  begins_.push_back(seeds_.size());
-  cells_ = MortonCells(std::move(codes));
-}
-
-/// Each part of the discs notes its pairs of cell and disc; they are counted, and then each has its place, in the order
-/// of the discs whoever noted them.
-void SeedCells::listDiscs(unsigned threads) {
-  struct Pair {
-    std::uint32_t cell, disc;
-  };
-  const std::size_t parts = threadCount(threads);
-  std::vector<std::vector<Pair>> pairs(parts);
-  std::vector<std::vector<std::uint32_t>> counts(parts);
-  const auto notePart = [&](std::size_t part) {
-    counts[part].assign(cells_.count(), 0);
-    for (std::size_t i = discs_.size() * part / parts; i < discs_.size() * (part + 1) / parts; ++i) {
-      const Box box = boxOf(discs_[i]);
-      for (int z = box.low.z; z <= box.high.z; ++z)
-        for (int y = box.low.y; y <= box.high.y; ++y) {
-          const std::uint64_t row = mortonCode({0, y, z});
-          for (int x = box.low.x; x <= box.high.x; ++x)
-            if (const auto cell = cells_.find(row | spreadBits(static_cast<std::uint64_t>(x)))) {
-              pairs[part].push_back({*cell, static_cast<std::uint32_t>(i)});
-              ++counts[part][*cell];
-            }
-        }
-    }
-  };
-  parallelParts(parts, notePart);
-  listBegins_.assign(cells_.count() + 1, 0);
-  std::size_t total = 0;
-  for (std::size_t cell = 0; cell < cells_.count(); ++cell) {
-    listBegins_[cell] = total;
-    for (auto& count : counts)
-      total += std::exchange(count[cell], static_cast<std::uint32_t>(total - listBegins_[cell]));
-  }
-  listBegins_.back() = total;
-  lists_.resize(total);
-  parallelParts(parts, [&](std::size_t part) {
-    for (const Pair& pair : pairs[part]) lists_[listBegins_[pair.cell] + counts[part][pair.cell]++] = pair.disc;
+    : seeds_(seeds), margin_(margin), level_(finestLevel(discs, threads)) {
+  begins_ = parallelRuns(seeds.size(), threads, [&](std::size_t i) {
+    return seeds_[i].voxel >> (3 * level_) == seeds_[i - 1].voxel >> (3 * level_);
   });
+
+  sortDiscs(discs, threads);
 }
 
-void SeedCells::gather(std::size_t cell, const Region& region, GaussianDensity& density) const {
-  density.clear();
-  const Vec3 middle = 0.5f * (region.low + region.high), half = 0.5f * (region.high - region.low);
-  for (std::size_t k = listBegins_[cell]; k < listBegins_[cell + 1]; ++k) {
-    const GaussianDisc& disc = discs_[lists_[k]];
-    const Vec3 off = glm::abs(disc.center - middle) - half;
-    if (off.x < disc.reach.x && off.y < disc.reach.y && off.z < disc.reach.z) density.add(disc);
+/// Of cells as fine as may be where discs are large.
+int SeedCells::finestLevel(std::span<const GaussianDisc> discs, unsigned threads) const {
+  const auto cellsOfDiscs = [&](int level) {
+    const auto cellsOf = [&](std::size_t begin, std::size_t end) {
+      std::uint64_t cells = 0;
+      for (std::size_t i = begin; i < end; ++i) cells += VoxelBox(discs[i], margin_).cells(level);
+      return cells;
+    };
+    return parallelReduce(discs.size(), threads, std::uint64_t{0}, cellsOf, std::plus<>());
+  };
+  int level = kFinestLevel;
+  while (level < kMortonBits && cellsOfDiscs(level) > kMostCellsOfDisc * discs.size()) ++level;
+  return level;
+}
+
+void SeedCells::sortDiscs(std::span<const GaussianDisc> discs, unsigned threads) {
+  struct Entry {
+    std::uint64_t code;
+    std::uint32_t disc, level;
+  };
+  auto entries = parallelMake(discs.size(), threads, [&](std::size_t i) {
+    const VoxelBox box(discs[i], margin_);
+    int level = cubeLevel();
+    while (!box.staysNextTo(level)) ++level;
+    return Entry{mortonCode(box.middle), static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(level)};
+  });
+  sortByMorton(entries, threads, [](const Entry& entry) { return entry.code; });
+  parallelRadixSort(entries, std::bit_width(unsigned{kMortonBits}), threads,
+                    [](const Entry& entry) { return entry.level; });
+  felt_ = parallelMake(entries.size(), threads, [&](std::size_t k) { return FeltGaussian(discs[entries[k].disc]); });
+  const auto ends =
+      parallelRuns(entries.size(), threads, [&](std::size_t k) { return entries[k].level == entries[k - 1].level; });
+  for (std::size_t g = 0; g + 1 < ends.size(); ++g) {
+    const std::size_t first = ends[g];
+    const int level = static_cast<int>(entries[first].level);
+    const auto codeOf = [&](std::size_t k) { return entries[first + k].code >> (3 * level); };
+    Grid& grid =
+        grids_.emplace_back(Grid{.level = level, .firstDisc = first, .cells = {}, .begins = {}, .regions = {}});
+    grid.begins = parallelRuns(ends[g + 1] - first, threads, [&](std::size_t k) { return codeOf(k) == codeOf(k - 1); });
+    grid.cells = MortonCells(
+        parallelMake(grid.begins.size() - 1, threads, [&](std::size_t cell) { return codeOf(grid.begins[cell]); }),
+        threads);
+    grid.regions = parallelMake(grid.begins.size() - 1, threads, [&](std::size_t cell) {
+      GaussianRegion region;
+      for (std::size_t k = first + grid.begins[cell]; k < first + grid.begins[cell + 1]; ++k)
+        region.widen(regionOf(felt_[k]));
+      return region;
+    });
   }
+}
+
+GaussianRegion SeedCells::withMargin(std::size_t cell, int level) const {
+  const IVec3 first = (mortonCellOf(seeds_[begins_[cell]].voxel) >> level) << level;
+  const Vec3 low = kSeedVoxel * Vec3(first - kMortonReach);
+  return {low - margin_, low + kSeedVoxel * static_cast<float>(1 << level) + margin_};
+}
+
+void SeedCells::collectAround(std::size_t cell, std::vector<FeltGaussian>& felt) const {
+  felt.clear();
+  const GaussianRegion region = withMargin(cell, cubeLevel());
+  const IVec3 voxel = mortonCellOf(seeds_[begins_[cell]].voxel);
+  for (const Grid& grid : grids_)
+    grid.cells.forEachAround(voxel >> grid.level, [&](std::uint32_t near) {
+      if (!grid.regions[near].meets(region)) return;
+      for (std::size_t k = grid.firstDisc + grid.begins[near]; k < grid.firstDisc + grid.begins[near + 1]; ++k)
+        if (regionOf(felt_[k]).meets(region)) felt.push_back(felt_[k]);
+    });
+}
+
+void GaussiansAround::gather(std::size_t cell, const GaussianRegion& region, GaussianDensity& density) {
+  if (cells_.cubeOf(cell) != cube_) moveTo(cell);
+  const GaussianRegion most = cells_.withMargin(cell);
+  chooseIn({glm::max(region.low, most.low), glm::min(region.high, most.high)});
+  density.fill(felt_, chosen_);
+}
+
+void GaussiansAround::moveTo(std::size_t cell) {
+  cube_ = cells_.cubeOf(cell);
+  cells_.collectAround(cell, felt_);
+  boxes_.resize((felt_.size() + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < boxes_.size() * kLanes; ++i) {
+    const GaussianRegion region = i < felt_.size() ? regionOf(felt_[i]) : GaussianRegion();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      boxes_[i / kLanes].low[axis][i % kLanes] = region.low[static_cast<int>(axis)];
+      boxes_[i / kLanes].high[axis][i % kLanes] = region.high[static_cast<int>(axis)];
+    }
+  }
+}
+
+/// As GaussianRegion::meets(), but without a branch, so that boxes go together.
+void GaussiansAround::chooseIn(const GaussianRegion& region) {
+  chosen_.resize(boxes_.size() * kLanes);
+  std::size_t count = 0;
+  std::uint32_t number = 0;
+  for (const Boxes& boxes : boxes_) {
+    std::array<std::int32_t, kLanes> meets;
+    const auto& [low, high] = boxes;
+    for (std::size_t k = 0; k < kLanes; ++k)
+      meets[k] = (low[0][k] < region.high.x) & (low[1][k] < region.high.y) & (low[2][k] < region.high.z) &
+                 (region.low.x < high[0][k]) & (region.low.y < high[1][k]) & (region.low.z < high[2][k]);
+    for (const std::int32_t one : meets) {
+      chosen_[count] = number++;
+      count += static_cast<std::size_t>(one);
+    }
+  }
+  chosen_.resize(count);
 }
 
 }  // namespace palpate

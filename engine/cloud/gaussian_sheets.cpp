@@ -1,13 +1,16 @@
 #include "engine/cloud/gaussian_sheets.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "engine/cloud/orientation.hpp"
 #include "engine/cloud/point_tree.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
+#include "engine/core/parallel_radix_sort.hpp"
 
 namespace palpate {
 
@@ -28,16 +31,21 @@ DVec3 steepestOf(const SymmetricMatrix3& a) {
   const double shift =
       std::abs(a.xx) + std::abs(a.yy) + std::abs(a.zz) + 2 * (std::abs(a.xy) + std::abs(a.xz) + std::abs(a.yz));
   if (!(shift > 0)) return DVec3(0);
-  std::array<DVec3, 3> rows{DVec3(a.xx + shift, a.xy, a.xz), DVec3(a.xy, a.yy + shift, a.yz),
-                            DVec3(a.xz, a.yz, a.zz + shift)};
+  // Of trace 1, so that the largest eigenvalue is a third at least, and 3^-64 at the end.
+  const double scale = 1 / (a.xx + a.yy + a.zz + 3 * shift);
+  SymmetricMatrix3 power{scale * (a.xx + shift), scale * (a.yy + shift), scale * (a.zz + shift),
+                         scale * a.xy,           scale * a.xz,           scale * a.yz};
   for (int k = 0; k < kSquarings; ++k) {
-    const double trace = rows[0].x + rows[1].y + rows[2].z;
-    for (DVec3& row : rows) row /= trace;
-    std::array<DVec3, 3> squared;
-    for (std::size_t i = 0; i < 3; ++i)
-      squared[i] = {glm::dot(rows[i], rows[0]), glm::dot(rows[i], rows[1]), glm::dot(rows[i], rows[2])};
-    rows = squared;
+    const auto [xx, yy, zz, xy, xz, yz] = power;
+    power = {.xx = xx * xx + xy * xy + xz * xz,
+             .yy = xy * xy + yy * yy + yz * yz,
+             .zz = xz * xz + yz * yz + zz * zz,
+             .xy = xx * xy + xy * yy + xz * yz,
+             .xz = xx * xz + xy * yz + xz * zz,
+             .yz = xy * xz + yy * yz + yz * zz};
   }
+  const std::array<DVec3, 3> rows{DVec3(power.xx, power.xy, power.xz), DVec3(power.xy, power.yy, power.yz),
+                                  DVec3(power.xz, power.yz, power.zz)};
   const DVec3& longest = *std::ranges::max_element(rows, {}, [](const DVec3& row) { return glm::dot(row, row); });
   const double length = glm::length(longest);
   return length > 0 ? longest / length : DVec3(0);
@@ -59,28 +67,11 @@ GaussianSheet sheetAt(const GaussianDensity& density, const Vec3& place) {
 
 /// The densest seed of each cell of a grid, and those near by.
 struct Places {
-  float side = 0;                      ///< of a cell
-  std::vector<std::uint32_t> seeds;    ///< of each place
-  std::vector<std::uint32_t> placeOf;  ///< of each seed; kNobody where it has no sheet
-  std::vector<Vec3> points, normals;
+  float side = 0;                     ///< of a cell
+  BareVector<std::uint32_t> placeOf;  ///< of each seed; kNobody where it has no sheet
+  BareVector<Vec3> points, normals;
   NeighbourGraph graph;
 };
-
-void findPlaces(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, int level, Places& places) {
-  places.seeds.clear();
-  places.placeOf.assign(seeds.size(), kNobody);
-  std::uint64_t last = 0;
-  for (std::uint32_t i = 0; i < seeds.size(); ++i) {
-    if (!sheets[i].exists()) continue;
-    const std::uint64_t code = seeds[i].voxel >> (3 * level);
-    if (places.seeds.empty() || code != last)
-      places.seeds.push_back(i);
-    else if (sheets[i].logDensity > sheets[places.seeds.back()].logDensity)
-      places.seeds.back() = i;
-    last = code;
-    places.placeOf[i] = static_cast<std::uint32_t>(places.seeds.size() - 1);
-  }
-}
 
 void findNeighbours(Places& places, unsigned threads) {
   const PointTree tree(places.points);
@@ -101,17 +92,28 @@ void findNeighbours(Places& places, unsigned threads) {
 
 Places placesOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, unsigned threads) {
   constexpr int kFinest = 2;
-  Places places;
+  const auto existing = parallelCollect(
+      seeds.size(), threads, [&](std::size_t i) { return sheets[i].exists(); },
+      [](std::size_t i) { return static_cast<std::uint32_t>(i); });
+  const auto cellsOf = [&](int level) {
+    return parallelRuns(existing.size(), threads, [&](std::size_t k) {
+      return seeds[existing[k]].voxel >> (3 * level) == seeds[existing[k - 1]].voxel >> (3 * level);
+    });
+  };
   int level = kFinest;
-  do {
-    findPlaces(seeds, sheets, level, places);
-    places.side = kSeedVoxel * static_cast<float>(1 << level);
-    ++level;
-  } while (places.seeds.size() > kMostPlaces);
-  for (const std::uint32_t seed : places.seeds) {
-    places.points.push_back(seeds[seed].place);
-    places.normals.push_back(sheets[seed].normal);
-  }
+  auto begins = cellsOf(level);
+  while (begins.size() - 1 > kMostPlaces) begins = cellsOf(++level);
+
+  Places places;
+  places.side = kSeedVoxel * static_cast<float>(1 << level);
+  places.placeOf = parallelMake(seeds.size(), threads, [](std::size_t) { return kNobody; });
+  const auto densest = parallelMake(begins.size() - 1, threads, [&](std::size_t place) {
+    const std::span cell(&existing[begins[place]], begins[place + 1] - begins[place]);
+    for (const std::uint32_t seed : cell) places.placeOf[seed] = static_cast<std::uint32_t>(place);
+    return *std::ranges::max_element(cell, {}, [&](std::uint32_t seed) { return sheets[seed].logDensity; });
+  });
+  places.points = parallelMake(densest.size(), threads, [&](std::size_t k) { return seeds[densest[k]].place; });
+  places.normals = parallelMake(densest.size(), threads, [&](std::size_t k) { return sheets[densest[k]].normal; });
   if (!places.points.empty()) findNeighbours(places, threads);
   return places;
 }
@@ -135,43 +137,56 @@ std::vector<std::uint32_t> groupsOf(const Places& places) {
 }
 
 /// Gaussians of each group, at its first place. One whose seeds are of several groups may count more than once.
-std::vector<std::uint32_t> countGaussians(std::span<const GaussianSeed> seeds, const Places& places,
-                                          const std::vector<std::uint32_t>& groups) {
-  std::uint32_t discs = 0;
-  for (const GaussianSeed& seed : seeds) discs = std::max(discs, seed.disc + 1);
-  std::vector<std::uint32_t> countedIn(discs, kNobody), counts(groups.size(), 0);
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
-    if (places.placeOf[i] == kNobody) continue;
-    const std::uint32_t group = groups[places.placeOf[i]];
-    if (countedIn[seeds[i].disc] == group) continue;
-    countedIn[seeds[i].disc] = group;
-    ++counts[group];
-  }
+std::vector<std::atomic<std::uint32_t>> countGaussians(std::span<const GaussianSeed> seeds, const Places& places,
+                                                       const std::vector<std::uint32_t>& groups, unsigned threads) {
+  struct Member {
+    std::uint32_t disc, group;
+    bool operator==(const Member&) const = default;
+  };
+  auto members = parallelCollect(
+      seeds.size(), threads, [&](std::size_t i) { return places.placeOf[i] != kNobody; },
+      [&](std::size_t i) {
+        return Member{seeds[i].disc, groups[places.placeOf[i]]};
+      });
+  parallelRadixSort(members, 32, threads, [](const Member& member) { return member.disc; });
+  std::vector<std::atomic<std::uint32_t>> counts(groups.size());
+  parallelFor(members.size(), threads, [&](std::size_t begin, std::size_t end) {
+    std::uint32_t own = 0;  // of the group that comes last: nearly all are of the same one
+    for (std::size_t k = begin; k < end; ++k) {
+      own += k == 0 || members[k] != members[k - 1];
+      if (k + 1 < end && members[k + 1].group == members[k].group) continue;
+      counts[members[k].group] += std::exchange(own, 0);
+    }
+  });
   return counts;
 }
 
-std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets,
-                            const Places& places) {
+std::size_t dropSmallGroups(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets, const Places& places,
+                            unsigned threads) {
   const std::vector<std::uint32_t> groups = groupsOf(places);
-  const std::vector<std::uint32_t> counts = countGaussians(seeds, places, groups);
-  const std::size_t largest = counts.empty() ? 0 : *std::ranges::max_element(counts);
+  const auto counts = countGaussians(seeds, places, groups, threads);
+  const std::size_t largest =
+      counts.empty() ? 0 : std::ranges::max_element(counts, {}, [](const auto& count) { return count.load(); })->load();
   const std::size_t fewest = std::min(kFewestGaussians, largest);
-  std::size_t dropped = 0;
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
-    if (places.placeOf[i] == kNobody || counts[groups[places.placeOf[i]]] >= fewest) continue;
-    sheets[i] = {};
-    ++dropped;
-  }
-  return dropped;
+  const auto isSmall = [&](std::size_t i) {
+    return places.placeOf[i] != kNobody && counts[groups[places.placeOf[i]]] < fewest;
+  };
+  parallelFor(seeds.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (isSmall(i)) sheets[i] = {};
+  });
+  return parallelCount(seeds.size(), threads, isSmall);
 }
 
 /// Whether a seed's normal looks to the other side than those of the places around: of the one that is most likely to
 /// be of the same sheet, as if both lay on a circle (orientNormals()).
 bool looksAway(const Places& places, std::uint32_t own, const Vec3& point, const Vec3& normal) {
-  float best = std::numeric_limits<float>::max();
+  float best = std::numeric_limits<float>::infinity();
   bool away = false;
   const auto ask = [&](std::uint32_t place) {
     const Vec3 way = places.points[place] - point;
+    // No agreement makes up for being too far off, so that most need no square root.
+    if (glm::dot(way, way) >= best * best * places.side * places.side) return;
     const float distance = glm::length(way);
     const Vec3 along = distance > 0 ? way / distance : Vec3(0);
     const float off = glm::dot(normal, along), otherOff = glm::dot(places.normals[place], along);
@@ -189,15 +204,16 @@ bool looksAway(const Places& places, std::uint32_t own, const Vec3& point, const
 
 }  // namespace
 
-std::vector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const GaussianSeed> seeds, unsigned threads) {
-  std::vector<GaussianSheet> sheets(seeds.size());
-  parallelFor(cells.count(), threads, [&](std::size_t begin, std::size_t end) {
+BareVector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const GaussianSeed> seeds, unsigned threads) {
+  BareVector<GaussianSheet> sheets(seeds.size());
+  parallelBlocks(cells.count(), kCellsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     GaussianDensity density;
+    GaussiansAround around(cells);
     for (std::size_t cell = begin; cell < end; ++cell) {
       const auto [first, last] = cells.seedsOf(cell);
-      SeedCells::Region region;
+      GaussianRegion region;
       for (std::size_t i = first; i < last; ++i) region.widen(seeds[i].place);
-      cells.gather(cell, region, density);
+      around.gather(cell, region, density);
       for (std::size_t i = first; i < last; ++i) sheets[i] = sheetAt(density, seeds[i].place);
     }
   });
@@ -206,7 +222,7 @@ std::vector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const Gaus
 
 std::size_t orientSheets(std::span<const GaussianSeed> seeds, std::span<GaussianSheet> sheets, unsigned threads) {
   Places places = placesOf(seeds, sheets, threads);
-  const std::size_t dropped = dropSmallGroups(seeds, sheets, places);
+  const std::size_t dropped = dropSmallGroups(seeds, sheets, places, threads);
   orientNormals(places.points, places.normals, places.graph, threads);
   parallelFor(seeds.size(), threads, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <vector>
 
 #include "engine/cloud/gaussian_seeds.hpp"
 
@@ -22,7 +21,7 @@ struct GaussianSheet {
 /// One for each seed. The normal is the direction in which the density falls off fastest, of either sign: of all
 /// Gaussians that are felt there, by their places and their shapes. None where it falls off in no direction, as between
 /// Gaussians, or where it is next to nothing.
-std::vector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const GaussianSeed> seeds, unsigned threads);
+BareVector<GaussianSheet> sheetsAt(const SeedCells& cells, std::span<const GaussianSeed> seeds, unsigned threads);
 
 /// Takes away the sheets that stand apart from all others and are of fewer than eight Gaussians (where there are larger
 /// ones), and turns the normals of the others outwards: signs go along places of all sheets, one for each cell of a

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "engine/cloud/even_points.hpp"
 #include "engine/cloud/gaussian_sheets.hpp"
 #include "engine/core/check.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
+#include "engine/core/parallel_radix_sort.hpp"
 
 namespace palpate {
 
@@ -35,14 +35,13 @@ struct Walk {
 constexpr Walk kShort{2, 2.5f, 0.5f, 2.5f, 6}, kLong{5, 7, 5, 1.5f, 16};
 constexpr std::size_t kOneOfThick = 20;  // so many seeds that got nowhere make a scene thick
 
-float levelOf(std::span<const GaussianSheet> sheets) {
-  std::vector<float> densities;
-  for (const GaussianSheet& sheet : sheets)
-    if (sheet.exists()) densities.push_back(sheet.logDensity);
+float levelOf(std::span<const GaussianSheet> sheets, unsigned threads) {
+  const auto densities = parallelCollect(
+      sheets.size(), threads, [&](std::size_t i) { return sheets[i].exists(); },
+      [&](std::size_t i) { return sheets[i].logDensity; });
   if (densities.empty()) return kLeastLevel;
-  const auto half = densities.begin() + static_cast<std::ptrdiff_t>(densities.size() / 2);
-  std::ranges::nth_element(densities, half);
-  return std::clamp(kShareOfUsual * std::exp(*half), kLeastLevel, kMostLevel);
+  const float median = parallelNth(densities, densities.size() / 2, threads);
+  return std::clamp(kShareOfUsual * std::exp(median), kLeastLevel, kMostLevel);
 }
 
 struct SurfacePlace {
@@ -70,7 +69,7 @@ Arrival findFace(const GaussianDensity& density, const Vec3& seed, const Gaussia
     if (!(glm::distance(place, seed) < walk.farthest)) return Arrival::farther;
     if (std::abs(way) > kLastStep) continue;
     face = {place, outwards, Vec3(0)};
-    return glm::dot(outwards, sheet.normal) > kFacing && density.slopeAt(place + kClear * outwards).density < level
+    return glm::dot(outwards, sheet.normal) > kFacing && density.densityAt(place + kClear * outwards) < level
                ? Arrival::face
                : Arrival::none;
   }
@@ -86,9 +85,9 @@ SurfacePlace middleBehind(const GaussianDensity& density, SurfacePlace face, flo
 }
 
 /// Where the seeds of a cell may get to: outwards as far as the walk goes, and a little to the sides.
-SeedCells::Region regionOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
-                           std::size_t first, std::size_t last, const Walk& walk) {
-  SeedCells::Region region;
+GaussianRegion regionOf(std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets, std::size_t first,
+                        std::size_t last, const Walk& walk) {
+  GaussianRegion region;
   for (std::size_t i = first; i < last; ++i) {
     if (!sheets[i].exists()) continue;
     region.widen(seeds[i].place + walk.margin * sheets[i].normal + walk.aside);
@@ -100,23 +99,24 @@ SeedCells::Region regionOf(std::span<const GaussianSeed> seeds, std::span<const 
 }
 
 struct Projected {
-  std::vector<SurfacePlace> places;     ///< one for each seed; without a normal where there is none
-  std::vector<std::uint8_t> isFarther;  ///< for each seed
+  BareVector<SurfacePlace> places;     ///< one for each seed; without a normal where there is none
+  BareVector<std::uint8_t> isFarther;  ///< for each seed
 };
 
 Projected projected(const SeedCells& cells, std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
                     float level, const Walk& walk, unsigned threads) {
-  Projected made{std::vector<SurfacePlace>(seeds.size()), std::vector<std::uint8_t>(seeds.size(), 0)};
-  parallelFor(cells.count(), threads, [&](std::size_t begin, std::size_t end) {
+  Projected made{BareVector<SurfacePlace>(seeds.size()), BareVector<std::uint8_t>(seeds.size())};
+  parallelBlocks(cells.count(), kCellsAtOnce, threads, [&](std::size_t begin, std::size_t end) {
     GaussianDensity density;
+    GaussiansAround around(cells);
     for (std::size_t cell = begin; cell < end; ++cell) {
       const auto [first, last] = cells.seedsOf(cell);
-      cells.gather(cell, regionOf(seeds, sheets, first, last, walk), density);
+      around.gather(cell, regionOf(seeds, sheets, first, last, walk), density);
       for (std::size_t i = first; i < last; ++i) {
-        if (!sheets[i].exists()) continue;
         SurfacePlace face;
-        const Arrival arrival = findFace(density, seeds[i].place, sheets[i], level, walk, face);
-        if (arrival == Arrival::face) made.places[i] = middleBehind(density, face, walk.mostDepth);
+        const Arrival arrival =
+            sheets[i].exists() ? findFace(density, seeds[i].place, sheets[i], level, walk, face) : Arrival::none;
+        made.places[i] = arrival == Arrival::face ? middleBehind(density, face, walk.mostDepth) : SurfacePlace{};
         made.isFarther[i] = arrival == Arrival::farther;
       }
     }
@@ -125,61 +125,69 @@ Projected projected(const SeedCells& cells, std::span<const GaussianSeed> seeds,
 }
 
 /// All places that the seeds get to; where many have farther to go than those of thin sheets, these once more.
-std::vector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const GaussianDisc> discs,
-                                        std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
-                                        float level, unsigned threads) {
+BareVector<SurfacePlace> surfacePlaces(const SeedCells& cells, std::span<const GaussianDisc> discs,
+                                       std::span<const GaussianSeed> seeds, std::span<const GaussianSheet> sheets,
+                                       float level, unsigned threads) {
   Projected made = projected(cells, seeds, sheets, level, kShort, threads);
-  std::vector<GaussianSeed> farther;
-  std::vector<GaussianSheet> theirSheets;
-  for (std::size_t i = 0; i < seeds.size(); ++i)
-    if (made.isFarther[i]) farther.push_back(seeds[i]), theirSheets.push_back(sheets[i]);
-  if (farther.size() * kOneOfThick > seeds.size()) {
+  const auto isFarther = [&](std::size_t i) { return made.isFarther[i] != 0; };
+  if (parallelCount(seeds.size(), threads, isFarther) * kOneOfThick > seeds.size()) {
+    const auto farther = parallelCollect(seeds.size(), threads, isFarther, [&](std::size_t i) { return seeds[i]; });
+    const auto theirs = parallelCollect(seeds.size(), threads, isFarther, [&](std::size_t i) { return sheets[i]; });
     const SeedCells wider(discs, farther, kLong.margin, threads);
-    const Projected more = projected(wider, farther, theirSheets, level, kLong, threads);
+    const Projected more = projected(wider, farther, theirs, level, kLong, threads);
     made.places.insert(made.places.end(), more.places.begin(), more.places.end());
   }
-  std::erase_if(made.places, [](const SurfacePlace& place) { return place.normal == Vec3(0); });
-  return std::move(made.places);
-}
-
-std::vector<SurfacePlace> chosen(const std::vector<SurfacePlace>& places, const std::vector<std::uint32_t>& numbers) {
-  std::vector<SurfacePlace> some;
-  for (const std::uint32_t i : numbers) some.push_back(places[i]);
-  return some;
+  return parallelCollect(
+      made.places.size(), threads, [&](std::size_t i) { return made.places[i].normal != Vec3(0); },
+      [&](std::size_t i) { return made.places[i]; });
 }
 
 /// Places at even distances, without those that are alone, and without the noise of single Gaussians in their normals.
-std::vector<SurfacePlace> evened(std::vector<SurfacePlace> places, unsigned threads) {
-  std::vector<Vec3> points, normals;
+BareVector<SurfacePlace> evened(BareVector<SurfacePlace> places, unsigned threads) {
+  BareVector<Vec3> points, normals;
   const auto divide = [&] {
-    points.clear(), normals.clear();
-    for (const SurfacePlace& place : places) points.push_back(place.place), normals.push_back(place.normal);
+    points = parallelMake(places.size(), threads, [&](std::size_t i) { return places[i].place; });
+    normals = parallelMake(places.size(), threads, [&](std::size_t i) { return places[i].normal; });
+  };
+  const auto keepOnly = [&](const BareVector<std::uint32_t>& some) {
+    places = parallelMake(some.size(), threads, [&](std::size_t i) { return places[some[i]]; });
+    divide();
   };
   divide();
-  places = chosen(places, evenlySpaced(points, normals, kNearest, threads));
-  divide();
-  const std::vector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kLeastCompany, threads);
-  if (!left.empty()) places = chosen(places, left);
-  divide();
+  keepOnly(evenlySpaced(points, normals, kNearest, threads));
+  const BareVector<std::uint32_t> left = inCompany(points, normals, kCompanyWithin, kLeastCompany, threads);
+  if (!left.empty()) keepOnly(left);
   normals = smoothedNormals(points, normals, kSmoothWithin, threads);
-  for (std::size_t i = 0; i < places.size(); ++i) places[i].normal = normals[i];
+  parallelFor(places.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) places[i].normal = normals[i];
+  });
   return places;
 }
 
 /// Points in model units, with the origin that they ask for.
-PointCloud cloudOf(const std::vector<SurfacePlace>& places, const GaussianDiscs& frame) {
+PointCloud cloudOf(std::span<const SurfacePlace> places, const GaussianDiscs& frame, unsigned threads) {
   PointCloud cloud;
   if (places.empty()) return cloud;
-  const auto modelPlace = [&](const SurfacePlace& p) { return frame.origin + frame.usualRadius * DVec3(p.place); };
-  Bounds box{modelPlace(places.front()), modelPlace(places.front())};
-  for (const SurfacePlace& p : places) box = {glm::min(box.min, modelPlace(p)), glm::max(box.max, modelPlace(p))};
-  cloud.origin = originFor(box);
-  for (const SurfacePlace& p : places) {
-    const glm::u8vec3 color(p.color * 255.0f + 0.5f);
-    cloud.positions.emplace_back(modelPlace(p) - cloud.origin);
-    cloud.normals.push_back(p.normal);
-    cloud.colors.push_back({color.r, color.g, color.b, 255});
-  }
+  const auto modelPlace = [&](std::size_t i) { return frame.origin + frame.usualRadius * DVec3(places[i].place); };
+  const auto join = [](const Bounds& a, const Bounds& b) {
+    return Bounds{glm::min(a.min, b.min), glm::max(a.max, b.max)};
+  };
+  const Bounds first{modelPlace(0), modelPlace(0)};
+  const auto boxOf = [&](std::size_t begin, std::size_t end) {
+    Bounds box = first;
+    for (std::size_t i = begin; i < end; ++i) box = join(box, {modelPlace(i), modelPlace(i)});
+    return box;
+  };
+  cloud.origin = originFor(parallelReduce(places.size(), threads, first, boxOf, join));
+  cloud.positions.resize(places.size()), cloud.normals.resize(places.size()), cloud.colors.resize(places.size());
+  parallelFor(places.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const glm::u8vec3 color(places[i].color * 255.0f + 0.5f);
+      cloud.positions[i] = modelPlace(i) - cloud.origin;
+      cloud.normals[i] = places[i].normal;
+      cloud.colors[i] = {color.r, color.g, color.b, 255};
+    }
+  });
   return cloud;
 }
 
@@ -193,15 +201,18 @@ GaussianSurface surfaceOf(const GaussianScene& scene, unsigned threads) {
   surface.faint = made.faint, surface.oversized = made.oversized, surface.outlying = made.outlying;
   if (made.discs.empty()) return surface;
   surface.spacing = made.usualRadius;
-  const std::vector<GaussianSeed> seeds = seedsOver(made.discs, threads);
+  const BareVector<GaussianSeed> seeds = seedsOver(made.discs, threads);
   const SeedCells cells(made.discs, seeds, kShort.margin, threads);
-  std::vector<GaussianSheet> sheets = sheetsAt(cells, seeds, threads);
-  const float level = levelOf(sheets);
-  for (GaussianSheet& sheet : sheets)
-    if (sheet.logDensity < std::log(level)) sheet = {};
+  BareVector<GaussianSheet> sheets = sheetsAt(cells, seeds, threads);
+  const float level = levelOf(sheets, threads), logLevel = std::log(level);
+  parallelFor(sheets.size(), threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (sheets[i].logDensity < logLevel) sheets[i] = {};
+  });
   orientSheets(seeds, sheets, threads);
   surface.level = level;
-  surface.cloud = cloudOf(evened(surfacePlaces(cells, made.discs, seeds, sheets, level, threads), threads), made);
+  surface.cloud =
+      cloudOf(evened(surfacePlaces(cells, made.discs, seeds, sheets, level, threads), threads), made, threads);
   return surface;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "engine/core/vec.hpp"
@@ -24,6 +23,16 @@ inline std::uint64_t spreadBits(std::uint64_t v) {
   return (v | v << 2) & 0x1249249249249249ull;
 }
 
+/// What spreadBits() spread: every third bit.
+inline std::uint64_t gatherBits(std::uint64_t v) {
+  v &= 0x1249249249249249ull;
+  v = (v | v >> 2) & 0x10C30C30C30C30C3ull;
+  v = (v | v >> 4) & 0x100F00F00F00F00Full;
+  v = (v | v >> 8) & 0x001F0000FF0000FFull;
+  v = (v | v >> 16) & 0x001F00000000FFFFull;
+  return (v | v >> 32) & 0x1FFFFF;
+}
+
 inline std::uint64_t mortonCode(const IVec3& cell) {
   return spreadBits(static_cast<std::uint64_t>(cell.x)) | spreadBits(static_cast<std::uint64_t>(cell.y)) << 1 |
          spreadBits(static_cast<std::uint64_t>(cell.z)) << 2;
@@ -33,10 +42,18 @@ inline std::uint64_t mortonCode(const IVec3& cell) {
 inline IVec3 mortonCell(const Vec3& place, float side) {
   IVec3 cell;
   for (int k = 0; k < 3; ++k) {
-    const float at = std::floor(place[k] / side);
     const auto reach = static_cast<float>(kMortonReach);
-    cell[k] = static_cast<std::int32_t>(std::clamp(at, -reach, reach - 1)) + kMortonReach;
+    const float at = std::clamp(place[k] / side, -reach, reach - 1);
+    const auto whole = static_cast<std::int32_t>(at);  // towards zero: std::floor() is a call on older processors
+    cell[k] = whole - (at < static_cast<float>(whole) ? 1 : 0) + kMortonReach;
   }
+  return cell;
+}
+
+/// The cell that a code is of.
+inline IVec3 mortonCellOf(std::uint64_t code) {
+  IVec3 cell;
+  for (int k = 0; k < 3; ++k) cell[k] = static_cast<std::int32_t>(gatherBits(code >> k));
   return cell;
 }
 

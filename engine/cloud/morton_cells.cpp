@@ -1,20 +1,36 @@
 #include "engine/cloud/morton_cells.hpp"
 
-#include <bit>
+#include <algorithm>
+#include <atomic>
+#include <limits>
 #include <utility>
 
 #include "engine/core/check.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
-MortonCells::MortonCells(std::vector<std::uint64_t> codes) : codes_(std::move(codes)) {
-  PALPATE_CHECK_LT(codes_.size(), std::size_t{kNone});
-  slots_.assign(std::bit_ceil(2 * codes_.size() + 1), kNone);
-  for (std::uint32_t cell = 0; cell < codes_.size(); ++cell) {
-    std::size_t slot = slotOf(codes_[cell]);
-    while (slots_[slot] != kNone) slot = (slot + 1) & (slots_.size() - 1);
-    slots_[slot] = cell;
-  }
+MortonCells::MortonCells(BareVector<std::uint64_t> codes, unsigned threads) : codes_(std::move(codes)) {
+  PALPATE_CHECK_LT(codes_.size(), std::size_t{std::numeric_limits<std::uint32_t>::max()});
+  const auto begins =
+      parallelRuns(codes_.size(), threads, [&](std::size_t i) { return codes_[i] >> 3 == codes_[i - 1] >> 3; });
+  cubes_.resize(std::bit_ceil(2 * begins.size()));
+  parallelFor(cubes_.size(), threads, [&](std::size_t begin, std::size_t end) {
+    std::fill(&cubes_[begin], cubes_.data() + end, Cube{kNone, 0, 0});
+  });
+  // Who comes first takes a slot; whichever that is, each cube is found.
+  parallelFor(begins.size() - 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::uint64_t code = codes_[begins[k]] >> 3;
+      std::size_t slot = slotOf(code);
+      for (std::uint64_t empty = kNone; !std::atomic_ref(cubes_[slot].code).compare_exchange_strong(empty, code);
+           empty = kNone)
+        slot = (slot + 1) & (cubes_.size() - 1);
+      cubes_[slot].first = static_cast<std::uint32_t>(begins[k]);
+      for (std::size_t cell = begins[k]; cell < begins[k + 1]; ++cell)
+        cubes_[slot].occupied |= std::uint32_t{1} << (codes_[cell] & 7);
+    }
+  });
 }
 
 }  // namespace palpate

@@ -1,37 +1,74 @@
 // Occupied cells of a cubic grid, found by their Morton codes.
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <vector>
+
+#include "engine/cloud/morton.hpp"
+#include "engine/core/bare_vector.hpp"
 
 namespace palpate {
 
-/// A hash table by open addressing over cells that do not change. Safe to ask from any thread.
+/// A hash table by open addressing over cells that do not change. Its entries are cubes of eight cells, which follow
+/// each other in the order of the codes, so that what is around a cell takes eight look-ups and not 27. Safe to ask
+/// from any thread.
 class MortonCells {
  public:
   MortonCells() = default;
-  /// Each code once, fewer than 2^32 of them.
-  explicit MortonCells(std::vector<std::uint64_t> codes);
+  /// Each code once, ascending, fewer than 2^32 of them. `threads`: 0: one per core.
+  MortonCells(BareVector<std::uint64_t> codes, unsigned threads);
 
   std::size_t count() const { return codes_.size(); }
   std::uint64_t code(std::size_t cell) const { return codes_[cell]; }
-  /// The number of the cell; nothing where it is not occupied.
-  std::optional<std::uint32_t> find(std::uint64_t code) const {
-    for (std::size_t slot = slotOf(code); slots_[slot] != kNone; slot = (slot + 1) & (slots_.size() - 1))
-      if (codes_[slots_[slot]] == code) return slots_[slot];
-    return std::nullopt;
+
+  /// Calls use(number) for each occupied one of the cell with these coordinates and the 26 around it.
+  template <class Use>
+  void forEachAround(const IVec3& at, Use&& use) const {
+    // Of the two cubes along each axis one holds two of the three cells, the other one the third.
+    constexpr std::array<std::array<std::uint8_t, 2>, 3> kHalves{{{0x55, 0xAA}, {0x33, 0xCC}, {0x0F, 0xF0}}};
+    std::array<std::array<std::uint64_t, 2>, 3> bits;
+    std::array<std::array<std::uint8_t, 2>, 3> masks;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t own = at[static_cast<int>(k)], first = (own - 1) >> 1;
+      const bool odd = (own & 1) != 0;
+      bits[k] = {spread(first) << k, spread(first + 1) << k};
+      masks[k] = {odd ? kAll : kHalves[k][1], odd ? kHalves[k][0] : kAll};
+    }
+    for (std::size_t z = 0; z < 2; ++z)
+      for (std::size_t y = 0; y < 2; ++y)
+        for (std::size_t x = 0; x < 2; ++x) {
+          const Cube* cube = find(bits[0][x] | bits[1][y] | bits[2][z]);
+          if (!cube) continue;
+          const std::uint32_t wanted = cube->occupied & masks[0][x] & masks[1][y] & masks[2][z];
+          for (std::uint32_t left = wanted; left != 0; left &= left - 1)
+            use(cube->first + static_cast<std::uint32_t>(std::popcount(cube->occupied & ((left & -left) - 1))));
+        }
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFF;
+  struct Cube {
+    std::uint64_t code;      // of its cells, without their last three bits
+    std::uint32_t first;     // of its cells
+    std::uint32_t occupied;  // a bit for each of the eight
+  };
+  static constexpr std::uint64_t kNone = ~std::uint64_t{0};
+  static constexpr std::uint8_t kAll = 0xFF;
+
+  static std::uint64_t spread(std::int32_t coordinate) { return spreadBits(static_cast<std::uint64_t>(coordinate)); }
+  /// Cubes that share all but the last bit of each coordinate are side by side, as those around a cell mostly do.
   std::size_t slotOf(std::uint64_t code) const {
-    return static_cast<std::size_t>((code * 0x9E3779B97F4A7C15u) >> 20) & (slots_.size() - 1);
+    return static_cast<std::size_t>(((code >> 3) * 0x9E3779B97F4A7C15u) >> 20 << 3 | (code & 7)) & (cubes_.size() - 1);
+  }
+  const Cube* find(std::uint64_t code) const {
+    for (std::size_t slot = slotOf(code); cubes_[slot].code != kNone; slot = (slot + 1) & (cubes_.size() - 1))
+      if (cubes_[slot].code == code) return &cubes_[slot];
+    return nullptr;
   }
 
-  std::vector<std::uint64_t> codes_;
-  std::vector<std::uint32_t> slots_{kNone};  // a power of two of them, never all in use
+  BareVector<std::uint64_t> codes_;
+  BareVector<Cube> cubes_{Cube{kNone, 0, 0}};  // a power of two of them, never all in use
 };
 
 }  // namespace palpate

@@ -36,6 +36,28 @@ struct CameraPose {
   DVec3 toCamera(const DVec3& place) const { return glm::conjugate(turn) * (place - centre); }
 };
 
+/// The same, for the many places of a frame.
+class CameraAxes {
+ public:
+  explicit CameraAxes(const CameraPose& pose)
+      : right_(pose.turn * DVec3(1, 0, 0)),
+        down_(pose.turn * DVec3(0, 1, 0)),
+        ahead_(pose.turn * DVec3(0, 0, 1)),
+        centre_(pose.centre) {}
+
+  DVec3 turned(const DVec3& direction) const {
+    return direction.x * right_ + direction.y * down_ + direction.z * ahead_;
+  }
+  DVec3 toWorld(const DVec3& place) const { return turned(place) + centre_; }
+  DVec3 toCamera(const DVec3& place) const {
+    const DVec3 way = place - centre_;
+    return {glm::dot(way, right_), glm::dot(way, down_), glm::dot(way, ahead_)};
+  }
+
+ private:
+  DVec3 right_, down_, ahead_, centre_;
+};
+
 /// What a depth camera saw at one time.
 struct DepthFrame {
   double time_s = 0;         ///< since the stream began

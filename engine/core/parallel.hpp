@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <exception>
 #include <mutex>
@@ -15,7 +16,8 @@ inline unsigned threadCount(unsigned wanted) {
   return wanted ? wanted : std::max(1u, std::thread::hardware_concurrency());
 }
 
-/// Calls body(part) for every part in [0, parts), each on a thread of its own; the first exception is thrown again here.
+/// Calls body(part) for every part in [0, parts), each on a thread of its own; the first exception is thrown again
+/// here.
 template <class Body>
 void parallelParts(std::size_t parts, Body&& body) {
   if (parts == 1) return body(std::size_t{0});
@@ -37,15 +39,41 @@ void parallelParts(std::size_t parts, Body&& body) {
   if (failure) std::rethrow_exception(failure);
 }
 
+/// Disjoint ranges of about equal length that cover [0, size): one for each thread, fewer where they would be too
+/// short.
+class ParallelRanges {
+ public:
+  ParallelRanges(std::size_t size, unsigned threads)
+      : size_(size), count_(std::clamp<std::size_t>(size / kSmallest, 1, threadCount(threads))) {}
+  /// Ranges; one, which is empty, where there is nothing to cover.
+  std::size_t count() const { return count_; }
+  std::size_t begin(std::size_t range) const { return size_ * range / count_; }
+  std::size_t end(std::size_t range) const { return begin(range + 1); }
+
+ private:
+  static constexpr std::size_t kSmallest = 1024;  // below this a thread costs more than it saves
+  std::size_t size_, count_;
+};
+
 /// Calls body(begin, end) on disjoint ranges that cover [0, count). The first exception is thrown again here. The split
 /// depends on `threads` only through the range borders, so a body that treats each index alone gives the same result
 /// with any number of threads.
 template <class Body>
 void parallelFor(std::size_t count, unsigned threads, Body&& body) {
-  constexpr std::size_t kSmallestRange = 1024;  // below this a thread costs more than it saves
-  const std::size_t parts = std::clamp<std::size_t>(count / kSmallestRange, 1, threadCount(threads));
+  const ParallelRanges ranges(count, threads);
   if (count == 0) return;
-  parallelParts(parts, [&](std::size_t part) { body(count * part / parts, count * (part + 1) / parts); });
+  parallelParts(ranges.count(), [&](std::size_t range) { body(ranges.begin(range), ranges.end(range)); });
+}
+
+/// As parallelFor(), where some indices take much longer than others: whoever is free takes the next `block` of them.
+template <class Body>
+void parallelBlocks(std::size_t count, std::size_t block, unsigned threads, Body&& body) {
+  const std::size_t blocks = (count + block - 1) / block;
+  if (count == 0) return;
+  std::atomic<std::size_t> next = 0;
+  parallelParts(std::min<std::size_t>(blocks, threadCount(threads)), [&](std::size_t) {
+    for (std::size_t k; (k = next++) < blocks;) body(k * block, std::min(count, (k + 1) * block));
+  });
 }
 
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // What std::fopen and std::filesystem leave to each system.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -11,6 +12,14 @@ namespace palpate {
 
 /// As std::fopen, whatever letters the name has.
 std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcept;
+
+/// Reads from `offset` on, on any number of threads at a time, and says how many bytes came: fewer than asked for at
+/// the end of the file, or where the system fails. Where the file is read or written otherwise is not to be relied on
+/// then.
+std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept;
+
+/// Where a file without a buffer is read or written next. False: errno says why not.
+bool seekTo(std::FILE* file, std::uint64_t offset) noexcept;
 
 /// Brings to the disk what was written to it. False: errno says why not.
 bool bringToDisk(std::FILE* file) noexcept;

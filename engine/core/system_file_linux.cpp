@@ -14,6 +14,22 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
   return std::fopen(file.c_str(), mode);
 }
 
+std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept {
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    const ssize_t count =
+        ::pread(::fileno(file), bytes.data() + got, bytes.size() - got, static_cast<off_t>(offset + got));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    got += static_cast<std::size_t>(count);
+  }
+  return got;
+}
+
+bool seekTo(std::FILE* file, std::uint64_t offset) noexcept {
+  return ::fseeko(file, static_cast<off_t>(offset), SEEK_SET) == 0;
+}
+
 bool bringToDisk(std::FILE* file) noexcept { return ::fsync(::fileno(file)) == 0; }
 
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {

@@ -26,6 +26,25 @@ std::FILE* openFile(const std::filesystem::path& file, const char* mode) noexcep
   return ::_wfopen(file.c_str(), wide);
 }
 
+std::size_t readAt(std::FILE* file, std::uint64_t offset, std::span<std::byte> bytes) noexcept {
+  const auto handle = reinterpret_cast<HANDLE>(::_get_osfhandle(::_fileno(file)));
+  std::size_t got = 0;
+  while (got < bytes.size()) {
+    OVERLAPPED place{};
+    place.Offset = static_cast<DWORD>(offset + got);
+    place.OffsetHigh = static_cast<DWORD>((offset + got) >> 32);
+    DWORD count = 0;
+    const auto most = static_cast<DWORD>(std::min(bytes.size() - got, kMostAtOnce));
+    if (!::ReadFile(handle, bytes.data() + got, most, &count, &place) || count == 0) break;
+    got += count;
+  }
+  return got;
+}
+
+bool seekTo(std::FILE* file, std::uint64_t offset) noexcept {
+  return ::_fseeki64(file, static_cast<std::int64_t>(offset), SEEK_SET) == 0;
+}
+
 bool bringToDisk(std::FILE* file) noexcept { return ::_commit(::_fileno(file)) == 0; }
 
 std::error_code replaceFile(const std::filesystem::path& from, const std::filesystem::path& to) noexcept {

@@ -1,10 +1,12 @@
 #include "engine/io/chunked_file.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 
 #include "engine/core/error.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/core/system_file.hpp"
 
 namespace palpate {
@@ -37,6 +39,7 @@ void ChunkedFile::fill(std::size_t wanted) {
   if (begin_ > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, end_ - begin_);
   end_ -= begin_;
   begin_ = 0;
+  fillTogether(wanted);
   while (end_ < wanted && !atEnd_) {
     // Doubling keeps a long line linear; it grows only after the buffer is full of bytes that were really there.
     if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
@@ -50,6 +53,23 @@ void ChunkedFile::fill(std::size_t wanted) {
   }
   if (onProgress_ && size_ && *size_ > 0)
     onProgress_(std::min(1.0, static_cast<double>(offset_ + end_) / static_cast<double>(*size_)));
+}
+
+/// As far as the file is as long as it was, on many threads; what is not there then is for fill() to find out.
+void ChunkedFile::fillTogether(std::size_t wanted) {
+  const std::uint64_t from = offset_ + end_, left = size_ && *size_ > from ? *size_ - from : 0;
+  const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(wanted - end_, left));
+  if (wanted <= end_ || bytes < 2 * kChunk) return;
+  buffer_.resize(std::max(buffer_.size(), end_ + bytes));
+  std::atomic<std::size_t> whole = bytes;  // up to the first byte that did not come
+  parallelBlocks(bytes, kChunk, 0, [&](std::size_t begin, std::size_t end) {
+    const std::size_t got = readAt(file_, from + begin, {buffer_.data() + end_ + begin, end - begin});
+    for (std::size_t known = whole; begin + got < std::min(end, known);)
+      if (whole.compare_exchange_weak(known, begin + got)) break;
+  });
+  if (!seekTo(file_, from + whole))
+    throw FileError::atByte(path_, from, fmt::format("cannot be read: {}", std::strerror(errno)));
+  end_ += whole;
 }
 
 bool ChunkedFile::skip(std::uint64_t bytes) {

@@ -9,11 +9,13 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
+
+#include "engine/core/bare_vector.hpp"
 
 namespace palpate {
 
-/// Works on pipes too; only remaining() needs a regular file. Throws FileError where the system fails.
+/// Much at a time is read by many threads where the size is known. Works on pipes too; only remaining() needs a regular
+/// file. Throws FileError where the system fails.
 class ChunkedFile {
  public:
   explicit ChunkedFile(std::filesystem::path file);
@@ -50,13 +52,14 @@ class ChunkedFile {
 
  private:
   void fill(std::size_t wanted);
+  void fillTogether(std::size_t wanted);
   char lineEndOfFirstLine(std::size_t longest);
 
   std::filesystem::path path_;
   std::FILE* file_ = nullptr;
   std::optional<std::uint64_t> size_;
   std::function<void(double)> onProgress_;
-  std::vector<std::byte> buffer_;
+  BareVector<std::byte> buffer_;
   std::size_t begin_ = 0, end_ = 0;  // unread part of buffer_
   bool atEnd_ = false;
   std::uint64_t offset_ = 0;

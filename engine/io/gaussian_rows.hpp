@@ -21,7 +21,9 @@ class GaussianRows final : public PlyRowSink {
   GaussianRows(const std::filesystem::path& file, const PlyElement& vertex);
 
   std::size_t rowBytes() const override { return rowBytes_; }
+  std::size_t bytesAtOnce() const override { return std::size_t{64} << 20; }
   void reserve(std::uint64_t promised) override;
+  /// On one thread per core.
   std::optional<BadRow> append(const std::byte* rows, std::size_t count, bool swapBytes) override;
 
   GaussianScene takeScene() { return std::move(scene_); }
@@ -37,11 +39,24 @@ class GaussianRows final : public PlyRowSink {
     Group group;
     int component;
   };
+  /// Columns side by side that a scene has no use for.
+  struct Run {
+    std::size_t offset, count;
+    ScalarType type;
+  };
+  struct Range {
+    std::size_t begin, end;  // of the rows given
+  };
   template <class T, bool kSwap>
-  std::optional<BadRow> appendColumn(const Column& column, const std::byte* rows, std::size_t count);
+  std::optional<BadRow> storeColumn(const Column& column, const std::byte* rows, Range range);
+  template <class T, bool kSwap>
+  bool isFinite(const Run& run, const std::byte* rows, Range range) const;
+  template <bool kSwap>
+  std::optional<BadRow> storeRows(const std::byte* rows, Range range);
   void store(const Column& column, std::size_t i, double value);
 
   std::vector<Column> columns_;
+  std::vector<Run> onlyLookedAt_;
   std::size_t rowBytes_ = 0;
   std::size_t count_ = 0;  // rows before those that are being appended
   GaussianScene scene_;

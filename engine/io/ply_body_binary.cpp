@@ -82,8 +82,10 @@ std::uint64_t leastRowBytes(const PlyElement& element) {
 
 void readPackedVertices(ChunkedFile& file, const PlyElement& element, bool swapBytes, PlyRowSink& vertices) {
   const std::size_t rowBytes = vertices.rowBytes();
+  // A pipe's rows are taken as they come.
+  const std::uint64_t rowsAtOnce = file.remaining() ? std::max<std::uint64_t>(1, vertices.bytesAtOnce() / rowBytes) : 1;
   for (std::uint64_t done = 0; done < element.count;) {
-    const auto unread = file.peek(rowBytes);
+    const auto unread = file.peek(rowBytes * std::min(rowsAtOnce, element.count - done));
     const auto rows = static_cast<std::size_t>(std::min<std::uint64_t>(unread.size() / rowBytes, element.count - done));
     if (rows == 0) BinaryRows(file, element, swapBytes).failAtEnd(done);
     if (const auto bad = vertices.append(unread.data(), rows, swapBytes))

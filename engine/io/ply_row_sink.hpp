@@ -17,6 +17,9 @@ class PlyRowSink {
   /// For a number of rows that may be in the file, as far as its size tells.
   virtual void reserve(std::uint64_t promised) = 0;
 
+  /// How many bytes of rows it takes best at a time: as many as a processor has at hand, or enough for many threads.
+  virtual std::size_t bytesAtOnce() const { return std::size_t{1} << 20; }
+
   struct BadRow {
     std::size_t row;  ///< within the rows given
     std::string what;

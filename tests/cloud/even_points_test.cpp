@@ -30,7 +30,7 @@ Points inSquare(std::size_t count, float side) {
 TEST_CASE("points are chosen so that none is too close and none could be added, with any number of threads") {
   for (const std::size_t count : {0u, 1u, 2u, 1000u, 20'000u}) {
     const Points points = inSquare(count, 20);
-    const std::vector<std::uint32_t> chosen = evenlySpaced(points.places, points.normals, 1, 1);
+    const BareVector<std::uint32_t> chosen = evenlySpaced(points.places, points.normals, 1, 1);
     CHECK(std::ranges::is_sorted(chosen));
     for (const unsigned threads : {2u, 5u}) CHECK(evenlySpaced(points.places, points.normals, 1, threads) == chosen);
     for (std::size_t a = 0; a < chosen.size(); ++a)
@@ -50,9 +50,9 @@ TEST_CASE("the two faces of a sheet do not crowd each other out, and coincident 
     points.places.push_back(points.places[0]);
     points.normals.push_back(points.normals[0]);
   }
-  CHECK(evenlySpaced(points.places, points.normals, 1) == std::vector<std::uint32_t>{0});
+  CHECK(evenlySpaced(points.places, points.normals, 1) == BareVector<std::uint32_t>{0});
   points.normals[3] = {0, 0, -1};
-  CHECK(evenlySpaced(points.places, points.normals, 1) == std::vector<std::uint32_t>{0, 3});
+  CHECK(evenlySpaced(points.places, points.normals, 1) == BareVector<std::uint32_t>{0, 3});
 }
 
 TEST_CASE("points without company are left out: those that are alone, and those whose neighbours look elsewhere") {
@@ -66,7 +66,7 @@ TEST_CASE("points without company are left out: those that are alone, and those 
   };
   points.places.emplace_back(100, 0, 0), points.normals.emplace_back(0, 0, 1);
   points.places.emplace_back(0, 0, 0), points.normals.emplace_back(1, 0, 0);
-  std::vector<std::uint32_t> expected;
+  BareVector<std::uint32_t> expected;
   for (std::uint32_t i = 0; i < points.places.size(); ++i)
     if (others(i) >= 8) expected.push_back(i);
   CHECK(expected.size() > 100);
@@ -82,7 +82,7 @@ TEST_CASE("noise in normals is averaged out, and an edge between two faces stays
     const DVec3 normal = (wall ? DVec3(-1, 0, 0) : DVec3(0, 0, 1)) + 0.1 * random.direction();
     points.normals[i] = Vec3(glm::normalize(normal));
   }
-  const std::vector<Vec3> once = smoothedNormals(points.places, points.normals, 0.5f, 1);
+  const BareVector<Vec3> once = smoothedNormals(points.places, points.normals, 0.5f, 1);
   CHECK(smoothedNormals(points.places, points.normals, 0.5f, 3) == once);
   double before = 0, after = 0;
   for (std::size_t i = 0; i < once.size(); ++i) {

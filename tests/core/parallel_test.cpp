@@ -23,6 +23,23 @@ TEST_CASE("every index is visited once, whatever the number of threads") {
   }
 }
 
+TEST_CASE("of blocks every index is visited once, and no block is longer than asked for") {
+  for (const std::size_t count : {0u, 1u, 63u, 64u, 65u, 10'003u}) {
+    for (const unsigned threads : {0u, 1u, 2u, 7u}) {
+      std::vector<std::atomic<int>> visits(count);
+      std::atomic<bool> longer = false;
+      parallelBlocks(count, 64, threads, [&](std::size_t begin, std::size_t end) {
+        if (end - begin > 64) longer = true;
+        for (std::size_t i = begin; i < end; ++i) ++visits[i];
+      });
+      bool once = true;
+      for (const auto& visit : visits) once = once && visit == 1;
+      CHECK(once);
+      CHECK_FALSE(longer);
+    }
+  }
+}
+
 TEST_CASE("an exception in a worker comes out here") {
   const auto failing = [](std::size_t begin, std::size_t) {
     if (begin > 0) throw std::runtime_error("worker");

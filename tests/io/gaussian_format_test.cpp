@@ -9,6 +9,7 @@
 #include <fstream>
 #include <limits>
 
+#include "engine/cloud/gaussian_surface.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
@@ -206,6 +207,26 @@ TEST_CASE("a number that is none is refused with its property, its row and its p
   CHECK(contains(refusal(fileOf(scene, options)), fmt::format(":{}: 'opacity' of vertex 7 is 1e+300", 5 + 18 + 7)));
   options = {.badRow = 2, .badColumn = 0, .badValue = 1e31};
   CHECK(contains(refusal(fileOf(scene, options)), "expected a finite number below 1e30"));
+}
+
+TEST_CASE("of many rows, which threads share, the first wrong one is told, and every right one is read") {
+  GaussianScene scene = square(160);  // some megabytes
+  const std::size_t count = scene.size(), rowBytes = kNames.size() * sizeof(float);
+  const PointCloud expected = surfaceOf(scene).cloud;
+  const PointCloud cloud = read(fileOf(scene)).cloud;
+  CHECK(cloud.positions == expected.positions);
+  CHECK(cloud.normals == expected.normals);
+  CHECK(cloud.colors == expected.colors);
+  for (const std::size_t row : {std::size_t{1}, count / 2, count / 2 + 1, count - 1}) {
+    CAPTURE(row);
+    const FileOptions options{.badRow = row, .badColumn = kRest, .badValue = std::nan("")};
+    GaussianScene more = scene;
+    for (std::size_t later = row; later < count; later += 777)
+      more.opacityLogits[later] = std::numeric_limits<float>::infinity();
+    const std::string place =
+        fmt::format("byte {}: 'f_rest_0' of vertex {} is", headerOf({}, count).size() + (row - 1) * rowBytes, row);
+    CHECK(contains(refusal(fileOf(more, options)), place));
+  }
 }
 
 TEST_CASE("a file cut off at any byte is refused, and never crashes") {

@@ -1,0 +1,14 @@
+// Memory in large pages, where the system has them for the asking.
+#pragma once
+
+#include <cstddef>
+
+namespace palpate {
+
+inline constexpr std::size_t kLargePage = std::size_t{2} << 20;  ///< bytes
+
+/// Says that memory, which begins at a multiple of kLargePage, is wanted in pages of that size: to fetch a large array
+/// in small ones keeps many threads waiting for the system. What the system makes of it shows in nothing but time.
+void askForLargePages(void* memory, std::size_t bytes) noexcept;
+
+}  // namespace palpate

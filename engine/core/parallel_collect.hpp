@@ -1,0 +1,97 @@
+// Sums, counts and choices over large arrays with many threads. No result depends on their number.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "engine/core/bare_vector.hpp"
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+/// join(...join(join(start, a), b)..., z) of what body(begin, end) makes of disjoint ranges that cover [0, count), in
+/// their order. `join` must be exact, as of whole numbers, least and greatest values: the ranges depend on `threads`.
+template <class T, class Body, class Join>
+T parallelReduce(std::size_t count, unsigned threads, T start, Body&& body, Join&& join) {
+  const ParallelRanges ranges(count, threads);
+  std::vector<T> parts(ranges.count(), start);
+  parallelParts(ranges.count(), [&](std::size_t k) { parts[k] = body(ranges.begin(k), ranges.end(k)); });
+  for (const T& part : parts) start = join(start, part);
+  return start;
+}
+
+/// How many i of [0, count) there are with holds(i).
+template <class Holds>
+std::size_t parallelCount(std::size_t count, unsigned threads, Holds&& holds) {
+  const auto countIn = [&](std::size_t begin, std::size_t end) {
+    std::size_t found = 0;
+    for (std::size_t i = begin; i < end; ++i) found += holds(i) ? 1 : 0;
+    return found;
+  };
+  return parallelReduce(count, threads, std::size_t{0}, countIn, std::plus<>());
+}
+
+/// Puts in place of each whole number the sum of those before it; the sum of all is returned.
+template <class T>
+T parallelSumBefore(std::span<T> values, unsigned threads) {
+  const ParallelRanges ranges(values.size(), threads);
+  std::vector<T> sums(ranges.count(), 0);
+  parallelParts(ranges.count(), [&](std::size_t k) {
+    T sum = 0;
+    for (std::size_t i = ranges.begin(k); i < ranges.end(k); ++i) sum += values[i];
+    sums[k] = sum;
+  });
+  T total = 0;
+  for (T& sum : sums) total += std::exchange(sum, total);
+  parallelParts(ranges.count(), [&](std::size_t k) {
+    T sum = sums[k];
+    for (std::size_t i = ranges.begin(k); i < ranges.end(k); ++i) sum += std::exchange(values[i], sum);
+  });
+  return total;
+}
+
+/// make(i) of every i of [0, count) with keep(i), in the order of i. Both are called from many threads, keep(i) twice.
+template <class Keep, class Make>
+auto parallelCollect(std::size_t count, unsigned threads, Keep&& keep, Make&& make) {
+  const ParallelRanges ranges(count, threads);
+  std::vector<std::size_t> places(ranges.count());
+  parallelParts(ranges.count(), [&](std::size_t k) {
+    std::size_t kept = 0;
+    for (std::size_t i = ranges.begin(k); i < ranges.end(k); ++i) kept += keep(i) ? 1 : 0;
+    places[k] = kept;
+  });
+  std::size_t total = 0;
+  for (std::size_t& place : places) total += std::exchange(place, total);
+  BareVector<std::remove_cvref_t<std::invoke_result_t<Make&, std::size_t>>> made(total);
+  parallelParts(ranges.count(), [&](std::size_t k) {
+    std::size_t place = places[k];
+    for (std::size_t i = ranges.begin(k); i < ranges.end(k); ++i)
+      if (keep(i)) made[place++] = make(i);
+  });
+  return made;
+}
+
+/// Where the runs of [0, count) begin, and then their end: follows(i) says whether i is of the run of i - 1. Nothing
+/// has no runs, so that there is the end alone.
+template <class Follows>
+BareVector<std::size_t> parallelRuns(std::size_t count, unsigned threads, Follows&& follows) {
+  return parallelCollect(
+      count + 1, threads, [&](std::size_t i) { return i == 0 || i == count || !follows(i); },
+      [](std::size_t i) { return i; });
+}
+
+/// make(i) of every i of [0, count), in their order.
+template <class Make>
+auto parallelMake(std::size_t count, unsigned threads, Make&& make) {
+  BareVector<std::remove_cvref_t<std::invoke_result_t<Make&, std::size_t>>> made(count);
+  parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) made[i] = make(i);
+  });
+  return made;
+}
+
+}  // namespace palpate
