@@ -106,7 +106,7 @@ CommandList::CommandList(Device& device, const Queue& queue, std::string name, T
     : device_(device),
       name_(std::move(name)),
       timing_(timing),
-      givesWay_(queue.policy() == QueuePolicy::throughput && !device.instance().validates()) {
+      givesWay_(queue.policy() != QueuePolicy::latency && !device.instance().validates()) {
   const VkCommandPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                          .pNext = nullptr,
                                          .flags = 0,

@@ -33,9 +33,9 @@ struct DrawTargets {
 /// lists submitted earlier to the same queue. Inside an `independent` scope commands may overlap one another. Record
 /// once between begin() and end(), submit as often as wanted, but never while it is still running.
 ///
-/// On a queue for throughput it gives way: what another queue asks for waits until a dispatch that is under way has
-/// handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does so), and so
-/// none may last long.
+/// On a queue for throughput or the background it gives way: what another queue asks for waits until a dispatch that is
+/// under way has handed out all of its workgroups, however short they live and whichever queue goes first (an H200 does
+/// so), and so none may last long.
 class CommandList {
  public:
   /// What is timed: nothing; sections that stand in no other; every section and pass. Each holds the GPU up, by
@@ -122,7 +122,7 @@ class CommandList {
 
  private:
   // Of one dispatch of a list that gives way, one after another.
-  static constexpr std::uint64_t kMostSlices = 256;
+  static constexpr std::uint64_t kMostSlices = 1024;
 
   enum class Overlap { no, first, yes };
   enum class Size { known, inMemory };  // of a pass, while it is recorded

@@ -49,7 +49,7 @@ struct Semaphores {
 enum class QueuePolicy {
   latency,     ///< short work that somebody waits for: it goes first, and is never cut up
   throughput,  ///< long work that gives way: in slices, while there is urgent work (Device::hasUrgentWork)
-  background   ///< work that nobody waits for: it goes last, and whoever submits it keeps each piece short
+  background   ///< work that nobody waits for: it goes last, and in slices as well
 };
 
 /// One policy's way to the GPU: submits in order and says when a submission is done. Used by one thread at a time.

@@ -15,6 +15,9 @@ namespace palpate {
 /// nothing there, or another surface, the point stands in its place from the beginning.
 class DepthBlend {
  public:
+  /// The points do not depend on `threads` (0: one per core).
+  explicit DepthBlend(unsigned threads = 1) : threads_(threads) {}
+
   /// The times of two frames, one after the other.
   struct Step {
     double between_s = 0;  ///< of the camera's time, from one to the other
@@ -22,7 +25,7 @@ class DepthBlend {
     double goOn_s = 0;     ///< of the session's, that those of this one have for their way
     double gone_s = 0;     ///< so much of that has passed
   };
-  /// `points` are those of `frame`, as makePoints() gives them with their `pixels`, and get velocities and times to go.
+  /// `points` are those of `frame`, as DepthPoints makes them with their pixels(), and get velocities and times to go.
   /// `before`: of the same camera, the frame that was given the last time.
   void follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, const DVec3& origin,
               const std::vector<std::uint32_t>& pixels, const Step& step, CloudFrame& points);
@@ -30,6 +33,7 @@ class DepthBlend {
   void begin(CloudFrame& points);
 
  private:
+  unsigned threads_;
   std::vector<Vec3> left_;    // by the pixels of the frame before: the way that its points still had; empty: none had any
   std::vector<Vec3> ways_;    // likewise, of this frame: all of it
   double waysGoOn_s_ = 0;

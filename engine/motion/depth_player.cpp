@@ -144,6 +144,8 @@ void DepthPlayer::playLive(double time_s) { count(time_s, takeLive(time_s)); }
 
 void DepthPlayer::count(double time_s, std::uint64_t taken) {
   const std::scoped_lock lock(mutex_);
+  // While a stream is held nobody waits for its frames: that is no silence of its own.
+  if (isPaused()) lastCame_s_ += std::max(0.0, time_s - asked_s_);
   asked_s_ = time_s;
   if (taken == 0) return;
   ++played_;
@@ -228,9 +230,9 @@ DepthPlayer::Losses DepthPlayer::takeLosses() {
 
 void DepthPlayer::play(double time_s) {
   time_.play(time_s);
-  // A session that goes on with it may count its time from another moment.
+  // A session that goes on with it may count its time from another moment, and may not have asked while it was held.
   const std::scoped_lock lock(mutex_);
-  lastCame_s_ = std::min(lastCame_s_, time_s);
+  lastCame_s_ = asked_s_ = time_s;
 }
 
 void DepthPlayer::hold(double time_s) {

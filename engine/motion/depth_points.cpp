@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/error.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace palpate {
 
@@ -19,47 +20,60 @@ constexpr double kFarthest_m = 1e5;
 class DepthGrid {
  public:
   DepthGrid(const DepthCamera& camera, const DepthFrame& frame)
-      : width_(camera.width),
+      : depths_(frame.depth_m),
+        width_(camera.width),
         height_(camera.height),
         jump_(std::max(kLeastJump, kSteepest / std::min(camera.fx, camera.fy))) {
-    places_.reserve(frame.depth_m.size());
-    for (std::uint32_t row = 0; row < height_; ++row)
-      for (std::uint32_t column = 0; column < width_; ++column) {
-        const double depth = frame.depth_m[places_.size()];
-        places_.push_back(camera.placeAt(column, row, depth > 0 && depth <= kFarthest_m ? depth : 0));
-      }
+    for (std::uint32_t column = 0; column < width_; ++column) across_.push_back(camera.placeAt(column, 0, 1).x);
+    for (std::uint32_t row = 0; row < height_; ++row) down_.push_back(camera.placeAt(0, row, 1).y);
   }
 
-  bool isMeasured(std::size_t pixel) const { return places_[pixel].z > 0; }
-  const DVec3& placeAt(std::size_t pixel) const { return places_[pixel]; }
-  /// Unit, towards the camera; nothing where nobody knows.
-  std::optional<DVec3> normalAt(std::uint32_t column, std::uint32_t row) const {
-    const std::size_t pixel = std::size_t{row} * width_ + column;
-    const auto across = wayAlong(pixel, 1, column > 0, column + 1 < width_);
-    const auto down = wayAlong(pixel, width_, row > 0, row + 1 < height_);
+  /// 0 where none was measured.
+  double depthAt(std::size_t pixel) const {
+    const double depth = depths_[pixel];
+    return depth > 0 && depth <= kFarthest_m ? depth : 0;
+  }
+  DVec3 placeAt(std::uint32_t column, std::uint32_t row) const {
+    const double depth = depthAt(pixelAt(column, row));
+    return {across_[column] * depth, down_[row] * depth, depth};
+  }
+  /// Unit, towards the camera, of a pixel that sees `place`; nothing where nobody knows.
+  std::optional<DVec3> normalAt(std::uint32_t column, std::uint32_t row, const DVec3& place) const {
+    const auto across = way(place, {column, row, column > 0, column + 1 < width_}, {1, 0});
+    const auto down = way(place, {column, row, row > 0, row + 1 < height_}, {0, 1});
     if (!across || !down) return std::nullopt;
     const DVec3 normal = glm::cross(*down, *across);
     const double size = glm::length(normal);
     if (!(size > 0)) return std::nullopt;
-    return normal / (glm::dot(normal, places_[pixel]) > 0 ? -size : size);
+    return normal * (glm::dot(normal, place) > 0 ? -1 / size : 1 / size);
   }
 
  private:
-  bool isSameSurface(std::size_t pixel, std::size_t other) const {
-    const double depth = places_[pixel].z, there = places_[other].z;
+  struct Pixel {
+    std::uint32_t column, row;
+    bool hasBefore, hasBehind;  // pixels of the picture, along the way that is asked for
+  };
+  struct Step {
+    std::uint32_t columns, rows;
+  };
+  std::size_t pixelAt(std::uint32_t column, std::uint32_t row) const { return std::size_t{row} * width_ + column; }
+  bool isSameSurface(double depth, double there) const {
     return there > 0 && std::abs(there - depth) <= jump_ * depth;
   }
-  /// From the pixel before to the one behind, `stride` pixels from this one, where the picture has them.
-  std::optional<DVec3> wayAlong(std::size_t pixel, std::size_t stride, bool hasBefore, bool hasBehind) const {
-    const bool before = hasBefore && isSameSurface(pixel, pixel - stride);
-    const bool behind = hasBehind && isSameSurface(pixel, pixel + stride);
+  /// From the pixel before to the one behind, where the picture has them and they see the same surface.
+  std::optional<DVec3> way(const DVec3& place, const Pixel& at, const Step& step) const {
+    const std::size_t pixel = pixelAt(at.column, at.row), stride = pixelAt(step.columns, step.rows);
+    const bool before = at.hasBefore && isSameSurface(place.z, depthAt(pixel - stride));
+    const bool behind = at.hasBehind && isSameSurface(place.z, depthAt(pixel + stride));
     if (!before && !behind) return std::nullopt;
-    return places_[behind ? pixel + stride : pixel] - places_[before ? pixel - stride : pixel];
+    return (behind ? placeAt(at.column + step.columns, at.row + step.rows) : place) -
+           (before ? placeAt(at.column - step.columns, at.row - step.rows) : place);
   }
 
+  const std::vector<float>& depths_;
   std::uint32_t width_, height_;
-  double jump_;                // of depth from pixel to pixel, in depths
-  std::vector<DVec3> places_;  // depth 0 where none was measured
+  double jump_;                        // of depth from pixel to pixel, in depths
+  std::vector<double> across_, down_;  // of a place at depth 1, by column and by row
 };
 
 void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
@@ -71,29 +85,42 @@ void requireWhole(const DepthCamera& camera, const DepthFrame& frame) {
 
 }  // namespace
 
-void makePoints(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points,
-                std::vector<std::uint32_t>* pixels) {
+void DepthPoints::make(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin, CloudFrame& points) {
   requireWhole(camera, frame);
-  points.positions.clear();
-  points.normals.clear();
-  points.velocities.clear();
-  points.colors.clear();
-  points.ids.clear();
-  if (pixels) pixels->clear();
   const DepthGrid grid(camera, frame);
-  const CameraPose pose = frame.pose.value_or(CameraPose{});
-  for (std::uint32_t row = 0; row < camera.height; ++row)
+  const CameraAxes axes(frame.pose.value_or(CameraPose{}));
+  const auto makeRow = [&](std::uint32_t row, Part& part) {
     for (std::uint32_t column = 0; column < camera.width; ++column) {
-      const std::size_t pixel = std::size_t{row} * camera.width + column;
-      if (!grid.isMeasured(pixel)) continue;
-      const auto normal = grid.normalAt(column, row);
-      const Vec3 place(pose.toWorld(grid.placeAt(pixel)) - origin);
-      if (!normal || !isFinite(place)) continue;
-      points.positions.push_back(place);
-      points.normals.push_back(Vec3(pose.turn * *normal));
-      if (pixels) pixels->push_back(static_cast<std::uint32_t>(pixel));
-      if (!frame.colors.empty()) points.colors.push_back(frame.colors[pixel]);
+      const DVec3 seen = grid.placeAt(column, row);
+      if (!(seen.z > 0)) continue;
+      const auto normal = grid.normalAt(column, row, seen);
+      if (!normal) continue;
+      const Vec3 place(axes.toWorld(seen) - origin);
+      if (!isFinite(place)) continue;
+      part.positions.push_back(place);
+      part.normals.push_back(Vec3(axes.turned(*normal)));
+      part.pixels.push_back(row * camera.width + column);
     }
+  };
+  parts_.resize(std::min(threadCount(threads_), std::max(1u, camera.height)));
+  parallelParts(parts_.size(), [&](std::size_t i) {
+    Part& part = parts_[i];
+    part.positions.clear(), part.normals.clear(), part.pixels.clear();
+    const auto firstRow = [&](std::size_t k) { return static_cast<std::uint32_t>(camera.height * k / parts_.size()); };
+    for (std::uint32_t row = firstRow(i); row < firstRow(i + 1); ++row) makeRow(row, part);
+  });
+  points.positions.clear(), points.normals.clear(), points.velocities.clear();
+  points.colors.clear(), points.ids.clear(), pixels_.clear();
+  for (const Part& part : parts_) append(part, points);
+  if (frame.colors.empty()) return;
+  points.colors.resize(pixels_.size());
+  for (std::size_t i = 0; i < pixels_.size(); ++i) points.colors[i] = frame.colors[pixels_[i]];
+}
+
+void DepthPoints::append(const Part& part, CloudFrame& points) {
+  points.positions.insert(points.positions.end(), part.positions.begin(), part.positions.end());
+  points.normals.insert(points.normals.end(), part.normals.begin(), part.normals.end());
+  pixels_.insert(pixels_.end(), part.pixels.begin(), part.pixels.end());
 }
 
 }  // namespace palpate

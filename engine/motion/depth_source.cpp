@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <thread>
 #include <utility>
 
 #include "engine/core/clock.hpp"
-#include "engine/motion/depth_points.hpp"
 
 namespace palpate {
 
@@ -18,10 +18,17 @@ constexpr double kHandOver_s = 0.003;
 // Points that have arrived are made once more where no other frame comes for so long: for whoever sees or saves them.
 constexpr double kSettled_s = 0.1;
 
+// Frames are made beside a servo thread, which may have no real-time priority: most cores are left alone.
+unsigned frameThreads() { return std::clamp(std::thread::hardware_concurrency() / 4, 1u, 4u); }
+
 }  // namespace
 
 DepthSource::DepthSource(std::shared_ptr<PlayedStream> stream, const DVec3& origin)
-    : stream_(std::move(stream)), origin_(origin), isExact_(stream_->player->isExact()) {
+    : stream_(std::move(stream)),
+      origin_(origin),
+      isExact_(stream_->player->isExact()),
+      points_(frameThreads()),
+      blend_(frameThreads()) {
   const DepthCamera& camera = stream_->player->camera();
   size_ = std::size_t{camera.width} * camera.height;
 }
@@ -43,7 +50,7 @@ void DepthSource::makeFrame(double time_s, CloudFrame& frame) {
   if (!stream_->player) return;
   const Stopwatch watch;
   const DepthPlayer::Played& played = playedAt(time_s);
-  makePoints(stream_->player->camera(), played.frame, origin_, frame, &pixels_);
+  points_.make(stream_->player->camera(), played.frame, origin_, frame);
   frame.time_s = played.time_s;
   made_ = wanted(played, time_s);
   if (made_->isAtRest)
@@ -71,7 +78,7 @@ void DepthSource::blend(const DepthPlayer::Played& played, double time_s, double
     step.since_s = frame.time_s - setOut_s_;
     setOut_s_ = frame.time_s;
   }
-  blend_.follow(stream_->player->camera(), *played.before, played.frame, origin_, pixels_, step, frame);
+  blend_.follow(stream_->player->camera(), *played.before, played.frame, origin_, points_.pixels(), step, frame);
 }
 
 bool DepthSource::hasNewer(double time_s, double /*than_s*/) {

@@ -2,12 +2,13 @@
 
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/depth_blend.hpp"
+#include "engine/motion/depth_points.hpp"
 #include "engine/motion/fused_stream.hpp"
 
 namespace palpate {
 
 /// The newest frame of a depth stream is the cloud: points in metres, in the world of the stream's poses, or in the
-/// camera's axes where it has none (makePoints()). No point of one frame is one of the next; their surface goes from the
+/// camera's axes where it has none (DepthPoints). No point of one frame is one of the next; their surface goes from the
 /// one to the other until the next frame is due (DepthBlend). Where the stream is taken from it, the last frame stays.
 class DepthSource final : public CloudSource {
  public:
@@ -36,8 +37,8 @@ class DepthSource final : public CloudSource {
   std::size_t size_;
   DVec3 origin_;
   bool isExact_;
+  DepthPoints points_;
   DepthBlend blend_;
-  std::vector<std::uint32_t> pixels_;  // of the points
   // What the player has said last: hasNewer() and makeFrame() for one time are of one frame.
   std::optional<DepthPlayer::Played> played_;
   double asked_s_ = 0;

@@ -1,5 +1,6 @@
 #include "engine/motion/fusion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -10,8 +11,41 @@ namespace palpate {
 
 namespace {
 
+// Both comparisons in any case: no branch.
+bool isWithin(float depth, float least, float most) { return (depth >= least) & (depth <= most); }
+bool isDepth(float depth) { return isWithin(depth, 0, std::numeric_limits<float>::max()); }
+
 void requireWithin(std::string_view field, double value, double least, double most) {
   if (!(value >= least && value <= most)) throw Error("fusion: {} is {}, not {} to {}", field, value, least, most);
+}
+
+[[noreturn]] void refuseDepth(const DepthCamera& camera, const DepthFrame& frame) {
+  const auto bad = std::ranges::find_if_not(frame.depth_m, isDepth);
+  const auto pixel = static_cast<std::size_t>(bad - frame.depth_m.begin());
+  throw Error("frame {}: the depth of pixel ({}, {}) is {}, not a number from 0 on", frame.number, pixel % camera.width,
+              pixel / camera.width, *bad);
+}
+
+// Frames are waited for: both loops are such that compilers let pixels go together.
+void readDepths(const DepthCamera& camera, const DepthFrame& frame, const FusionOptions& options,
+                std::vector<float>& depths) {
+  depths.resize(frame.depth_m.size());
+  const auto nearest = static_cast<float>(options.nearest_m), farthest = static_cast<float>(options.farthest_m);
+  std::uint32_t bad = 0;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const float depth = frame.depth_m[i];
+    bad |= isDepth(depth) ? 0u : 1u;
+    depths[i] = isWithin(depth, nearest, farthest) ? depth : 0.0f;
+  }
+  if (bad) refuseDepth(camera, frame);
+}
+
+void readColors(const DepthFrame& frame, std::vector<std::uint32_t>& colors) {
+  colors.resize(frame.colors.size());
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    const std::uint32_t red = frame.colors[i][0], green = frame.colors[i][1], blue = frame.colors[i][2];
+    colors[i] = red | green << 8 | blue << 16 | 0xff000000u;
+  }
 }
 
 }  // namespace
@@ -43,20 +77,8 @@ void readFrame(const DepthCamera& camera, const DepthFrame& frame, const FusionO
     throw Error("frame {} has {} colours, and its camera {} pixels", frame.number, frame.colors.size(), pixels);
   images.camera = camera;
   images.number = frame.number;
-  images.depths.resize(pixels);
-  const auto nearest = static_cast<float>(options.nearest_m), farthest = static_cast<float>(options.farthest_m);
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const float depth = frame.depth_m[i];
-    if (!(depth >= 0) || std::isinf(depth))
-      throw Error("frame {}: the depth of pixel ({}, {}) is {}, not a number from 0 on", frame.number, i % camera.width,
-                  i / camera.width, depth);
-    images.depths[i] = depth >= nearest && depth <= farthest ? depth : 0.0f;
-  }
-  images.colors.resize(frame.colors.size());
-  for (std::size_t i = 0; i < images.colors.size(); ++i) {
-    const std::uint32_t red = frame.colors[i][0], green = frame.colors[i][1], blue = frame.colors[i][2];
-    images.colors[i] = red | green << 8 | blue << 16 | 0xff000000u;
-  }
+  readDepths(camera, frame, options, images.depths);
+  readColors(frame, images.colors);
 }
 
 shared::SurfelRecord givenRecord(const FusionOptions& options, std::uint32_t color) {

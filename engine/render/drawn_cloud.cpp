@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <utility>
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
@@ -14,11 +15,14 @@ namespace palpate {
 
 namespace {
 
+// All points of a frame are as much memory as a GPU moves at a time: touch has its share between two slices.
+constexpr std::uint32_t kPlaceSlice = 1 << 16;
+
 // States that go up at a time; a power of two. A tick's edit mostly fits.
 constexpr std::uint64_t kPiece = 1 << 16;
 
-// Every word of a position where no point is: no number, and kEmptySlot.
-constexpr std::uint32_t kNowhere = shared::kEmptySlot;
+// A position where no point is.
+const Vec4 kNowhere(Vec3(std::numeric_limits<float>::quiet_NaN()), std::bit_cast<float>(shared::kEmptySlot));
 
 std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
   if (count > std::numeric_limits<std::uint32_t>::max() / 2)
@@ -27,8 +31,7 @@ std::uint32_t checkedCount(const Device& device, std::uint64_t count) {
 }
 
 std::vector<Vec4> positionsOf(const PointCloud& cloud, std::size_t count) {
-  std::vector<Vec4> packed(
-      count, Vec4(Vec3(std::numeric_limits<float>::quiet_NaN()), std::bit_cast<float>(shared::kEmptySlot)));
+  std::vector<Vec4> packed(count, kNowhere);
   for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
   return packed;
 }
@@ -55,7 +58,10 @@ DrawnCloud::DrawnCloud(Device& device, const PointCloud& cloud, const DrawnOptio
       latest_(Buffer::of<std::uint32_t>(device, count_, Memory::device, "drawn latest")),
       claim_(device, shader_code::render_drawn_cloud_claim, {.pushBytes = sizeof(shared::CatchUpArgs)}),
       apply_(device, shader_code::render_drawn_cloud_apply, {.pushBytes = sizeof(shared::CatchUpArgs)}),
-      place_(device, shader_code::render_drawn_cloud_place, {.pushBytes = sizeof(shared::PlaceArgs)}),
+      place_(device, shader_code::render_drawn_cloud_place,
+             {.pushBytes = sizeof(shared::PlaceArgs), .sliceThreads = kPlaceSlice}),
+      leave_(device, shader_code::render_drawn_cloud_leave,
+             {.pushBytes = sizeof(shared::PlaceArgs), .sliceThreads = kPlaceSlice}),
       list_(device, device.throughputQueue(), "catch up") {
   upload(device, device.throughputQueue(), points_.positions, positionsOf(cloud, count_));
   upload(device, device.throughputQueue(), points_.normals, normalsOf(cloud, count_));
@@ -122,56 +128,66 @@ void DrawnCloud::apply(const Entries& entries) {
   list_.dispatch(apply_, entries.count, args);
   list_.end();
   device_.throughputQueue().run(list_);
-  stale_ = std::max(stale_, Stale::changed);
+  isStale_ = true;
+  knowsMeasured_ = false;
 }
 
 void DrawnCloud::place(const LiveCloud::Half& live, std::uint32_t slots, bool colored) {
+  if (radii_ && !measured_) measured_.emplace(Buffer::of<Vec4>(device_, count_, Memory::device, "measured splats"));
+  const shared::PlaceArgs args{.livePositions = live.positions.address(),
+                               .liveNormals = live.normals.address(),
+                               .latest = latest_.address(),
+                               .positions = points_.positions.address(),
+                               .normals = points_.normals.address(),
+                               .colors = colors_.address(),
+                               .measured = measured_ ? measured_->address() : 0,
+                               .slots = slots,
+                               .pointCount = count_,
+                               .colored = colored && hasColors_ ? 1u : 0u,
+                               .marks = radii_ ? 1u : 0u,
+                               .changed = radii_ ? radii_->changed() : 0,
+                               .grid = radii_ ? radii_->grid() : HashGrid{},
+                               .keepsWithin = static_cast<float>(shared::kKeepsDiscWithin * spacing_),
+                               .unused = 0};
   list_.begin();
-  list_.fill(points_.positions, kNowhere, points_.positions.bytes());
-  list_.dispatch(place_, slots,
-                 shared::PlaceArgs{.livePositions = live.positions.address(),
-                                   .liveNormals = live.normals.address(),
-                                   .positions = points_.positions.address(),
-                                   .normals = points_.normals.address(),
-                                   .colors = colors_.address(),
-                                   .slots = slots,
-                                   .pointCount = count_,
-                                   .colored = colored && hasColors_ ? 1u : 0u});
+  // Whose discs were measured elsewhere, or never, are measured now.
+  if (measured_ && !std::exchange(knowsMeasured_, true)) list_.fill(*measured_, shared::kEmptySlot, measured_->bytes());
+  list_.dispatch(place_, slots, args);
+  list_.dispatch(leave_, count_, args);
   list_.end();
   device_.throughputQueue().run(list_);
-  stale_ = Stale::all;
+  isStale_ = true;
 }
 
 void DrawnCloud::place(const CloudFrame& frame) {
-  std::vector<Vec4> positions(count_, Vec4(std::bit_cast<float>(kNowhere))), normals(count_, Vec4(0));
-  std::vector<std::array<std::uint8_t, 4>> colors(hasColors_ ? count_ : 0, kUnpainted);
+  std::vector<Vec4> positions(count_, kNowhere), normals(count_, Vec4(0));
   for (std::size_t i = 0; i < frame.size(); ++i) {
     const std::uint32_t id = frame.idOf(i);
     if (id >= count_) continue;
+    const auto [red, green, blue] = frame.colors.empty() ? std::array<std::uint8_t, 3>{} : frame.colors[i];
     positions[id] = Vec4(frame.positions[i], std::bit_cast<float>(id));
-    normals[id] = Vec4(frame.normals[i], 0.0f);  // the radius is measured anew
-    if (hasColors_ && !frame.colors.empty())
-      colors[id] = {frame.colors[i][0], frame.colors[i][1], frame.colors[i][2], 255};
+    normals[id] = Vec4(frame.normals[i], std::bit_cast<float>(bitsOfColor(red, green, blue)));
   }
-  upload(device_, device_.throughputQueue(), points_.positions, positions);
-  upload(device_, device_.throughputQueue(), points_.normals, normals);
-  if (hasColors_ && !frame.colors.empty()) upload(device_, device_.throughputQueue(), colors_, colors);
-  stale_ = Stale::all;
+  if (!frame_)
+    frame_ = LiveCloud::Half{Buffer::of<Vec4>(device_, count_, Memory::device, "positions of a frame"),
+                             Buffer::of<Vec4>(device_, count_, Memory::device, "normals of a frame"), 0};
+  upload(device_, device_.throughputQueue(), frame_->positions, positions);
+  upload(device_, device_.throughputQueue(), frame_->normals, normals);
+  place(*frame_, count_, !frame.colors.empty());
 }
 
 void DrawnCloud::closeSurface() {
-  if (!radii_ || stale_ == Stale::none) return;
-  if (stale_ == Stale::all)
-    radii_->measure(points_, clips_);
-  else
-    radii_->measureChanged(points_, clips_);
+  if (!radii_ || !isStale_) return;
+  radii_->measureChanged(points_, clips_);
   largestRadius_ = radii_->largest();
-  stale_ = Stale::none;
+  isStale_ = false;
 }
 
 std::uint64_t DrawnCloud::bytes() const {
   return points_.positions.bytes() + points_.normals.bytes() + colors_.bytes() + clips_.bytes() + picked_.bytes() +
-         latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) + (radii_ ? radii_->bytes() : 0);
+         latest_.bytes() + (fromHost_ ? fromHost_->bytes() : 0) +
+         (frame_ ? frame_->positions.bytes() + frame_->normals.bytes() : 0) +
+         (measured_ ? measured_->bytes() : 0) + (radii_ ? radii_->bytes() : 0);
 }
 
 }  // namespace palpate

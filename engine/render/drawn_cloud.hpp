@@ -37,11 +37,12 @@ class DrawnCloud {
   std::uint64_t catchUp(std::span<const PointState> states);
   /// Where all points move: takes over those of a live cloud on the same GPU, whole and in any order, or of a frame on
   /// the host, on the throughput queue, and waits. Points without a place here are left out, and those that are not among
-  /// them are gone. `colored`: the live normals carry colours, as FramePipeline puts them there.
+  /// them are gone; a point that stands where its disc was measured, or next to it, keeps that. `colored`: the live
+  /// normals carry colours, as FramePipeline puts them there.
   void place(const LiveCloud::Half& live, std::uint32_t slots, bool colored = false);
   void place(const CloudFrame& frame);
-  /// Measures the discs again of the points that catchUp() has changed, and of those around them, or of all that
-  /// place() has moved. Before a frame.
+  /// Measures the discs again of the points that catchUp() or place() has changed, and of those around them. Before a
+  /// frame.
   void closeSurface();
 
   /// Places in the arrays: the points of the file, and as many as may be added. Where no point is, or one is gone, the
@@ -80,10 +81,13 @@ class DrawnCloud {
   Buffer colors_, clips_, picked_;
   Buffer latest_;                   // count uint32, zero between calls
   std::optional<Buffer> fromHost_;  // PointState; made when the host first has some
-  ComputePipeline claim_, apply_, place_;
+  std::optional<LiveCloud::Half> frame_;  // likewise
+  ComputePipeline claim_, apply_, place_, leave_;
   CommandList list_;
   std::optional<SplatRadii> radii_;
-  enum class Stale { none, changed, all } stale_ = Stale::none;  // discs
+  std::optional<Buffer> measured_;  // vec4: PlaceArgs
+  bool isStale_ = false;            // some disc
+  bool knowsMeasured_ = false;      // measured_ is true
 };
 
 }  // namespace palpate

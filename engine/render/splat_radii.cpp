@@ -11,6 +11,9 @@ namespace palpate {
 
 namespace {
 
+// A search in a noisy cloud takes an H200 some 100 us, and as long as the longest of a slice. So many at a time leave room
+// for what touch asks meanwhile.
+constexpr std::uint32_t kSliceThreads = 1 << 16;
 constexpr double kWidestShare = 0.1;  // of the box: a wider disc hides a small model
 
 double widestBorder(const Bounds& bounds, double spacing) {
@@ -30,69 +33,75 @@ SplatRadii::SplatRadii(Device& device, const Bounds& bounds, std::uint32_t place
             places, kDefaultSort, BucketOrder::stable, Slots::spare, &device.throughputQueue()),
       ordered_{Buffer::of<Vec4>(device, places, Memory::device, "hashed positions"),
                Buffer::of<Vec4>(device, places, Memory::device, "hashed normals"), 0},
-      pass_(device, shader_code::render_splat_radius, {.pushBytes = sizeof(shared::SplatRadiusArgs)}),
+      pass_(device, shader_code::render_splat_radius,
+            {.pushBytes = sizeof(shared::SplatRadiusArgs), .sliceThreads = kSliceThreads}),
       changedPass_(device, shader_code::render_splat_changed, {.pushBytes = sizeof(shared::SplatChangedArgs)}),
       reaches_(Buffer::of<std::uint32_t>(device, places, Memory::device, "splat reaches")),
       changed_(Buffer::of<std::uint32_t>(device, (std::uint64_t{hash_.grid().bucketMask} + 32) / 32, Memory::device,
                                          "changed buckets")),
       largest_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "largest splat")),
       largestRead_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "read largest splat")),
-      list_(Buffer::of<std::uint32_t>(device, places, Memory::device, "changed splats")),
-      listed_(Buffer::of<shared::ChangedSplats>(device, 1, Memory::device, "number of changed splats")) {
+      changedSlots_(Buffer::of<std::uint32_t>(device, places, Memory::device, "changed splats")),
+      count_(Buffer::of<std::uint32_t>(device, 1, Memory::device, "number of changed splats")),
+      countRead_(Buffer::of<std::uint32_t>(device, 1, Memory::readback, "read number of changed splats")),
+      list_(device, device.throughputQueue(), "splat radii") {
   largestRead_.mapped<std::uint32_t>()[0] = 0;
-  CommandList clear(device, device.throughputQueue(), "clear changed buckets");
-  clear.begin();
-  clear.fill(reaches_, 0, reaches_.bytes());
-  clear.fill(changed_, 0, changed_.bytes());
-  clear.fill(largest_, 0, largest_.bytes());
-  clear.end();
-  device.throughputQueue().run(clear);
+  list_.begin();
+  list_.fill(reaches_, 0, reaches_.bytes());
+  list_.fill(changed_, 0, changed_.bytes());
+  list_.fill(largest_, 0, largest_.bytes());
+  list_.end();
+  device.throughputQueue().run(list_);
 }
 
-void SplatRadii::run(const LiveCloud::Half& points, const Buffer& clips, bool onlyChanged) {
-  const shared::SplatChangedArgs changedArgs{
-      .cloud = hash_.view(ordered_, places_),
-      .reaches = reaches_.address(),
-      .changed = changed_.address(),
-      .list = list_.address(),
-      .counts = listed_.address(),
-      .splatsPerGroup = shared::kSplatRadiusTurns * pass_.workgroupSize() / device_.subgroupSize(),
-      .unused = 0};
-  shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
-                               .normals = points.normals.address(),
-                               .clips = clips.address(),
-                               .reaches = reaches_.address(),
-                               .list = list_.address(),
-                               .counts = listed_.address(),
-                               .largest = largest_.address(),
-                               .spacing = static_cast<float>(spacing_),
-                               .widest = static_cast<float>(widest_),
-                               .onlyListed = onlyChanged ? 1u : 0u,
-                               .turn = 0};
-  CommandList list(device_, device_.throughputQueue(), "splat radii");
+void SplatRadii::index(const LiveCloud::Half& points, const std::function<void(CommandList&)>& then) {
   SortMethod sort;
   do {  // again where a bucket was crowded, and its points may have stood in any order
     sort = hash_.sort();
-    list.begin();
-    hash_.recordBuild(list, points, ordered_, places_, sort);
-    if (onlyChanged) {
-      list.fill(listed_, 0, listed_.bytes());
-      list.fill(listed_, 1, sizeof(std::uint32_t), offsetof(shared::ChangedSplats, groups.z));
-      list.dispatch(changedPass_, places_, changedArgs);
-      for (args.turn = 0; args.turn < shared::kSplatRadiusTurns; ++args.turn)
-        list.dispatchIndirect(pass_, listed_, args, offsetof(shared::ChangedSplats, groups));
-    } else {
-      args.turn = 0;
-      list.dispatch(pass_, std::uint64_t{places_} * device_.subgroupSize(), args);
-    }
-    list.end();
-    device_.throughputQueue().run(list);
+    list_.begin();
+    hash_.recordBuild(list_, points, ordered_, places_, sort);
+    then(list_);
+    list_.end();
+    device_.throughputQueue().run(list_);
   } while (sort != hash_.sort());
-  list.begin();
-  list.fill(changed_, 0, changed_.bytes());
-  list.copy(largest_, largestRead_, largest_.bytes());
-  list.end();
-  device_.throughputQueue().run(list);
+}
+
+void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips) {
+  index(points, [](CommandList&) {});
+  measure(points, clips, places_, false);
+}
+
+void SplatRadii::measureChanged(const LiveCloud::Half& points, const Buffer& clips) {
+  const shared::SplatChangedArgs args{.cloud = hash_.view(ordered_, places_),
+                                      .reaches = reaches_.address(),
+                                      .changed = changed_.address(),
+                                      .list = changedSlots_.address(),
+                                      .count = count_.address()};
+  index(points, [&](CommandList& list) {
+    list.fill(count_, 0, count_.bytes());
+    list.dispatch(changedPass_, places_, args);
+    list.copy(count_, countRead_, count_.bytes());
+  });
+  measure(points, clips, countRead_.mapped<const std::uint32_t>()[0], true);
+}
+
+void SplatRadii::measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed) {
+  const shared::SplatRadiusArgs args{.cloud = hash_.view(ordered_, places_),
+                                     .normals = points.normals.address(),
+                                     .clips = clips.address(),
+                                     .reaches = reaches_.address(),
+                                     .list = changedSlots_.address(),
+                                     .largest = largest_.address(),
+                                     .spacing = static_cast<float>(spacing_),
+                                     .widest = static_cast<float>(widest_),
+                                     .onlyListed = onlyListed ? 1u : 0u,
+                                     .count = count};
+  list_.begin();
+  list_.dispatch(pass_, std::uint64_t{count} * device_.subgroupSize(), args);
+  list_.fill(changed_, 0, changed_.bytes());
+  list_.copy(largest_, largestRead_, largest_.bytes());
+  list_.end();
+  device_.throughputQueue().run(list_);
 }
 
 double SplatRadii::largest() const {
@@ -101,7 +110,7 @@ double SplatRadii::largest() const {
 
 std::uint64_t SplatRadii::bytes() const {
   return hash_.bytes() + ordered_.positions.bytes() + ordered_.normals.bytes() + reaches_.bytes() + changed_.bytes() +
-         list_.bytes();
+         changedSlots_.bytes();
 }
 
 }  // namespace palpate

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+
+#include "engine/gpu/command_list.hpp"
 #include "engine/spatial/spatial_hash.hpp"
 #include "shaders/shared/splat_radius.h"
 
@@ -15,9 +18,9 @@ class SplatRadii {
 
   /// Writes the radius of every point (model units) into the w of its normal, and where its disc is cut off into
   /// `clips`, a word for each place. `points`: in the order of their ids, with ids in the w of their positions.
-  void measure(const LiveCloud::Half& points, const Buffer& clips) { run(points, clips, false); }
+  void measure(const LiveCloud::Half& points, const Buffer& clips);
   /// The same for those alone about which something has changed since: all radii are then what measure() would give.
-  void measureChanged(const LiveCloud::Half& points, const Buffer& clips) { run(points, clips, true); }
+  void measureChanged(const LiveCloud::Half& points, const Buffer& clips);
 
   const HashGrid& grid() const { return hash_.grid(); }
   /// A bit for each bucket of the grid, to be set when a point in it has come, gone, moved or turned.
@@ -27,7 +30,9 @@ class SplatRadii {
   std::uint64_t bytes() const;
 
  private:
-  void run(const LiveCloud::Half& points, const Buffer& clips, bool onlyChanged);
+  // Builds the hash, and does `then` in the same list.
+  void index(const LiveCloud::Half& points, const std::function<void(CommandList&)>& then);
+  void measure(const LiveCloud::Half& points, const Buffer& clips, std::uint32_t count, bool onlyListed);
 
   Device& device_;
   std::uint32_t places_;
@@ -36,7 +41,8 @@ class SplatRadii {
   LiveCloud::Half ordered_;  // the points in hash order
   ComputePipeline pass_, changedPass_;
   Buffer reaches_, changed_, largest_, largestRead_;
-  Buffer list_, listed_;  // of the slots that are measured again
+  Buffer changedSlots_, count_, countRead_;  // of the points that are measured again
+  CommandList list_;
 };
 
 }  // namespace palpate

@@ -22,7 +22,7 @@ FramePipeline::FramePipeline(Device& device, FrameWriter& writer, LiveIndex& ind
                   Buffer::of<Vec4>(device, writer.size(), Memory::device, "velocities")},
       incoming_{Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming positions"),
                 Buffer::of<Vec4>(device, writer.size(), Memory::device, "incoming normals"), 0},
-      beside_(device.throughputQueue().another()),
+      beside_(device.backgroundQueue().another()),
       task_([this] {
         made_ = writer_.make(wanted_s_, incoming_);
         // Only here, where questions are known to be urgent, they are recorded in pieces that give way.

@@ -17,7 +17,8 @@ namespace palpate {
 
 /// Brings frames into the live cloud: has their points written, builds their index in the back half, and flips. Where a
 /// frame has fewer points than there are slots, the others are empty. One frame at a time is under way, and nobody waits
-/// for it: against the clock it is built beside the questions, on the queue of throughput.
+/// for it: against the clock it is built beside the questions, on the queue of the background: in that of throughput it
+/// would wait until a picture is drawn.
 class FramePipeline {
  public:
   /// Begins with the frame of time 0. `writer` and `index`, which has as many slots, must outlive it.
@@ -87,7 +88,7 @@ class FramePipeline {
   Stage stage_ = Stage::idle;
   double wanted_s_ = 0;
   MadeFrame made_ = MadeFrame::none;  // last
-  std::unique_ptr<Queue> beside_;  // of throughput, which gives way
+  std::unique_ptr<Queue> beside_;  // of the background, which no picture has before it, and which gives way
   Queue* on_ = nullptr;            // that builds
   Queue::Ticket ticket_ = 0;
   BackgroundTask task_;  // goes first

@@ -19,7 +19,7 @@ FusedFrames::FusedFrames(Device& device, const FusedStream& frames, const LiveCl
     : frames_(checked(frames, cloud)),
       begunFrom_(frames.stream->seenFrom),
       cloud_(cloud),
-      queue_(device.throughputQueue().another()),
+      queue_(device.backgroundQueue().another()),
       pass_(device, frames.stream->player->camera(), frames.options, cloud.slots()),
       search_(device, *queue_, pass_, cloud),
       intake_(frames.options, frames.icp, frames.log),

@@ -10,9 +10,9 @@ namespace palpate {
 
 HostFrames::HostFrames(Device& device, CloudSource& source)
     : source_(source),
-      positions_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged positions")),
-      normals_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged normals")),
-      velocities_(Buffer::of<Vec4>(device, source.size(), Memory::staging, "staged velocities")) {}
+      positions_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged positions")),
+      normals_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged normals")),
+      velocities_(Buffer::of<Vec4>(device, source.size(), Memory::upload, "staged velocities")) {}
 
 MadeFrame HostFrames::make(double time_s, const LiveCloud::Half& /*incoming*/) {
   if (made_s_ && (*made_s_ == time_s || !source_.hasNewer(time_s, frame_.time_s))) return MadeFrame::none;

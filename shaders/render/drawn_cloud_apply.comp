@@ -8,12 +8,7 @@
 #include "shaders/shared/drawn_cloud.h"
 
 layout(push_constant, scalar) uniform Push { CatchUpArgs args; };
-
-void markBucketOf(vec4 point) {
-  if (args.marks == 0 || floatBitsToUint(point.w) == kEmptySlot) return;
-  const uint bucket = bucketOf(args.grid, cellOf(args.grid, point.xyz));
-  atomicOr(args.changed.at[bucket / 32], 1u << bucket % 32);
-}
+#include "shaders/render/changed_buckets.glsl"
 
 void main() {
   const uint i = threadIndex();

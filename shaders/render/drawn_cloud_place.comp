@@ -1,10 +1,18 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// All points of a live cloud, which stand in the order of its index, into the drawn cloud, in the order of their ids.
+// All points of a live cloud, which stand in the order of its index, into the drawn cloud, in the order of their ids,
+// pass 1 of 2: those that are there. Only where one has changed are discs measured again: a map takes in a frame, and most
+// of it stays as it was.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/drawn_cloud.h"
 
 layout(push_constant, scalar) uniform Push { PlaceArgs args; };
+#include "shaders/render/changed_buckets.glsl"
+
+bool keepsDisc(vec4 measured, vec3 place, vec3 normal) {
+  return distance(measured.xyz, place) <= args.keepsWithin &&
+         distance(unpackSnorm4x8(floatBitsToUint(measured.w)).xyz, normal) <= kKeepsDiscTurned;
+}
 
 void main() {
   const uint slot = threadIndex();
@@ -12,8 +20,14 @@ void main() {
   const vec4 point = args.livePositions.at[slot];
   const uint id = floatBitsToUint(point.w);
   if (id >= args.pointCount) return;  // the slot is empty
-  args.positions.at[id] = point;
+  args.latest.at[id] = 1;
+  const vec4 before = args.positions.at[id];
   const vec4 normal = args.liveNormals.at[slot];
-  args.normals.at[id].xyz = normal.xyz;
   if (args.colored != 0) args.colors.at[id] = frameColor(floatBitsToUint(normal.w));
+  args.positions.at[id] = point;
+  args.normals.at[id].xyz = normal.xyz;
+  if (args.marks == 0 || keepsDisc(args.measured.at[id], point.xyz, normal.xyz)) return;
+  markBucketOf(before);
+  markBucketOf(point);
+  args.measured.at[id] = vec4(point.xyz, uintBitsToFloat(packSnorm4x8(vec4(normal.xyz, 0))));
 }

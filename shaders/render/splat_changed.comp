@@ -31,12 +31,7 @@ void main() {
   const uint here = subgroupBallotBitCount(ballot);
   if (here == 0) return;
   uint first = 0;
-  if (subgroupElect()) {
-    first = atomicAdd(args.counts.count, here);
-    const uint groups = (first + here + args.splatsPerGroup - 1) / args.splatsPerGroup;
-    atomicMax(args.counts.groups.x, min(groups, kMostGroups));
-    atomicMax(args.counts.groups.y, (groups + kMostGroups - 1) / kMostGroups);
-  }
+  if (subgroupElect()) first = atomicAdd(args.count.at[0], here);
   first = subgroupBroadcastFirst(first);
   if (listed) args.list.at[first + subgroupBallotExclusiveBitCount(ballot)] = slot;
 }

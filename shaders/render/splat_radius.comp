@@ -137,9 +137,8 @@ float radiusInPlane(float usual, float open) {
 }
 
 void main() {
-  const uint before = args.turn * gl_NumWorkGroups.x * gl_NumWorkGroups.y;  // workgroups
-  const uint splat = (before + workgroupIndex()) * gl_NumSubgroups + gl_SubgroupID;
-  if (splat >= (args.onlyListed != 0 ? args.counts.count : args.cloud.slots)) return;
+  const uint splat = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
+  if (splat >= args.count) return;
   const uint slot = args.onlyListed != 0 ? args.list.at[splat] : splat;
   const vec4 point = args.cloud.positions.at[slot];
   const uint id = floatBitsToUint(point.w);

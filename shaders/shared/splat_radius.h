@@ -54,40 +54,14 @@ const uint kSplatEdgeWorkBudget = 800;
 // Points that either examines at least, whatever its subgroups.
 const uint kSplatFewestExamined = 2000, kSplatEdgeFewestExamined = 1600;
 
-// Workgroups that every GPU takes along one axis.
-const uint kMostGroups = 65535;
-
-// Discs are measured again in so many turns, since touch may have to wait for the end of one.
-const uint kSplatRadiusTurns = 6;
-
-// Of the points whose discs are measured again.
-struct ChangedSplats {
-  uvec3 groups;  // workgroups that measure them in one turn
-  uint count;
-};
-PALPATE_SIZE(ChangedSplats, 16);
-
-PALPATE_SHARED_END
-
-#ifndef __cplusplus
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ChangedSplatsAt {
-  uvec3 groups;
-  uint count;
-};
-#endif
-
-PALPATE_SHARED_BEGIN
-
 struct SplatChangedArgs {
   CloudView cloud;                    // the points in hash order
   PALPATE_ADDRESS(Uints) reaches;     // as below
   PALPATE_ADDRESS(Uints) changed;     // a bit for each bucket: a point in it has come, gone or turned
   PALPATE_ADDRESS(Uints) list;        // gets the slots of the points, in any order
-  PALPATE_ADDRESS(ChangedSplatsAt) counts;
-  uint splatsPerGroup;                // that one workgroup measures in all turns
-  uint unused;
+  PALPATE_ADDRESS(Uints) count;       // of them: one word
 };
-PALPATE_SIZE(SplatChangedArgs, 96);
+PALPATE_SIZE(SplatChangedArgs, 88);
 
 struct SplatRadiusArgs {
   CloudView cloud;                    // the points in hash order
@@ -95,14 +69,13 @@ struct SplatRadiusArgs {
   PALPATE_ADDRESS(Uints) clips;       // by id: where a disc is cut off, packHalf2x16 (clipOf in shaders/render/splat.glsl)
   PALPATE_ADDRESS(Uints) reaches;     // by id: bits of how far the last search went, model units
   PALPATE_ADDRESS(Uints) list;        // slots of the points to measure, where `onlyListed` is set
-  PALPATE_ADDRESS(ChangedSplatsAt) counts;
   PALPATE_ADDRESS(Uints) largest;     // bits of the largest radius
   float spacing;                      // mean, model units
   float widest;                       // border that is believed, model units
-  uint onlyListed;                    // 0: measures all, in one turn
-  uint turn;
+  uint onlyListed;                    // 0: measures those of all slots
+  uint count;                         // of slots, or of those that are listed
 };
-PALPATE_SIZE(SplatRadiusArgs, 120);
+PALPATE_SIZE(SplatRadiusArgs, 112);
 
 PALPATE_SHARED_END
 #endif

@@ -28,15 +28,15 @@ DepthFrame planeFrame(const DepthCamera& camera, const DVec3& normal, double dis
 struct Blended {
   DepthBlend blend;
   CloudFrame points;
-  std::vector<std::uint32_t> pixels;
+  DepthPoints maker;
 
   void follow(const DepthCamera& camera, const DepthFrame& before, const DepthFrame& frame, double since_s = kNever,
               const DVec3& origin = DVec3(0)) {
-    makePoints(camera, frame, origin, points, &pixels);
-    blend.follow(camera, before, frame, origin, pixels,
+    maker.make(camera, frame, origin, points);
+    blend.follow(camera, before, frame, origin, maker.pixels(),
                  {.between_s = kPeriod_s, .since_s = since_s, .goOn_s = kPeriod_s}, points);
     requireWhole(points, frame.depth_m.size());
-    REQUIRE(pixels.size() == points.size());
+    REQUIRE(maker.pixels().size() == points.size());
   }
   DVec3 placeAfter(std::size_t i, double time_s) const {
     return DVec3(points.positions[i]) + std::min(time_s, points.goOn_s) * DVec3(points.velocities[i]);
@@ -158,7 +158,7 @@ TEST_CASE("the first frame does not move") {
   points.goOn_s = 7;
   points.velocities.resize(3);
   DepthBlend blend;
-  makePoints(camera, planeFrame(camera, {0, 0, 1}, 0.5), DVec3(0), points);
+  DepthPoints().make(camera, planeFrame(camera, {0, 0, 1}, 0.5), DVec3(0), points);
   blend.begin(points);
   CHECK(points.velocities.empty());
   CHECK(points.goOn_s == kMostPointsAge_s);

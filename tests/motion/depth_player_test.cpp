@@ -194,6 +194,27 @@ TEST_CASE("a live stream that falls silent, or ends, leaves its last frame and s
   CHECK_THROWS_WITH_AS(none.frameAt(0), "the depth stream ended before its first frame", Error);
 }
 
+TEST_CASE("a live stream that is held is not silent, and counts its silence from when it goes on") {
+  const auto stream = std::make_shared<LiveStream>();
+  DepthPlayer player(stream, {}, tinyFrame(0, 0));
+  CHECK(player.frameAt(2).frame.number == 0);
+  player.pause(2.5);
+  for (const double time_s : {2.5, 4.0, 60.0}) {
+    player.frameAt(time_s);
+    CHECK_FALSE(player.counts().silentSince_s.has_value());
+  }
+  // A session that sculpts does not ask at all, and its time may be another one.
+  for (const double goesOn_s : {200.0, 0.5}) {
+    CAPTURE(goesOn_s);
+    player.play(goesOn_s);
+    player.frameAt(goesOn_s + 0.9);
+    CHECK_FALSE(player.counts().silentSince_s.has_value());
+    player.frameAt(goesOn_s + 1.1);
+    CHECK(player.counts().silentSince_s == goesOn_s);
+    player.pause(goesOn_s + 1.1);
+  }
+}
+
 namespace {
 
 /// The frames that are handed out until a time, by number.

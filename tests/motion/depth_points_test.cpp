@@ -17,7 +17,7 @@ constexpr DepthCamera kCamera{.width = 96, .height = 72, .fx = 80, .fy = 82, .cx
 
 CloudFrame pointsOf(const DepthCamera& camera, const DepthFrame& frame, const DVec3& origin = DVec3(0)) {
   CloudFrame points;
-  makePoints(camera, frame, origin, points);
+  DepthPoints().make(camera, frame, origin, points);
   requireWhole(points, std::size_t{camera.width} * camera.height);
   return points;
 }
@@ -122,11 +122,35 @@ TEST_CASE("depths that are no numbers are left out alone, and frames of another 
   CHECK(points.colors[196] == std::array<std::uint8_t, 3>{4, 5, 6});  // the pixel before it is none
   CloudFrame none;
   frame.colors.pop_back();
-  CHECK_THROWS_AS(makePoints(kCamera, frame, DVec3(0), none), Error);
+  CHECK_THROWS_AS(DepthPoints().make(kCamera, frame, DVec3(0), none), Error);
   frame.colors.clear();
   frame.depth_m.pop_back();
-  CHECK_THROWS_WITH_AS(makePoints(kCamera, frame, DVec3(0), none),
+  CHECK_THROWS_WITH_AS(DepthPoints().make(kCamera, frame, DVec3(0), none),
                        "frame 0 has 6911 depths and 0 colours, and the camera 96 x 72 pixels", Error);
+}
+
+TEST_CASE("the points do not depend on the number of threads, nor on the frame before") {
+  DepthFrame frame = flat(kCamera, 1);
+  for (std::size_t i = 0; i < frame.depth_m.size(); ++i) {
+    frame.depth_m[i] += 0.003f * static_cast<float>(i % 7);
+    if (i % 11 == 3) frame.depth_m[i] = 0;
+  }
+  frame.colors.resize(frame.depth_m.size(), {9, 8, 7});
+  DepthPoints one;
+  CloudFrame expected;
+  one.make(kCamera, frame, DVec3(0), expected);
+  CHECK(expected.size() > 1000);
+  for (const unsigned threads : {2u, 3u, 7u, 200u}) {
+    CAPTURE(threads);
+    DepthPoints several(threads);
+    CloudFrame points;
+    several.make(kCamera, flat(kCamera, 2), DVec3(0), points);
+    several.make(kCamera, frame, DVec3(0), points);
+    CHECK(points.positions == expected.positions);
+    CHECK(points.normals == expected.normals);
+    CHECK(points.colors == expected.colors);
+    CHECK(several.pixels() == one.pixels());
+  }
 }
 
 }  // namespace palpate

@@ -292,4 +292,97 @@ TEST_CASE_FIXTURE(DrawnCloudFixture, "where all points move the drawn cloud take
   }
 }
 
+TEST_CASE_FIXTURE(DrawnCloudFixture, "after a frame that changes little each disc is as if all were measured") {
+  PointCloud cloud = strewnCloud(3000);
+  cloud.positions[2] = Vec3(-1.5f);  // two that stay keep the grid what it is
+  cloud.positions[3] = Vec3(1.5f);
+  const DrawnOptions options{.spacing = 0.1, .edited = true};
+  PointCloud left;
+  CloudFrame frame;
+  for (std::uint32_t id = 0; id < cloud.size(); ++id) {
+    if (id % 31 == 5) continue;  // it goes
+    const bool moves = id % 97 == 0, turns = id % 89 == 1;
+    const Vec3 normal = cloud.normals[id];
+    left.positions.push_back(cloud.positions[id] + (moves ? Vec3(0.4f, -0.35f, 0.5f) : Vec3(0)));
+    left.normals.push_back(turns ? Vec3(normal.y, normal.z, normal.x) : normal);
+    frame.ids.push_back(id);
+  }
+  frame.positions = left.positions;
+  frame.normals = left.normals;
+  DrawnCloud drawn(device, cloud, options), measured(device, left, options);
+  const auto whole = bits(drawn);
+  // Of the first frame all discs are measured; what counts is the second.
+  drawn.place(CloudFrame{.positions = cloud.positions, .normals = cloud.normals});
+  drawn.closeSurface();
+  CHECK(bits(drawn) == whole);
+  drawn.place(frame);
+  drawn.closeSurface();
+  const auto positions = download<Vec4>(device, drawn.positions(), drawn.count());
+  const auto normals = download<Vec4>(device, drawn.normals(), drawn.count());
+  const auto clips = download<std::uint32_t>(device, drawn.clips(), drawn.count());
+  const auto expectedNormals = download<Vec4>(device, measured.normals(), measured.count());
+  const auto expectedClips = download<std::uint32_t>(device, measured.clips(), measured.count());
+  std::size_t wrong = 0, there = 0;
+  for (std::size_t k = 0; k < frame.ids.size(); ++k) {
+    const std::uint32_t id = frame.ids[k];
+    wrong += positions[id] != Vec4(frame.positions[k], std::bit_cast<float>(id)) ||
+             normals[id] != expectedNormals[k] || clips[id] != expectedClips[k];
+  }
+  for (const Vec4& position : positions) there += !std::isnan(position.x);
+  CHECK(wrong == 0);
+  CHECK(there == frame.ids.size());
+  CHECK(drawn.largestRadius() > 0);
+  // All come back, and stand as they did.
+  drawn.place(CloudFrame{.positions = cloud.positions, .normals = cloud.normals});
+  drawn.closeSurface();
+  CHECK(bits(drawn) == whole);
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "where a single point was, and where it has come to, discs are measured again") {
+  PointCloud cloud = strewnCloud(3000);
+  cloud.positions[2] = Vec3(-1.5f);  // two that stay keep the grid what it is
+  cloud.positions[3] = Vec3(1.5f);
+  const DrawnOptions options{.spacing = 0.1, .edited = true};
+  DrawnCloud drawn(device, cloud, options);
+  const auto placed = [&](const PointCloud& at) {
+    drawn.place(CloudFrame{.positions = at.positions, .normals = at.normals});
+    drawn.closeSurface();
+  };
+  placed(cloud);
+  for (const std::size_t id : {10, 500, 2999}) {
+    CAPTURE(id);
+    PointCloud moved = cloud;
+    moved.positions[id] = -0.9f * moved.positions[id];
+    placed(moved);
+    CHECK(bits(drawn) == bits(DrawnCloud(device, moved, options)));
+    placed(cloud);
+  }
+}
+
+TEST_CASE_FIXTURE(DrawnCloudFixture, "a point keeps its disc next to where that was measured, and has another one farther off") {
+  const PointCloud cloud = strewnCloud(2000);
+  const DrawnOptions options{.spacing = 0.1, .edited = true};
+  DrawnCloud drawn(device, cloud, options);
+  const auto placed = [&](float way) {
+    CloudFrame frame{.positions = cloud.positions, .normals = cloud.normals};
+    for (std::size_t id = 0; id < frame.size(); ++id)
+      frame.positions[id] += way * Vec3(id % 2 == 0 ? 1 : -1, id % 3 == 0 ? 1 : -1, 0);
+    drawn.place(frame);
+    drawn.closeSurface();
+    CHECK(download<Vec4>(device, drawn.positions(), drawn.count())[7] == Vec4(frame.positions[7], std::bit_cast<float>(7u)));
+    return download<Vec4>(device, drawn.normals(), drawn.count());
+  };
+  const auto differing = [](const std::vector<Vec4>& one, const std::vector<Vec4>& other) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < one.size(); ++i) count += one[i].w != other[i].w;
+    return count;
+  };
+  const auto measured = placed(0);
+  CHECK(differing(placed(0.001f), measured) == 0);
+  CHECK(differing(placed(0.002f), measured) == 0);
+  // In small steps, too: what counts is how far it has come.
+  CHECK(differing(placed(0.003f), measured) == 0);
+  CHECK(differing(placed(0.005f), measured) > cloud.size() / 2);
+}
+
 }  // namespace palpate

@@ -120,7 +120,7 @@ TEST_CASE("a question that is withdrawn leaves no trace in what is felt afterwar
   CHECK(touching > 10);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a question that waits is no obstacle to an end, a change or a lazy driver") {
   const Scene scene = makeScene("sphere", 5'000);
   TouchOptions options = optionsFor(scene, true);
   options.brush = BrushOptions{.tau = 0.3, .beta = 0.2, .radius = 8};

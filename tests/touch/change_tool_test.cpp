@@ -51,7 +51,7 @@ struct Told {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "each brush does its own work after another, and all of it is told and undone") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "each brush does its own work after another, and all of it is told and undone") {
   const Scene scene = makeScene("sphere", 8'000);
   for (const bool gpu : {true, false}) {
     CAPTURE(gpu);
@@ -125,7 +125,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a larger tool reaches further than the one before
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "surface, friction and method change, and the answers are those of a fresh start") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "surface, friction and method change, and the answers are those of a fresh start") {
   const Scene scene = makeScene("sphere", 8'000);
   TouchSide touch(device, scene.cloud, {.radius = scene.radius, .surface = SurfaceKind::average});
   const Contact average = press(touch, {0, 0, 1}, 2);
