@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds with validation and warnings as errors, and runs every test headless: on lavapipe,
-# or on the GPU that PALPATE_GPU names. What runs on the CPU alone is built again without Vulkan, and runs so under
-# AddressSanitizer and UBSan, the servo loop under ThreadSanitizer. On lavapipe GPU passes run again with one driver thread,
-# which orders atomics differently (without validation, which the first leg has), and on another driver and under another
+# Installs what is missing, builds with warnings as errors, and runs every test headless: what needs a GPU with validation
+# on lavapipe, or on the GPU that PALPATE_GPU names, and what runs on the CPU alone without Vulkan, under AddressSanitizer
+# and UBSan, the servo loop under ThreadSanitizer, too. On lavapipe GPU passes run again with one driver thread, which
+# orders atomics differently (without validation, which the first leg has), and on another driver and under another
 # validation layer, where those can be had. A leg that fails hides none behind it: all run, and the last lines name what
 # failed. Where third_party/windows.sh has been, some tests run as programs for Windows, too, under wine; what is skipped
 # is said, and so is what is held against the wall clock and passed only when it had the machine to itself.
@@ -56,10 +56,10 @@ tests() {  # NAME PRESET [OPTIONS...]: where they were built, and with the names
 }
 
 built=
-leg 'build' build dev && built+=' dev'
-tests 'all' dev
+leg 'build' build dev --target palpate gpu_tests && built+=' dev'
+tests 'with a GPU' dev -LE '^host$'
 leg 'build without Vulkan, for AddressSanitizer and UBSan' build asan --target host_tests && built+=' asan'
-tests 'without Vulkan, under AddressSanitizer and UBSan' asan -L host
+tests 'without Vulkan, under AddressSanitizer and UBSan' asan -L '^host$'
 leg 'build for ThreadSanitizer' build tsan --target tests_haptics && built+=' tsan'
 tests 'under ThreadSanitizer' tsan -R '^haptics\.'
 if [ "$PALPATE_GPU" = llvmpipe ]; then

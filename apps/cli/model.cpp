@@ -89,14 +89,22 @@ double supportRadius(const std::string& text, const Model& model) {
   return given_mm ? model.scale.toUnits(*given_mm) : usualSupportRadius(model);
 }
 
-Model loadModel(Context& context, const SessionConfig& config, EstimateOn where) {
+namespace {
+
+ModelLoading loadingOf(Context& context, EstimateOn where) {
   ModelLoading loading{.log = context.log(), .threads = context.threads()};
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
-  return loadModel(config, loading);
+  return loading;
+}
+
+}  // namespace
+
+Model loadModel(Context& context, const SessionConfig& config, EstimateOn where) {
+  return loadModel(config, loadingOf(context, where));
 }
 
 Model loadModel(Context& context, const ModelOptions& options, EstimateOn where) {
-  return loadModel(context, SessionConfig{.model = options.config()}, where);
+  return loadModel(options.config(), loadingOf(context, where));
 }
 
 }  // namespace palpate

@@ -66,7 +66,8 @@ std::vector<int> keysOf(const Line& line, const std::string& name) {
   for (std::size_t from = 0; from <= name.size();) {
     const std::size_t plus = std::min(name.find('+', from + 1), name.size());
     const auto key = keyNamed(std::string_view(name).substr(from, plus - from));
-    if (!key) line.fail(fmt::format("key: '{}' is not known", name));
+    if (!key)
+      line.fail(fmt::format("key: '{}' is not known; keys are {}, and several with + between them", name, keyNames()));
     keys.push_back(*key);
     from = plus + 1;
   }

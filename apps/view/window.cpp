@@ -4,6 +4,8 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
+#include <array>
+#include <string>
 #include <utility>
 
 #include "engine/core/error.hpp"
@@ -156,41 +158,57 @@ double Window::scale() const {
   return std::max(1.0, 0.5 * double(x + y));
 }
 
+namespace {
+
+// Beside letters and digits.
+constexpr std::array<std::pair<std::string_view, int>, 26> kKeyNames{
+    {{"space", GLFW_KEY_SPACE},
+     {"escape", GLFW_KEY_ESCAPE},
+     {"enter", GLFW_KEY_ENTER},
+     {"tab", GLFW_KEY_TAB},
+     {"backspace", GLFW_KEY_BACKSPACE},
+     {"delete", GLFW_KEY_DELETE},
+     {"left", GLFW_KEY_LEFT},
+     {"right", GLFW_KEY_RIGHT},
+     {"up", GLFW_KEY_UP},
+     {"down", GLFW_KEY_DOWN},
+     {"home", GLFW_KEY_HOME},
+     {"end", GLFW_KEY_END},
+     {"pageup", GLFW_KEY_PAGE_UP},
+     {"pagedown", GLFW_KEY_PAGE_DOWN},
+     {"ctrl", GLFW_KEY_LEFT_CONTROL},
+     {"shift", GLFW_KEY_LEFT_SHIFT},
+     {"alt", GLFW_KEY_LEFT_ALT},
+     {"[", GLFW_KEY_LEFT_BRACKET},
+     {"]", GLFW_KEY_RIGHT_BRACKET},
+     {"+", GLFW_KEY_EQUAL},
+     {"-", GLFW_KEY_MINUS},
+     {",", GLFW_KEY_COMMA},
+     {".", GLFW_KEY_PERIOD},
+     {"/", GLFW_KEY_SLASH},
+     {"f1", GLFW_KEY_F1},
+     {"f2", GLFW_KEY_F2}}};
+
+char lowered(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+}  // namespace
+
 std::optional<int> keyNamed(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, int>, 26> kNames{{{"space", GLFW_KEY_SPACE},
-                                                                            {"escape", GLFW_KEY_ESCAPE},
-                                                                            {"enter", GLFW_KEY_ENTER},
-                                                                            {"tab", GLFW_KEY_TAB},
-                                                                            {"backspace", GLFW_KEY_BACKSPACE},
-                                                                            {"delete", GLFW_KEY_DELETE},
-                                                                            {"left", GLFW_KEY_LEFT},
-                                                                            {"right", GLFW_KEY_RIGHT},
-                                                                            {"up", GLFW_KEY_UP},
-                                                                            {"down", GLFW_KEY_DOWN},
-                                                                            {"home", GLFW_KEY_HOME},
-                                                                            {"end", GLFW_KEY_END},
-                                                                            {"pageup", GLFW_KEY_PAGE_UP},
-                                                                            {"pagedown", GLFW_KEY_PAGE_DOWN},
-                                                                            {"ctrl", GLFW_KEY_LEFT_CONTROL},
-                                                                            {"shift", GLFW_KEY_LEFT_SHIFT},
-                                                                            {"alt", GLFW_KEY_LEFT_ALT},
-                                                                            {"[", GLFW_KEY_LEFT_BRACKET},
-                                                                            {"]", GLFW_KEY_RIGHT_BRACKET},
-                                                                            {"+", GLFW_KEY_EQUAL},
-                                                                            {"-", GLFW_KEY_MINUS},
-                                                                            {",", GLFW_KEY_COMMA},
-                                                                            {".", GLFW_KEY_PERIOD},
-                                                                            {"/", GLFW_KEY_SLASH},
-                                                                            {"f1", GLFW_KEY_F1},
-                                                                            {"f2", GLFW_KEY_F2}}};
-  for (const auto& [known, key] : kNames)
-    if (name == known) return key;
-  if (name.size() != 1) return std::nullopt;
-  const char c = name[0];
+  std::string lower(name);
+  std::ranges::transform(lower, lower.begin(), lowered);
+  const auto known = std::ranges::find(kKeyNames, lower, &std::pair<std::string_view, int>::first);
+  if (known != kKeyNames.end()) return known->second;
+  if (lower.size() != 1) return std::nullopt;
+  const char c = lower[0];
   if (c >= 'a' && c <= 'z') return GLFW_KEY_A + (c - 'a');
-  if (c >= 'A' && c <= 'Z') return GLFW_KEY_A + (c - 'A');
   if (c >= '0' && c <= '9') return GLFW_KEY_0 + (c - '0');
   return std::nullopt;
+}
+
+std::string keyNames() {
+  std::string all = "a to z 0 to 9";
+  for (const auto& [name, key] : kKeyNames) all.append(" ").append(name);
+  return all;
 }
 
 }  // namespace palpate

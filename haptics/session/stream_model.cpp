@@ -60,11 +60,12 @@ PointCloud cloudOf(const CloudFrame& points, const DVec3& origin) {
 /// Relative to an origin that lies near, as far from zero as the world may be.
 PointCloud firstCloud(const DepthCamera& camera, const DepthFrame& frame) {
   CloudFrame points;
-  makePoints(camera, frame, DVec3(0), points);
+  DepthPoints maker;
+  maker.make(camera, frame, DVec3(0), points);
   const PointCloud coarse = cloudOf(points, DVec3(0));
   const DVec3 origin = coarse.empty() ? DVec3(0) : originFor(boundsOf(coarse));
   if (origin == DVec3(0)) return coarse;
-  makePoints(camera, frame, origin, points);
+  maker.make(camera, frame, origin, points);
   return cloudOf(points, origin);
 }
 

@@ -21,7 +21,7 @@ constexpr const char* kBroken = "ply\nformat ascii 1.0\nelement vertex 3\nproper
 TEST_CASE("a script that is wrong is refused with its line before anything is opened") {
   if (!hasDisplay()) return;
   for (const auto& [line, complaint] : {std::pair{"0.2 resize 640x", "script.txt:2: the width: '640x' is not a number"},
-                                        {"0.2 key nose", "script.txt:2: key: 'nose' is not known"},
+                                        {"0.2 key nose", "script.txt:2: key: 'nose' is not known; keys are a to z 0 to 9 space escape"},
                                         {"0.2 press", "script.txt:2: 'press' is none of key"},
                                         {"0.2 screenshot a.tif", "script.txt:2: a.tif: pictures are written as .png"},
                                         {"0.2 button left", "script.txt:2: down or up is missing"},
@@ -42,7 +42,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 0.1 mouse 400 300
 0.9 screenshot %/before.png
 0.9 state %/before.json
-1.0 key space down
+1.0 key Space down
 1.2 button left down
 1.6 wheel 6
 4.0 screenshot %/touch.png
@@ -55,7 +55,7 @@ TEST_CASE("a session in the window, from the first touch to the saved file") {
 5.4 state %/broken.json
 5.5 save %/saved.ply
 6.2 state %/saved.json
-6.3 key ctrl+z
+6.3 key Ctrl+Z
 7.2 screenshot %/undone.png
 7.2 state %/undone.json
 7.3 key ctrl+shift+z

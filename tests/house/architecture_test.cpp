@@ -22,7 +22,8 @@ const Arrows& allowedArrows() {
   static const Arrows arrows{
       {"engine/core", {"shaders/shared/frame.h"}},
       {"engine/cloud", {"engine/core"}},
-      {"engine/io", {"engine/cloud", "engine/core"}},
+      {"engine/matter", {"engine/core", "shaders"}},
+      {"engine/io", {"engine/matter", "engine/cloud", "engine/core"}},
       {"engine/gpu", {"engine/core"}},
       {"engine/spatial", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/contact", {"engine/spatial", "engine/gpu", "engine/cloud", "engine/core", "shaders"}},
@@ -44,7 +45,7 @@ const Arrows& allowedArrows() {
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
        {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",
-        "engine/motion", "engine/touch/memory.hpp", "engine/mesh", "engine/render", "engine/cuda/cuda_measure.hpp",
+        "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/mesh", "engine/render", "engine/cuda/cuda_measure.hpp",
         "haptics", "haptics/session", "shaders"}},
   };
   return arrows;

@@ -64,10 +64,10 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread")
   if (!hasSources()) return;
   const Run run = runLegs("", "");
   CHECK(run.code == 0);
-  CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L host threads=\n"));
+  CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^haptics\\. threads=\n"));
   CHECK(says(run.text, "-R ^(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$ threads=1\n"));
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));
   CHECK(says(run.text, "run.sh: every leg passed"));
@@ -92,7 +92,7 @@ TEST_CASE("a leg of run.sh that fails hides none behind it, and the last lines n
                           "printf '3:%s.one\\n17:%s.two\\n' $preset $preset > "
                           "build/$preset/Testing/Temporary/LastTestsFailed.log\nexit 8\n");
   CHECK(run.code == 1);
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "run.sh: failed: without Vulkan, under AddressSanitizer and UBSan: asan.one asan.two\n"));
   CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: tsan.one tsan.two\n"));
   CHECK(run.text.find("failed: all") == std::string::npos);
@@ -113,7 +113,7 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
   const std::string leg = "without Vulkan, under AddressSanitizer and UBSan";
   const Run late = runLegs("", failing("3:asan.late\\n12:asan.later\\n"));
   CHECK(late.code == 0);
-  CHECK(says(late.text, "ctest --preset asan -L host -R ^(asan\\.late|asan\\.later)$ threads=\n"));
+  CHECK(says(late.text, "ctest --preset asan -L ^host$ -R ^(asan\\.late|asan\\.later)$ threads=\n"));
   CHECK(says(late.text, "run.sh: passed at the second try, alone: " + leg + ": asan.late asan.later\n"));
   const Run wrong = runLegs("", failing("3:asan.late\\n5:asan.wrong\\n"));
   CHECK(wrong.code == 1);
@@ -126,7 +126,7 @@ TEST_CASE("run.sh says of tests that were not built that they did not run, and r
   const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics' ]; then exit 1; fi\n", "");
   CHECK(run.code == 1);
   CHECK(run.text.find("ctest --preset tsan") == std::string::npos);
-  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error threads=\n"));
+  CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "run.sh: failed: build for ThreadSanitizer\n"));
   CHECK(says(run.text, "run.sh: failed: under ThreadSanitizer: not run, not built\n"));
 }
