@@ -63,15 +63,13 @@ struct LongWork {
   Queue::Ticket ticket;
 };
 
-}  // namespace
-
-TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compactions leave every point in its bucket") {
+void checkEditsBetweenSlices(Device& device, std::uint32_t mostAtOnce) {
   const Scene scene = makeScene("sphere", 5'000);
   for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
     CAPTURE(static_cast<int>(kind));
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(kind), {}, kDefaultSort, std::nullopt, kShortSlices);
-    RandomEdits edits(edited, 31 + static_cast<std::uint32_t>(kind));
+    RandomEdits edits(edited, 31 + static_cast<std::uint32_t>(kind), mostAtOnce);
     std::mt19937 random(3);
     int compactions = 0;
     for (int i = 0; i < 150; ++i) {
@@ -90,13 +88,23 @@ TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compact
   }
 }
 
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compactions leave every point in its bucket") {
+  checkEditsBetweenSlices(device, kFewAtOnce);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "edits of many points at once between the slices of compactions do so, too") {
+  checkEditsBetweenSlices(device, kManyAtOnce);
+}
+
 TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without compaction") {
   const Scene scene = makeScene("torus", 3'000);
   std::map<std::uint32_t, std::vector<std::uint32_t>> without;
   for (const bool compacts : {false, true}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(BrushKind::push), {}, kDefaultSort, 1u << 16, kShortSlices);
-    RandomEdits edits(edited, 99);
+    RandomEdits edits(edited, 99, kFewAtOnce);
     std::mt19937 random(5);
     int compactions = 0;
     for (int i = 0; i < 60; ++i) {

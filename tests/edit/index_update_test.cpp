@@ -11,7 +11,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "after any edit the index holds every point in
     CAPTURE(static_cast<int>(kind));
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(kind));
-    RandomEdits edits(edited, 7 + static_cast<std::uint32_t>(kind));
+    RandomEdits edits(edited, 7 + static_cast<std::uint32_t>(kind), kManyAtOnce);
     for (int i = 0; i < 120; ++i) {
       edits.one();
       if (i % 10 != 0) continue;
@@ -30,7 +30,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same edits give the same order in every bucke
   for (int run = 0; run < 2; ++run) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(BrushKind::push));
-    RandomEdits edits(edited, 99);
+    RandomEdits edits(edited, 99, kFewAtOnce);
     for (int i = 0; i < 100; ++i) edits.one();
     if (run == 0)
       first = edited.buckets();

@@ -10,10 +10,18 @@
 
 namespace palpate {
 
+/// Points that one edit changes at most: many, so that a bucket gets more at once than it takes.
+inline constexpr std::uint32_t kManyAtOnce = 400;
+/// The same where each access is searched for (GPU-assisted validation). An update compares what arrives in a bucket with
+/// each other, and lavapipe ends the loops of an invocation after 65,535 rounds, searches included: beyond some 150 good
+/// addresses may be called bad, by where buffers happen to stand in memory.
+inline constexpr std::uint32_t kFewAtOnce = 100;
+
 /// Edits of every kind, in random order, and what they must leave.
 class RandomEdits {
  public:
-  RandomEdits(EditedScene& scene, std::uint32_t seed) : scene_(scene), random_(seed), mirror_(scene.points()) {
+  RandomEdits(EditedScene& scene, std::uint32_t seed, std::uint32_t mostAtOnce)
+      : scene_(scene), random_(seed), mostAtOnce_(mostAtOnce), mirror_(scene.points()) {
     nextId_ = scene.live().count();
   }
 
@@ -50,7 +58,7 @@ class RandomEdits {
   // buckets grow.
   void change() {
     std::map<std::uint32_t, PointChange> changes;
-    const std::uint32_t count = 1 + pick(pick(4) == 0 ? 400 : 20);
+    const std::uint32_t count = 1 + pick(pick(4) == 0 ? mostAtOnce_ : 20);
     const bool corner = pick(2) == 0;
     const Vec3 center = somewhere();
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -104,6 +112,7 @@ class RandomEdits {
 
   EditedScene& scene_;
   std::mt19937 random_;
+  std::uint32_t mostAtOnce_;
   std::map<std::uint32_t, PointState> mirror_;
   std::vector<std::uint32_t> gone_;
   std::uint32_t nextId_ = 0;
