@@ -30,7 +30,7 @@ constexpr std::size_t kCoarse = 32'768, kFine = 524'288;
 /// Adds keys by where to go and how fast. Positions in model units relative to the cloud's origin.
 class PathBuilder {
  public:
-  PathBuilder(const PointCloud& cloud, const ModelScale& scale) : origin_(cloud.origin), scale_(scale) {}
+  PathBuilder(const DVec3& origin, const ModelScale& scale) : origin_(origin), scale_(scale) {}
 
   void startAt(const DVec3& p) { add(0, p); }
 
@@ -76,7 +76,7 @@ struct Scene {
 };
 
 Path press(const Scene& scene, double penetration_mm) {
-  PathBuilder builder(scene.cloud, scene.scale);
+  PathBuilder builder(scene.cloud.origin, scene.scale);
   builder.startAt(scene.above(scene.target, kPressFrom_mm));
   builder.moveTo(scene.above(scene.target, -penetration_mm), kTouchSpeed_mm_per_s);
   builder.rest(kPressHold_s);
@@ -110,7 +110,7 @@ std::vector<SurfaceSpot> slideWay(const Scene& scene) {
 }
 
 Path slide(const Scene& scene) {
-  PathBuilder builder(scene.cloud, scene.scale);
+  PathBuilder builder(scene.cloud.origin, scene.scale);
   builder.startAt(scene.above(scene.target, kPressFrom_mm));
   builder.moveTo(scene.above(scene.target, -kSlideDepth_mm), kTouchSpeed_mm_per_s);
   for (const SurfaceSpot& spot : slideWay(scene))
@@ -130,7 +130,7 @@ SurfaceSpot scanSpot(const Scene& scene, int column, int row) {
 }
 
 Path scan(const Scene& scene) {
-  PathBuilder builder(scene.cloud, scene.scale);
+  PathBuilder builder(scene.cloud.origin, scene.scale);
   for (int row = 0; row < kScanSide; ++row) {
     for (int k = 0; k < kScanSide; ++k) {
       const int column = row % 2 == 0 ? k : kScanSide - 1 - k;  // back and forth
@@ -156,13 +156,59 @@ Path orbit(const PointCloud& cloud, const ModelScale& scale) {
     const double angle = 2 * std::numbers::pi * k / kOrbitKeys;
     return bounds.center() + radius * DVec3(std::sin(angle), 0, std::cos(angle));  // begins in front
   };
-  PathBuilder builder(cloud, scale);
+  PathBuilder builder(cloud.origin, scale);
   builder.startAt(around(0));
   for (int k = 1; k <= kOrbitKeys; ++k) builder.moveDuring(kOrbitTime_s / kOrbitKeys, around(k % kOrbitKeys));
   return std::move(builder).path();
 }
 
+constexpr std::array<std::string_view, 2> kNamesInMatter{"press", "stir"};
+constexpr double kDiveSpeed_mm_per_s = 100, kDiveFrom_mm = 5, kDiveHold_s = 1;
+constexpr int kStirTurns = 4, kStirKeys = 64;
+constexpr double kStirTurn_s = 1, kStirRadius = 0.5;  // of the way from the middle to where the ball would touch a wall
+
+double extentAlong(const Bounds& box, const DVec3& direction) {
+  return glm::dot(box.max - box.min, glm::abs(direction));
+}
+
+/// From where the ball is clear of the matter to where it is under, or on the ground.
+struct Dive {
+  DVec3 from, to;
+};
+Dive diveInto(const MatterPlace& place, const ModelScale& scale, double penetration_mm) {
+  const DVec3 top = place.fill.center() + 0.5 * extentAlong(place.fill, place.up) * place.up;
+  const double deepest = std::max(extentAlong(place.fill, place.up) - place.ballRadius, 0.0);
+  const double deep = std::min(place.ballRadius + scale.toUnits(penetration_mm), deepest);
+  return {top + (place.ballRadius + scale.toUnits(kDiveFrom_mm)) * place.up, top - deep * place.up};
+}
+
 }  // namespace
+
+Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale,
+                         double penetration_mm) {
+  if (std::find(kNamesInMatter.begin(), kNamesInMatter.end(), name) == kNamesInMatter.end())
+    throw UsageError("there is no built-in path '{}' in matter; there are {}", name, fmt::join(kNamesInMatter, ", "));
+  const Dive dive = diveInto(place, scale, penetration_mm);
+  PathBuilder builder(DVec3(0), scale);
+  builder.startAt(dive.from);
+  builder.moveTo(dive.to, kDiveSpeed_mm_per_s);
+  if (name == "press") {
+    builder.rest(kDiveHold_s);
+    return std::move(builder).path();
+  }
+  const Frame3 frame = frameAround(place.up);
+  const double room = 0.5 * std::min(extentAlong(place.fill, frame.u), extentAlong(place.fill, frame.v));
+  const double radius = kStirRadius * std::max(room - place.ballRadius, 0.0);
+  const auto around = [&](int key) {
+    const double angle = 2 * std::numbers::pi * key / kStirKeys;
+    return dive.to + radius * (std::cos(angle) * frame.u + std::sin(angle) * frame.v);
+  };
+  builder.moveTo(around(0), kDiveSpeed_mm_per_s);
+  for (int key = 1; key <= kStirTurns * kStirKeys; ++key) builder.moveDuring(kStirTurn_s / kStirKeys, around(key));
+  builder.moveTo(dive.to, kDiveSpeed_mm_per_s);
+  builder.moveTo(dive.from, kDiveSpeed_mm_per_s);
+  return std::move(builder).path();
+}
 
 std::span<const std::string_view> builtinPathNames() { return kNames; }
 

@@ -21,4 +21,15 @@ std::span<const std::string_view> builtinPathNames();
 /// without points or normals.
 Path builtinPath(std::string_view name, const PointCloud& cloud, const ModelScale& scale, double penetration_mm = 2.0);
 
+/// What a ball on a path in matter has to know.
+struct MatterPlace {
+  Bounds fill;            ///< of the matter as it begins, model units
+  DVec3 up{0, 1, 0};      ///< unit
+  double ballRadius = 0;  ///< model units
+};
+
+/// press: from above into the matter, until the ball is under by `penetration_mm`, and stays; stir: the same, and four times
+/// around in a circle, and out again. Throws UsageError for another name.
+Path builtinPathInMatter(std::string_view name, const MatterPlace& place, const ModelScale& scale, double penetration_mm);
+
 }  // namespace palpate

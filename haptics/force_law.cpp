@@ -52,6 +52,7 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     reset();
     return DVec3(0);
   }
+  if (contact.force_N) return given(contact, dt_s);
   const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
@@ -63,6 +64,18 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   const auto pushes = [&](const DVec3& f) { return glm::dot(f, contact.normal) > 0; };
   const DVec3 result = pushes(force_N) ? limited(force_N, contact.velocity, dt_s) : DVec3(0);
   force_N_ = pushes(result) ? result : DVec3(0);
+  return force_N_;
+}
+
+// Matter may also pull, as what a ball carries along does.
+DVec3 ForceLaw::given(const Contact& contact, double dt_s) noexcept {
+  stretching_.reset();
+  if (!isFinite(*contact.force_N) || !std::isfinite(dt_s)) {
+    reset();
+    return DVec3(0);
+  }
+  demand_N_ = glm::length(*contact.force_N);
+  force_N_ = limited(*contact.force_N, contact.velocity, dt_s);
   return force_N_;
 }
 

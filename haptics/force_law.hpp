@@ -35,7 +35,8 @@ class ForceLaw {
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
 
   /// The force on the hand, N, for a tick that comes `dt_s` after the one before. Exactly zero when nothing is touched,
-  /// on any fault or number that is not finite, and when spring and damper together would pull into the surface.
+  /// on any fault or number that is not finite, and when spring and damper together would pull into the surface. Where
+  /// the contact says the force itself, it is that, within the same limits.
   DVec3 update(const Contact& contact, const Pose& pose, double dt_s) noexcept;
 
   /// Makes room for a tool of so many points.
@@ -57,6 +58,7 @@ class ForceLaw {
 
  private:
   DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept;
+  DVec3 given(const Contact& contact, double dt_s) noexcept;
   DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept;
 
   ForceOptions options_;

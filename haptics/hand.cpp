@@ -12,7 +12,8 @@ constexpr double kSmallestJump_mm = 1;  // encoder steps and late reads look fas
 /// The answer as it is, or, when it is a fault or holds numbers that are not finite, "nothing touched, not valid".
 Contact trusted(const Contact& contact, const DVec3& hip) {
   const bool sane =
-      contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) && isFinite(contact.velocity);
+      contact.valid && isFinite(contact.proxy) && isFinite(contact.normal) && isFinite(contact.velocity) &&
+      isFinite(contact.force_N.value_or(DVec3(0)));
   return sane ? contact : Contact{.proxy = hip};
 }
 

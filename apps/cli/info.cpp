@@ -1,7 +1,9 @@
 #include "apps/cli/look.hpp"
+#include "apps/cli/matter_options.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"
+#include "engine/core/named_values.hpp"
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
@@ -116,6 +118,28 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
                        {"cy", camera.cy}}}});
 }
 
+/// Of a scene of matter.
+void infoOfMatter(Context& context, const std::string& name, const MatterScene& scene) {
+  const MatterPlan plan = planOf(scene);
+  const auto& box = scene.box_mm;
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: {} particles of {}, {:g} mm apart, in a box of {:g} x {:g} x {:g} mm\n", name, plan.particles,
+             nameOf(kMatters, scene.matter), scene.spacing_mm, box.x, box.y, box.z);
+  fmt::print(out, "  {} substeps in a millisecond, {:.3g} kg, about {:.0f} MiB\n", plan.substeps,
+             plan.mass_kg * static_cast<double>(plan.particles), mib(plan.bytes));
+  fmt::print(out, "  a hand holds a ball of {:g} mm radius and {:.3g} kg; the force is {:g} times the real one\n",
+             scene.tool.radius_mm, scene.tool.mass_kg, scene.gain);
+  context.writeJson({{"matter", nameOf(kMatters, scene.matter)},
+                     {"particles", plan.particles},
+                     {"substeps", plan.substeps},
+                     {"spacing_mm", scene.spacing_mm},
+                     {"box_mm", {box.x, box.y, box.z}},
+                     {"mass_kg", plan.mass_kg * static_cast<double>(plan.particles)},
+                     {"bytes", plan.bytes},
+                     {"tool", {{"radius_mm", scene.tool.radius_mm}, {"mass_kg", scene.tool.mass_kg}}},
+                     {"gain", scene.gain}});
+}
+
 }  // namespace
 
 void addInfo(Options& app, Context& context, Command& command) {
@@ -134,6 +158,8 @@ void addInfo(Options& app, Context& context, Command& command) {
     command = [&context, file, look, allPoints, stream] {
       if (streamConfig(*stream, *file))
         infoOfFrames(context, *file, *stream);
+      else if (const auto scene = matterScene(*file))
+        infoOfMatter(context, *file, *scene);
       else
         info(context, *file, *look, *allPoints);
     };

@@ -43,7 +43,7 @@ LengthUnit unitOf(const PointCloud& cloud, const LookOptions& options) {
 
 Framing framingOf(const Model& model, UpAxis up) {
   Framing framing{.shown = model.shown, .up = up};
-  if (loneDiscRadius(model) > 0) framing.margin = kAroundLone;
+  if (!(model.spacing > 0)) framing.margin = kAroundLone;
   // Where points are many, their discs are as small as the picture's own margin is wide.
   constexpr double kFew = 0.02, kWidest = 0.1;  // of the longest side: a spacing, and the radius of a disc
   const double side = model.shownBounds().longestSide();
@@ -51,7 +51,10 @@ Framing framingOf(const Model& model, UpAxis up) {
   return framing;
 }
 
-double loneDiscRadius(const Model& model) { return model.spacing > 0 || model.cloud.empty() ? 0 : kLone; }
+double discRadiusOf(const Model& model) {
+  if (model.discRadius > 0) return model.discRadius;
+  return model.spacing > 0 || model.cloud.empty() ? 0 : kLone;
+}
 
 HeightRange heightsOf(const Model& model, UpAxis up) {
   const DVec3 top = directionOf(up);

@@ -25,9 +25,9 @@ LengthUnit unitOf(const PointCloud& cloud, const LookOptions& options);
 
 /// What a picture of the model shows, with room for the discs of a few points.
 Framing framingOf(const Model& model, UpAxis up);
-/// The radius of discs, model units, where the points have no spacing that would give them one: all are in one place.
-/// 0 where they have.
-double loneDiscRadius(const Model& model);
+/// The radius of all discs, model units, where the model says one, or its points have no spacing that would give them one:
+/// all are in one place. 0 where discs have their own.
+double discRadiusOf(const Model& model);
 
 /// The lowest and the highest place that a picture shows, along up, in the file's coordinates.
 struct HeightRange {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "apps/cli/camera_lines.hpp"
+#include "apps/cli/model_lines.hpp"
 #include "apps/cli/legend.hpp"
 #include "apps/cli/parse_list.hpp"
 
@@ -20,7 +20,7 @@ FrameOptions frameOptions(const PictureOptions& options, const Model& model) {
   FrameOptions frame;
   frame.up = directionOf(uprightOf(model, options.look).up);
   frame.shown = model.shown;
-  frame.splatRadius = loneDiscRadius(model);
+  frame.splatRadius = discRadiusOf(model);
   frame.pass = imagePassNamed(options.pass);
   frame.color = colorByNamed(options.color);
   frame.everyPoint = options.everyPoint;
@@ -143,7 +143,7 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   const double aspect = static_cast<double>(size.width) / std::max(1u, size.height);
   FrameOptions frameOf = frameOptions(options, model);
   frameOf.overlays = overlays;
-  if (options.cameras) frameOf.lines = cameraLines(model);
+  frameOf.lines = modelLines(model, options.cameras);
   if (options.cameras && model.cameras.empty())
     context.log().say("{}: no cameras are drawn: the model does not say where any stood", file);
   Frame frame(device, size.width, size.height, options.samples > 1 ? 2 : 1);
@@ -154,10 +154,11 @@ void draw(Context& context, const Model& model, const Drawn& drawn, const Pictur
   else if (!upNamed(options.look.up))
     context.log().say("{}: up is {}: {}", file, nameOf(upright.up), upright.why);
   Framing framing = framingOf(model, upright.up);
-  const bool showsCameras = options.cameras && !model.cameras.empty() && !model.cloud.empty();
-  if (showsCameras) framing.shown.reset();  // all of these places
+  // With lines beside the points, all of those places.
+  const bool showsLines = !model.cloud.empty() && (model.container || (options.cameras && !model.cameras.empty()));
+  if (showsLines) framing.shown.reset();
   const Camera camera =
-      Camera::parse(options.camera, showsCameras ? placesWithCameras(model) : model.cloud, aspect, framing);
+      Camera::parse(options.camera, showsLines ? placesWithLines(model, options.cameras) : model.cloud, aspect, framing);
   const double bar = options.scaleBar ? scaleBarLength(camera, size) : 0;
   if (options.scaleBar) {
     frameOf.overlays.scale = scaleBar(camera, size);

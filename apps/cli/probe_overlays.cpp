@@ -17,17 +17,17 @@ Overlays::Ball ballOf(const BrushOptions& brush, const DVec3& hip, const DVec3& 
 
 }  // namespace
 
-Overlays overlaysOf(const TraceRow& row, const DVec3& origin, double longestSide,
-                    const std::optional<BrushOptions>& brush) {
+Overlays overlaysOf(const TraceRow& row, const DVec3& origin, double longestSide, const HeldTool& tool) {
   const double unitsPer_mm = longestSide / kDefaultLongestSide_mm;
   const auto units = [&](double mm) { return mm * unitsPer_mm; };
   Overlays overlays;
   overlays.hip = {row.hip - origin, units(kBallRadius_mm)};
+  if (tool.ballRadius > 0) overlays.brush = {row.proxy - origin, tool.ballRadius};
   if (!row.contact) return overlays;
   const DVec3 proxy = row.proxy - origin;
   overlays.proxy = {proxy, row.normal, units(kDiscRadius_mm)};
   overlays.force = {proxy, row.force_N * units(kArrow_mm_per_N), units(kShaftRadius_mm)};
-  if (brush) overlays.brush = ballOf(*brush, row.hip - origin, proxy);
+  if (tool.brush) overlays.brush = ballOf(*tool.brush, row.hip - origin, proxy);
   return overlays;
 }
 

@@ -1,4 +1,5 @@
 #include "apps/bench/picture_way.hpp"
+#include "apps/cli/matter_options.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/picture.hpp"
 #include "apps/cli/stream_options.hpp"
@@ -27,11 +28,12 @@ void render(Context& context, const RenderOptions& options) {
   context.checkWritable(options.output);
   SessionConfig config{.model = options.model.config()};
   config.stream = streamConfig(options.stream, config.model.file);
+  config.matter = matterScene(config.model.file);
   const Model model = loadModel(context, config, EstimateOn::gpu);
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
   } else {
-    DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacing});
+    DrawnCloud drawn(context.device(), model.cloud, {.spacing = model.spacingOfDiscs()});
     PictureOptions picture = options.picture;
     picture.points = options.mode == "points";
     takePicture(context, model, drawn, picture, {}, options.output);

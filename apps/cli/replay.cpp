@@ -52,7 +52,7 @@ Recorded load(Context& context, const ReplayOptions& options) {
   SessionConfig& config = recorded.session.config;
   ModelConfig& model = config.model;
   if (!options.model.empty()) model.file = options.model;
-  if (!std::filesystem::exists(model.file))
+  if (!config.matter && !std::filesystem::exists(model.file))
     throw FileError(model.file, "is not there; name the model of the session with --model");
   const BackendKind& kind = context.backends().named(config.backend.name);
   recorded.model =

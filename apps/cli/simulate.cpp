@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/matter_options.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/core/statistics.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/io/matter_scene_file.hpp"
 #include "engine/io/saving.hpp"
 #include "engine/matter/matter_world.hpp"
 
@@ -23,11 +23,6 @@ struct SimulateOptions {
   std::string scene, probe, save;
   double duration_s = 1;
 };
-
-MatterScene sceneOf(const std::string& name) {
-  const auto names = matterSceneNames();
-  return std::ranges::find(names, name) != names.end() ? matterSceneNamed(name) : readMatterScene(name);
-}
 
 Json vectorJson(const DVec3& v) { return {v.x, v.y, v.z}; }
 
@@ -55,7 +50,7 @@ void save(const std::string& file, const MatterWorld& world) {
 void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
-  const MatterScene scene = sceneOf(options.scene);
+  const MatterScene scene = readSceneNamed(options.scene);
   MatterWorld world(scene, {.threads = context.threads()});
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
   std::vector<double> step_us;
@@ -98,9 +93,7 @@ void simulate(Context& context, const SimulateOptions& options) {
 void addSimulate(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("simulate", "matter that moves by itself, without a hand, on the CPU");
   auto options = std::make_shared<SimulateOptions>();
-  std::string names;
-  for (const std::string_view name : matterSceneNames()) names += (names.empty() ? "" : ", ") + std::string(name);
-  sub.add("scene", options->scene, "a JSON file, or one of " + names).required().typeName("SCENE");
+  sub.add("scene", options->scene, "a JSON file, or one of " + builtInScenes()).required().typeName("SCENE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
   sub.add("--save", options->save, "file for the particles at the end, mm: " + cloudFormats().endingsWritten())

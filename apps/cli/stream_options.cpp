@@ -1,5 +1,6 @@
 #include "apps/cli/stream_options.hpp"
 
+#include "apps/cli/matter_options.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/session/bounds.hpp"
@@ -41,7 +42,8 @@ void addStreamOptions(Options& command, StreamOptions& options) {
 }
 
 std::string modelsAndStreams() {
-  return fmt::format("{} file, or a recorded depth camera: {}", cloudFormats().namesRead(), rgbdFoldersRead());
+  return fmt::format("{} file, a recorded depth camera ({}), or a scene of matter (a .json file, or one of {})",
+                     cloudFormats().namesRead(), rgbdFoldersRead(), builtInScenes());
 }
 
 std::optional<StreamConfig> streamConfig(const StreamOptions& options, std::string& modelFile) {

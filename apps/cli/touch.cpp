@@ -78,7 +78,7 @@ FollowerMaker sightFor(Context& context, const TouchCommandOptions& options, Dra
   };
 }
 
-TouchReport reportOf(const Session& session, const ServoResult& result, const SculptedCloud& end) {
+TouchReport reportOf(Session& session, const ServoResult& result, const SculptedCloud& end) {
   const Model& model = session.model();
   const SessionConfig& config = session.config();
   const TouchBackend& backend = session.backend();
@@ -108,9 +108,14 @@ TouchReport reportOf(const Session& session, const ServoResult& result, const Sc
                      .mm_per_unit = model.scale.mm_per_unit,
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
+  if (config.matter)
+    report.matter = MatterReport{.matter = config.matter->matter,
+                                 .substeps = planOf(*config.matter).substeps,
+                                 .gain = config.matter->gain,
+                                 .leftOut_s = session.backend().simulation()->leftOut_s()};
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
-  // Of a depth camera's frames the first one alone is known here.
-  if (backend.points(0).empty() && !config.stream && !(config.motion && config.realtime))
+  // Of a depth camera's frames the first one alone is known here, and matter has no surface.
+  if (backend.points(0).empty() && !config.stream && !config.matter && !(config.motion && config.realtime))
     report.error =
         contactError(result.trace(), model, session.surface(), backend.firstEditTime_s(), rigidMotion(config, model));
   return report;
@@ -122,15 +127,16 @@ void drawEnd(Context& context, const TouchCommandOptions& options, const Session
     context.log().say("{}: --color {} and --pass {} do not show what was painted; --color rgb does",
                       options.pictureFile, options.picture.color, options.picture.pass);
   const Model& model = session.model();
-  std::optional<BrushOptions> brush;
-  if (session.config().brush) brush = brushOptions(*session.config().brush, model.scale);
+  HeldTool tool;
+  if (session.config().brush) tool.brush = brushOptions(*session.config().brush, model.scale);
+  tool.ballRadius = model.ballRadius;
   // A back end that is not followed is drawn once, as it ended.
   std::optional<DrawnCloud> ended;
-  if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacing});
+  if (!followed) ended.emplace(context.device(), cloud, DrawnOptions{.spacing = model.spacingOfDiscs()});
   takePicture(context, model, followed ? followed->drawn() : *ended, options.picture,
               trace.rows.empty()
                   ? Overlays{}
-                  : overlaysOf(trace.rows.back(), model.cloud.origin, boundsOf(model.cloud).longestSide(), brush),
+                  : overlaysOf(trace.rows.back(), model.cloud.origin, boundsOf(model.cloud).longestSide(), tool),
               options.pictureFile);
 }
 

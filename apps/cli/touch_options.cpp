@@ -1,5 +1,6 @@
 #include "apps/cli/touch.hpp"
 
+#include "apps/cli/matter_options.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
@@ -69,7 +70,8 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
 void addPathOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--path", options.path,
           "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
-          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching)")
+          "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching); in a scene "
+          "of matter builtin:press (a ball dives) and stir (in circles)")
       .showDefault();
   sub.add("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
@@ -175,7 +177,7 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   checkHandOptions(options.hand, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {
-    if (!options.saveFile.empty() && options.stream.fuse != "on")
+    if (!options.saveFile.empty() && options.stream.fuse != "on" && !matterScene(options.model.file))
       throw UsageError("--save: nothing changes with --edit none");
     if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }
@@ -196,6 +198,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options) {
   config.realtime = options.realtime;
   config.motion = motionConfig(options.motion);
   config.stream = streamConfig(options.stream, config.model.file);
+  config.matter = matterScene(config.model.file);
   if (!options.secondDevice.empty())
     config.hands.push_back(
         secondHand(options.hand, options.secondDevice).config(options.secondPath, options.penetration_mm));

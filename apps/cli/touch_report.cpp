@@ -4,6 +4,7 @@
 
 #include "apps/cli/tick_times.hpp"
 #include "engine/contact/contact_reference.hpp"
+#include "engine/core/named_values.hpp"
 
 namespace palpate {
 
@@ -81,17 +82,34 @@ Json toJson(const PlayCounts& frames) {
           {"silent_since_s", frames.silentSince_s ? Json(*frames.silentSince_s) : Json(nullptr)}};
 }
 
+std::string inWords(const MatterReport& matter, std::size_t particles) {
+  std::string words = fmt::format("{} of {}, {} substeps in a millisecond, forces times {:g}", particles,
+                                  nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
+  if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
+  return words;
+}
+
+Json toJson(const MatterReport& matter) {
+  return {{"kind", nameOf(kMatters, matter.matter)},
+          {"substeps", matter.substeps},
+          {"gain", matter.gain},
+          {"left_out_s", matter.leftOut_s}};
+}
+
 }  // namespace
 
 void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
-  row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
-                            report.spacing_mm, report.noise_spacings, report.radius_mm));
+  if (report.matter)
+    row("particles", inWords(*report.matter, report.points));
+  else
+    row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
+                              report.spacing_mm, report.noise_spacings, report.radius_mm));
   if (report.frames) row("frames", inWords(*report.frames));
   row("machine", fmt::format("{} ({})", report.machine, report.backend));
-  row("index build", fmt::format("{:.1f} us", report.build_us));
+  if (!report.matter) row("index build", fmt::format("{:.1f} us", report.build_us));
   row("ticks", fmt::format("{}, {} in contact", trace.ticks, trace.contactTicks));
   row("step p50 / p99.9", fmt::format("{:.1f} / {:.1f} us (pose to force)", trace.step_us.p50, trace.step_us.p999));
   if (trace.gpu_us.count)
@@ -99,7 +117,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.edits)
     row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
-  if (trace.contactTicks == 0)
+  if (trace.contactTicks == 0 && !report.matter)
     row("contact",
         "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
         "spacings wide?");
@@ -217,6 +235,7 @@ Json toJson(const TouchReport& report) {
       {"thinned_ticks", report.shortfalls.thinnedTicks},
       {"thinned_patches", report.shortfalls.thinnedPatches},
       {"truncated_ticks", report.shortfalls.truncatedTicks},
+      {"matter", report.matter ? toJson(*report.matter) : Json(nullptr)},
       {"radius_mm", report.radius_mm},
       {"cell_mm", report.cell_mm},
       {"spacing_mm", report.spacing_mm},

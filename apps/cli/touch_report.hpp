@@ -3,6 +3,7 @@
 #include "apps/cli/model.hpp"
 #include "engine/contact/surface.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/matter/matter_scene.hpp"
 #include "engine/motion/play_counts.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/servo_loop.hpp"
@@ -42,6 +43,14 @@ struct SecondHandReport {
   HandCounts counts;
 };
 
+/// What moved by itself.
+struct MatterReport {
+  Matter matter = Matter::water;
+  std::uint32_t substeps = 0;  ///< in a millisecond
+  double gain = 1;             ///< of the forces
+  double leftOut_s = 0;        ///< by which it stayed behind the clock
+};
+
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
@@ -64,6 +73,7 @@ struct TouchReport {
   std::size_t toolPoints = 0;  ///< 0: it touches with the HIP alone
   ContactError error;
   std::optional<PlayCounts> frames;   ///< where the model is a depth camera
+  std::optional<MatterReport> matter;  ///< where the model is a scene
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

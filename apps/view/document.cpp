@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/matter_options.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"
@@ -42,6 +43,7 @@ void Document::open(const std::string& file) {
     WindowOptions options = options_;
     options.config.model.file = file;
     options.config.stream = streamOf(file, options_);
+    options.config.matter = options.config.stream ? std::nullopt : matterScene(file);
     read(std::move(options));
   });
 }
@@ -104,17 +106,21 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   saveQuestion_.reset();
   if (!session_) return;
   saidOfFrames_ = {};
+  saidOfSimulation_.clear();
   const HandedOn handedOn = std::exchange(handedOn_, HandedOn::no);
   if (handedOn == HandedOn::held) messages_.say("what is held can be sculpted; K lets the frames go on");
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
-  saveFile_ = isLive() ? "camera.ply" : whereToSave(session_->file()).string();
+  saveFile_ = isLive()                    ? "camera.ply"
+              : session_->config().matter ? std::filesystem::path(session_->file()).stem().string() + ".ply"
+                                          : whereToSave(session_->file()).string();
 }
 
 void Document::follow() {
   if (const auto fault = session_->takeRecordingFault()) messages_.say(*fault);
   if (const auto saved = session_->takeSaved()) finishSaving(*saved);
   sayWhatFramesLack();
+  sayWhatSimulationLacks();
   messages_.tryTo([&] { sculptHeld(); });
 }
 
@@ -186,6 +192,7 @@ void Document::carryOut(const ViewRequests& requests) {
   if (!requests.play.empty()) play(requests.play);
   if (requests.endPlaying) session_->endPlaying();
   if (requests.exportTicks) writeTicks();
+  if (requests.beginAnew) beginAnew();
   if (requests.holdFrames) holdFrames();
   if (requests.stepFrame && session_->isHeldStill())
     messages_.say("what is sculpted is one frame; K lets the frames go on");
@@ -193,7 +200,28 @@ void Document::carryOut(const ViewRequests& requests) {
     session_->stepFrame();
 }
 
+void Document::beginAnew() {
+  SimulationControl* const simulation = session_->simulation();
+  if (!simulation) return;
+  simulation->reset();
+  saidOfSimulation_.clear();
+  messages_.say("the scene begins anew");
+}
+
+void Document::sayWhatSimulationLacks() {
+  SimulationControl* const simulation = session_->simulation();
+  if (!simulation) return;
+  const std::string failure = simulation->failure();
+  if (failure == saidOfSimulation_) return;
+  saidOfSimulation_ = failure;
+  if (!failure.empty()) messages_.say(fmt::format("the simulation {}; N begins it anew", failure));
+}
+
 void Document::holdFrames() {
+  if (SimulationControl* const simulation = session_->simulation()) {
+    simulation->hold(!simulation->isHeld());
+    return messages_.say(simulation->isHeld() ? "the scene is held" : "the scene goes on");
+  }
   if (session_->isHeldStill()) return letFramesGoOn();
   if (const auto held = session_->holdFrames()) messages_.say(*held ? "frames are held" : "frames go on");
 }

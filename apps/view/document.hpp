@@ -75,6 +75,8 @@ class Document {
   void install(std::unique_ptr<WindowSession> session);
   // Of a camera: frames are held or go on, and what is held is sculpted once there is a brush.
   void holdFrames();
+  void beginAnew();
+  void sayWhatSimulationLacks();
   void sculptHeld();
   void letFramesGoOn();
   // To where Ctrl+S goes; asks first where a file would lose something.
@@ -97,6 +99,7 @@ class Document {
   struct {
     bool lost = false, silent = false;
   } saidOfFrames_;
+  std::string saidOfSimulation_;
 
   bool asks_;
   std::function<void()> afterQuestion_;  // waits for the answer about changes

@@ -60,6 +60,8 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
       return {.holdFrames = true};
     case GLFW_KEY_PERIOD:
       return {.stepFrame = true};
+    case GLFW_KEY_N:
+      return {.beginAnew = true};
     case GLFW_KEY_Q:
       return {.quit = true};
     case GLFW_KEY_BACKSPACE:

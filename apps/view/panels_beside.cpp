@@ -99,7 +99,7 @@ void Panels::drawHelp(ViewSettings& view) {
   ImGui::SetNextWindowPos({display.x / 2, display.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowSize({std::min(em(39), display.x - em(1)), 0});
   ImGui::Begin("Help", &view.help, ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoMove);
-  static constexpr std::array<std::pair<const char*, const char*>, 20> kRows{
+  static constexpr std::array<std::pair<const char*, const char*>, 21> kRows{
       {{"hold Space", "the mouse is the stylus: move over the model"},
        {"Space + left button", "press into the model, and sculpt with a brush"},
        {"Space + wheel", "deeper, or less deep"},
@@ -117,6 +117,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"M", "triangles (marching cubes), or points"},
        {"D,  F", "measure between two places,  cameras on and off"},
        {"K,  .", "hold the frames of a depth camera, or let them go on;  the next one"},
+       {"K,  N", "hold water or sand, or let it go on;  it begins anew"},
        {"P,  C", "picture to a file,  curves on and off"},
        {"Tab", "panels on and off"},
        {"H,  Q", "this help,  quit"}}};

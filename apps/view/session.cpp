@@ -38,7 +38,7 @@ std::string methodOf(const std::string& backend, const FeelSettings& feel) {
 
 SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush, const FeelSettings& feel) {
   SessionConfig config = options.config;
-  if (!config.stream) config.brush = brushOf(brush);
+  if (!config.moves()) config.brush = brushOf(brush);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -68,15 +68,16 @@ DrawnCloud& WindowSession::drawn() {
   return follower->drawn();
 }
 
-std::optional<BrushOptions> WindowSession::brush() const {
-  const auto brush = brushOf(brush_);
-  if (!brush) return std::nullopt;
-  return brushOptions(*brush, model().scale);
+HeldTool WindowSession::heldTool() const {
+  HeldTool tool{.ballRadius = model().ballRadius};
+  if (const auto brush = brushOf(brush_); brush && !config().matter) tool.brush = brushOptions(*brush, model().scale);
+  return tool;
 }
 
 void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
+  if (config().matter && brush.kind) throw Error("matter that moves by itself is not sculpted");
   if (!config().stream) return setBrush(brushOf(brush));
   if (brush.kind && !holdsFrames()) throw Error("frames that go on are not sculpted; K holds them");
 }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/context.hpp"
 #include "engine/contact/query_method.hpp"
 #include "haptics/session/drawn_follower.hpp"
@@ -58,8 +59,8 @@ class WindowSession final : private DrawnSlot, public LiveSession {
 
   const BrushSettings& brushSettings() const { return brush_; }
   const FeelSettings& feel() const { return feel_; }
-  /// The brush in model units; none while the surface is only felt.
-  std::optional<BrushOptions> brush() const;
+  /// Model units; without a brush while the surface is only felt.
+  HeldTool heldTool() const;
   void setBrushSettings(const BrushSettings& brush);
   void setFeel(const FeelSettings& feel);
 

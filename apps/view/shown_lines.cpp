@@ -1,6 +1,6 @@
 #include "apps/view/shown_lines.hpp"
 
-#include "apps/cli/camera_lines.hpp"
+#include "apps/cli/model_lines.hpp"
 
 namespace palpate {
 
@@ -55,6 +55,7 @@ void ShownLines::follow(const WindowSession& session, const ViewSettings& view, 
   madeOf_ = madeOf;
   auto lines = std::make_shared<std::vector<SpaceLine>>();
   cameras_ = 0;
+  addContainer(*lines, session.model());
   if (view.cameras) addCameras(session, *lines);
   addMeasure(*lines, measure.places(), session.longestSide());
   lines_ = std::move(lines);

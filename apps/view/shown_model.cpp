@@ -16,11 +16,12 @@ FrameOptions frameOptions(const WindowSession& session, const ViewSettings& view
   const Model& model = session.model();
   options.up = directionOf(view.upOf(model));
   options.shown = model.shown;
-  options.splatRadius = loneDiscRadius(model);
+  options.splatRadius = discRadiusOf(model);
   if (view.discRadius_mm > 0) options.splatRadius = model.scale.toUnits(view.discRadius_mm);
   const TickHistory& history = session.history();
   if (touched && !history.rows().empty())
-    options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(), session.brush());
+    options.overlays = overlaysOf(history.rows().back(), model.cloud.origin, session.longestSide(),
+                                  session.heldTool());
   return options;
 }
 

@@ -13,6 +13,7 @@
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/pass_record.hpp"
+#include "engine/core/simulation_control.hpp"
 
 namespace palpate {
 
@@ -81,6 +82,9 @@ class TouchBackend : public ContactQuery {
   /// Where a source moves the points: the newest whole frame that was felt. False where none has come since the last
   /// call. For one thread, as takeEdits().
   virtual bool takeFrame(CloudFrame&) { return false; }
+
+  /// Of points that move by themselves; null where they do not.
+  virtual SimulationControl* simulation() { return nullptr; }
 
   // What is done to the points, for whoever follows it: a journal, a session log. Only where keepsEdits() says so.
 

@@ -45,6 +45,12 @@ void requireFields(const MatterScene& scene) {
   requireBetween("substeps", scene.substeps, 0, kMostSubsteps);
 }
 
+constexpr double kPi = 3.14159265358979323846;
+
+double displaced_kg(const MatterScene& scene, double radius_mm) {
+  return scene.density_kg_m3 * 4 / 3 * kPi * std::pow(radius_mm * 1e-3, 3);
+}
+
 void requireTool(const MatterScene& scene) {
   const auto& [radius, mass] = scene.tool;
   requireBetween("tool.radius_mm", radius, 0, kMostBox_mm);
@@ -54,7 +60,7 @@ void requireTool(const MatterScene& scene) {
     throw Error("tool.radius_mm: is {}; it is at least the spacing, {}", radius, scene.spacing_mm);
   const double smallest = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
   if (2 * radius >= smallest) throw Error("tool.radius_mm: is {}; twice that is below the box, {}", radius, smallest);
-  const double displaced = scene.density_kg_m3 * 4 / 3 * 3.14159265358979 * std::pow(radius * 1e-3, 3);
+  const double displaced = displaced_kg(scene, radius);
   if (mass < displaced / 2)
     throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
 }
@@ -95,6 +101,13 @@ void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_by
 }
 
 }  // namespace
+
+MatterTool usualTool(const MatterScene& scene) {
+  constexpr double kRadius_spacings = 3, kMostOfBox = 0.4;
+  const double narrowest_mm = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
+  const double radius_mm = std::min(kRadius_spacings * scene.spacing_mm, kMostOfBox * narrowest_mm);
+  return {.radius_mm = radius_mm, .mass_kg = displaced_kg(scene, radius_mm)};
+}
 
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   requireFields(scene);

@@ -42,6 +42,10 @@ struct MatterScene {
   bool operator==(const MatterScene&) const = default;
 };
 
+/// For a hand where the scene says no tool: a ball of three spacings' radius, or less in a narrow box, as heavy as what it
+/// displaces.
+MatterTool usualTool(const MatterScene& scene);
+
 /// Length of a step.
 inline constexpr double kMatterStep_s = 1e-3;
 

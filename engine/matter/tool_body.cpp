@@ -20,13 +20,19 @@ DVec3 spinBetween(const DQuat& from, const DQuat& to, double step_s) {
   return sine > 0 ? axis / sine * (2 * std::atan2(sine, turn.w) / step_s) : DVec3(0);
 }
 
+constexpr double kCouplingFrequency_1_s = 2 * kPi * kCouplingFrequency_Hz;
+
 }  // namespace
 
-ToolBody::ToolBody(const MatterTool& tool, double step_s) : mass_kg_(tool.mass_kg), step_s_(step_s) {
-  const double angular = 2 * kPi * kCouplingFrequency_Hz;
-  stiffness_N_m_ = mass_kg_ * angular * angular;
-  damping_Ns_m_ = 2 * mass_kg_ * angular;
+double couplingStiffness_N_m(const MatterTool& tool) {
+  return tool.mass_kg * kCouplingFrequency_1_s * kCouplingFrequency_1_s;
 }
+
+ToolBody::ToolBody(const MatterTool& tool, double step_s)
+    : mass_kg_(tool.mass_kg),
+      stiffness_N_m_(couplingStiffness_N_m(tool)),
+      damping_Ns_m_(2 * tool.mass_kg * kCouplingFrequency_1_s),
+      step_s_(step_s) {}
 
 void ToolBody::placeAt(const HandPose& hand) {
   hand_ = hand;
@@ -65,7 +71,8 @@ ToolAnswer ToolBody::takeAnswer(double duration_s) {
   const ToolAnswer answer{.force_N = -springImpulse_ / duration_s,
                           .torque_Nm = exchanged_.angular / duration_s,
                           .reaction_N = exchanged_.impulse / duration_s,
-                          .place_m = motion_.place};
+                          .place_m = motion_.place,
+                          .velocity_m_s = motion_.velocity};
   springImpulse_ = DVec3(0);
   exchanged_ = {};
   return answer;

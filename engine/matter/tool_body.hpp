@@ -19,8 +19,12 @@ struct ToolAnswer {
   DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
   DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
   DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
-  DVec3 place_m{0};     ///< of the ball at the end
+  DVec3 place_m{0};       ///< of the ball at the end
+  DVec3 velocity_m_s{0};  ///< of the ball at the end
 };
+
+/// Of the spring between a hand and its ball.
+double couplingStiffness_N_m(const MatterTool& tool);
 
 /// Has no weight of its own: what a hand feels of a ball in water is its buoyancy. It turns as the hand does.
 class ToolBody {

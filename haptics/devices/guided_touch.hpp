@@ -2,7 +2,7 @@
 // moves as a real one would in that hand.
 #pragma once
 
-#include "haptics/devices/latest_value.hpp"
+#include "engine/core/latest_value.hpp"
 #include "haptics/devices/simulated_touch.hpp"
 
 namespace palpate {

@@ -3,9 +3,9 @@
 
 #include <thread>
 
+#include "engine/core/latest_value.hpp"
 #include "haptics/devices/hid_link.hpp"
 #include "haptics/devices/hid_motion.hpp"
-#include "haptics/devices/latest_value.hpp"
 
 namespace palpate {
 

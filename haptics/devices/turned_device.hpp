@@ -3,7 +3,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 
-#include "haptics/devices/latest_value.hpp"
+#include "engine/core/latest_value.hpp"
 #include "haptics/devices/wrapped_device.hpp"
 
 namespace palpate {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/core/named_values.hpp"
+#include "engine/touch/matter_touch.hpp"
 
 namespace palpate {
 
@@ -56,8 +57,17 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("motion.kind", "backend.name {} feels only what stands still; take vulkan or cpu", name());
   if (!can.followsMotion && config.stream)
     throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for a depth camera", name());
+  if (!can.followsMotion && config.matter)
+    throw ConfigError("backend.name", "{} feels only what stands still; take vulkan or cpu for matter", name());
   if (!can.keepsEdits && config.undo.undo > 0)
     throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
+}
+
+std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) {
+  return std::make_unique<MatterTouch>(
+      *request.config.matter,
+      MatterTouchOptions{
+          .hands = request.tools.size(), .threads = request.threads, .realtime = request.config.realtime});
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

@@ -56,6 +56,9 @@ class BackendKind {
   }
 };
 
+/// For a scene of matter, which has a hand for each tool of the request.
+std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request);
+
 /// The CPU, which every program has.
 std::unique_ptr<BackendKind> cpuBackend();
 

@@ -295,14 +295,33 @@ void describe(auto&& in, auto& config, const StreamConfig*) {
   in.field("intrinsics", config.intrinsics);
 }
 
+void describe(auto&& in, auto& config, const MatterTool*) {
+  in.field("radius_mm", config.radius_mm);
+  in.field("mass_kg", config.mass_kg);
+}
+
+template <class Part>
+constexpr auto describer = [](auto&& in, auto& part) { describe(in, part, static_cast<const Part*>(nullptr)); };
+
+void describe(auto&& in, auto& config, const MatterScene*) {
+  in.field("matter", config.matter, kMatters);
+  in.field("box_mm", config.box_mm);
+  in.field("fill_mm", config.fill_mm);
+  in.field("spacing_mm", config.spacing_mm);
+  in.field("density_kg_m3", config.density_kg_m3);
+  in.field("viscosity_Pa_s", config.viscosity_Pa_s);
+  in.field("friction", config.friction);
+  in.field("gravity_m_s2", config.gravity_m_s2);
+  in.field("substeps", config.substeps);
+  in.part("tool", config.tool, describer<MatterTool>);
+  in.field("gain", config.gain);
+}
+
 void describe(auto&& in, auto& config, const UndoConfig*) {
   in.field("undo", config.undo);
   in.field("redo", config.redo);
   in.field("memory_MiB", config.memory_MiB);
 }
-
-template <class Part>
-constexpr auto describer = [](auto&& in, auto& part) { describe(in, part, static_cast<const Part*>(nullptr)); };
 
 void describeSession(auto&& in, auto& config) {
   in.part("model", config.model, describer<ModelConfig>);
@@ -315,6 +334,7 @@ void describeSession(auto&& in, auto& config) {
   in.part("undo", config.undo, describer<UndoConfig>);
   in.partWhereGiven("motion", config.motion, describer<MotionConfig>);
   in.partWhereGiven("stream", config.stream, describer<StreamConfig>);
+  in.partWhereGiven("matter", config.matter, describer<MatterScene>);
   in.parts("hands", config.hands, describer<HandConfig>);
   in.field("rate_Hz", config.rate_Hz);
   in.field("duration_s", config.duration_s);

@@ -15,7 +15,7 @@ DrawnFollower::DrawnFollower(Device& sight, const Model& model, TouchBackend& ba
   drawn_.emplace(sight, model.cloud,
                  DrawnOptions{.spare = scope.newPoints.value_or(most),
                               .painted = scope.paints,
-                              .spacing = model.spacing,
+                              .spacing = model.spacingOfDiscs(),
                               .edited = scope.edits});
   if (EditLog* const log = backend.editLogOn(sight)) reader_.emplace(*log);
 }

@@ -208,12 +208,17 @@ bool LiveSession::redo() { return journal_->redoable() > 0 && undoStrokes(0, 1);
 
 void LiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
-  if (!servo_.lost) between([] {});
+  // What moves by itself is in no journal.
+  std::optional<PointCloud> present;
+  const auto look = [&] {
+    if (config().moves()) present = session_.sculpted().cloud;
+  };
+  servo_.lost ? look() : between(look);
   saving_.version = journal_->version();
   std::vector<PointState> points(journal_->points().begin(), journal_->points().end());
-  saving_.running = std::async(std::launch::async, [this, file, points = std::move(points)] {
+  saving_.running = std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
     try {
-      const std::filesystem::path kept = saveKeeping(file, editedCloud(model().cloud, points));
+      const std::filesystem::path kept = saveKeeping(file, present ? *present : editedCloud(model().cloud, points));
       return Saved{file, kept.string(), {}};
     } catch (const std::exception& error) {
       return Saved{file, {}, error.what()};

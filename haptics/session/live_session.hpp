@@ -77,6 +77,8 @@ class LiveSession {
   bool holdsFrames() const { return held_; }
   /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
   bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
+  /// Of a model that moves by itself; null where it does not.
+  SimulationControl* simulation() { return session_.backend().simulation(); }
   /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has
   /// no more. A session whose configuration has no stream sculpts the points; one that has it goes on from them once it
   /// lets its frames go on. Throws what a query could not.

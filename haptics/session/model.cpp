@@ -11,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/touch/matter_touch.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/stream_model.hpp"
 #include "shaders/shared/contact.h"
@@ -70,7 +71,28 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
   return model;
 }
 
+namespace {
+
+// A scene of matter as it begins. Its units are millimetres, in the hand, too, unless somebody says otherwise.
+Model matterModel(const SessionConfig& config, unsigned threads) {
+  Model model{.cloud = cloudOf(*config.matter, threads)};
+  sayScale(model.cloud.storedAs.comments, 1);
+  model.upright = findUp(model.cloud);
+  model.container = model.shown = Bounds{.min = DVec3(0), .max = config.matter->box_mm};
+  measure(model, config.model, threads);
+  // Particles fill a body: how far apart they lie says nothing of a surface.
+  constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
+  model.spacing = model.wideSpacing = config.matter->spacing_mm;
+  model.noise = 0;
+  model.discRadius = kDisc_spacings * model.spacing;
+  model.ballRadius = config.matter->tool.radius_mm;
+  return model;
+}
+
+}  // namespace
+
 Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
+  if (config.matter) return matterModel(config, loading.threads);
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading.log);
   Model model;

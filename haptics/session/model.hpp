@@ -25,6 +25,11 @@ struct Model {
   double spacing = 0;      ///< model units
   double wideSpacing = 0;  ///< where the points lie far apart (SpacingRange), model units
   double noise = 0;        ///< of the positions, off their surface (SpacingRange), spacings
+  /// Of all discs of a picture, model units, as of particles that fill a body; 0: each is as wide as the surface around
+  /// it needs.
+  double discRadius = 0;
+  std::optional<Bounds> container;  ///< a box that holds the points, as it does water; model units
+  double ballRadius = 0;            ///< of the ball that a hand holds in such points, model units; 0: it has none
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
@@ -33,6 +38,8 @@ struct Model {
   /// each session plays from its beginning.
   std::shared_ptr<PlayedStream> stream;
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
+  /// What discs are measured by, model units; 0: they are not.
+  double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
   Bounds shownBounds() const { return shown ? *shown : boundsOf(cloud); }
 };
 

@@ -81,6 +81,19 @@ void validate(const StreamConfig& stream, const SessionConfig& config) {
   if (!config.realtime) throw ConfigError("realtime", "what is live goes by the clock; turn it on");
 }
 
+void validate(const MatterScene& scene, const SessionConfig& config) {
+  try {
+    planOf(scene);
+  } catch (const Error& error) {
+    throw ConfigError("matter", "{}", error.what());
+  }
+  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
+  if (config.brush) throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
+  if (config.motion) throw ConfigError("motion.kind", "matter moves by itself; leave it out");
+  if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
+  if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
+}
+
 }  // namespace
 
 void validate(const SessionConfig& config) {
@@ -100,6 +113,7 @@ void validate(const SessionConfig& config) {
     if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
   }
   if (config.stream) validate(*config.stream, config);
+  if (config.matter) validate(*config.matter, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);
   inBounds("rate_Hz", config.rate_Hz, 1, bounds::kMostRate_Hz);

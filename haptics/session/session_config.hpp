@@ -16,6 +16,7 @@
 #include "engine/core/index_options.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/vec.hpp"
+#include "engine/matter/matter_scene.hpp"
 #include "engine/motion/rigid_motion.hpp"
 #include "haptics/force_law.hpp"
 #include "haptics/passivity.hpp"
@@ -171,6 +172,7 @@ struct SessionConfig {
   UndoConfig undo;
   std::optional<MotionConfig> motion;  ///< nothing: the model stands still, unless it is a stream
   std::optional<StreamConfig> stream;  ///< nothing: the model is a cloud in a file
+  std::optional<MatterScene> matter;   ///< that the model is, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second
   double duration_s = 0;                        ///< 0: as long as the paths
@@ -178,7 +180,7 @@ struct SessionConfig {
 
   bool operator==(const SessionConfig&) const = default;
   /// Whether the points move by themselves.
-  bool moves() const { return motion || stream; }
+  bool moves() const { return motion || stream || matter; }
 };
 
 /// Throws ConfigError that names the first field which is out of its bounds, and the bounds.

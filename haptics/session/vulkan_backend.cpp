@@ -28,6 +28,7 @@ class VulkanBackend final : public BackendKind {
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
+    if (request.config.matter) return matterTouch(request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
   }
 

@@ -1,4 +1,4 @@
-#include "haptics/devices/latest_value.hpp"
+#include "engine/core/latest_value.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "apps/cli/camera_lines.hpp"
+#include "apps/cli/model_lines.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +10,7 @@ namespace palpate {
 namespace {
 
 constexpr double kShortest = 0.02, kLongest = 0.06;  // of the longest side of what is shown
-constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255};
+constexpr std::array<std::uint8_t, 3> kCameraColor{90, 150, 255}, kContainerColor{150, 160, 175};
 constexpr double kCameraOpacity = 0.9;
 
 /// From each camera to the one that is nearest to it; in the middle of all.
@@ -54,7 +54,7 @@ void addFrustum(std::vector<SpaceLine>& lines, const CameraFrustum& frustum, con
   add(ridge, corners[1]);
 }
 
-PointCloud placesWithCameras(const Model& model) {
+PointCloud placesWithLines(const Model& model, bool cameras) {
   constexpr double kFarOff = 10;  // longest sides from the middle
   const Bounds box = model.shownBounds();
   PointCloud places;
@@ -62,6 +62,7 @@ PointCloud placesWithCameras(const Model& model) {
   for (unsigned corner = 0; corner < 8; ++corner)
     places.positions.emplace_back((corner & 1 ? box.max : box.min).x, (corner & 2 ? box.max : box.min).y,
                                   (corner & 4 ? box.max : box.min).z);
+  if (!cameras) return places;
   for (const CameraFrustum& camera : model.cameras) {
     const DVec3 place = camera.centre - model.cloud.origin;
     if (glm::distance(place, box.center()) <= kFarOff * box.longestSide()) places.positions.emplace_back(place);
@@ -69,11 +70,26 @@ PointCloud placesWithCameras(const Model& model) {
   return places;
 }
 
-std::shared_ptr<const std::vector<SpaceLine>> cameraLines(const Model& model) {
-  if (model.cameras.empty()) return nullptr;
-  const double length = frustumLength(model);
+void addContainer(std::vector<SpaceLine>& lines, const Model& model) {
+  if (!model.container) return;
+  const auto corner = [&](unsigned number) {
+    const auto& [min, max] = *model.container;
+    return DVec3(number & 1 ? max.x : min.x, number & 2 ? max.y : min.y, number & 4 ? max.z : min.z);
+  };
+  for (unsigned from = 0; from < 8; ++from)
+    for (const unsigned axis : {1u, 2u, 4u})
+      if ((from & axis) == 0)
+        lines.push_back({.from = corner(from), .to = corner(from | axis), .color = kContainerColor});
+}
+
+std::shared_ptr<const std::vector<SpaceLine>> modelLines(const Model& model, bool cameras) {
   auto lines = std::make_shared<std::vector<SpaceLine>>();
-  for (const CameraFrustum& camera : model.cameras) addFrustum(*lines, camera, model.cloud.origin, length);
+  addContainer(*lines, model);
+  if (cameras && !model.cameras.empty()) {
+    const double length = frustumLength(model);
+    for (const CameraFrustum& camera : model.cameras) addFrustum(*lines, camera, model.cloud.origin, length);
+  }
+  if (lines->empty()) return nullptr;
   return lines;
 }
 

@@ -1,0 +1,84 @@
+#include "engine/touch/matter_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/quaternion.hpp>
+
+namespace palpate {
+
+MatterSteps::MatterSteps(const MatterScene& scene, const MatterOptions& options, std::uint32_t mostAtOnce)
+    : world_(scene, options), tools_(options.tools), mostAtOnce_(mostAtOnce), between_(options.tools) {}
+
+MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
+  const std::span<const HandPose> hands(question.hands.data(), tools_);
+  if (reset_.exchange(false)) {
+    world_.reset();
+    hands_.clear();
+    last_.reset();
+  }
+  const bool held = held_.load();
+  const std::uint32_t steps = stepsTo(question.time_s);
+  // A hand that moves while everything stands still begins anew where it is then.
+  if (hands_.empty() || held) hands_.assign(hands.begin(), hands.end());
+  for (std::uint32_t k = 0; k < steps && !held; ++k) {
+    const double share = (k + 1.0) / steps;
+    for (std::size_t i = 0; i < tools_; ++i)
+      between_[i] = {.place_m = glm::mix(hands_[i].place_m, hands[i].place_m, share),
+                     .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share)};
+    world_.step(between_);
+  }
+  if (!held) hands_.assign(hands.begin(), hands.end());
+  state_.store(world_.state());
+  MatterAnswer answer{.question = question, .moves = !held, .state = world_.state()};
+  std::ranges::copy(world_.answers(), answer.hands.begin());
+  if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
+  return answer;
+}
+
+std::uint32_t MatterSteps::stepsTo(double time_s) {
+  const std::int64_t now = std::llround(time_s / kMatterStep_s);
+  if (last_ && now < *last_) {
+    world_.reset();
+    hands_.clear();
+    last_.reset();
+  }
+  const std::int64_t steps = last_ ? now - *last_ : 1;
+  last_ = now;
+  if (mostAtOnce_ == 0 || steps <= mostAtOnce_) return static_cast<std::uint32_t>(steps);
+  leftOut_.fetch_add(static_cast<std::uint64_t>(steps - mostAtOnce_), std::memory_order_relaxed);
+  return mostAtOnce_;
+}
+
+std::string MatterSteps::failure() const {
+  switch (state_.load()) {
+    case MatterState::diverged:
+      return "has diverged";
+    case MatterState::crowded:
+      return "has too many particles in one place";
+    case MatterState::running:
+      break;
+  }
+  return {};
+}
+
+void MatterSteps::show(double time_s) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (!lock) return;  // it is just being taken; the next step is shown
+  positions_ = world_.positionsById();
+  velocities_ = world_.velocitiesById();
+  shownAt_s_ = time_s;
+  wanted_.store(false, std::memory_order_relaxed);
+}
+
+bool MatterSteps::take(MatterView& view) {
+  const std::lock_guard lock(mutex_);
+  wanted_.store(true, std::memory_order_relaxed);
+  if (!shownAt_s_) return false;
+  view.time_s = *shownAt_s_;
+  view.positions.swap(positions_);
+  view.velocities.swap(velocities_);
+  shownAt_s_.reset();
+  return true;
+}
+
+}  // namespace palpate

@@ -1,0 +1,78 @@
+// A simulation that follows hands: step by step to the time of each pose.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "engine/core/contact_query.hpp"
+#include "engine/core/simulation_control.hpp"
+#include "engine/matter/matter_world.hpp"
+
+namespace palpate {
+
+/// Where hands are at a time.
+struct MatterQuestion {
+  double time_s = 0;
+  std::array<HandPose, kMostHands> hands;
+};
+
+/// What they get.
+struct MatterAnswer {
+  MatterQuestion question;
+  bool moves = true;   ///< false: it is held, and nobody feels anything
+  MatterState state = MatterState::running;
+  std::array<ToolAnswer, kMostHands> hands;
+};
+
+/// The particles at some time, by id.
+struct MatterView {
+  double time_s = 0;  ///< of the question
+  std::vector<Vec3> positions, velocities;  ///< m, m/s
+};
+
+/// goTo() is for one thread, take() for another one, and the rest for any.
+class MatterSteps final : public SimulationControl {
+ public:
+  /// `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number. Throws Error as planOf() does.
+  MatterSteps(const MatterScene& scene, const MatterOptions& options, std::uint32_t mostAtOnce);
+
+  /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back the
+  /// scene begins anew.
+  MatterAnswer goTo(const MatterQuestion& question);
+  const MatterWorld& world() const { return world_; }
+
+  /// The newest particles. False where none are since the last time.
+  bool take(MatterView& view);
+
+  void reset() noexcept override { reset_.store(true); }
+  void hold(bool held) noexcept override { held_.store(held); }
+  bool isHeld() const noexcept override { return held_.load(); }
+  double leftOut_s() const noexcept override {
+    return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
+  }
+  std::string failure() const override;
+
+ private:
+  std::uint32_t stepsTo(double time_s);
+  void show(double time_s);
+
+  MatterWorld world_;
+  std::size_t tools_;
+  std::uint32_t mostAtOnce_;
+  std::optional<std::int64_t> last_;  // number of the step that the questions have come to
+  std::vector<HandPose> hands_;       // of the last question
+  std::vector<HandPose> between_;
+  std::atomic<bool> reset_ = false, held_ = false;
+  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
+  std::atomic<MatterState> state_ = MatterState::running;
+
+  std::atomic<bool> wanted_ = true;  // somebody would take what is shown
+  std::mutex mutex_;
+  std::optional<double> shownAt_s_;  // nothing: it was taken
+  std::vector<Vec3> positions_, velocities_;
+};
+
+}  // namespace palpate

@@ -1,0 +1,138 @@
+#include "engine/touch/matter_touch.hpp"
+
+#include <algorithm>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/cloud/up.hpp"
+#include "engine/core/cloud_frame.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/held_contact.hpp"
+#include "engine/core/parallel.hpp"
+#include "engine/core/processor.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kWaterColor{86, 140, 196, 255}, kSandColor{198, 168, 118, 255};
+// Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
+constexpr std::uint32_t kMostAtOnce = 2;
+// A hand feels no less than that; a ball beside the matter answers nothing.
+constexpr double kLeastForce_N = 1e-6;
+
+Vec3 upOf(const MatterScene& scene) {
+  const double gravity = glm::length(scene.gravity_m_s2);
+  return gravity > 0 ? Vec3(-scene.gravity_m_s2 / gravity) : Vec3(0, 1, 0);
+}
+
+MatterBox boxOf(const MatterScene& scene) {
+  return {.size = scene.box_mm * kMatterUnit_m, .periodic = scene.periodic};
+}
+
+std::vector<Vec3> inUnits(std::span<const Vec3> values_m) {
+  std::vector<Vec3> values(values_m.size());
+  std::ranges::transform(values_m, values.begin(),
+                         [](const Vec3& value) { return value * static_cast<float>(1 / kMatterUnit_m); });
+  return values;
+}
+
+}  // namespace
+
+MatterTouch::MatterTouch(const MatterScene& scene, const MatterTouchOptions& options)
+    : up_(upOf(scene)),
+      stiffness_N_m_(scene.gain * couplingStiffness_N_m(scene.tool)),
+      threads_(options.threads),
+      steps_(scene, {.threads = options.threads, .tools = options.hands}, options.realtime ? kMostAtOnce : 0),
+      answers_(options.hands),
+      surface_(boxOf(scene), scene.spacing_mm * kMatterUnit_m, options.threads) {
+  PALPATE_CHECK(scene.tool.radius_mm > 0);
+  if (options.realtime) thread_.emplace(steps_);
+}
+
+std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  PALPATE_CHECK_EQ(poses.size(), answers_.size());
+  MatterQuestion question{.time_s = poses.front().time_s};
+  bool finite = true;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    question.hands[i] = {.place_m = poses[i].hip * kMatterUnit_m, .orientation = poses[i].turn};
+    finite &= isFinite(poses[i].hip);
+  }
+  std::optional<MatterAnswer> answer;
+  if (finite) answer = thread_ ? thread_->ask(question, budget_us) : steps_.goTo(question);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    answers_[i] = answer ? contactOf(*answer, i, poses[i]) : Contact{.proxy = poses[i].hip, .valid = finite};
+  return answers_;
+}
+
+Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept {
+  const ToolAnswer& tool = answer.hands[hand];
+  const double age_s = pose.time_s - answer.question.time_s;
+  const double left = shareLeft(age_s, kStale_s, kStalest_s);
+  Contact contact{.proxy = pose.hip,
+                  .fresh = age_s <= 0,
+                  .valid = answer.state == MatterState::running,
+                  .dataTime_s = answer.question.time_s};
+  if (!contact.valid || !answer.moves || left <= 0 || !(glm::length(tool.reaction_N) > kLeastForce_N)) return contact;
+  // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
+  const DVec3 went_m = age_s * tool.velocity_m_s;
+  const DVec3 moved_m = pose.hip * kMatterUnit_m - answer.question.hands[hand].place_m;
+  const DVec3 force_N = left * (tool.force_N - stiffness_N_m_ * (moved_m - went_m));
+  const double size_N = glm::length(force_N);
+  contact.force_N = force_N;
+  contact.touching = size_N > kLeastForce_N;
+  if (!contact.touching) return contact;
+  contact.normal = force_N / size_N;
+  contact.proxy = (tool.place_m + went_m) / kMatterUnit_m;
+  contact.velocity = tool.velocity_m_s / kMatterUnit_m;
+  return contact;
+}
+
+void MatterTouch::finish() {
+  if (thread_) thread_->finish();
+  if (const std::string failure = steps_.failure(); !failure.empty())
+    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+}
+
+std::size_t MatterTouch::readBack(PointCloud& cloud) const {
+  const std::vector<Vec3> places = steps_.world().positionsById();
+  PALPATE_CHECK_EQ(cloud.size(), places.size());
+  surface_.normalsOf(places, up_, cloud.normals);
+  const std::vector<Vec3> positions = inUnits(places);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) moved += positions[i] != cloud.positions[i] ? 1 : 0;
+  cloud.positions = positions;
+  return moved;
+}
+
+bool MatterTouch::takeFrame(CloudFrame& frame) {
+  if (!steps_.take(view_)) return false;
+  frame.time_s = view_.time_s;
+  frame.positions = inUnits(view_.positions);
+  frame.velocities = inUnits(view_.velocities);
+  surface_.normalsOf(view_.positions, up_, frame.normals);
+  frame.colors.clear();
+  frame.ids.clear();
+  return true;
+}
+
+void MatterTouch::setBrush(const std::optional<BrushOptions>& brush) {
+  if (brush) throw UsageError("matter that moves by itself cannot be sculpted");
+}
+
+std::string MatterTouch::machine() const {
+  return fmt::format("{}, {} threads", processorName(), threadCount(threads_));
+}
+
+PointCloud cloudOf(const MatterScene& scene, unsigned threads) {
+  const std::vector<Vec3> places = placesAtRest(scene);
+  PointCloud cloud;
+  cloud.positions = inUnits(places);
+  MatterSurface(boxOf(scene), scene.spacing_mm * kMatterUnit_m, threads).normalsOf(places, upOf(scene), cloud.normals);
+  cloud.colors.assign(places.size(), scene.matter == Matter::sand ? kSandColor : kWaterColor);
+  cloud.storedAs.comments = {"comment units: mm"};
+  if (const auto up = upOfCameras(DVec3(upOf(scene))))
+    cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));
+  return cloud;
+}
+
+}  // namespace palpate

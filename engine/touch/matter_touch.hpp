@@ -1,0 +1,73 @@
+// Hands in matter that moves by itself: each holds a ball, which the matter pushes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/core/touch_backend.hpp"
+#include "engine/matter/matter_surface.hpp"
+#include "engine/touch/matter_steps.hpp"
+#include "engine/touch/matter_thread.hpp"
+
+namespace palpate {
+
+/// A unit of the points of a scene is a millimetre.
+inline constexpr double kMatterUnit_m = 1e-3;
+
+struct MatterTouchOptions {
+  std::size_t hands = 1;
+  unsigned threads = 0;   ///< of the simulation; 0: one per core
+  bool realtime = false;  ///< it goes on a thread of its own, and no tick waits for it past its budget
+};
+
+/// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual time it
+/// goes as far as the poses do, so that the same poses give the same bytes. Against the clock it follows them: where it has
+/// no answer to a tick in time, the hand feels the last one with the stiffness of its ball's spring, and ever less of it as
+/// it grows old. Once it has failed no answer is valid, until it is reset. Nothing of it can be sculpted.
+class MatterTouch final : public TouchBackend {
+ public:
+  /// `scene` has a tool. Throws Error as planOf() does.
+  MatterTouch(const MatterScene& scene, const MatterTouchOptions& options);
+
+  std::size_t hands() const noexcept override { return answers_.size(); }
+  std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
+  /// Throws Error where the simulation has failed.
+  void finish() override;
+  std::size_t readBack(PointCloud& cloud) const override;
+  bool takeFrame(CloudFrame& frame) override;
+  SimulationControl* simulation() override { return &steps_; }
+
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override {}
+  void takeEdits(EditBatch&) override {}
+  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
+  void setBrush(const std::optional<BrushOptions>& brush) override;
+
+  std::string machine() const override;
+  double buildTime_us() const override { return buildTime_us_; }
+  const std::vector<double>& editTimes_us() const override { return noTimes_; }
+  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
+  const TouchShortfalls& shortfalls() const override { return shortfalls_; }
+  IndexWork indexWork() const override { return {}; }
+  double cell() const override { return 0; }
+
+ private:
+  Contact contactOf(const MatterAnswer& answer, std::size_t hand, const Pose& pose) const noexcept;
+
+  Vec3 up_;
+  double stiffness_N_m_;  // that a hand feels
+  unsigned threads_;
+  double buildTime_us_ = 0;
+  MatterSteps steps_;
+  std::vector<Contact> answers_;
+  std::vector<double> noTimes_;
+  TouchShortfalls shortfalls_;
+  mutable MatterSurface surface_;  // of the one who shows it
+  MatterView view_;
+  std::optional<MatterThread> thread_;  // against the clock; goes first
+};
+
+/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Throws Error as planOf() does.
+PointCloud cloudOf(const MatterScene& scene, unsigned threads);
+
+}  // namespace palpate
