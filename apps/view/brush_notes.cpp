@@ -12,8 +12,9 @@ void BrushNotes::noteSize(const WindowSession& session, std::uint64_t presses, M
   const Model& model = session.model();
   if (std::exchange(presses_, presses) != presses) tooSmall_.clear();
   const std::string tooSmall =
-      brush.kind ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])")
-                 : std::string();
+      brush.kind && !session.config().moves()
+          ? remarkOnSmallBrush(brush.radius_mm, model.scale.toMm(model.spacing), "its radius (key ])")
+          : std::string();
   if (tooSmall != std::exchange(tooSmall_, tooSmall) && !tooSmall.empty()) messages.say(tooSmall);
 }
 

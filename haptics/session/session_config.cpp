@@ -88,6 +88,7 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
     throw ConfigError("matter", "{}", error.what());
   }
   if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
+  if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
   if (config.brush) throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
   if (config.motion) throw ConfigError("motion.kind", "matter moves by itself; leave it out");
   if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");

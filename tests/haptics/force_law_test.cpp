@@ -171,4 +171,27 @@ TEST_CASE("what a surface that moves does to the hand in a second is limited, an
   CHECK(felt_N({0, 0, 1e-3}) == DVec3(0));
 }
 
+TEST_CASE("a force that is given is felt as it is, pulls included, within the same limits") {
+  ForceLaw law({.maxForce_N = 2, .maxRise_N_per_s = 500}, ModelScale{10});
+  const auto felt_N = [&](const DVec3& given_N, const DVec3& velocity = DVec3(0)) {
+    Contact contact = onPlane(below(1));
+    contact.force_N = given_N;
+    contact.velocity = velocity;
+    return law.update(contact, below(1), kTick_s);
+  };
+  CHECK(felt_N({0, 0, -0.4}) == DVec3(0, 0, -0.4));  // the plane's own spring would push
+  CHECK(felt_N({0, 0.3, -0.4}) == DVec3(0, 0.3, -0.4));
+  CHECK(law.demand_N() == doctest::Approx(0.5));
+  CHECK(glm::distance(felt_N({5, 0.3, -0.4}), DVec3(0, 0.3, -0.4)) <= 0.5 + 1e-12);  // rises no faster than it may
+  DVec3 last(0);
+  for (int i = 0; i < 20; ++i) last = felt_N({5, 0, 0});
+  CHECK(glm::distance(last, DVec3(2, 0, 0)) < 1e-9);
+  CHECK(felt_N({0.1, 0, 0}) == DVec3(0.1, 0, 0));                             // and falls at once
+  CHECK(felt_N({0.1, 0, 0}, {2000, 0, 0}).x == doctest::Approx(0.05));        // 1 W at 20 m/s
+  CHECK(felt_N({kNaN, 0, 0}) == DVec3(0));
+  CHECK(felt_N({0, kInfinity, 0}) == DVec3(0));
+  CHECK(law.update({.proxy = {1, 2, 0}, .valid = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
+  CHECK(law.update({.touching = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
+}
+
 }  // namespace palpate

@@ -83,6 +83,36 @@ TEST_CASE("a configuration goes into its text and comes back the same, whatever 
   CHECK(parseConfig(configText(boundless)) == boundless);
 }
 
+TEST_CASE("a scene of matter goes into the text as a whole, and what does not go with it is refused by its name") {
+  SessionConfig config{.model = {.file = "tank"}};
+  config.matter = MatterScene{.matter = Matter::sand,
+                              .box_mm = {60, 70, 80},
+                              .fill_mm = {60, 20, 30},
+                              .spacing_mm = 7,
+                              .density_kg_m3 = 1234,
+                              .viscosity_Pa_s = 0.25,
+                              .friction = 0.75,
+                              .gravity_m_s2 = {1, -2, 3},
+                              .substeps = 77,
+                              .tool = {.radius_mm = 8, .mass_kg = 0.5},
+                              .gain = 2.5};
+  CHECK(parseConfig(configText(config)) == config);
+  CHECK(faultOf(config).empty());
+  CHECK(config.moves());
+  const auto with = [&](auto&& change) {
+    SessionConfig other = config;
+    change(other);
+    return faultOf(other);
+  };
+  CHECK(with([](auto& c) { c.matter->spacing_mm = 0; }) == "matter");
+  CHECK(with([](auto& c) { c.matter->tool.radius_mm = 0; }) == "matter.tool.radius_mm");
+  CHECK(with([](auto& c) { c.matter->periodic[0] = true; }).starts_with("matter"));
+  CHECK(with([](auto& c) { c.brush.emplace(); }) == "brush.kind");
+  CHECK(with([](auto& c) { c.motion.emplace(); }) == "motion.kind");
+  CHECK(with([](auto& c) { c.stream.emplace(); }) == "stream");
+  CHECK(with([](auto& c) { c.tool.kind = ToolKind::ball; }) == "tool.kind");
+}
+
 TEST_CASE("what a text does not say is at its default") {
   CHECK(parseConfig(R"({"version": 1})") == SessionConfig{});
   SessionConfig sculpting;

@@ -1,0 +1,133 @@
+// Water and sand under a hand, as a user meets them.
+#include <cmath>
+
+#include "engine/io/ply_reader.hpp"
+#include "tests/apps/window_play.hpp"
+
+namespace palpate {
+
+namespace {
+
+// As deep as wide, with a ball that weighs what it displaces.
+constexpr const char* kTank =
+    R"({"matter": "water", "box_mm": [80, 130, 80], "fill_mm": [80, 80, 80], "spacing_mm": 10,
+        "tool": {"radius_mm": 20, "mass_kg": 0.0335}})";
+
+}  // namespace
+
+TEST_CASE("a ball that dives into water is lifted by what it displaces, the same each time, and replayed") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("tank.json")) << kTank;
+  std::ofstream(in("dive.csv")) << "t_s,x,y,z\n0,40,125,40\n0.4,40,40,40\n0.9,40,40,40\n";
+  const auto touched = [&](const std::string& options) {
+    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend cpu --trace " + in("t.csv") + " --json " +
+          in("r.json") + " --save " + in("s.ply") + " " + options);
+    return contentOf(in("t.csv")) + contentOf(in("s.ply"));
+  };
+  const std::string first = touched("--log " + in("log"));
+  double lift_N = 0, across_N = 0;
+  int ticks = 0;
+  for (const Row& row : readTrace(in("t.csv"))) {
+    if (row.t_s < 0.02) CHECK(row.force == DVec3(0));
+    if (row.t_s < 0.7) continue;
+    lift_N += row.force.y;
+    across_N += row.force.x + row.force.z;
+    ++ticks;
+  }
+  CHECK(lift_N / ticks == doctest::Approx(0.0335 * 9.81).epsilon(0.1));
+  CHECK(std::abs(across_N / ticks) < 0.03);
+  const auto report = jsonOf(in("r.json"));
+  CHECK(report["points"] == 512);
+  CHECK(report["moved_points"] > 500);
+  CHECK(report["matter"]["kind"] == "water");
+  CHECK(report["matter"]["left_out_s"] == 0);
+  CHECK(report["contact_error_mm"].is_null());
+  CHECK(readPly(in("s.ply")).size() == 512);
+  CHECK(touched("--threads 1") == first);
+  works("replay " + in("log"));
+  std::filesystem::remove(in("tank.json"));
+  works("replay " + in("log"));  // the log has the scene
+}
+
+TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("info dam --json " + in("i.json"));
+  const auto info = jsonOf(in("i.json"));
+  CHECK(info["particles"] == 1000);
+  CHECK(info["matter"] == "water");
+  CHECK(info["tool"]["radius_mm"] == 20);
+  CHECK(info["bytes"] > 100'000);
+  works("render sand --size 200x150 -o " + in("sand.png"));
+  CHECK(Picture(in("sand.png")).rgb.size() == 200 * 150 * 3);
+  works("touch dam --path builtin:stir --duration 0.3 --second-device path --second-path builtin:press --second-trace " +
+        in("second.csv") + " --backend cpu --trace " + in("t.csv"));
+  CHECK(readTrace(in("t.csv")).size() == 301);
+  CHECK(readTrace(in("second.csv")).size() == 301);
+}
+
+TEST_CASE("what does not go with a scene is refused, and says why") {
+  const ScratchFolder folder;
+  const std::string bad = (folder / "bad.json").string();
+  std::ofstream(bad) << R"({"matter": "water", "box_mm": [1, 1, 1], "fill_mm": [1, 1, 1], "spacing_mm": 1, "salt": 3})";
+  const auto refused = [&](const std::string& arguments, int code, const std::string& text) {
+    const Outcome outcome = palpate(arguments);
+    CHECK_MESSAGE(outcome.code == code, outcome.text);
+    CHECK_MESSAGE(outcome.text.find(text) != std::string::npos, outcome.text);
+  };
+  refused("touch dam --edit push", 2, "--edit: matter that moves by itself cannot be sculpted");
+  refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
+  refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
+  refused("touch dam --backend cuda", 2, "--backend: cuda feels only what stands still");
+  refused("touch dam --fuse on", 2, "is no recorded depth camera");
+  refused("touch dam --path builtin:scan", 2, "there are press, stir");
+  refused("touch " + bad, 1, bad + ": 'salt': is not known");
+  refused("info " + bad, 1, bad + ": 'salt': is not known");
+}
+
+TEST_CASE("in the window water moves, is held, begins anew, is saved beside the scene, and takes no tool") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/dam.json --size 480x360 --rate 500 --backend cpu", R"(
+0.01 key tab
+0.02 screenshot %/begin.png
+0.30 screenshot %/later.png
+0.32 key K
+0.34 screenshot %/held.png
+0.40 screenshot %/still.png
+0.41 state %/held.json
+0.42 key N
+0.44 key K
+0.48 screenshot %/anew.png
+0.50 key 2
+0.52 state %/tool.json
+0.54 key ctrl+s
+0.80 state %/saved.json
+0.82 quit
+)", "", [](const std::filesystem::path& folder) {
+    std::ofstream(folder / "dam.json")
+        << R"({"matter": "water", "box_mm": [200, 120, 40], "fill_mm": [60, 80, 40], "spacing_mm": 10})";
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto apart = [&](const char* one, const char* other) {
+    const Picture a(played->folder / one), b(played->folder / other);
+    REQUIRE(a.rgb.size() == b.rgb.size());
+    // Between what is said above and below.
+    std::size_t others = 0;
+    for (std::size_t i = a.rgb.size() / 5; i < a.rgb.size() / 5 * 4; ++i) others += std::abs(a.rgb[i] - b.rgb[i]) > 20;
+    return static_cast<double>(others) / static_cast<double>(a.rgb.size());
+  };
+  const double moved = apart("begin.png", "later.png");
+  CHECK(moved > 0.005);
+  CHECK(apart("held.png", "still.png") < 0.1 * moved);
+  CHECK(apart("begin.png", "anew.png") < 0.8 * apart("later.png", "anew.png"));
+  CHECK(played->state("held.json")["last_message"] == "the scene is held");
+  const std::string message = played->state("tool.json")["last_message"];
+  CHECK_MESSAGE(message.find("is not sculpted") != std::string::npos, message);
+  CHECK(played->state("saved.json")["save_file"] == "dam.ply");
+  const PointCloud saved = readPly(played->folder / "dam.ply");
+  CHECK(saved.size() == 6 * 8 * 4);
+  CHECK(contentOf(played->folder / "dam.json").find("\"water\"") != std::string::npos);
+}
+
+}  // namespace palpate
