@@ -138,7 +138,8 @@ void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const 
                                          .spin = spinBetween(before.orientation, now.orientation, plan().substep_s),
                                          .x = turn[0],
                                          .y = turn[1],
-                                         .z = turn[2]};
+                                         .z = turn[2],
+                                         .unused = 0};
       before = now;
     }
   }

@@ -81,8 +81,9 @@ struct HandStep {
   vec3 x;  // its axes in the world
   vec3 y;
   vec3 z;
+  uint unused;  // validation takes what it says of a vec3 for 16 bytes, which have to be there
 };
-PALPATE_SIZE(HandStep, 72);
+PALPATE_SIZE(HandStep, 76);
 
 // The ball of a tool. Where it is from the hand keeps digits that its place has not.
 struct ToolState {

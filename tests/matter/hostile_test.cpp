@@ -20,7 +20,7 @@ TEST_CASE("a simulation that diverges says so, has no force from then on, and ca
 }
 
 TEST_CASE("a hand that jumps across the box gives a bounded force or ends the simulation, never what is no number") {
-  checkJumpingHand(onCpu());
+  checkJumpingHand(onCpu(), 200);
 }
 
 TEST_CASE("the shortest and the longest substeps that are taken work") {

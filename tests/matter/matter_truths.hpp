@@ -8,8 +8,8 @@ namespace palpate {
 /// Grains on a floor that is tilted, in a box that is periodic along z.
 MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg);
 
-/// Pressure within 2 %, weight on the floor within 1 %, compression of 1 % at most.
-void checkWaterAtRest(const MatterMaker& make);
+/// Pressure within 2 %, weight on the floor within 1 %, compression of 1 % at most; means over some steps after others.
+void checkWaterAtRest(const MatterMaker& make, int settling, int steps);
 /// After each of so many steps.
 void checkMomentumIsAccountedFor(const MatterMaker& make, int steps);
 void checkMomentumStays(const MatterMaker& make, int steps);
@@ -19,7 +19,7 @@ void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter mat
 
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
-void checkRandomHands(const MatterMaker& make, int hands);
+void checkRandomHands(const MatterMaker& make, int hands, int steps);
 void checkReactions(const MatterMaker& make);
 
 /// A grain on a slope of 30 degrees.
@@ -30,6 +30,6 @@ void checkBallInSand(const MatterMaker& make);
 
 void checkFewParticles(const MatterMaker& make);
 void checkDivergence(const MatterMaker& make);
-void checkJumpingHand(const MatterMaker& make);
+void checkJumpingHand(const MatterMaker& make, int steps);
 
 }  // namespace palpate
