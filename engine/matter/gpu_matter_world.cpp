@@ -81,7 +81,7 @@ std::vector<T> copyOf(std::span<const T> values) {
 }  // namespace
 
 GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options)
-    : GpuMatterWorld(device, queue, scene, options, placesAtRest(scene)) {}
+    : GpuMatterWorld(device, queue, scene, options, placesAtRest(scene, options.memory_bytes)) {}
 
 GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                                std::vector<Vec3> places)
@@ -92,7 +92,7 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       sizes_(sizesOf(*this, ball_, tools())),
       memory_(device, sizes_),
       passes_(device, scene.matter),
-      step_(device, queue, "matter", CommandList::Timing::sections) {
+      step_(device, queue, "matter", options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
   upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));

@@ -22,6 +22,7 @@ class GpuMatterWorld final : public MatterSimulation {
                  std::vector<Vec3> places);
 
   std::optional<double> gpuTime_us() const override;
+  std::vector<PassRecord> passes() const override { return step_.passes(); }
   std::vector<Vec3> positionsById() const override;
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/pass_record.hpp"
 #include "engine/matter/hand_pose.hpp"
 #include "engine/matter/matter_scene.hpp"
 
@@ -60,6 +61,7 @@ struct MatterOptions {
   unsigned threads = 0;  ///< of the CPU; 0: one per core; results are the same for any number
   std::size_t tools = 0;
   std::uint64_t memory_bytes = kMostMatterBytes;
+  bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
 };
 
 /// For one thread at a time. The same scene and the same hands give the same bytes, on the same machine.
@@ -87,6 +89,8 @@ class MatterSimulation {
   const MatterTotals& totals() const { return totals_; }  ///< after the last substep
   /// Time of the last step on a GPU's own clock; nothing where none ran it, or it keeps none.
   virtual std::optional<double> gpuTime_us() const = 0;
+  /// What the last step ran on a GPU, with times where the options ask for them.
+  virtual std::vector<PassRecord> passes() const { return {}; }
 
   /// Looks at all particles.
   MatterObservation observe() const;

@@ -23,7 +23,7 @@ MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& 
 }  // namespace
 
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options)
-    : MatterWorld(scene, options, placesAtRest(scene)) {}
+    : MatterWorld(scene, options, placesAtRest(scene, options.memory_bytes)) {}
 
 MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : MatterSimulation(scene, options, std::move(places)),

@@ -23,9 +23,8 @@ uint after, countAfter;    // and those of this one
 // Whether a contact was there in the last substep, and what that left of it.
 bool wasThere(uint other, out vec3 left) {
   for (uint k = 0; k < countBefore; ++k) {
-    const uvec4 contact = args.contacts.at[before + k];
-    if (contact.w != other) continue;
-    left = uintBitsToFloat(contact.xyz);
+    if (args.contacts.at[before + k].w != other) continue;
+    left = uintBitsToFloat(args.contacts.at[before + k].xyz);
     return true;
   }
   return false;
