@@ -79,7 +79,6 @@ void MatterPasses::recordSort(CommandList& list, const MatterMemory& memory, con
   list.dispatch(count_, sizes.particles,
                 shared::MatterCountArgs{.control = control(memory),
                                         .setting = memory.setting.address(),
-                                        .positions = memory.particles.positions.address(),
                                         .places = memory.particles.places.address(),
                                         .firsts = sort.firsts.address(),
                                         .cells = sort.cells.address(),

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The cell of each particle, which stands inside of periodic borders from then on.
+// The cell of each particle, which is predicted inside of periodic borders from then on.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 
@@ -14,10 +14,8 @@ void main() {
   const MatterCells cells = particleCells();
   vec3 place = args.places.at[i].xyz;
   if (cells.periodic != 0) {
-    const vec3 inside = wrapped(cells, place);
-    args.positions.at[i] += vec4(inside - place, 0);
-    args.places.at[i] = vec4(inside, 0);
-    place = inside;
+    place = wrapped(cells, place);
+    args.places.at[i] = vec4(place, 0);
   }
   const uint cell = numberOf(cells, cellOf(cells, place));
   args.cells.at[i] = cell;

@@ -138,7 +138,6 @@ PALPATE_SIZE(MatterPredictArgs, 96);
 struct MatterCountArgs {
   PALPATE_ADDRESS(MatterControls) control;
   PALPATE_ADDRESS(MatterSettings) setting;
-  PALPATE_ADDRESS(Vec4s) positions;
   PALPATE_ADDRESS(Vec4s) places;
   PALPATE_ADDRESS(Uints) firsts;  // in and out: particles of each cell
   PALPATE_ADDRESS(Uints) cells;   // out: of each particle
@@ -146,7 +145,7 @@ struct MatterCountArgs {
   uint particles;
   uint unused;
 };
-PALPATE_SIZE(MatterCountArgs, 64);
+PALPATE_SIZE(MatterCountArgs, 56);
 
 // Counts to where each cell begins: reduce, then scan (engine/spatial/prefix_scan.hpp).
 struct MatterScanArgs {

@@ -35,7 +35,9 @@ struct Both {
       std::vector<HandPose> hands;
       for (std::size_t tool = 0; tool < gpu->answers().size(); ++tool) {
         const double angle = 0.02 * step_ * (static_cast<double>(tool) + 1);
-        hands.push_back({.place_m = {0.03 + 0.04 * static_cast<double>(tool), 0.05 - 2e-4 * step_, 0.035},
+        // Two beside each other, and the third one nearly where the first one is.
+        const double x = 0.03 + 0.04 * static_cast<double>(tool % 2) + 0.003 * static_cast<double>(tool / 2);
+        hands.push_back({.place_m = {x, 0.05 - 2e-4 * step_, 0.035},
                          .orientation = {std::cos(angle), 0.6 * std::sin(angle), 0, 0.8 * std::sin(angle)}});
       }
       gpu->step(hands);
