@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/matter_backend.hpp"
 #include "apps/cli/matter_options.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
@@ -10,7 +11,6 @@
 #include "engine/core/statistics.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
-#include "engine/matter/matter_world.hpp"
 
 namespace palpate {
 
@@ -20,7 +20,7 @@ constexpr double kLongestDuration_s = 1e5;
 constexpr double kMmPerMetre = 1e3;
 
 struct SimulateOptions {
-  std::string scene, probe, save;
+  std::string scene, probe, save, backend = "auto";
   double duration_s = 1;
 };
 
@@ -31,14 +31,14 @@ Json summaryJson(const Summary& summary) {
 }
 
 // What has failed, and what to do.
-void requireRunning(const MatterWorld& world) {
+void requireRunning(const MatterSimulation& world) {
   if (world.state() == MatterState::running) return;
   throw Error("the simulation {} after {:.3f} s; take more substeps",
               world.state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
               world.time_s());
 }
 
-void save(const std::string& file, const MatterWorld& world) {
+void save(const std::string& file, const MatterSimulation& world) {
   PointCloud cloud;
   cloud.positions = world.positionsById();
   for (Vec3& position : cloud.positions) position *= static_cast<float>(kMmPerMetre);
@@ -51,7 +51,9 @@ void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = readSceneNamed(options.scene);
-  MatterWorld world(scene, {.threads = context.threads()});
+  const std::string backend = chooseMatterBackend(context, options.backend);
+  const auto simulation = startMatter(context, backend, scene);
+  MatterSimulation& world = *simulation;
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
   std::vector<double> step_us;
   double mostCompression = 0;
@@ -59,9 +61,10 @@ void simulate(Context& context, const SimulateOptions& options) {
   for (std::size_t k = 0; k < steps; ++k) {
     const Stopwatch watch;
     world.step();
-    step_us.push_back(watch.elapsed_us());
+    const double wall_us = watch.elapsed_us();
+    step_us.push_back(world.gpuTime_us().value_or(wall_us));
     requireRunning(world);
-    mostCompression = std::max(mostCompression, world.observe().maxCompression);
+    mostCompression = std::max(mostCompression, world.totals().maxCompression);
     progress.set(static_cast<double>(k + 1) / static_cast<double>(steps));
   }
   if (!options.save.empty()) save(options.save, world);
@@ -72,11 +75,12 @@ void simulate(Context& context, const SimulateOptions& options) {
   std::FILE* out = context.tables();
   fmt::print(out, "{}: {} particles of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
              nameOf(kMatters, scene.matter), seen.time_s, world.plan().substeps);
-  fmt::print(out, "  a millisecond takes {:.0f} us (median), {:.0f} us at most\n", times.p50, times.max);
+  fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
   if (hasPressure) fmt::print(out, "  pressure at {} mm: {:.1f} Pa\n", options.probe, pressure_Pa);
   context.writeJson({{"time_s", seen.time_s},
+                     {"backend", backend},
                      {"particles", seen.particles},
                      {"substeps", world.plan().substeps},
                      {"step_us", summaryJson(times)},
@@ -91,9 +95,16 @@ void simulate(Context& context, const SimulateOptions& options) {
 }  // namespace
 
 void addSimulate(Options& app, Context& context, Command& command) {
-  Options& sub = app.addSubcommand("simulate", "matter that moves by itself, without a hand, on the CPU");
+  Options& sub = app.addSubcommand("simulate", "matter that moves by itself, without a hand");
   auto options = std::make_shared<SimulateOptions>();
   sub.add("scene", options->scene, "a JSON file, or one of " + builtInScenes()).required().typeName("SCENE");
+  std::vector<std::string> backends = matterBackends();
+  backends.insert(backends.begin(), "auto");
+  sub.add("--backend", options->backend,
+          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU and cpu where there is none but a "
+          "software driver; times are a GPU's own where it keeps any")
+      .check(oneOf(std::move(backends)))
+      .showDefault();
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
   sub.add("--save", options->save, "file for the particles at the end, mm: " + cloudFormats().endingsWritten())

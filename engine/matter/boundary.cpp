@@ -4,6 +4,8 @@
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 
+#include "engine/matter/matter_rules.hpp"
+
 namespace palpate {
 
 namespace {
@@ -50,7 +52,7 @@ std::vector<BoundaryPoint> ballPoints(double radius_m, double spacing_m, double 
 
 BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support)
     : support_(support),
-      cells_({.size = 2.0f * extentOf(points) + support}, support),
+      grid_(cellsOf({.size = 2.0f * extentOf(points) + support}, support)),
       middle_(extentOf(points) + 0.5f * support) {
   std::vector<Vec4> places;
   for (const BoundaryPoint& point : points) {
@@ -58,17 +60,20 @@ BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support)
     extent_ = std::max(extent_, glm::length(point.place));
   }
   std::vector<std::uint32_t> order;
-  cells_.sort(places, order);
+  grid_.sort(places, order);
   for (const std::uint32_t k : order) points_.push_back(places[k]);
 }
 
+BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan) {
+  const double support_m = kSupport_spacings * plan.spacing_m;
+  return {ballPoints(scene.tool.radius_mm * 1e-3, plan.spacing_m, support_m), static_cast<float>(support_m)};
+}
+
 void BoundaryBody::moveTo(const BodyMotion& motion) {
-  motion_ = motion;
-  toWorld_ = glm::mat3(glm::mat3_cast(glm::normalize(motion.orientation)));
-  toBody_ = glm::transpose(toWorld_);
-  place_ = motion.place;
-  velocity_ = motion.velocity;
-  spin_ = motion.spin;
+  pose_ = {.place = motion.place,
+           .velocity = motion.velocity,
+           .spin = motion.spin,
+           .turn = glm::mat3(glm::mat3_cast(glm::normalize(motion.orientation)))};
 }
 
 }  // namespace palpate

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "engine/matter/cell_grid.hpp"
+#include "engine/matter/matter_scene.hpp"
+#include "shaders/shared/matter_bodies.h"
 
 namespace palpate {
 
@@ -26,13 +28,9 @@ struct BodyMotion {
   DQuat orientation{1, 0, 0, 0};
 };
 
-/// A point of a body, near a place.
-struct BoundaryMeeting {
-  Vec3 offset;           ///< from the point to the place, m
-  float r;               ///< the length of that, in support radii
-  float volume;          ///< BoundaryPoint::volume
-  Vec3 velocity;         ///< of the point, m/s
-  std::uint32_t number;  ///< of the point, for life
+/// A point of a body, near a place, and its number, for life.
+struct BoundaryMeeting : shared::BodyMeeting {
+  std::uint32_t number;
 };
 
 /// A body as matter meets it: rigid, its points in cells of their own, which never change.
@@ -42,41 +40,41 @@ class BoundaryBody {
   BoundaryBody(std::span<const BoundaryPoint> points, float support);
 
   void moveTo(const BodyMotion& motion);
-  const DVec3& place() const { return motion_.place; }
   std::uint32_t size() const { return static_cast<std::uint32_t>(points_.size()); }
 
   /// Calls meet(BoundaryMeeting) for each point within the support radius of `place`, always in the same order.
   template <class Meet>
   void forEachNear(const Vec3& place, Meet&& meet) const;
 
+  /// Each point in the order of the cells: place in their box, volume.
+  std::span<const Vec4> points() const { return points_; }
+  const CellGrid& grid() const { return grid_; }
+  const Vec3& middle() const { return middle_; }  ///< of the body in that box, m
+  float extent() const { return extent_; }        ///< of the points from the middle, m
+
  private:
   float support_;
-  float extent_ = 0;  // of the points from the middle
-  CellGrid cells_;
-  std::vector<Vec4> points_;  // in the order of the cells: place in the box of the cells, volume
-  Vec3 middle_{0};            // of the body in that box
-  BodyMotion motion_;
-  glm::mat3 toBody_{1}, toWorld_{1};
-  Vec3 place_{0}, velocity_{0}, spin_{0};
+  float extent_ = 0;
+  CellGrid grid_;
+  std::vector<Vec4> points_;
+  Vec3 middle_{0};
+  shared::BodyPose pose_;
 };
+
+/// The ball of a scene's tool; without points where it has none.
+BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan);
 
 template <class Meet>
 void BoundaryBody::forEachNear(const Vec3& place, Meet&& meet) const {
-  const Vec3 fromMiddle = place - place_;
+  const Vec3 seen = inBody(pose_, place);
   const float far = extent_ + support_;
-  if (!(glm::dot(fromMiddle, fromMiddle) < far * far)) return;
-  const Vec3 here = toBody_ * fromMiddle + middle_;
-  cells_.forEachRun(here, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
+  if (!(glm::dot(seen, seen) < far * far)) return;
+  const Vec3 here = seen + middle_;
+  grid_.forEachRun(here, [&](std::uint32_t begin, std::uint32_t end, std::uint32_t) {
     for (std::uint32_t k = begin; k < end; ++k) {
       const Vec3 offset = here - Vec3(points_[k]);
-      const float distance2 = glm::dot(offset, offset);
-      if (!(distance2 < support_ * support_)) continue;
-      const Vec3 seen = toWorld_ * offset;
-      meet(BoundaryMeeting{.offset = seen,
-                           .r = std::sqrt(distance2) / support_,
-                           .volume = points_[k].w,
-                           .velocity = velocity_ + glm::cross(spin_, fromMiddle - seen),
-                           .number = k});
+      if (!(glm::dot(offset, offset) < support_ * support_)) continue;
+      meet(BoundaryMeeting{shared::bodyMeeting(pose_, place, offset, support_, points_[k].w), k});
     }
   });
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/core/vec.hpp"
+#include "shaders/shared/matter_cells.h"
 
 namespace palpate {
 
@@ -17,10 +18,13 @@ struct MatterBox {
 };
 
 /// Cells half as wide as `reach`, or a little more, so that they fill the box.
+/// `reach`: m; along periodic axes the box is 2.5 of it at least.
+shared::MatterCells cellsOf(const MatterBox& box, float reach);
+inline std::size_t countOf(const shared::MatterCells& cells) { return numberOf(cells, cells.cells - 1) + 1; }
+
 class CellGrid {
  public:
-  /// `reach`: m; along periodic axes the box is 2.5 of it at least.
-  CellGrid(const MatterBox& box, float reach);
+  explicit CellGrid(const shared::MatterCells& cells);
 
   /// Fills `order` with the numbers of `places`, cell by cell, and in their own order within a cell: x changes first,
   /// then y. What stands outside of the box, or nowhere, counts to a cell at its border.
@@ -31,49 +35,35 @@ class CellGrid {
   template <class Run>
   void forEachRun(const Vec3& place, Run&& run) const;
 
+  const shared::MatterCells& cells() const { return cells_; }
   /// Of the neighbour beyond the border of a periodic axis, m.
   Vec3 shiftOf(std::uint32_t image) const { return shifts_[image]; }
-  static constexpr std::uint32_t kImages = 27, kItself = 13;  ///< the image that is shifted by nothing
+  /// Where each cell's places begin in the order, and their number at the end.
+  std::span<const std::uint32_t> firsts() const { return first_; }
 
  private:
-  // Cells from `begin` to before `end` along an axis, and the image that they belong to: 0, 1 (itself) or 2.
-  struct Piece {
-    int begin = 0, end = 0, image = 1;
-  };
-  struct Pieces {
-    std::array<Piece, 3> piece;
-    int count = 0;
-  };
-  Pieces piecesAlong(int axis, int cell) const;
-  IVec3 cellOf(const Vec3& place) const;
-  std::size_t numberOf(const IVec3& cell) const {
-    return (static_cast<std::size_t>(cell.z) * static_cast<std::size_t>(cells_.y) + static_cast<std::size_t>(cell.y)) *
-               static_cast<std::size_t>(cells_.x) +
-           static_cast<std::size_t>(cell.x);
-  }
-
-  MatterBox box_;
-  IVec3 cells_{1};
-  Vec3 cellsPerMetre_{0};
-  std::array<Vec3, kImages> shifts_{};
-  std::vector<std::uint32_t> first_;   // of each cell in the order, and their number at the end
+  shared::MatterCells cells_;
+  std::array<Vec3, shared::kImages> shifts_{};
+  std::vector<std::uint32_t> first_;
   std::vector<std::uint32_t> cellAt_;  // of each place
 };
 
 template <class Run>
 void CellGrid::forEachRun(const Vec3& place, Run&& run) const {
-  const IVec3 cell = cellOf(place);
-  const Pieces alongX = piecesAlong(0, cell.x), alongY = piecesAlong(1, cell.y), alongZ = piecesAlong(2, cell.z);
-  for (int k = 0; k < alongZ.count; ++k)
-    for (int z = alongZ.piece[k].begin; z < alongZ.piece[k].end; ++z)
-      for (int j = 0; j < alongY.count; ++j)
-        for (int y = alongY.piece[j].begin; y < alongY.piece[j].end; ++y)
-          for (int i = 0; i < alongX.count; ++i) {
-            const Piece& x = alongX.piece[i];
-            const int image = x.image + 3 * alongY.piece[j].image + 9 * alongZ.piece[k].image;
-            run(first_[numberOf({x.begin, y, z})], first_[numberOf({x.end - 1, y, z}) + 1],
-                static_cast<std::uint32_t>(image));
-          }
+  const IVec3 cell = cellOf(cells_, place);
+  for (int row = 0; row < shared::kRowsAbout; ++row) {
+    const auto along = [&](int axis, int offset) {
+      return shared::cellAlong(cell[axis] + offset - shared::kCellsBeside, cells_.cells[axis],
+                               isPeriodic(cells_, axis));
+    };
+    const shared::CellAlong y = along(1, row % shared::kRowsWide), z = along(2, row / shared::kRowsWide);
+    if (y.image == shared::kNoImage || z.image == shared::kNoImage) continue;
+    const std::uint32_t* const first = first_.data() + numberOf(cells_, {0, y.cell, z.cell});
+    for (std::uint32_t image = 0; image < shared::kNoImage; ++image) {
+      const shared::CellRun x = shared::runAlong(cell.x, cells_.cells.x, isPeriodic(cells_, 0), image);
+      if (x.begin < x.end) run(first[x.begin], first[x.end], image + 3 * y.image + 9 * z.image);
+    }
+  }
 }
 
 }  // namespace palpate

@@ -10,23 +10,14 @@
 
 namespace palpate {
 
-/// How far particles meet each other, and a wall at the least, in spacings.
-struct MatterReach {
-  float neighbour_spacings = 0, wall_spacings = 0;
-};
-
 class MatterLaw {
  public:
   virtual ~MatterLaw() = default;
 
-  virtual MatterReach reach() const = 0;
   /// From places that were predicted to those that the substep ends with: settles each slot once. `sums`: one for each
   /// block, empty, with an exchange for each body.
   virtual void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
                      WorkerTeam& team) = 0;
-  /// Pressure at a particle after solve(), Pa: what goes through a plane across the unit vector `down`, or the mean of
-  /// all planes where that is 0. 0 for matter that has none.
-  virtual double pressureOf(const MatterParticles& particles, std::size_t slot, const Vec3& down) const = 0;
 };
 
 /// A new kind of matter is a file and a line here.

@@ -18,17 +18,10 @@ void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, st
   values.swap(scratch);
 }
 
-template <class V>
-V wrapped(V place, const MatterBox& box) {
-  for (int k = 0; k < 3; ++k)
-    if (box.periodic[static_cast<std::size_t>(k)]) place[k] -= box.size[k] * std::floor(place[k] / box.size[k]);
-  return place;
-}
-
 }  // namespace
 
 MatterParticles::MatterParticles(const Config& config, std::vector<Vec3> places)
-    : config_(config), grid_(config.box, config.listed_m), lists_(config.listed_m), positions_(std::move(places)) {
+    : config_(config), grid_(cellsOf(config.box, config.listed_m)), lists_(config.listed_m), positions_(std::move(places)) {
   velocities_.resize(size());
   nextVelocities_.resize(size());
   places_.resize(size());
@@ -60,9 +53,9 @@ bool MatterParticles::predict(const Vec3& change, WorkerTeam& team) {
 
 bool MatterParticles::sortAndList(WorkerTeam& team) {
   for (std::size_t i = 0; i < size(); ++i) {
-    const Vec4 place = wrapped(places_[i], config_.box);
-    positions_[i] += Vec3(place - places_[i]);
-    places_[i] = place;
+    const Vec3 place = wrapped(grid_.cells(), Vec3(places_[i]));
+    positions_[i] += place - Vec3(places_[i]);
+    places_[i] = Vec4(place, 0);
   }
   grid_.sort(places_, order_);
   std::vector<Vec4> places;
@@ -76,23 +69,24 @@ bool MatterParticles::sortAndList(WorkerTeam& team) {
   return lists_.build(grid_, places_, team);
 }
 
+shared::StoppingWalls MatterParticles::walls() const {
+  return {.size = config_.box.size,
+          .nearest = config_.nearest_m,
+          .step = config_.step_s,
+          .openX = config_.box.periodic[0],
+          .openY = config_.box.periodic[1],
+          .openZ = config_.box.periodic[2]};
+}
+
 void MatterParticles::settle(std::size_t slot, const Vec3& change, BlockSums& sums) {
-  const float step = config_.step_s, mass = config_.mass_kg;
-  const Vec3 place = Vec3(places_[slot]) + step * change;
-  Vec3 velocity = velocities_[slot] + change;
-  Vec3 inside;
-  for (int k = 0; k < 3; ++k) {
-    inside[k] = shared::keptInside(place[k], config_.box.size[k], config_.nearest_m,
-                                   config_.box.periodic[static_cast<std::size_t>(k)]);
-    const float stop = (inside[k] - place[k]) / step;
-    velocity[k] += stop;
-    sums.wallImpulse[k] -= static_cast<double>(mass) * stop;
-  }
-  positions_[slot] = inside;
-  nextVelocities_[slot] = velocity;
-  const DVec3 momentum = static_cast<double>(mass) * DVec3(velocity);
+  const shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), velocities_[slot], change);
+  const double mass = config_.mass_kg;
+  sums.wallImpulse -= mass * DVec3(settled.stop);
+  positions_[slot] = settled.place;
+  nextVelocities_[slot] = settled.velocity;
+  const DVec3 momentum = mass * DVec3(settled.velocity);
   sums.momentum += momentum;
-  sums.kinetic_J += 0.5 * glm::dot(momentum, DVec3(velocity));
+  sums.kinetic_J += 0.5 * glm::dot(momentum, DVec3(settled.velocity));
 }
 
 }  // namespace palpate

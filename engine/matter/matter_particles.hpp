@@ -7,6 +7,7 @@
 
 #include "engine/core/worker_team.hpp"
 #include "engine/matter/neighbour_lists.hpp"
+#include "shaders/shared/matter.h"
 
 namespace palpate {
 
@@ -61,7 +62,7 @@ class MatterParticles {
 
   std::span<const Vec3> positions() const { return positions_; }    ///< m
   std::span<const Vec3> velocities() const { return velocities_; }  ///< m/s
-  std::span<Vec3> velocities() { return velocities_; }
+  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = velocity; }
   std::span<const Vec4> places() const { return places_; }  ///< predicted, m; the compression in w
   std::span<Vec4> places() { return places_; }
   std::span<const std::uint32_t> ids() const { return ids_; }  ///< for life
@@ -70,6 +71,7 @@ class MatterParticles {
 
  private:
   bool sortAndList(WorkerTeam& team);
+  shared::StoppingWalls walls() const;
 
   Config config_;
   Vec3 fall_{0};

@@ -70,4 +70,25 @@ shared::WaterRules waterRules(const Fluid& fluid) {
   return rules;
 }
 
+shared::WaterRules waterRules(const MatterScene& scene, const MatterPlan& plan) {
+  return waterRules(Fluid{.spacing_m = plan.spacing_m,
+                          .density_kg_m3 = scene.density_kg_m3,
+                          .viscosity_Pa_s = scene.viscosity_Pa_s,
+                          .substep_s = plan.substep_s});
+}
+
+shared::GrainRules grainRules(const MatterScene& scene, const MatterPlan& plan) {
+  shared::GrainRules rules{};
+  rules.diameter = static_cast<float>(plan.spacing_m);
+  rules.share = static_cast<float>(kGrainShare);
+  rules.friction = static_cast<float>(scene.friction);
+  rules.step = static_cast<float>(plan.substep_s);
+  return rules;
+}
+
+MatterReach reachOf(Matter matter) {
+  return matter == Matter::sand ? MatterReach{.neighbour_spacings = 1, .wall_spacings = 0.25f}
+                                : MatterReach{.neighbour_spacings = float{kSupport_spacings}, .wall_spacings = 0.5f};
+}
+
 }  // namespace palpate

@@ -1,6 +1,7 @@
 // The constants of shaders/shared/matter.h, from what a fluid is: found on the cubic lattice that it rests on.
 #pragma once
 
+#include "engine/matter/matter_scene.hpp"
 #include "shaders/shared/matter.h"
 
 namespace palpate {
@@ -33,5 +34,13 @@ struct Fluid {
   double spacing_m = 0, density_kg_m3 = 0, viscosity_Pa_s = 0, substep_s = 0;
 };
 shared::WaterRules waterRules(const Fluid& fluid);
+shared::WaterRules waterRules(const MatterScene& scene, const MatterPlan& plan);
+shared::GrainRules grainRules(const MatterScene& scene, const MatterPlan& plan);
+
+/// How far particles meet each other, and a wall at the least, in spacings.
+struct MatterReach {
+  float neighbour_spacings = 0, wall_spacings = 0;
+};
+MatterReach reachOf(Matter matter);
 
 }  // namespace palpate

@@ -163,8 +163,8 @@ Vec3 unevenness(std::uint32_t number) {
 
 }  // namespace
 
-std::vector<Vec3> placesAtRest(const MatterScene& scene) {
-  const MatterPlan plan = planOf(scene);
+std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes) {
+  const MatterPlan plan = planOf(scene, memory_bytes);
   std::vector<Vec3> places;
   places.reserve(plan.particles);
   for (std::uint32_t z = 0; z < plan.lattice.z; ++z)

@@ -62,14 +62,19 @@ struct MatterPlan {
   double spacing_m = 0;
   double mass_kg = 0;           ///< of a particle
   double speedOfSound_m_s = 0;  ///< of the simulated matter, far below that of the real one
+
+  /// Of so many particles at the speed of sound: what moves with more is no matter any more.
+  double mostKinetic_J(std::size_t count) const {
+    return static_cast<double>(count) * mass_kg * speedOfSound_m_s * speedOfSound_m_s / 2;
+  }
 };
 
 /// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 
 /// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains a
-/// little beside that.
-std::vector<Vec3> placesAtRest(const MatterScene& scene);
+/// little beside that. Throws as planOf().
+std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 
 /// Names of the scenes that need no file.
 std::vector<std::string_view> matterSceneNames();

@@ -20,7 +20,7 @@ constexpr std::uint32_t kFewest = 5;
 }  // namespace
 
 MatterSurface::MatterSurface(const MatterBox& box, double spacing_m, unsigned threads)
-    : reach_(static_cast<float>(kReach_spacings * spacing_m)), grid_(box, reach_), team_(threads) {}
+    : reach_(static_cast<float>(kReach_spacings * spacing_m)), grid_(cellsOf(box, reach_)), team_(threads) {}
 
 void MatterSurface::normalsOf(std::span<const Vec3> places, const Vec3& up, std::vector<Vec3>& normals) {
   places_.resize(places.size());

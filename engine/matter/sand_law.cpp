@@ -13,11 +13,7 @@ namespace palpate {
 
 namespace {
 
-// Balls of one size touch 12 of their kind at most; overlapping ones, walls and tools may be a few more.
-constexpr std::size_t kMostContacts = 20;
-// What else than a grain a contact may be with: the six walls, and the points of bodies.
-constexpr std::uint32_t kFirstWall = 0x80000000u;
-constexpr std::uint32_t kFirstBodyPoint = 0x80000010u;
+using shared::kMostContacts;
 
 // Of a grain: with whom, by ids, and how far it was displaced.
 struct Contacts {
@@ -42,8 +38,6 @@ class SandLaw final : public MatterLaw {
  public:
   explicit SandLaw(const shared::GrainRules& rules) : rules_(rules) {}
 
-  MatterReach reach() const override { return {.neighbour_spacings = 1, .wall_spacings = 0.25f}; }
-  double pressureOf(const MatterParticles&, std::size_t, const Vec3&) const override { return 0; }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
@@ -82,7 +76,7 @@ class SandLaw final : public MatterLaw {
     Vec3 slip(0);
     // What it left, and what the two moved since: the velocities before gravity are those of the last substep.
     if (const Vec3* const left = grain.before.slipWith(other.id))
-      slip = *left + moved - rules_.step * (fall - other.fall);
+      slip = shared::grainSlip<float>(rules_, *left, moved, fall - other.fall);
     const shared::GrainContact contact =
         shared::grainContact<float>(rules_, glm::normalize(other.offset), other.overlap, moved, slip);
     grain.after.add(other.id, contact.slip);
@@ -118,7 +112,7 @@ class SandLaw final : public MatterLaw {
         Vec3 inwards(0);
         inwards[axis] = side == 0 ? 1.0f : -1.0f;
         meet(grain,
-             {.id = kFirstWall + static_cast<std::uint32_t>(2 * axis + side),
+             {.id = shared::kFirstWall + static_cast<std::uint32_t>(2 * axis + side),
               .offset = inwards,
               .overlap = overlap,
               .velocity = Vec3(0),
@@ -139,7 +133,7 @@ class SandLaw final : public MatterLaw {
     const double mass = particles.config().mass_kg;
     meetNeighbours(std::as_const(particles), slot, grain);
     sums.wallImpulse -= mass * meetWalls(particles.config().box, particles.fall(), grain);
-    std::uint32_t first = kFirstBodyPoint;
+    std::uint32_t first = shared::kFirstBodyPoint;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       bodies[b].forEachNear(grain.place, [&](const BoundaryMeeting& met) {
         const float distance = glm::length(met.offset);
@@ -151,7 +145,7 @@ class SandLaw final : public MatterLaw {
                                 .velocity = met.velocity,
                                 .fall = Vec3(0)},
                                particles.fall());
-        sums.bodies[b].add(-mass * DVec3(part), DVec3(grain.place - met.offset) - bodies[b].place());
+        sums.bodies[b].add(-mass * DVec3(part), DVec3(met.arm));
       });
       first += bodies[b].size();
     }
@@ -166,12 +160,7 @@ class SandLaw final : public MatterLaw {
 }  // namespace
 
 std::unique_ptr<MatterLaw> sandLaw(const MatterScene& scene, const MatterPlan& plan) {
-  shared::GrainRules rules{};
-  rules.diameter = static_cast<float>(plan.spacing_m);
-  rules.share = static_cast<float>(kGrainShare);
-  rules.friction = static_cast<float>(scene.friction);
-  rules.step = static_cast<float>(plan.substep_s);
-  return std::make_unique<SandLaw>(rules);
+  return std::make_unique<SandLaw>(grainRules(scene, plan));
 }
 
 }  // namespace palpate

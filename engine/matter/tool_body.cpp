@@ -1,81 +1,56 @@
 #include "engine/matter/tool_body.hpp"
 
-#include <cmath>
-#include <glm/gtc/quaternion.hpp>
+#include <utility>
 
 namespace palpate {
 
 namespace {
 
-// Of the ball on its spring, critically damped: soft enough for a loop at 1 kHz, stiff enough to follow a hand.
+// Of the ball on its spring, critically damped.
 constexpr double kCouplingFrequency_Hz = 30;
 constexpr double kPi = 3.14159265358979323846;
 
-// Angular velocity that turns `from` into `to` within `step_s`, rad/s.
-DVec3 spinBetween(const DQuat& from, const DQuat& to, double step_s) {
-  DQuat turn = to * glm::conjugate(from);
-  if (turn.w < 0) turn = -turn;
-  const DVec3 axis(turn.x, turn.y, turn.z);
-  const double sine = glm::length(axis);
-  return sine > 0 ? axis / sine * (2 * std::atan2(sine, turn.w) / step_s) : DVec3(0);
-}
-
-constexpr double kCouplingFrequency_1_s = 2 * kPi * kCouplingFrequency_Hz;
-
 }  // namespace
 
-double couplingStiffness_N_m(const MatterTool& tool) {
-  return tool.mass_kg * kCouplingFrequency_1_s * kCouplingFrequency_1_s;
+shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s) {
+  const double angular = 2 * kPi * kCouplingFrequency_Hz;
+  return {.mass = tool.mass_kg,
+          .stiffness = tool.mass_kg * angular * angular,
+          .damping = 2 * tool.mass_kg * angular,
+          .step = step_s};
 }
-
-ToolBody::ToolBody(const MatterTool& tool, double step_s)
-    : mass_kg_(tool.mass_kg),
-      stiffness_N_m_(couplingStiffness_N_m(tool)),
-      damping_Ns_m_(2 * tool.mass_kg * kCouplingFrequency_1_s),
-      step_s_(step_s) {}
 
 void ToolBody::placeAt(const HandPose& hand) {
   hand_ = hand;
   motion_ = {.place = hand.place_m, .orientation = hand.orientation};
-  springImpulse_ = handImpulse_ = DVec3(0);
-  exchanged_ = {};
-  portEnergy_J_ = 0;
+  report_ = {};
 }
 
 void ToolBody::predict(const HandPose& hand) {
   const DVec3 handMove = hand.place_m - hand_.place_m;
   const DVec3 before = motion_.velocity;
-  // Implicit, so that no mass and no step is too small for the spring.
-  const double share = damping_Ns_m_ * step_s_ / mass_kg_ + stiffness_N_m_ * step_s_ * step_s_ / mass_kg_;
-  const DVec3 pull = (stiffness_N_m_ * step_s_ * (hand.place_m - motion_.place) + damping_Ns_m_ * handMove) / mass_kg_;
-  motion_.velocity = (before + pull) / (1 + share);
-  motion_.place += step_s_ * motion_.velocity;
-  motion_.spin = spinBetween(motion_.orientation, hand.orientation, step_s_);
+  motion_.velocity = shared::velocityOnSpring<double>(spring_, before, hand.place_m - motion_.place, handMove);
+  motion_.place += spring_.step * motion_.velocity;
+  motion_.spin = spinBetween(motion_.orientation, hand.orientation, spring_.step);
   motion_.orientation = hand.orientation;
-  const DVec3 impulse = mass_kg_ * (motion_.velocity - before);
-  springImpulse_ += impulse;
-  handImpulse_ += impulse;
-  portEnergy_J_ += glm::dot(impulse / step_s_, handMove);
+  const DVec3 impulse = spring_.mass * (motion_.velocity - before);
+  report_.springImpulse += impulse;
+  report_.portWork_J += glm::dot(impulse / spring_.step, handMove);
   hand_ = hand;
 }
 
 void ToolBody::react(const Exchange& exchange) {
-  const DVec3 change = exchange.impulse / mass_kg_;
+  const DVec3 change = exchange.impulse / spring_.mass;
   motion_.velocity += change;
-  motion_.place += step_s_ * change;
-  exchanged_.impulse += exchange.impulse;
-  exchanged_.angular += exchange.angular;
+  motion_.place += spring_.step * change;
+  report_.impulse += exchange.impulse;
+  report_.angular += exchange.angular;
 }
 
-ToolAnswer ToolBody::takeAnswer(double duration_s) {
-  const ToolAnswer answer{.force_N = -springImpulse_ / duration_s,
-                          .torque_Nm = exchanged_.angular / duration_s,
-                          .reaction_N = exchanged_.impulse / duration_s,
-                          .place_m = motion_.place,
-                          .velocity_m_s = motion_.velocity};
-  springImpulse_ = DVec3(0);
-  exchanged_ = {};
-  return answer;
+ToolReport ToolBody::takeReport() {
+  report_.place_m = motion_.place;
+  report_.velocity_m_s = motion_.velocity;
+  return std::exchange(report_, {});
 }
 
 }  // namespace palpate

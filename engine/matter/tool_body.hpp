@@ -3,33 +3,20 @@
 #pragma once
 
 #include "engine/matter/boundary.hpp"
+#include "engine/matter/hand_pose.hpp"
 #include "engine/matter/matter_particles.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/matter/matter_simulation.hpp"
 
 namespace palpate {
 
-/// Where a hand is.
-struct HandPose {
-  DVec3 place_m{0};
-  DQuat orientation{1, 0, 0, 0};
-};
-
-/// What a hand is answered, means over a step. Zero where the simulation has failed.
-struct ToolAnswer {
-  DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
-  DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
-  DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
-  DVec3 place_m{0};       ///< of the ball at the end
-  DVec3 velocity_m_s{0};  ///< of the ball at the end
-};
-
-/// Of the spring between a hand and its ball.
-double couplingStiffness_N_m(const MatterTool& tool);
+/// What holds the ball of a tool: soft enough for a loop at 1 kHz, stiff enough to follow a hand.
+shared::ToolSpringOf<double> toolSpring(const MatterTool& tool, double step_s);
 
 /// Has no weight of its own: what a hand feels of a ball in water is its buoyancy. It turns as the hand does.
 class ToolBody {
  public:
-  ToolBody(const MatterTool& tool, double step_s);
+  explicit ToolBody(const shared::ToolSpringOf<double>& spring) : spring_(spring) {}
 
   /// Where the hand is, and the ball, at rest.
   void placeAt(const HandPose& hand);
@@ -39,21 +26,14 @@ class ToolBody {
   void react(const Exchange& exchange);
 
   const BodyMotion& motion() const { return motion_; }
-  /// What was gathered since the last call, over `duration_s`; without the gain.
-  ToolAnswer takeAnswer(double duration_s);
-  /// Energy that the hand has put in through the spring and damper, J. Passive where it is never below 0.
-  double portEnergy_J() const { return portEnergy_J_; }
-  DVec3 momentum() const { return mass_kg_ * motion_.velocity; }
-  /// On the ball from the hand since it was placed, kg m/s.
-  const DVec3& handImpulse() const { return handImpulse_; }
+  /// What was gathered since the last call.
+  ToolReport takeReport();
 
  private:
-  double mass_kg_, stiffness_N_m_, damping_Ns_m_, step_s_;
+  shared::ToolSpringOf<double> spring_;
   HandPose hand_;
   BodyMotion motion_;
-  DVec3 springImpulse_{0}, handImpulse_{0};
-  Exchange exchanged_;
-  double portEnergy_J_ = 0;
+  ToolReport report_;
 };
 
 }  // namespace palpate

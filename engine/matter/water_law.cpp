@@ -32,7 +32,7 @@ struct Lanes {
     const Vec3 place(places[slot]);
     for (std::size_t k = 0; k < neighbours.size(); ++k) {
       Vec3 offset = place - Vec3(places[neighbours[k].slot]);
-      if (neighbours[k].image != CellGrid::kItself) offset -= particles.shiftOf(neighbours[k]);
+      if (neighbours[k].image != shared::kItself) offset -= particles.shiftOf(neighbours[k]);
       x[k] = offset.x;
       y[k] = offset.y;
       z[k] = offset.z;
@@ -61,7 +61,7 @@ struct Lanes {
 
 class WaterLaw final : public MatterLaw {
  public:
-  explicit WaterLaw(const Fluid& fluid) : rules_(waterRules(fluid)), density_kg_m3_(fluid.density_kg_m3) {}
+  explicit WaterLaw(const shared::WaterRules& rules) : rules_(rules) {}
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
@@ -70,8 +70,6 @@ class WaterLaw final : public MatterLaw {
     team.forEach(sums.size(), [&](std::size_t block) { push(particles, bodies, block, sums[block]); });
     particles.flip();
   }
-  MatterReach reach() const override { return {static_cast<float>(kSupport_spacings), 0.5f}; }
-  double pressureOf(const MatterParticles& particles, std::size_t slot, const Vec3& down) const override;
 
  private:
   struct Pairs {
@@ -146,8 +144,7 @@ class WaterLaw final : public MatterLaw {
     body.forEachNear(Vec3(place), [&](const BoundaryMeeting& met) {
       const Vec3 part = met.volume * shared::changeByNeighbour(rules_, met.offset, shared::wendlandPull(met.r), place.w,
                                                                met.velocity - velocity);
-      exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part),
-                   DVec3(Vec3(place) - met.offset) - body.place());
+      exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part), DVec3(met.arm));
       change += part;
     });
     return change;
@@ -173,34 +170,13 @@ class WaterLaw final : public MatterLaw {
   }
 
   shared::WaterRules rules_;
-  double density_kg_m3_;
   std::vector<Pairs> pairs_;
 };
-
-// The virial: what the pushes between neighbours carry through a place. Particles at rest stand in layers, which carry
-// sideways now more, now less than upwards.
-double WaterLaw::pressureOf(const MatterParticles& particles, std::size_t slot, const Vec3& down) const {
-  const bool everyWay = down == Vec3(0);
-  const std::span<const Vec4> places = particles.places();
-  double sum = 0;
-  for (const Neighbour neighbour : particles.lists().of(slot)) {
-    const Vec3 offset = Vec3(places[slot] - places[neighbour.slot]) - particles.shiftOf(neighbour);
-    const Vec3 change =
-        shared::changeByNeighbour<float>(rules_, offset, shared::wendlandPull(glm::length(offset) / rules_.support),
-                                         places[slot].w + places[neighbour.slot].w, Vec3(0));
-    sum +=
-        static_cast<double>(everyWay ? glm::dot(change, offset) / 3 : glm::dot(change, down) * glm::dot(offset, down));
-  }
-  return density_kg_m3_ * (1 + static_cast<double>(places[slot].w)) * sum / (2 * static_cast<double>(rules_.step));
-}
 
 }  // namespace
 
 std::unique_ptr<MatterLaw> waterLaw(const MatterScene& scene, const MatterPlan& plan) {
-  return std::make_unique<WaterLaw>(Fluid{.spacing_m = plan.spacing_m,
-                                          .density_kg_m3 = scene.density_kg_m3,
-                                          .viscosity_Pa_s = scene.viscosity_Pa_s,
-                                          .substep_s = plan.substep_s});
+  return std::make_unique<WaterLaw>(waterRules(scene, plan));
 }
 
 }  // namespace palpate

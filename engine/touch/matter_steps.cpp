@@ -6,13 +6,13 @@
 
 namespace palpate {
 
-MatterSteps::MatterSteps(const MatterScene& scene, const MatterOptions& options, std::uint32_t mostAtOnce)
-    : world_(scene, options), tools_(options.tools), mostAtOnce_(mostAtOnce), between_(options.tools) {}
+MatterSteps::MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce)
+    : world_(std::move(simulation)), tools_(tools), mostAtOnce_(mostAtOnce), between_(tools) {}
 
 MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::span<const HandPose> hands(question.hands.data(), tools_);
   if (reset_.exchange(false)) {
-    world_.reset();
+    world_->reset();
     hands_.clear();
     last_.reset();
   }
@@ -25,12 +25,12 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
     for (std::size_t i = 0; i < tools_; ++i)
       between_[i] = {.place_m = glm::mix(hands_[i].place_m, hands[i].place_m, share),
                      .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share)};
-    world_.step(between_);
+    world_->step(between_);
   }
   if (!held) hands_.assign(hands.begin(), hands.end());
-  state_.store(world_.state());
-  MatterAnswer answer{.question = question, .moves = !held, .state = world_.state()};
-  std::ranges::copy(world_.answers(), answer.hands.begin());
+  state_.store(world_->state());
+  MatterAnswer answer{.question = question, .moves = !held, .state = world_->state()};
+  std::ranges::copy(world_->answers(), answer.hands.begin());
   if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
   return answer;
 }
@@ -38,7 +38,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
 std::uint32_t MatterSteps::stepsTo(double time_s) {
   const std::int64_t now = std::llround(time_s / kMatterStep_s);
   if (last_ && now < *last_) {
-    world_.reset();
+    world_->reset();
     hands_.clear();
     last_.reset();
   }
@@ -64,8 +64,8 @@ std::string MatterSteps::failure() const {
 void MatterSteps::show(double time_s) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;  // it is just being taken; the next step is shown
-  positions_ = world_.positionsById();
-  velocities_ = world_.velocitiesById();
+  positions_ = world_->positionsById();
+  velocities_ = world_->velocitiesById();
   shownAt_s_ = time_s;
   wanted_.store(false, std::memory_order_relaxed);
 }

@@ -3,13 +3,14 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <vector>
 
 #include "engine/core/contact_query.hpp"
 #include "engine/core/simulation_control.hpp"
-#include "engine/matter/matter_world.hpp"
+#include "engine/matter/matter_simulation.hpp"
 
 namespace palpate {
 
@@ -36,13 +37,13 @@ struct MatterView {
 /// goTo() is for one thread, take() for another one, and the rest for any.
 class MatterSteps final : public SimulationControl {
  public:
-  /// `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number. Throws Error as planOf() does.
-  MatterSteps(const MatterScene& scene, const MatterOptions& options, std::uint32_t mostAtOnce);
+  /// `simulation` has `tools` of them. `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number.
+  MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce);
 
   /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back the
   /// scene begins anew.
   MatterAnswer goTo(const MatterQuestion& question);
-  const MatterWorld& world() const { return world_; }
+  const MatterSimulation& world() const { return *world_; }
 
   /// The newest particles. False where none are since the last time.
   bool take(MatterView& view);
@@ -59,7 +60,7 @@ class MatterSteps final : public SimulationControl {
   std::uint32_t stepsTo(double time_s);
   void show(double time_s);
 
-  MatterWorld world_;
+  std::unique_ptr<MatterSimulation> world_;
   std::size_t tools_;
   std::uint32_t mostAtOnce_;
   std::optional<std::int64_t> last_;  // number of the step that the questions have come to

@@ -7,8 +7,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/held_contact.hpp"
-#include "engine/core/parallel.hpp"
-#include "engine/core/processor.hpp"
+#include "engine/matter/tool_body.hpp"
 
 namespace palpate {
 
@@ -38,14 +37,14 @@ std::vector<Vec3> inUnits(std::span<const Vec3> values_m) {
 
 }  // namespace
 
-MatterTouch::MatterTouch(const MatterScene& scene, const MatterTouchOptions& options)
-    : up_(upOf(scene)),
-      stiffness_N_m_(scene.gain * couplingStiffness_N_m(scene.tool)),
-      threads_(options.threads),
-      steps_(scene, {.threads = options.threads, .tools = options.hands}, options.realtime ? kMostAtOnce : 0),
+MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options)
+    : up_(upOf(simulation->scene())),
+      stiffness_N_m_(simulation->scene().gain * toolSpring(simulation->scene().tool, kMatterStep_s).stiffness),
+      machine_(options.machine),
+      steps_(std::move(simulation), options.hands, options.realtime ? kMostAtOnce : 0),
       answers_(options.hands),
-      surface_(boxOf(scene), scene.spacing_mm * kMatterUnit_m, options.threads) {
-  PALPATE_CHECK(scene.tool.radius_mm > 0);
+      surface_(boxOf(steps_.world().scene()), steps_.world().plan().spacing_m, options.threads) {
+  PALPATE_CHECK(steps_.world().scene().tool.radius_mm > 0);
   if (options.realtime) thread_.emplace(steps_);
 }
 
@@ -117,10 +116,6 @@ bool MatterTouch::takeFrame(CloudFrame& frame) {
 
 void MatterTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush) throw UsageError("matter that moves by itself cannot be sculpted");
-}
-
-std::string MatterTouch::machine() const {
-  return fmt::format("{}, {} threads", processorName(), threadCount(threads_));
 }
 
 PointCloud cloudOf(const MatterScene& scene, unsigned threads) {

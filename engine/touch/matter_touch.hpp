@@ -15,9 +15,10 @@ namespace palpate {
 inline constexpr double kMatterUnit_m = 1e-3;
 
 struct MatterTouchOptions {
-  std::size_t hands = 1;
-  unsigned threads = 0;   ///< of the simulation; 0: one per core
+  std::size_t hands = 1;  ///< as many as the simulation has tools
+  unsigned threads = 0;   ///< for pictures; 0: one per core
   bool realtime = false;  ///< it goes on a thread of its own, and no tick waits for it past its budget
+  std::string machine;    ///< that simulates
 };
 
 /// A simulation that is felt, and seen as a cloud: a point for each particle, in the order of their ids. In virtual time it
@@ -26,8 +27,8 @@ struct MatterTouchOptions {
 /// it grows old. Once it has failed no answer is valid, until it is reset. Nothing of it can be sculpted.
 class MatterTouch final : public TouchBackend {
  public:
-  /// `scene` has a tool. Throws Error as planOf() does.
-  MatterTouch(const MatterScene& scene, const MatterTouchOptions& options);
+  /// The scene has a tool.
+  MatterTouch(std::unique_ptr<MatterSimulation> simulation, const MatterTouchOptions& options);
 
   std::size_t hands() const noexcept override { return answers_.size(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
@@ -43,7 +44,7 @@ class MatterTouch final : public TouchBackend {
   EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
 
-  std::string machine() const override;
+  std::string machine() const override { return machine_; }
   double buildTime_us() const override { return buildTime_us_; }
   const std::vector<double>& editTimes_us() const override { return noTimes_; }
   std::optional<double> firstEditTime_s() const override { return std::nullopt; }
@@ -56,7 +57,7 @@ class MatterTouch final : public TouchBackend {
 
   Vec3 up_;
   double stiffness_N_m_;  // that a hand feels
-  unsigned threads_;
+  std::string machine_;
   double buildTime_us_ = 0;
   MatterSteps steps_;
   std::vector<Contact> answers_;

@@ -63,11 +63,18 @@ void BackendKind::check(const SessionConfig& config) const {
     throw ConfigError("undo.undo", "backend.name {} tells nobody of its edits; take vulkan or cpu", name());
 }
 
-std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) {
+std::unique_ptr<MatterSimulation> BackendKind::simulate(const MatterScene&, const MatterOptions&) const {
+  throw ConfigError("backend.name", "{} moves no matter; take vulkan or cpu", name());
+}
+
+std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& request) const {
+  const std::size_t hands = request.tools.size();
   return std::make_unique<MatterTouch>(
-      *request.config.matter,
-      MatterTouchOptions{
-          .hands = request.tools.size(), .threads = request.threads, .realtime = request.config.realtime});
+      simulate(*request.config.matter, {.threads = request.threads, .tools = hands}),
+      MatterTouchOptions{.hands = hands,
+                         .threads = request.threads,
+                         .realtime = request.config.realtime,
+                         .machine = machine(request.threads)});
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

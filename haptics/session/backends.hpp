@@ -10,6 +10,7 @@
 
 #include "engine/core/touch_backend.hpp"
 #include "engine/core/touch_capabilities.hpp"
+#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
 #include "engine/motion/fused_stream.hpp"
 #include "haptics/session/model.hpp"
@@ -50,14 +51,17 @@ class BackendKind {
   virtual NormalEstimator normalEstimator() const { return estimateNormalsOnCpu; }
   /// A cloud ready to be touched, which keeps no reference to the request. Throws Error.
   virtual std::unique_ptr<TouchBackend> make(const BackendRequest& request) const = 0;
+  /// Matter that moves by itself. Throws Error as planOf() does, and ConfigError where this back end moves none.
+  virtual std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const;
   /// The method that the configuration stands for.
   std::string methodOf(const BackendConfig& config) const {
     return config.method.empty() ? methods().front() : config.method;
   }
-};
 
-/// For a scene of matter, which has a hand for each tool of the request.
-std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request);
+ protected:
+  /// For a scene of matter, with a hand for each tool of the request.
+  std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) const;
+};
 
 /// The CPU, which every program has.
 std::unique_ptr<BackendKind> cpuBackend();

@@ -1,5 +1,6 @@
 #include "engine/core/parallel.hpp"
 #include "engine/core/processor.hpp"
+#include "engine/matter/matter_world.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "haptics/session/backends.hpp"
 
@@ -16,6 +17,9 @@ class CpuBackend final : public BackendKind {
   }
   std::string machine(unsigned threads) const override {
     return fmt::format("{}, {} threads", processorName(), threadCount(threads));
+  }
+  std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
+    return std::make_unique<MatterWorld>(scene, options);
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;

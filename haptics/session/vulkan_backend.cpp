@@ -7,6 +7,7 @@
 #include "engine/core/clock.hpp"
 #include "engine/core/named_values.hpp"
 #include "engine/gpu/device.hpp"
+#include "engine/matter/gpu_matter_world.hpp"
 #include "engine/touch/touch_side.hpp"
 
 namespace palpate {
@@ -27,6 +28,11 @@ class VulkanBackend final : public BackendKind {
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
+  std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
+    MatterOptions there = options;
+    there.memory_bytes = std::max(options.memory_bytes, device_().ownMemory() / 2);
+    return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);
+  }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     if (request.config.matter) return matterTouch(request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));

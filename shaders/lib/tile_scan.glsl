@@ -1,9 +1,10 @@
-// One tile of a reduce-then-scan (Merrill and Grimshaw 2009, section 3), second half: each workgroup adds up the sums of
-// the tiles before its own and scans its own. The adding-up costs tiles^2 / 2 reads in all, which stay in cache and
+// One tile of a reduce-then-scan (Merrill and Grimshaw 2009, section 3). In the second half each workgroup adds up the sums
+// of the tiles before its own and scans its own. The adding-up costs tiles^2 / 2 reads in all, which stay in cache and
 // below the scan's own traffic up to some 10,000 tiles (20 million values); it saves a third pass.
 #ifndef PALPATE_LIB_TILE_SCAN_GLSL
 #define PALPATE_LIB_TILE_SCAN_GLSL
 
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "shaders/lib/workgroup_scan.glsl"
 #include "shaders/shared/prefix_scan.h"
@@ -23,6 +24,38 @@ uint sumBefore(Uints tileSums, uint tile, uint sum) {
   workgroupExclusiveScan(partial, before);
   uint total;
   return before + subgroupBroadcastFirst(workgroupExclusiveScan(sum, total));
+}
+
+// First half: the sum of a tile.
+void reduceTile(Uints values, Uints tileSums, uint tile, uint count) {
+  const uint first = (tile * gl_WorkGroupSize.x) * kScanItems;
+  uint sum = 0;
+  for (uint item = 0; item < kScanItems; ++item) {
+    const uint i = first + item * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+    if (i < count) sum += values.at[i];
+  }
+  uint total;
+  workgroupExclusiveScan(sum, total);
+  if (gl_LocalInvocationIndex == 0) tileSums.at[tile] = total;
+}
+
+// Second half, in place.
+void scanTile(Uints values, Uints tileSums, uint tile, uint count) {
+  const uint first = firstOfTile(tile);
+  uint own[kScanItems];
+  uint sum = 0;
+  [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
+    const uint i = first + item * gl_SubgroupSize;
+    own[item] = i < count ? values.at[i] : 0;
+    sum += own[item];
+  }
+  uint running = sumBefore(tileSums, tile, sum);
+  [[unroll]] for (uint item = 0; item < kScanItems; ++item) {
+    const uint i = first + item * gl_SubgroupSize;
+    const uint before = running + subgroupExclusiveAdd(own[item]);
+    if (i < count) values.at[i] = before;
+    running += subgroupAdd(own[item]);
+  }
 }
 
 #endif

@@ -14,6 +14,7 @@
 // begin to boil by it.
 #ifndef PALPATE_SHARED_MATTER_H
 #define PALPATE_SHARED_MATTER_H
+#include "shaders/shared/types.h"
 #include "shaders/shared/weight.h"
 
 PALPATE_SHARED_BEGIN
@@ -123,6 +124,45 @@ PALPATE_FORMULA Real keptInside(Real place, Real size, Real nearest, bool open) 
   return clamp(place, nearest, max(size - nearest, nearest));
 }
 
+// The walls of a box, as they stop what would go through them.
+PALPATE_STRUCT(StoppingWalls) {
+  PALPATE_VEC3 size;
+  Real nearest;
+  Real step;  // s
+  bool openX;
+  bool openY;
+  bool openZ;
+};
+PALPATE_SINGLE(StoppingWalls);
+
+// A particle at the end of a substep.
+PALPATE_STRUCT(Settled) {
+  PALPATE_VEC3 place;
+  PALPATE_VEC3 velocity;
+  PALPATE_VEC3 stop;  // what walls have changed that by
+};
+PALPATE_SINGLE(Settled);
+
+// From where it was predicted, by a `change` of its velocity.
+PALPATE_FORMULA PALPATE_OF(Settled) settle(PALPATE_OF(StoppingWalls) walls, PALPATE_VEC3 predicted, PALPATE_VEC3 velocity,
+                                           PALPATE_VEC3 change) {
+  const PALPATE_VEC3 free = predicted + walls.step * change;
+  PALPATE_OF(Settled) settled;
+  settled.place = PALPATE_VEC3(keptInside(free.x, walls.size.x, walls.nearest, walls.openX),
+                               keptInside(free.y, walls.size.y, walls.nearest, walls.openY),
+                               keptInside(free.z, walls.size.z, walls.nearest, walls.openZ));
+  settled.stop = (settled.place - free) / walls.step;
+  settled.velocity = velocity + change + settled.stop;
+  return settled;
+}
+
+// Contacts that a grain remembers: balls of one size touch 12 of their kind at most; overlapping ones, walls and tools may
+// be a few more.
+const uint kMostContacts = 20u;
+// With whom a contact is: a grain by its id, one of the six walls, or a point of a body.
+const uint kFirstWall = 0x80000000u;
+const uint kFirstBodyPoint = 0x80000010u;
+
 // What is the same for all grains: balls that do not turn.
 PALPATE_STRUCT(GrainRules) {
   Real diameter;  // m
@@ -131,6 +171,14 @@ PALPATE_STRUCT(GrainRules) {
   Real step;      // s
 };
 PALPATE_SINGLE(GrainRules);
+
+// How far two that touch are displaced along each other as a substep begins. `left`: what the last one left of it, which
+// both have moved on since by what they will move now, `moved`, but for the velocity `fall` that gravity has added between
+// them; nothing where they did not touch.
+PALPATE_FORMULA PALPATE_VEC3 grainSlip(PALPATE_OF(GrainRules) rules, PALPATE_VEC3 left, PALPATE_VEC3 moved,
+                                       PALPATE_VEC3 fall) {
+  return left + moved - rules.step * fall;
+}
 
 // A contact after a substep.
 PALPATE_STRUCT(GrainContact) {

@@ -66,6 +66,7 @@ using glm::min;
 using glm::normalize;
 using glm::smoothstep;
 using glm::sqrt;
+using glm::transpose;
 using std::lerp;
 
 /// Whether the sign bit is set, as it is of -0.

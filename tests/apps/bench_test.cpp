@@ -335,4 +335,22 @@ TEST_CASE("bench splat holds discs and marching cubes against the same truth, in
   CHECK(palpate("bench splat --mesh 0").code == 2);
 }
 
+TEST_CASE("bench matter measures what is stirred on each back end, and its passes") {
+  const ScratchFolder folder;
+  const std::string json = (folder / "matter.json").string();
+  works("bench matter --sizes 600 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  const auto records = jsonOf(json)["matter"];
+  REQUIRE(records.size() == 4);
+  for (const auto& record : records) {
+    CHECK(record["particles"] > 500);
+    CHECK(record["step"]["wall_us"]["p999"] >= record["step"]["wall_us"]["p50"]);
+    const double steps = record["step"]["wall_us"]["p50"], substeps = record["substep"]["wall_us"]["p50"];
+    CHECK(substeps * record["substeps"].get<double>() == doctest::Approx(steps));
+    const bool onGpu = record["backend"] == "vulkan";
+    CHECK(record["step"]["gpu_us"].is_null() == !onGpu);
+    CHECK(record["passes_us"].contains("matter_list") == onGpu);
+  }
+  CHECK(palpate("bench matter --matter lava").code == 2);
+}
+
 }  // namespace palpate

@@ -51,6 +51,24 @@ TEST_CASE("the scenes that need no file run, the same for any number of threads"
   }
 }
 
+TEST_CASE("a GPU moves a scene as the CPU does") {
+  const ScratchFolder folder;
+  const std::string scene = (folder / "tank.json").string(), json = (folder / "out.json").string();
+  std::ofstream(scene) << kSmallTank;
+  const auto moved = [&](const std::string& backend) {
+    works("simulate " + scene + " --duration 0.05 --probe 40,60,40 --backend " + backend + " --json " + json);
+    return jsonOf(json);
+  };
+  const auto gpu = moved("vulkan"), cpu = moved("cpu");
+  CHECK(gpu["backend"] == "vulkan");
+  CHECK(cpu["backend"] == "cpu");
+  for (const char* value : {"pressure_Pa", "potential_J", "max_compression", "front_mm"}) {
+    CAPTURE(value);
+    CHECK(gpu[value].get<double>() == doctest::Approx(cpu[value].get<double>()).epsilon(0.01));
+  }
+  CHECK(palpate("simulate water --backend abacus").code == 2);
+}
+
 TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file") {
   const ScratchFolder folder;
   const std::string scene = (folder / "scene.json").string(), save = (folder / "out.ply").string();

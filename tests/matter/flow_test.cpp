@@ -67,10 +67,11 @@ TEST_CASE("between two plates water flows with the parabola that its viscosity s
     const double curvature = kPull_m_s2 * scene.density_kg_m3 / viscosity_Pa_s / 2;
     const double most_m_s = curvature * kAcross_m * kAcross_m / 4;
     std::array<double, 12> sums{}, expected{}, counts{};
-    for (std::size_t i = 0; i < world.particles().size(); ++i) {
-      const double y = world.particles().positions()[i].y;
+    const std::vector<Vec3> positions = world.positionsById(), velocities = world.velocitiesById();
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      const double y = positions[i].y;
       const auto layer = static_cast<std::size_t>(y / kAcross_m * 12);
-      sums[layer] += std::as_const(world.particles()).velocities()[i].x;
+      sums[layer] += velocities[i].x;
       expected[layer] += curvature * y * (kAcross_m - y);
       ++counts[layer];
     }

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,15 @@ namespace palpate {
 
 inline constexpr double kGravity_m_s2 = 9.81;
 
+/// Makes a simulation on what is tested.
+using MatterMaker = std::function<std::unique_ptr<MatterSimulation>(const MatterScene& scene, std::size_t tools,
+                                                                    std::vector<Vec3> places)>;
+inline MatterMaker onCpu(unsigned threads = 2) {
+  return [threads](const MatterScene& scene, std::size_t tools, std::vector<Vec3> places) {
+    return std::make_unique<MatterWorld>(scene, MatterOptions{.threads = threads, .tools = tools}, std::move(places));
+  };
+}
+
 /// A tank that is filled from wall to wall, of whole spacings.
 inline MatterScene tank(const DVec3& spacings, double filled_spacings, double spacing_mm = 10) {
   return {.box_mm = spacings * spacing_mm,
@@ -22,13 +33,20 @@ inline MatterScene tank(const DVec3& spacings, double filled_spacings, double sp
           .spacing_mm = spacing_mm};
 }
 
-inline void run(MatterWorld& world, int steps) {
+inline void run(MatterSimulation& world, int steps) {
   for (int k = 0; k < steps; ++k) world.step();
   REQUIRE(world.state() == MatterState::running);
 }
 
-inline double massOf(const MatterWorld& world) {
-  return world.plan().mass_kg * static_cast<double>(world.plan().particles);
+inline double massOf(const MatterSimulation& world) {
+  return world.plan().mass_kg * static_cast<double>(world.particles());
+}
+
+/// Momentum that neither gravity nor walls nor tools have given, of all that gravity gave.
+inline double missingMomentum(const MatterSimulation& world) {
+  const MatterImpulses& given = world.impulses();
+  return glm::length(world.totals().momentum - (given.gravity - given.onWalls - given.onTools)) /
+         glm::length(given.gravity);
 }
 
 /// Whether a value is what is expected, but for a share of that. Shows both where it is not.
@@ -40,7 +58,7 @@ inline bool isWithin(double share, double value, double expected) {
 }
 
 /// Whether two simulations are in the same state, to the last bit.
-inline bool sameBytes(const MatterWorld& a, const MatterWorld& b) {
+inline bool sameBytes(const MatterSimulation& a, const MatterSimulation& b) {
   const auto same = [](const std::vector<Vec3>& x, const std::vector<Vec3>& y) {
     return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size() * sizeof(Vec3)) == 0;
   };

@@ -19,7 +19,7 @@ TEST_CASE("lists have everyone within their reach, and nobody else, also across 
     std::vector<Vec4> places(700), sorted;
     for (Vec4& place : places)
       for (int axis = 0; axis < 3; ++axis) place[axis] = share(random) * box.size[axis];
-    CellGrid grid(box, kReach);
+    CellGrid grid(cellsOf(box, kReach));
     std::vector<std::uint32_t> order;
     grid.sort(places, order);
     for (const std::uint32_t k : order) sorted.push_back(places[k]);

@@ -1,95 +1,17 @@
 // A ball between a hand and water.
-#include <cmath>
-#include <random>
-
-#include "tests/matter/matter_scenes.hpp"
+#include "tests/matter/matter_truths.hpp"
 
 namespace palpate {
-
-namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-double displacedBy(double radius_m) { return 1000 * 4 * kPi / 3 * radius_m * radius_m * radius_m; }
-
-MatterScene tankForBall(double radius_mm, double side_spacings, double filled_spacings) {
-  MatterScene scene = tank({side_spacings, filled_spacings + 8, side_spacings}, filled_spacings);
-  scene.tool = {.radius_mm = radius_mm, .mass_kg = displacedBy(radius_mm * 1e-3)};
-  return scene;
-}
-
-// At rest around a ball that is there already.
-std::vector<Vec3> placesAround(const DVec3& ball_m, const MatterScene& scene) {
-  std::vector<Vec3> places = placesAtRest(scene);
-  std::erase_if(places, [&](const Vec3& place) {
-    return glm::length(DVec3(place) - ball_m) < (scene.tool.radius_mm + 0.3 * scene.spacing_mm) * 1e-3;
-  });
-  return places;
-}
-
-}  // namespace
 
 TEST_CASE("a ball in water is pushed up by the weight of what it displaces") {
   for (const double radius_m : {0.03, 0.04}) {
     CAPTURE(radius_m);
-    const MatterScene scene = tankForBall(radius_m * 1e3, 12, 12);
-    const HandPose hand{.place_m = {0.06, 0.06, 0.06}};
-    MatterWorld world(scene, {.threads = 2, .tools = 1}, placesAround(hand.place_m, scene));
-    DVec3 reaction(0), force(0);
-    constexpr int kSettling = 400, kSteps = 300;
-    for (int k = 0; k < kSettling + kSteps; ++k) {
-      world.step({&hand, 1});
-      if (k < kSettling) continue;
-      reaction += world.answers()[0].reaction_N / double(kSteps);
-      force += world.answers()[0].force_N / double(kSteps);
-    }
-    REQUIRE(world.state() == MatterState::running);
-    const double expected = displacedBy(radius_m) * kGravity_m_s2;
-    CHECK(isWithin(0.03, reaction.y, expected));
-    CHECK(isWithin(0.03, force.y, expected));
-    CHECK(std::hypot(reaction.x, reaction.z) <= 0.03 * expected);
+    checkBuoyancy(onCpu(), radius_m, 400, 300);
   }
 }
 
-TEST_CASE("random hands get no energy out of water") {
-  const MatterScene scene = tankForBall(30, 14, 9);
-  std::mt19937 random(7);
-  std::normal_distribution<double> push;
-  for (int hands = 0; hands < 2; ++hands) {
-    MatterWorld world(scene, {.threads = 2, .tools = 1});
-    HandPose hand{.place_m = {0.07, 0.14, 0.07}};
-    DVec3 speed(0);
-    double least_J = 0;
-    for (int k = 0; k < 600; ++k) {
-      speed = 0.98 * speed - DVec3(0, 5e-3, 0);
-      for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
-      hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03), DVec3(0.11, 0.14, 0.11));
-      world.step({&hand, 1});
-      least_J = std::min(least_J, world.portEnergy_J(0));
-    }
-    REQUIRE(world.state() == MatterState::running);
-    CHECK(least_J >= -1e-3);
-    CHECK(world.portEnergy_J(0) > 1e-3);
-  }
-}
+TEST_CASE("random hands get no energy out of water") { checkRandomHands(onCpu(), 2, 600); }
 
-TEST_CASE("what a ball got is what water lost") {
-  const MatterScene scene = tankForBall(30, 14, 9);
-  MatterWorld world(scene, {.threads = 2, .tools = 2});
-  std::array<HandPose, 2> hands{HandPose{.place_m = {0.035, 0.14, 0.07}}, HandPose{.place_m = {0.105, 0.14, 0.07}}};
-  DVec3 reactions(0);
-  for (int k = 0; k < 300; ++k) {
-    hands[0].place_m.y -= 3e-4;
-    hands[1].place_m.y -= 2e-4;
-    world.step(hands);
-    reactions += kMatterStep_s * (world.answers()[0].reaction_N + world.answers()[1].reaction_N);
-  }
-  REQUIRE(world.state() == MatterState::running);
-  const MatterImpulses& given = world.impulses();
-  CHECK(glm::length(given.onTools) > 0.01);
-  CHECK(glm::length(given.onTools - reactions) <= 1e-9 * glm::length(reactions));
-  const DVec3 missing = world.observe().momentum - (given.gravity - given.onWalls - given.onTools);
-  CHECK(glm::length(missing) <= 1e-5 * glm::length(given.gravity));
-}
+TEST_CASE("what a ball got is what water lost") { checkReactions(onCpu()); }
 
 }  // namespace palpate

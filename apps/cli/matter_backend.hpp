@@ -1,0 +1,19 @@
+// Which machine moves matter: what simulate and bench share.
+#pragma once
+
+#include <memory>
+
+#include "apps/cli/context.hpp"
+#include "engine/matter/matter_simulation.hpp"
+
+namespace palpate {
+
+/// Those that move any.
+std::vector<std::string> matterBackends();
+/// The one that is named or, for `auto`, vulkan where there is a GPU and cpu where there is none but a software driver.
+std::string chooseMatterBackend(const Context& context, const std::string& name);
+/// On that back end, with as many threads as the program may use. Throws Error as planOf() does.
+std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
+                                              MatterOptions options = {});
+
+}  // namespace palpate

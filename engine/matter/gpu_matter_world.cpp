@@ -1,0 +1,206 @@
+#include "engine/matter/gpu_matter_world.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <glm/gtc/quaternion.hpp>
+#include <numeric>
+
+#include "engine/core/check.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/gpu/transfer.hpp"
+#include "engine/matter/matter_rules.hpp"
+#include "engine/matter/tool_body.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kMostListedInWater = 128, kMostListedInSand = 64;
+constexpr const char* kStep = "step";
+
+float listed_m(const MatterScene& scene, const MatterPlan& plan) {
+  return (reachOf(scene.matter).neighbour_spacings + kListedFarther_spacings) * static_cast<float>(plan.spacing_m);
+}
+
+shared::MatterCells particleCells(const MatterScene& scene, const MatterPlan& plan) {
+  return cellsOf({.size = scene.box_mm * 1e-3, .periodic = scene.periodic}, listed_m(scene, plan));
+}
+
+MatterSizes sizesOf(const MatterSimulation& world, const BoundaryBody& ball, std::size_t tools) {
+  const auto particles = static_cast<std::uint32_t>(world.particles());
+  return {.particles = particles,
+          .blocks = static_cast<std::uint32_t>(blocksOf(particles)),
+          .cells = static_cast<std::uint32_t>(countOf(particleCells(world.scene(), world.plan()))),
+          .tools = static_cast<std::uint32_t>(tools),
+          .bodyPoints = ball.size(),
+          .bodyCells = static_cast<std::uint32_t>(countOf(ball.grid().cells())),
+          .substeps = world.plan().substeps,
+          .mostListed = world.scene().matter == Matter::sand ? kMostListedInSand : kMostListedInWater,
+          .remembers = world.scene().matter == Matter::sand};
+}
+
+shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBody& ball, const MatterSizes& sizes) {
+  const MatterScene& scene = world.scene();
+  const MatterPlan& plan = world.plan();
+  const auto spacing = static_cast<float>(plan.spacing_m);
+  const auto support = static_cast<float>(kSupport_spacings * plan.spacing_m);
+  const shared::ToolSpringOf<double> spring = toolSpring(scene.tool, plan.substep_s);
+  return {.cells = particleCells(scene, plan),
+          .bodyCells = ball.grid().cells(),
+          .water = waterRules(scene, plan),
+          .grains = grainRules(scene, plan),
+          .spring = {.mass = static_cast<float>(spring.mass),
+                     .stiffness = static_cast<float>(spring.stiffness),
+                     .damping = static_cast<float>(spring.damping),
+                     .step = static_cast<float>(spring.step)},
+          .bodyMiddle = ball.middle(),
+          .bodyReach = ball.extent() + support,
+          .fall = scene.gravity_m_s2 * plan.substep_s,
+          .bodySupport = support,
+          .listed = listed_m(scene, plan),
+          .allowed = kListedFarther_spacings * spacing / 2,
+          .nearest = reachOf(scene.matter).wall_spacings * spacing,
+          .step = static_cast<float>(plan.substep_s),
+          .mass = static_cast<float>(plan.mass_kg),
+          .mostKinetic = static_cast<float>(plan.mostKinetic_J(sizes.particles)),
+          .bodyPoints = sizes.bodyPoints,
+          .mostListed = sizes.mostListed};
+}
+
+std::vector<Vec4> widened(const std::vector<Vec3>& values) {
+  std::vector<Vec4> wide;
+  for (const Vec3& value : values) wide.emplace_back(value, 0);
+  return wide;
+}
+
+template <class T>
+std::vector<T> copyOf(std::span<const T> values) {
+  return {values.begin(), values.end()};
+}
+
+}  // namespace
+
+GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options)
+    : GpuMatterWorld(device, queue, scene, options, placesAtRest(scene, options.memory_bytes)) {}
+
+GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+                               std::vector<Vec3> places)
+    : MatterSimulation(scene, options, std::move(places)),
+      device_(device),
+      queue_(queue),
+      ball_(ballBody(scene, plan())),
+      sizes_(sizesOf(*this, ball_, tools())),
+      memory_(device, sizes_),
+      passes_(device, scene.matter),
+      step_(device, queue, "matter", options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
+  memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
+  upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
+  upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
+  step_.begin();
+  {
+    const auto section = step_.section(kStep);
+    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
+      passes_.record(step_, memory_, sizes_, substep);
+    step_.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
+  }
+  step_.end();
+  reset();
+}
+
+void GpuMatterWorld::begin() {
+  const std::vector<Vec4> places = widened(beginning());
+  std::vector<std::uint32_t> ids(places.size());
+  std::iota(ids.begin(), ids.end(), 0u);
+  upload(device_, queue_, memory_.particles.positions, places);
+  upload(device_, queue_, memory_.sorted.places, places);
+  upload(device_, queue_, memory_.particles.ids, ids);
+  CommandList clear(device_, queue_, "matter begin");
+  clear.begin();
+  for (const Buffer* buffer : {&memory_.state, &memory_.particles.places, &memory_.particles.velocities,
+                               &memory_.pressed, &memory_.contactCounts})
+    clear.fill(*buffer, 0, buffer->bytes());
+  clear.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
+  clear.end();
+  queue_.run(clear);
+}
+
+void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
+
+void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const HandPose> to) {
+  const std::span<shared::HandStep> steps = memory_.hands.mapped<shared::HandStep>();
+  for (std::size_t tool = 0; tool < tools(); ++tool) {
+    HandPose before = from[tool];
+    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep) {
+      const HandPose now = between(from[tool], to[tool], (substep + 1.0) / sizes_.substeps);
+      const glm::mat3 turn(glm::mat3_cast(glm::normalize(now.orientation)));
+      steps[substep * tools() + tool] = {.place = now.place_m,
+                                         .move = now.place_m - before.place_m,
+                                         .spin = spinBetween(before.orientation, now.orientation, plan().substep_s),
+                                         .x = turn[0],
+                                         .y = turn[1],
+                                         .z = turn[2],
+                                         .unused = 0};
+      before = now;
+    }
+  }
+}
+
+MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
+  writeHands(from, to);
+  queue_.wait(queue_.submit(step_), device_.defaultWait());
+  const auto& sums = *reinterpret_cast<const shared::MatterSums*>(
+      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kSums).data());
+  StepReport report{.state = static_cast<MatterState>(control().state),
+                    .substeps = control().substeps,
+                    .onWalls = sums.onWalls,
+                    .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
+                               .momentum = sums.momentum,
+                               .maxCompression = static_cast<double>(sums.mostCompression)}};
+  for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(tool, to[tool]));
+  return report;
+}
+
+ToolReport GpuMatterWorld::reportOf(std::size_t tool, const HandPose& hand) const {
+  const auto& state = reinterpret_cast<const shared::ToolState*>(
+      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kTools).data())[tool];
+  return {.springImpulse = state.springImpulse,
+          .impulse = state.impulse,
+          .angular = state.angular,
+          .portWork_J = static_cast<double>(state.portWork),
+          .place_m = hand.place_m + DVec3(state.lag),
+          .velocity_m_s = state.velocity};
+}
+
+std::optional<double> GpuMatterWorld::gpuTime_us() const {
+  const double time_us = step_.sectionTime_us(kStep);
+  return time_us > 0 ? std::optional(time_us) : std::nullopt;
+}
+
+std::vector<Vec3> GpuMatterWorld::byId(const Buffer& slots, std::uint64_t firstSlot) const {
+  std::vector<Vec4> values(particles());
+  downloadBytes(device_, queue_, slots, std::as_writable_bytes(std::span(values)), firstSlot * sizeof(Vec4));
+  const auto ids = download<std::uint32_t>(device_, queue_, memory_.particles.ids, particles());
+  std::vector<Vec3> ordered(particles());
+  for (std::size_t slot = 0; slot < ordered.size(); ++slot) ordered[ids[slot]] = Vec3(values[slot]);
+  return ordered;
+}
+
+std::vector<Vec3> GpuMatterWorld::positionsById() const { return byId(memory_.particles.positions, 0); }
+std::vector<Vec3> GpuMatterWorld::velocitiesById() const {
+  return byId(memory_.particles.velocities, std::uint64_t{control().parity} * particles());
+}
+
+void GpuMatterWorld::setVelocities(std::span<const Vec3> byId) {
+  PALPATE_CHECK_EQ(byId.size(), particles());
+  const auto ids = download<std::uint32_t>(device_, queue_, memory_.particles.ids, particles());
+  std::vector<Vec4> halves(2 * particles());
+  for (std::size_t slot = 0; slot < ids.size(); ++slot)
+    halves[slot] = halves[slot + particles()] = Vec4(byId[ids[slot]], 0);
+  upload(device_, queue_, memory_.particles.velocities, halves);
+}
+
+std::vector<Vec4> GpuMatterWorld::pressedPlaces() const {
+  return download<Vec4>(device_, queue_, memory_.pressed, particles());
+}
+
+}  // namespace palpate

@@ -1,0 +1,70 @@
+#include "engine/matter/matter_memory.hpp"
+
+#include "shaders/shared/matter_passes.h"
+#include "shaders/shared/prefix_scan.h"
+
+namespace palpate {
+
+namespace {
+
+template <class T>
+Buffer onDevice(Device& device, std::uint64_t count, const char* name) {
+  return Buffer::of<T>(device, count, Memory::device, std::string("matter ") + name);
+}
+
+std::uint64_t stateBytes(const MatterSizes& sizes) {
+  return MatterMemory::kTools + sizes.tools * sizeof(shared::ToolState);
+}
+
+std::uint64_t contactsOf(const MatterSizes& sizes) {
+  return sizes.remembers ? std::uint64_t{2} * sizes.particles * shared::kMostContacts : 0;
+}
+
+}  // namespace
+
+std::uint32_t MatterSizes::stride() const { return blocks * shared::kMatterBlock; }
+std::uint32_t MatterSizes::tiles() const { return cells / shared::kScanTile + 1; }
+
+MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
+    : setting(Buffer::of<shared::MatterSetting>(device, 1, Memory::upload, "matter setting")),
+      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{sizes.substeps} * sizes.tools, Memory::upload,
+                                         "matter hands")),
+      state(device, stateBytes(sizes), Memory::device, "matter state"),
+      stateRead(device, stateBytes(sizes), Memory::readback, "matter state read"),
+      particles{.places = onDevice<Vec4>(device, sizes.particles, "places"),
+                .positions = onDevice<Vec4>(device, sizes.particles, "positions"),
+                .velocities = onDevice<Vec4>(device, std::uint64_t{2} * sizes.particles, "velocities"),
+                .ids = onDevice<std::uint32_t>(device, sizes.particles, "ids")},
+      sorted{.places = onDevice<Vec4>(device, sizes.particles, "sorted places"),
+             .positions = onDevice<Vec4>(device, sizes.particles, "sorted positions"),
+             .velocities = onDevice<Vec4>(device, sizes.particles, "sorted velocities"),
+             .ids = onDevice<std::uint32_t>(device, sizes.particles, "sorted ids")},
+      pressed(onDevice<Vec4>(device, sizes.particles, "pressed places")),
+      lists(onDevice<std::uint32_t>(device, std::uint64_t{sizes.mostListed} * sizes.stride(), "lists")),
+      listLengths(onDevice<std::uint32_t>(device, sizes.particles, "list lengths")),
+      sort{.firsts = onDevice<std::uint32_t>(device, std::uint64_t{sizes.cells} + 1, "firsts"),
+           .tileSums = onDevice<std::uint32_t>(device, sizes.tiles(), "tile sums"),
+           .cells = onDevice<std::uint32_t>(device, sizes.particles, "cells"),
+           .arrivals = onDevice<std::uint32_t>(device, sizes.particles, "arrivals"),
+           .order = onDevice<std::uint32_t>(device, sizes.particles, "order")},
+      sums(onDevice<Vec4>(device, std::uint64_t{2 + 2 * sizes.tools} * sizes.blocks, "sums")),
+      bodyPoints(onDevice<Vec4>(device, sizes.bodyPoints, "body points")),
+      bodyFirsts(onDevice<std::uint32_t>(device, std::uint64_t{sizes.bodyCells} + 1, "body firsts")),
+      contacts(onDevice<glm::uvec4>(device, contactsOf(sizes), "contacts")),
+      contactCounts(
+          onDevice<std::uint32_t>(device, sizes.remembers ? std::uint64_t{2} * sizes.particles : 0, "contact counts")) {
+  static_assert(sizeof(shared::MatterControl) == kSums && kSums + sizeof(shared::MatterSums) == kTools);
+}
+
+std::uint64_t MatterMemory::bytes() const {
+  std::uint64_t sum = 0;
+  for (const Buffer* buffer :
+       {&setting, &hands, &state, &stateRead, &particles.places, &particles.positions, &particles.velocities,
+        &particles.ids, &sorted.places, &sorted.positions, &sorted.velocities, &sorted.ids, &pressed, &lists,
+        &listLengths, &sort.firsts, &sort.tileSums, &sort.cells, &sort.arrivals, &sort.order, &sums, &bodyPoints,
+        &bodyFirsts, &contacts, &contactCounts})
+    sum += buffer->bytes();
+  return sum;
+}
+
+}  // namespace palpate

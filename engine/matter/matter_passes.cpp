@@ -1,0 +1,212 @@
+#include "engine/matter/matter_passes.hpp"
+
+#include <algorithm>
+
+#include "shaders/compiled.hpp"
+#include "shaders/shared/matter_passes.h"
+#include "shaders/shared/prefix_scan.h"
+
+namespace palpate {
+
+namespace {
+
+template <class Args>
+ComputePipeline pass(Device& device, const ShaderCode& code) {
+  return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
+}
+
+DeviceAddress control(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kControl; }
+DeviceAddress tools(const MatterMemory& memory) { return memory.state.address() + MatterMemory::kTools; }
+
+// Invocations that predict, and empty all cells among them.
+std::uint32_t threadsOf(const MatterSizes& sizes) {
+  const std::uint32_t most = std::max({sizes.particles, sizes.cells / shared::kEmptiedAtOnce + 1, sizes.tools});
+  return (most + shared::kMatterBlock - 1) / shared::kMatterBlock * shared::kMatterBlock;
+}
+
+}  // namespace
+
+MatterPasses::MatterPasses(Device& device, Matter matter)
+    : matter_(matter),
+      predict_(pass<shared::MatterPredictArgs>(device, shader_code::matter_predict)),
+      count_(pass<shared::MatterCountArgs>(device, shader_code::matter_count)),
+      scanReduce_(pass<shared::MatterScanArgs>(device, shader_code::matter_scan_reduce)),
+      scan_(pass<shared::MatterScanArgs>(device, shader_code::matter_scan)),
+      place_(pass<shared::MatterPlaceArgs>(device, shader_code::matter_place)),
+      sort_(pass<shared::MatterSortArgs>(device, shader_code::matter_sort)),
+      list_(pass<shared::MatterListArgs>(device, shader_code::matter_list)),
+      compress_(pass<shared::MatterCompressArgs>(device, shader_code::matter_compress)),
+      push_(pass<shared::MatterPushArgs>(device, shader_code::matter_push)),
+      rub_(pass<shared::MatterRubArgs>(device, shader_code::matter_rub)),
+      finish_(pass<shared::MatterFinishArgs>(device, shader_code::matter_finish)) {
+  static_assert(shared::kMatterBlock == shared::kScanWorkgroup);
+}
+
+void MatterPasses::record(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
+                          std::uint32_t substep) const {
+  recordPrediction(list, memory, sizes, substep);
+  if (sizes.particles > 0) {
+    recordSort(list, memory, sizes);
+    recordLists(list, memory, sizes);
+    matter_ == Matter::sand ? recordSand(list, memory, sizes) : recordWater(list, memory, sizes);
+  }
+  recordFinish(list, memory, sizes, substep);
+}
+
+void MatterPasses::recordPrediction(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
+                                    std::uint32_t substep) const {
+  const std::uint32_t threads = threadsOf(sizes);
+  list.dispatch(predict_, threads,
+                shared::MatterPredictArgs{.control = control(memory),
+                                          .setting = memory.setting.address(),
+                                          .positions = memory.particles.positions.address(),
+                                          .velocities = memory.particles.velocities.address(),
+                                          .listedAt = memory.sorted.places.address(),
+                                          .places = memory.particles.places.address(),
+                                          .firsts = memory.sort.firsts.address(),
+                                          .hands = memory.hands.address(),
+                                          .tools = tools(memory),
+                                          .particles = sizes.particles,
+                                          .counts = sizes.cells + 1,
+                                          .threads = threads,
+                                          .toolCount = sizes.tools,
+                                          .substep = substep,
+                                          .unused = 0});
+}
+
+void MatterPasses::recordSort(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const {
+  const MatterMemory::Sort& sort = memory.sort;
+  list.dispatch(count_, sizes.particles,
+                shared::MatterCountArgs{.control = control(memory),
+                                        .setting = memory.setting.address(),
+                                        .places = memory.particles.places.address(),
+                                        .firsts = sort.firsts.address(),
+                                        .cells = sort.cells.address(),
+                                        .arrivals = sort.arrivals.address(),
+                                        .particles = sizes.particles,
+                                        .unused = 0});
+  const shared::MatterScanArgs scan{.control = control(memory),
+                                    .setting = memory.setting.address(),
+                                    .firsts = sort.firsts.address(),
+                                    .tileSums = sort.tileSums.address(),
+                                    .counts = sizes.cells + 1,
+                                    .tiles = sizes.tiles()};
+  const std::uint64_t threads = std::uint64_t{scan.tiles} * shared::kScanWorkgroup;
+  if (scan.tiles > 1) list.dispatch(scanReduce_, threads, scan);
+  list.dispatch(scan_, threads, scan);
+  list.dispatch(place_, sizes.particles,
+                shared::MatterPlaceArgs{.control = control(memory),
+                                        .setting = memory.setting.address(),
+                                        .firsts = sort.firsts.address(),
+                                        .cells = sort.cells.address(),
+                                        .arrivals = sort.arrivals.address(),
+                                        .order = sort.order.address(),
+                                        .particles = sizes.particles,
+                                        .unused = 0});
+  list.dispatch(sort_, sizes.particles,
+                shared::MatterSortArgs{.control = control(memory),
+                                       .setting = memory.setting.address(),
+                                       .firsts = sort.firsts.address(),
+                                       .cells = sort.cells.address(),
+                                       .order = sort.order.address(),
+                                       .places = memory.particles.places.address(),
+                                       .positions = memory.particles.positions.address(),
+                                       .velocities = memory.particles.velocities.address(),
+                                       .ids = memory.particles.ids.address(),
+                                       .sortedPlaces = memory.sorted.places.address(),
+                                       .sortedPositions = memory.sorted.positions.address(),
+                                       .sortedVelocities = memory.sorted.velocities.address(),
+                                       .sortedIds = memory.sorted.ids.address(),
+                                       .particles = sizes.particles,
+                                       .unused = 0});
+}
+
+void MatterPasses::recordLists(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const {
+  list.dispatch(list_, sizes.particles,
+                shared::MatterListArgs{.control = control(memory),
+                                       .setting = memory.setting.address(),
+                                       .firsts = memory.sort.firsts.address(),
+                                       .sortedPlaces = memory.sorted.places.address(),
+                                       .sortedPositions = memory.sorted.positions.address(),
+                                       .sortedVelocities = memory.sorted.velocities.address(),
+                                       .sortedIds = memory.sorted.ids.address(),
+                                       .places = memory.particles.places.address(),
+                                       .positions = memory.particles.positions.address(),
+                                       .velocities = memory.particles.velocities.address(),
+                                       .ids = memory.particles.ids.address(),
+                                       .lists = memory.lists.address(),
+                                       .listLengths = memory.listLengths.address(),
+                                       .particles = sizes.particles,
+                                       .stride = sizes.stride()});
+}
+
+void MatterPasses::recordWater(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const {
+  list.dispatch(compress_, sizes.particles,
+                shared::MatterCompressArgs{.control = control(memory),
+                                           .setting = memory.setting.address(),
+                                           .places = memory.particles.places.address(),
+                                           .lists = memory.lists.address(),
+                                           .listLengths = memory.listLengths.address(),
+                                           .pressed = memory.pressed.address(),
+                                           .tools = tools(memory),
+                                           .bodyPoints = memory.bodyPoints.address(),
+                                           .bodyFirsts = memory.bodyFirsts.address(),
+                                           .particles = sizes.particles,
+                                           .stride = sizes.stride(),
+                                           .toolCount = sizes.tools,
+                                           .unused = 0});
+  list.dispatch(push_, sizes.particles,
+                shared::MatterPushArgs{.control = control(memory),
+                                       .setting = memory.setting.address(),
+                                       .pressed = memory.pressed.address(),
+                                       .positions = memory.particles.positions.address(),
+                                       .velocities = memory.particles.velocities.address(),
+                                       .lists = memory.lists.address(),
+                                       .listLengths = memory.listLengths.address(),
+                                       .sums = memory.sums.address(),
+                                       .tools = tools(memory),
+                                       .bodyPoints = memory.bodyPoints.address(),
+                                       .bodyFirsts = memory.bodyFirsts.address(),
+                                       .particles = sizes.particles,
+                                       .stride = sizes.stride(),
+                                       .toolCount = sizes.tools,
+                                       .blocks = sizes.blocks});
+}
+
+void MatterPasses::recordSand(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const {
+  list.dispatch(rub_, sizes.particles,
+                shared::MatterRubArgs{.control = control(memory),
+                                      .setting = memory.setting.address(),
+                                      .places = memory.particles.places.address(),
+                                      .positions = memory.particles.positions.address(),
+                                      .velocities = memory.particles.velocities.address(),
+                                      .ids = memory.particles.ids.address(),
+                                      .lists = memory.lists.address(),
+                                      .listLengths = memory.listLengths.address(),
+                                      .contacts = memory.contacts.address(),
+                                      .contactCounts = memory.contactCounts.address(),
+                                      .sums = memory.sums.address(),
+                                      .tools = tools(memory),
+                                      .bodyPoints = memory.bodyPoints.address(),
+                                      .bodyFirsts = memory.bodyFirsts.address(),
+                                      .particles = sizes.particles,
+                                      .stride = sizes.stride(),
+                                      .toolCount = sizes.tools,
+                                      .blocks = sizes.blocks});
+}
+
+void MatterPasses::recordFinish(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
+                                std::uint32_t substep) const {
+  list.dispatch(finish_, shared::kMatterBlock,
+                shared::MatterFinishArgs{.control = control(memory),
+                                         .setting = memory.setting.address(),
+                                         .sums = memory.sums.address(),
+                                         .total = memory.state.address() + MatterMemory::kSums,
+                                         .tools = tools(memory),
+                                         .blocks = sizes.blocks,
+                                         .toolCount = sizes.tools,
+                                         .substep = substep,
+                                         .unused = 0});
+}
+
+}  // namespace palpate

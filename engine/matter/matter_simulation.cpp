@@ -1,0 +1,87 @@
+#include "engine/matter/matter_simulation.hpp"
+
+#include <algorithm>
+
+#include "engine/core/check.hpp"
+#include "engine/matter/matter_pressure.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::vector<Vec3> insideOf(std::vector<Vec3> places, const MatterScene& scene, double spacing_m) {
+  const Vec3 size(scene.box_mm * 1e-3);
+  const Vec3 nearest(spacing_m / 2);
+  for (Vec3& place : places) place = glm::clamp(place, nearest, glm::max(size - nearest, nearest));
+  return places;
+}
+
+}  // namespace
+
+MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
+    : scene_(scene),
+      plan_(planOf(scene, options.memory_bytes)),
+      beginning_(insideOf(std::move(places), scene, plan_.spacing_m)),
+      answers_(options.tools) {
+  PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
+}
+
+void MatterSimulation::reset() {
+  hands_.clear();
+  std::ranges::fill(answers_, ToolAnswer{});
+  portEnergies_J_.assign(tools(), 0);
+  totals_ = {};
+  impulses_ = {};
+  state_ = MatterState::running;
+  steps_ = 0;
+  begin();
+}
+
+void MatterSimulation::step(std::span<const HandPose> hands) {
+  PALPATE_CHECK_EQ(hands.size(), tools());
+  if (steps_ == 0) {
+    hands_.assign(hands.begin(), hands.end());
+    placeTools(hands);
+  }
+  if (state_ == MatterState::running) take(run(hands_, hands));
+  if (state_ != MatterState::running)
+    for (std::size_t k = 0; k < tools(); ++k) answers_[k] = {.place_m = hands[k].place_m};
+  hands_.assign(hands.begin(), hands.end());
+  ++steps_;
+}
+
+void MatterSimulation::take(const StepReport& report) {
+  state_ = report.state;
+  totals_ = report.totals;
+  const double mass_kg = plan_.mass_kg * static_cast<double>(particles());
+  impulses_.gravity += mass_kg * plan_.substep_s * static_cast<double>(report.substeps) * scene_.gravity_m_s2;
+  impulses_.onWalls += report.onWalls;
+  for (std::size_t k = 0; k < tools(); ++k) {
+    const ToolReport& tool = report.tools[k];
+    impulses_.onTools += tool.impulse;
+    portEnergies_J_[k] += tool.portWork_J;
+    answers_[k] = {.force_N = -scene_.gain * tool.springImpulse / kMatterStep_s,
+                   .torque_Nm = scene_.gain * tool.angular / kMatterStep_s,
+                   .reaction_N = tool.impulse / kMatterStep_s,
+                   .place_m = tool.place_m,
+                   .velocity_m_s = tool.velocity_m_s};
+  }
+}
+
+MatterObservation MatterSimulation::observe() const {
+  MatterObservation seen{totals_};
+  seen.time_s = time_s();
+  seen.particles = particles();
+  for (const Vec3& place : positionsById()) {
+    seen.potential_J -= plan_.mass_kg * glm::dot(scene_.gravity_m_s2, DVec3(place));
+    seen.front_m = std::max(seen.front_m, static_cast<double>(place.x) + plan_.spacing_m / 2);
+  }
+  return seen;
+}
+
+double MatterSimulation::pressureAt(const DVec3& place) const {
+  if (scene_.matter != Matter::water) return 0;
+  return waterPressure(scene_, plan_, pressedPlaces(), place);
+}
+
+}  // namespace palpate

@@ -1,0 +1,149 @@
+// A scene of matter that moves by itself, and what it says of itself: the seam between the CPU (MatterWorld) and a GPU
+// (GpuMatterWorld).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "engine/core/pass_record.hpp"
+#include "engine/matter/hand_pose.hpp"
+#include "engine/matter/matter_scene.hpp"
+
+namespace palpate {
+
+/// How a simulation is. Anything but running stays so until it is reset; forces are zero then, and nothing moves.
+enum class MatterState {
+  running,
+  diverged,  ///< a velocity is no number, or matter moves faster than its sound as a whole
+  crowded,   ///< more particles in one place than can be listed
+};
+
+/// All particles together, after a substep.
+struct MatterTotals {
+  double kinetic_J = 0;
+  DVec3 momentum{0};          ///< kg m/s
+  double maxCompression = 0;  ///< share by which the densest place exceeds the density at rest
+};
+
+/// All in SI units.
+struct MatterObservation : MatterTotals {
+  double time_s = 0;
+  std::size_t particles = 0;
+  double potential_J = 0;  ///< in gravity, from the corner at 0
+  double front_m = 0;      ///< along x, how far matter has come: half a spacing beyond the farthest particle
+};
+
+/// What has gone between matter and all else since the beginning, kg m/s; the momentum is their sum.
+struct MatterImpulses {
+  DVec3 gravity{0}, onWalls{0}, onTools{0};
+};
+
+/// What a hand is answered, means over a step. Zero where the simulation has failed.
+struct ToolAnswer {
+  DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
+  DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
+  DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
+  DVec3 place_m{0};       ///< of the ball at the end
+  DVec3 velocity_m_s{0};  ///< of the ball at the end
+};
+
+/// What a step has done to the ball of a tool: kg m/s, kg m^2/s.
+struct ToolReport {
+  DVec3 springImpulse{0};     ///< of the hand, through the spring and damper
+  DVec3 impulse{0};           ///< of the matter
+  DVec3 angular{0};           ///< of the matter, about its middle
+  double portWork_J = 0;      ///< of the hand
+  DVec3 place_m{0};           ///< at the end
+  DVec3 velocity_m_s{0};      ///< at the end
+};
+
+struct MatterOptions {
+  unsigned threads = 0;  ///< of the CPU; 0: one per core; results are the same for any number
+  std::size_t tools = 0;
+  std::uint64_t memory_bytes = kMostMatterBytes;
+  bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
+};
+
+/// For one thread at a time. The same scene and the same hands give the same bytes, on the same machine.
+class MatterSimulation {
+ public:
+  virtual ~MatterSimulation() = default;
+  MatterSimulation(const MatterSimulation&) = delete;
+  MatterSimulation& operator=(const MatterSimulation&) = delete;
+
+  const MatterScene& scene() const { return scene_; }
+  const MatterPlan& plan() const { return plan_; }
+  std::size_t particles() const { return beginning_.size(); }
+  /// Puts everything back to where it began; tools are placed anew by the next step.
+  void reset();
+  /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
+  /// the tools begin.
+  void step(std::span<const HandPose> hands = {});
+
+  MatterState state() const { return state_; }
+  double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
+  std::span<const ToolAnswer> answers() const { return answers_; }  ///< of the last step
+  /// Energy that the hand of a tool has put in through its spring and damper, J. Passive where it is never below 0.
+  double portEnergy_J(std::size_t tool) const { return portEnergies_J_[tool]; }
+  const MatterImpulses& impulses() const { return impulses_; }
+  const MatterTotals& totals() const { return totals_; }  ///< after the last substep
+  /// Time of the last step on a GPU's own clock; nothing where none ran it, or it keeps none.
+  virtual std::optional<double> gpuTime_us() const = 0;
+  /// What the last step ran on a GPU, with times where the options ask for them.
+  virtual std::vector<PassRecord> passes() const { return {}; }
+
+  /// Looks at all particles.
+  MatterObservation observe() const;
+  /// Pressure of water about a place, m, of what lies above where there is gravity; linear in the particles within three
+  /// spacings, of which those at a wall hardly count: part of what goes through them is the wall's. 0 where no matter
+  /// is, or none that has one. Pa. Looks at all particles.
+  double pressureAt(const DVec3& place) const;
+
+  /// In the order of the ids, m.
+  virtual std::vector<Vec3> positionsById() const = 0;
+  virtual std::vector<Vec3> velocitiesById() const = 0;  ///< m/s
+  /// For beginnings with a motion: one for each id, m/s.
+  virtual void setVelocities(std::span<const Vec3> byId) = 0;
+
+ protected:
+  /// Throws Error as planOf() does. `places`: where particles begin, m; those outside of the box stand at its walls. Who
+  /// derives calls reset() when it is made.
+  MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places);
+
+  struct StepReport {
+    MatterState state = MatterState::running;
+    std::uint32_t substeps = 0;  ///< that were run
+    DVec3 onWalls{0};            ///< kg m/s
+    MatterTotals totals;
+    std::vector<ToolReport> tools;
+  };
+  std::size_t tools() const { return answers_.size(); }
+  const std::vector<Vec3>& beginning() const { return beginning_; }
+
+ private:
+  /// Everything stands where it begins.
+  virtual void begin() = 0;
+  /// Balls stand where the hands are.
+  virtual void placeTools(std::span<const HandPose> hands) = 0;
+  /// All substeps of a step, or as many as the state lets it, while hands go from one place to another.
+  virtual StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) = 0;
+  /// Where particles were predicted in the last substep, m, in any order; the compression in w.
+  virtual std::vector<Vec4> pressedPlaces() const = 0;
+
+  void take(const StepReport& report);
+
+  MatterScene scene_;
+  MatterPlan plan_;
+  std::vector<Vec3> beginning_;
+  std::vector<HandPose> hands_;  // at the end of the last step; empty before the first
+  std::vector<ToolAnswer> answers_;
+  std::vector<double> portEnergies_J_;
+  MatterTotals totals_;
+  MatterImpulses impulses_;
+  MatterState state_ = MatterState::running;
+  std::uint64_t steps_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,48 @@
+// Sums over the slots of a block, always in the same order. In rows of blocks: what walls got and the kinetic energy,
+// momentum and the most compression; then for each tool the impulse it got, and the angular one.
+#ifndef PALPATE_LIB_MATTER_SUMS_GLSL
+#define PALPATE_LIB_MATTER_SUMS_GLSL
+
+const uint kRowsOfAll = 2;
+
+shared vec4 summed[2 * kMatterBlock];
+
+// `keepsLargest`: of the last component.
+vec4 combined(vec4 a, vec4 b, bool keepsLargest) {
+  return vec4(a.xyz + b.xyz, keepsLargest ? max(a.w, b.w) : a.w + b.w);
+}
+
+// One value from eight, `left` of them, for both; then the next ones may read them.
+void addEight(uint left, bool keepsLargest) {
+  const uint local = gl_LocalInvocationIndex, begin = local < left ? 0 : kMatterBlock;
+  const bool takesPart = local < 2 * left;
+  const uint own = begin + local % left;
+  vec4 sum;
+  if (takesPart) {
+    sum = summed[own];
+    for (uint k = 1; k < 8; ++k) sum = combined(sum, summed[own + k * left], keepsLargest && begin != 0);
+  }
+  barrier();
+  if (takesPart) summed[own] = sum;
+  barrier();
+}
+
+vec4 lastOf(uint begin, bool keepsLargest) {
+  return combined(combined(summed[begin], summed[begin + 1], keepsLargest),
+                  combined(summed[begin + 2], summed[begin + 3], keepsLargest), keepsLargest);
+}
+
+// Both become their sums over the workgroup, of kMatterBlock invocations, all of which call this together. Of the last
+// component of `b` the largest is kept where that is asked for.
+void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
+  summed[gl_LocalInvocationIndex] = a;
+  summed[kMatterBlock + gl_LocalInvocationIndex] = b;
+  barrier();
+  addEight(kMatterBlock / 8, keepsLargest);
+  addEight(kMatterBlock / 64, keepsLargest);
+  a = lastOf(0, false);
+  b = lastOf(kMatterBlock, keepsLargest);
+  barrier();
+}
+
+#endif

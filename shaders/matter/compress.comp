@@ -1,0 +1,39 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Water, first half: weights of all that is near sum up to the compression of each particle.
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/matter_passes.h"
+
+layout(push_constant, scalar) uniform Push { MatterCompressArgs args; };
+
+#include "shaders/lib/matter_lists.glsl"
+#include "shaders/lib/matter_setting.glsl"
+#include "shaders/lib/matter_body.glsl"
+
+float bodyWeights = 0;
+void meetPoint(BodyMeeting met, uint number) { bodyWeights += met.volume * wendland(met.r); }
+
+void main() {
+  const uint slot = threadIndex();
+  if (slot >= args.particles || !isRunning()) return;
+  const WaterRules rules = waterRules();
+  const vec3 place = args.places.at[slot].xyz, size = SETTING.cells.size;
+  const uint count = args.listLengths.at[slot];
+  const float perSupport = 1 / rules.support;
+  float sum = 1;  // the particle itself
+  for (uint first = 0; first < count; first += kListedAtOnce) {
+    const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
+    [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) {
+      if (first + k >= count) break;
+      const vec3 offset = offsetFrom(four[k], args.places.at[slotOf(four[k])].xyz, place, size);
+      sum += wendland(min(length(offset) * perSupport, 1));
+    }
+  }
+  for (uint tool = 0; tool < args.toolCount; ++tool) {
+    const BodyPose pose = poseOf(tool);
+    if (isNear(pose, place)) meetPoints(pose, place);
+  }
+  sum += bodyWeights + wallsAt(rules, place).sum;
+  args.pressed.at[slot] = vec4(place, max(compressionOf(rules, sum), 0));
+}

@@ -1,0 +1,61 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Water, second half: pushes of all that is near sum up to a change of each particle's velocity, with which it settles.
+#extension GL_EXT_control_flow_attributes : require
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/matter_passes.h"
+
+layout(push_constant, scalar) uniform Push { MatterPushArgs args; };
+
+#include "shaders/lib/matter_lists.glsl"
+#include "shaders/lib/matter_setting.glsl"
+#include "shaders/lib/matter_body.glsl"
+#include "shaders/lib/matter_sums.glsl"
+#include "shaders/lib/matter_settle.glsl"
+
+WaterRules rules;
+vec4 place;  // w: compression
+vec3 velocity;
+
+vec3 changeByNeighbours(uint slot) {
+  const uint count = args.listLengths.at[slot], before = args.control.now.parity * args.particles;
+  const vec3 size = SETTING.cells.size, fall = SETTING.fall;
+  const float perSupport = 1 / rules.support;
+  vec3 change = vec3(0);
+  for (uint first = 0; first < count; first += kListedAtOnce) {
+    const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
+    [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) {
+      if (first + k >= count) break;
+      const uint other = slotOf(four[k]);
+      const vec4 at = args.pressed.at[other];
+      const vec3 offset = offsetFrom(four[k], at.xyz, place.xyz, size);
+      const float r = length(offset) * perSupport;
+      if (!(r < 1)) continue;
+      const vec3 relative = args.velocities.at[before + other].xyz + fall - velocity;
+      change += changeByNeighbour(rules, offset, wendlandPull(r), place.w + at.w, relative);
+    }
+  }
+  return change;
+}
+
+void meetPoint(BodyMeeting met, uint number) {
+  const vec3 change =
+      met.volume * changeByNeighbour(rules, met.offset, wendlandPull(met.r), place.w, met.velocity - velocity);
+  noteExchange(change, met.arm);
+}
+
+void main() {
+  if (!isRunning()) return;
+  const uint slot = threadIndex();
+  const bool isParticle = slot < args.particles;
+  vec3 change = vec3(0), byWalls = vec3(0);
+  if (isParticle) {
+    rules = waterRules();
+    place = args.pressed.at[slot];
+    velocity = velocityOf(slot);
+    change = changeByNeighbours(slot);
+    byWalls = changeByWalls(rules, wallsAt(rules, place.xyz), place.w, velocity);
+  }
+  change += changeByTools(isParticle, place.xyz) + byWalls;
+  settleSlot(isParticle, place.xyz, velocity, change, byWalls, place.w);
+}

@@ -1,0 +1,35 @@
+// What matter has to be true to, whoever simulates it. Each makes its own simulations and checks them.
+#pragma once
+
+#include "tests/matter/matter_scenes.hpp"
+
+namespace palpate {
+
+/// Grains on a floor that is tilted, in a box that is periodic along z.
+MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg);
+
+/// Pressure within 2 %, weight on the floor within 1 %, compression of 1 % at most; means over some steps after others.
+void checkWaterAtRest(const MatterMaker& make, int settling, int steps);
+/// After each of so many steps.
+void checkMomentumIsAccountedFor(const MatterMaker& make, int steps);
+void checkMomentumStays(const MatterMaker& make, int steps);
+void checkWallsHold(const MatterMaker& make, int steps);
+/// The same bytes by both, and again after a reset; with a tool in water, or in sand.
+void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter matter, int steps);
+
+/// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
+void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
+void checkRandomHands(const MatterMaker& make, int hands, int steps);
+void checkReactions(const MatterMaker& make);
+
+/// A grain on a slope of 30 degrees.
+void checkSlope(const MatterMaker& make, double friction);
+/// Does not creep, and keeps its momentum's account.
+void checkHeap(const MatterMaker& make, int falling, int resting);
+void checkBallInSand(const MatterMaker& make);
+
+void checkFewParticles(const MatterMaker& make);
+void checkDivergence(const MatterMaker& make);
+void checkJumpingHand(const MatterMaker& make, int steps);
+
+}  // namespace palpate

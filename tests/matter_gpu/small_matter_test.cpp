@@ -1,0 +1,156 @@
+// A few hundred particles on the GPU against the same ones on the CPU.
+#include <array>
+#include <random>
+
+#include "engine/core/named_values.hpp"
+#include "tests/matter_gpu/gpu_matter.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Particles anywhere, none very near to another one, so that both do the same for a while.
+std::vector<Vec3> scattered(std::size_t count, const DVec3& box_mm, double apart_mm) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::vector<Vec3> places;
+  while (places.size() < count) {
+    Vec3 place;
+    for (int k = 0; k < 3; ++k) place[k] = static_cast<float>(share(random) * box_mm[k] * 1e-3);
+    const auto isNear = [&](const Vec3& other) { return glm::length(place - other) < 1e-3 * apart_mm; };
+    if (std::ranges::none_of(places, isNear)) places.push_back(place);
+  }
+  return places;
+}
+
+// The same scene on both, a few steps, with hands that come from above and turn.
+struct Both {
+  std::unique_ptr<MatterSimulation> gpu, cpu;
+
+  Both(Device& device, const MatterScene& scene, std::size_t tools, const std::vector<Vec3>& places)
+      : gpu(onGpu(device)(scene, tools, places)), cpu(onCpu()(scene, tools, places)) {}
+
+  void step(int steps) {
+    for (int k = 0; k < steps; ++k, ++step_) {
+      std::vector<HandPose> hands;
+      for (std::size_t tool = 0; tool < gpu->answers().size(); ++tool) {
+        const double angle = 0.02 * step_ * (static_cast<double>(tool) + 1);
+        // Two beside each other, and the third one nearly where the first one is.
+        const double x = 0.03 + 0.04 * static_cast<double>(tool % 2) + 0.003 * static_cast<double>(tool / 2);
+        hands.push_back({.place_m = {x, 0.05 - 2e-4 * step_, 0.035},
+                         .orientation = {std::cos(angle), 0.6 * std::sin(angle), 0, 0.8 * std::sin(angle)}});
+      }
+      gpu->step(hands);
+      cpu->step(hands);
+    }
+  }
+
+  void checkAlike() const {
+    REQUIRE(gpu->state() == MatterState::running);
+    REQUIRE(cpu->state() == MatterState::running);
+    CHECK(farthestApart(*gpu, *cpu) < 1e-6);
+    CHECK(isWithin(1e-3, gpu->totals().kinetic_J, cpu->totals().kinetic_J));
+    CHECK(std::abs(gpu->totals().maxCompression - cpu->totals().maxCompression) < 1e-4);
+    const double given = glm::length(cpu->impulses().gravity) + glm::length(cpu->impulses().onWalls);
+    CHECK(near(gpu->totals().momentum, cpu->totals().momentum, given));
+    CHECK(near(gpu->impulses().gravity, cpu->impulses().gravity, given));
+    CHECK(near(gpu->impulses().onWalls, cpu->impulses().onWalls, given));
+    CHECK(near(gpu->impulses().onTools, cpu->impulses().onTools, given));
+    for (std::size_t tool = 0; tool < gpu->answers().size(); ++tool) {
+      const ToolAnswer &is = gpu->answers()[tool], &expected = cpu->answers()[tool];
+      const double force = glm::length(expected.force_N) + 0.01;
+      CHECK(near(is.force_N, expected.force_N, force));
+      CHECK(near(is.reaction_N, expected.reaction_N, force));
+      CHECK(near(is.torque_Nm, expected.torque_Nm, 0.02 * force));
+      CHECK(glm::length(is.place_m - expected.place_m) < 1e-7);
+      CHECK(std::abs(gpu->portEnergy_J(tool) - cpu->portEnergy_J(tool)) <
+            1e-3 * std::abs(cpu->portEnergy_J(tool)) + 1e-9);
+    }
+  }
+
+ private:
+  static bool near(const DVec3& a, const DVec3& b, double scale) { return glm::length(a - b) <= 1e-3 * scale; }
+
+  int step_ = 0;
+};
+
+MatterScene smallScene(Matter matter) {
+  return {.matter = matter,
+          .box_mm = {93, 101, 77},
+          .fill_mm = {50, 50, 50},
+          .spacing_mm = 10,
+          .gravity_m_s2 = {3, -7, 5},
+          .tool = {.radius_mm = 15, .mass_kg = 0.03},
+          .gain = 3};
+}
+
+}  // namespace
+
+TEST_CASE_FIXTURE(GpuFixture, "particles of any number, and what they do to a tool, are on the GPU as on the CPU") {
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const std::size_t count : {0, 1, 2, 255, 256, 257}) {
+      CAPTURE(nameOf(kMatters, matter));
+      CAPTURE(count);
+      const MatterScene scene = smallScene(matter);
+      Both both(device, scene, 1, scattered(count, scene.box_mm, 7));
+      both.step(3);
+      both.checkAlike();
+      both.step(5);
+      both.checkAlike();
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "through periodic borders particles go, and meet each other, on the GPU as on the CPU") {
+  const std::array<std::array<bool, 3>, 4> boxes{
+      {{true, false, false}, {false, true, true}, {true, false, true}, {true, true, true}}};
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const auto& periodic : boxes) {
+      CAPTURE(nameOf(kMatters, matter));
+      MatterScene scene = smallScene(matter);
+      scene.periodic = periodic;
+      Both both(device, scene, 0, scattered(300, scene.box_mm, 7));
+      const std::vector<Vec3> velocities(300, Vec3(2, -2.5, 3));
+      both.gpu->setVelocities(velocities);
+      both.cpu->setVelocities(velocities);
+      both.step(6);
+      both.checkAlike();
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "several tools are answered on the GPU as on the CPU, also where they share particles") {
+  for (const Matter matter : {Matter::water, Matter::sand})
+    for (const std::size_t tools : {2, 3}) {
+      CAPTURE(nameOf(kMatters, matter));
+      MatterScene scene = smallScene(matter);
+      scene.box_mm.x = 143;
+      scene.fill_mm = {140, 50, 70};
+      Both both(device, scene, tools, placesAtRest(scene));
+      both.step(8);
+      both.checkAlike();
+      for (const ToolAnswer& answer : both.cpu->answers()) CHECK(glm::length(answer.reaction_N) > 1e-3);
+    }
+}
+
+TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: nothing moves, no force, until a reset") {
+  for (const std::size_t count : {129, 130}) {
+    CAPTURE(count);
+    const MatterScene scene = smallScene(Matter::water);
+    const auto world = onGpu(device)(scene, 1, std::vector<Vec3>(count, Vec3(0.05f)));
+    const HandPose hand{.place_m = {0.05, 0.06, 0.05}};
+    world->step({&hand, 1});
+    REQUIRE((world->state() == MatterState::crowded) == (count > 129));
+    if (count == 129) continue;
+    const std::vector<Vec3> before = world->positionsById();
+    for (int k = 0; k < 3; ++k) {
+      world->step({&hand, 1});
+      CHECK(world->state() == MatterState::crowded);
+      CHECK(world->answers()[0].force_N == DVec3(0));
+      CHECK(world->answers()[0].reaction_N == DVec3(0));
+      CHECK(world->positionsById() == before);
+    }
+    world->reset();
+    CHECK(world->state() == MatterState::running);
+  }
+}
+
+}  // namespace palpate

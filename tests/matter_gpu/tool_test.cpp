@@ -1,0 +1,16 @@
+// Balls between hands and matter on the GPU.
+#include "tests/matter_gpu/gpu_matter.hpp"
+
+namespace palpate {
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball in water is pushed up by the weight of what it displaces") {
+  checkBuoyancy(onGpu(device), 0.03, 250, 150);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what a ball got is what water lost") { checkReactions(onGpu(device)); }
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands get no energy out of water") {
+  checkRandomHands(onGpu(device), 1, 300);
+}
+
+}  // namespace palpate
