@@ -5,6 +5,11 @@
 
 namespace palpate {
 
+inline std::unique_ptr<MatterSimulation> atRest(const MatterMaker& make, const MatterScene& scene,
+                                                std::size_t tools = 0) {
+  return make(scene, tools, placesAtRest(scene));
+}
+
 /// Grains on a floor that is tilted, in a box that is periodic along z.
 MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg);
 

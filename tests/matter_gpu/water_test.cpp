@@ -17,8 +17,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU no particle is ever beyond a wall"
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "the same GPU gives the same bytes every time") {
-  for (const Matter matter : {Matter::water, Matter::sand})
-    checkSameBytes(onGpu(device), onGpu(device), matter, 60);
+  for (const Matter matter : {Matter::water, Matter::sand}) checkSameBytes(onGpu(device), onGpu(device), matter, 60);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "thousands of particles are where they are on the CPU, and a dam breaks as there") {
