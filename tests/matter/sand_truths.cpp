@@ -45,8 +45,8 @@ void checkSlope(const MatterMaker& make, double friction) {
   }
 }
 
-void checkHeap(const MatterMaker& make, int falling, int resting) {
-  const auto world = atRest(make, sandbox({240, 200, 80}, {100, 120, 80}, 0.5, 0));
+void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting) {
+  const auto world = atRest(make, sandbox({240, 200, 80}, fill_mm, 0.5, 0));
   run(*world, falling);
   CHECK(missingMomentum(*world) <= 1e-5);
   const std::vector<Vec3> before = world->positionsById();
@@ -59,11 +59,11 @@ void checkHeap(const MatterMaker& make, int falling, int resting) {
 }
 
 void checkBallInSand(const MatterMaker& make) {
-  MatterScene scene = sandbox({140, 200, 140}, {140, 80, 140}, 0.5, 0);
+  MatterScene scene = sandbox({100, 160, 100}, {100, 60, 100}, 0.5, 0);
   scene.tool = {.radius_mm = 30, .mass_kg = 0.2};
   const auto world = atRest(make, scene, 1);
-  HandPose hand{.place_m = {0.07, 0.15, 0.07}};
-  for (int k = 0; k < 500; ++k) {
+  HandPose hand{.place_m = {0.05, 0.1, 0.05}};
+  for (int k = 0; k < 300; ++k) {
     hand.place_m.y -= 1e-4;
     world->step({&hand, 1});
   }

@@ -70,12 +70,12 @@ void checkRandomHands(const MatterMaker& make, int hands, int steps) {
   }
 }
 
-void checkReactions(const MatterMaker& make) {
+void checkReactions(const MatterMaker& make, int steps) {
   const MatterScene scene = tankForBall(30, 14, 9);
   const auto world = atRest(make, scene, 2);
   std::array<HandPose, 2> hands{HandPose{.place_m = {0.035, 0.14, 0.07}}, HandPose{.place_m = {0.105, 0.14, 0.07}}};
   DVec3 reactions(0);
-  for (int k = 0; k < 300; ++k) {
+  for (int k = 0; k < steps; ++k) {
     hands[0].place_m.y -= 3e-4;
     hands[1].place_m.y -= 2e-4;
     world->step(hands);
