@@ -109,8 +109,9 @@ Json measure(Context& context, Matter matter, std::size_t particles, const std::
 }
 
 std::string said(const Json& summary) {
-  return summary.is_null() ? "–"
-                           : fmt::format("{:.1f} / {:.1f}", summary["p50"].get<double>(), summary["p999"].get<double>());
+  return summary.is_null()
+             ? "–"
+             : fmt::format("{:.1f} / {:.1f}", summary["p50"].get<double>(), summary["p999"].get<double>());
 }
 
 void print(std::FILE* out, const Json& records) {

@@ -92,7 +92,8 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       sizes_(sizesOf(*this, ball_, tools())),
       memory_(device, sizes_),
       passes_(device, scene.matter),
-      step_(device, queue, "matter", options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
+      step_(device, queue, "matter",
+            options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
   upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));

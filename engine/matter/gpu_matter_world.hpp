@@ -10,9 +10,9 @@
 
 namespace palpate {
 
-/// The same as MatterWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same bytes
-/// every time. A step is one submission, after which the host reads its report. A particle has room for fewer neighbours
-/// than on the CPU: 128 in water, 64 in sand, more than twice what either comes to.
+/// The same as MatterWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same
+/// bytes every time. A step is one submission, after which the host reads its report. A particle has room for fewer
+/// neighbours than on the CPU: 128 in water, 64 in sand, more than twice what either comes to.
 class GpuMatterWorld final : public MatterSimulation {
  public:
   /// `queue`: of the device, and used by this thread alone. Throws Error as planOf() does, and OutOfGpuMemory.

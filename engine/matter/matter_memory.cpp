@@ -58,11 +58,31 @@ MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
 
 std::uint64_t MatterMemory::bytes() const {
   std::uint64_t sum = 0;
-  for (const Buffer* buffer :
-       {&setting, &hands, &state, &stateRead, &particles.places, &particles.positions, &particles.velocities,
-        &particles.ids, &sorted.places, &sorted.positions, &sorted.velocities, &sorted.ids, &pressed, &lists,
-        &listLengths, &sort.firsts, &sort.tileSums, &sort.cells, &sort.arrivals, &sort.order, &sums, &bodyPoints,
-        &bodyFirsts, &contacts, &contactCounts})
+  for (const Buffer* buffer : {&setting,
+                               &hands,
+                               &state,
+                               &stateRead,
+                               &particles.places,
+                               &particles.positions,
+                               &particles.velocities,
+                               &particles.ids,
+                               &sorted.places,
+                               &sorted.positions,
+                               &sorted.velocities,
+                               &sorted.ids,
+                               &pressed,
+                               &lists,
+                               &listLengths,
+                               &sort.firsts,
+                               &sort.tileSums,
+                               &sort.cells,
+                               &sort.arrivals,
+                               &sort.order,
+                               &sums,
+                               &bodyPoints,
+                               &bodyFirsts,
+                               &contacts,
+                               &contactCounts})
     sum += buffer->bytes();
   return sum;
 }

@@ -8,8 +8,8 @@ namespace palpate {
 /// How much of everything a simulation on a GPU has.
 struct MatterSizes {
   std::uint32_t particles = 0;
-  std::uint32_t blocks = 0;      ///< of shared::kMatterBlock slots
-  std::uint32_t cells = 0;       ///< of the box
+  std::uint32_t blocks = 0;  ///< of shared::kMatterBlock slots
+  std::uint32_t cells = 0;   ///< of the box
   std::uint32_t tools = 0;
   std::uint32_t bodyPoints = 0;  ///< of a tool's ball
   std::uint32_t bodyCells = 0;

@@ -21,7 +21,10 @@ void permute(std::vector<T>& values, const std::vector<std::uint32_t>& order, st
 }  // namespace
 
 MatterParticles::MatterParticles(const Config& config, std::vector<Vec3> places)
-    : config_(config), grid_(cellsOf(config.box, config.listed_m)), lists_(config.listed_m), positions_(std::move(places)) {
+    : config_(config),
+      grid_(cellsOf(config.box, config.listed_m)),
+      lists_(config.listed_m),
+      positions_(std::move(places)) {
   velocities_.resize(size());
   nextVelocities_.resize(size());
   places_.resize(size());

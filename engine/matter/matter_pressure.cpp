@@ -35,9 +35,8 @@ double pressureOf(const shared::WaterRules& rules, double density_kg_m3, const s
   double sum = 0;
   for (const Vec4& other : about) {
     const Vec3 offset(particle - other);
-    const Vec3 change =
-        shared::changeByNeighbour<float>(rules, offset, shared::wendlandPull(glm::length(offset) / rules.support),
-                                         particle.w + other.w, Vec3(0));
+    const Vec3 change = shared::changeByNeighbour<float>(
+        rules, offset, shared::wendlandPull(glm::length(offset) / rules.support), particle.w + other.w, Vec3(0));
     sum += static_cast<double>(down == Vec3(0) ? glm::dot(change, offset) / 3
                                                : glm::dot(change, down) * glm::dot(offset, down));
   }
@@ -60,8 +59,7 @@ double waterPressure(const MatterScene& scene, const MatterPlan& plan, const std
   const shared::WaterRules rules = waterRules(scene, plan);
   const double radius = kRadius_spacings * plan.spacing_m, gravity = glm::length(scene.gravity_m_s2);
   const Vec3 down = gravity > 0 ? scene.gravity_m_s2 / gravity : DVec3(0);
-  const auto about =
-      particlesAbout(scene, particles, place, (kRadius_spacings + kSupport_spacings) * plan.spacing_m);
+  const auto about = particlesAbout(scene, particles, place, (kRadius_spacings + kSupport_spacings) * plan.spacing_m);
   // Least squares of a constant and a slope, which is taken to be none along an axis where the particles do not tell.
   glm::dmat4 normal(0);
   DVec4 right(0);

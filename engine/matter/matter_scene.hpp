@@ -72,8 +72,8 @@ struct MatterPlan {
 /// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 
-/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains a
-/// little beside that. Throws as planOf().
+/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains
+/// a little beside that. Throws as planOf().
 std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 
 /// Names of the scenes that need no file.

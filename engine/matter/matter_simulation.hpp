@@ -51,12 +51,12 @@ struct ToolAnswer {
 
 /// What a step has done to the ball of a tool: kg m/s, kg m^2/s.
 struct ToolReport {
-  DVec3 springImpulse{0};     ///< of the hand, through the spring and damper
-  DVec3 impulse{0};           ///< of the matter
-  DVec3 angular{0};           ///< of the matter, about its middle
-  double portWork_J = 0;      ///< of the hand
-  DVec3 place_m{0};           ///< at the end
-  DVec3 velocity_m_s{0};      ///< at the end
+  DVec3 springImpulse{0};  ///< of the hand, through the spring and damper
+  DVec3 impulse{0};        ///< of the matter
+  DVec3 angular{0};        ///< of the matter, about its middle
+  double portWork_J = 0;   ///< of the hand
+  DVec3 place_m{0};        ///< at the end
+  DVec3 velocity_m_s{0};   ///< at the end
 };
 
 struct MatterOptions {
@@ -96,9 +96,9 @@ class MatterSimulation {
 
   /// Looks at all particles.
   MatterObservation observe() const;
-  /// Pressure of water about a place, m, of what lies above where there is gravity; linear in the particles within three
-  /// spacings, of which those at a wall hardly count: part of what goes through them is the wall's. 0 where no matter
-  /// is, or none that has one. Pa. Looks at all particles.
+  /// Pressure of water about a place, m, of what lies above where there is gravity; linear in the particles within
+  /// three spacings, of which those at a wall hardly count: part of what goes through them is the wall's. 0 where no
+  /// matter is, or none that has one. Pa. Looks at all particles.
   double pressureAt(const DVec3& place) const;
 
   /// In the order of the ids, m.
@@ -108,8 +108,8 @@ class MatterSimulation {
   virtual void setVelocities(std::span<const Vec3> byId) = 0;
 
  protected:
-  /// Throws Error as planOf() does. `places`: where particles begin, m; those outside of the box stand at its walls. Who
-  /// derives calls reset() when it is made.
+  /// Throws Error as planOf() does. `places`: where particles begin, m; those outside of the box stand at its walls.
+  /// Who derives calls reset() when it is made.
   MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places);
 
   struct StepReport {

@@ -38,7 +38,6 @@ class SandLaw final : public MatterLaw {
  public:
   explicit SandLaw(const shared::GrainRules& rules) : rules_(rules) {}
 
-
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
     before_.resize(particles.size());

@@ -16,7 +16,8 @@ bool isNear(BodyPose pose, vec3 place) {
 }
 
 void meetPoints(BodyPose pose, vec3 place) {
-  const MatterCells cells = MatterCells(SETTING.bodyCells.size, 0, SETTING.bodyCells.cellsPerMetre, SETTING.bodyCells.cells);
+  const MatterCells cells =
+      MatterCells(SETTING.bodyCells.size, 0, SETTING.bodyCells.cellsPerMetre, SETTING.bodyCells.cells);
   const float support = SETTING.bodySupport;
   const vec3 here = inBody(pose, place) + SETTING.bodyMiddle;
   const ivec3 cell = cellOf(cells, here);

@@ -12,18 +12,16 @@ vec4 combined(vec4 a, vec4 b, bool keepsLargest) {
   return vec4(a.xyz + b.xyz, keepsLargest ? max(a.w, b.w) : a.w + b.w);
 }
 
-// One value from eight, `left` of them, for both; then the next ones may read them.
+// One value from eight, `left` of them, for both; then the next ones may read them. Who writes one is the only one that
+// reads it.
 void addEight(uint left, bool keepsLargest) {
   const uint local = gl_LocalInvocationIndex, begin = local < left ? 0 : kMatterBlock;
-  const bool takesPart = local < 2 * left;
-  const uint own = begin + local % left;
-  vec4 sum;
-  if (takesPart) {
-    sum = summed[own];
+  if (local < 2 * left) {
+    const uint own = begin + local % left;
+    vec4 sum = summed[own];
     for (uint k = 1; k < 8; ++k) sum = combined(sum, summed[own + k * left], keepsLargest && begin != 0);
+    summed[own] = sum;
   }
-  barrier();
-  if (takesPart) summed[own] = sum;
   barrier();
 }
 

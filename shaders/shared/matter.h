@@ -187,9 +187,9 @@ PALPATE_STRUCT(GrainContact) {
 };
 PALPATE_SINGLE(GrainContact);
 
-// Of a grain and what it touches: `normal` leads from that to the grain, `overlap` is above 0. `slip` is how far the two are
-// displaced along each other as the substep begins, and `moved` how far the grain will have moved relative to the other in
-// it by itself. Friction holds by what two surfaces are displaced since they met, as a spring does (Cundall, Strack 1979),
+// Of a grain and what it touches: `normal` leads from that to the grain, `overlap` is above 0. `slip` is how far the two
+// are displaced along each other as the substep begins, and `moved` how far the grain will have moved relative to the other
+// in it by itself. Friction holds by what two surfaces are displaced since they met, as a spring does (Cundall, Strack 1979),
 // not by what they move in a substep: that would let every heap creep. It gives way where it would exceed the coefficient
 // times the normal part.
 PALPATE_FORMULA PALPATE_OF(GrainContact) grainContact(PALPATE_OF(GrainRules) rules, PALPATE_VEC3 normal, Real overlap,

@@ -45,8 +45,8 @@ const Arrows& allowedArrows() {
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
        {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",
-        "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/mesh", "engine/render", "engine/cuda/cuda_measure.hpp",
-        "haptics", "haptics/session", "shaders"}},
+        "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/mesh", "engine/render",
+        "engine/cuda/cuda_measure.hpp", "haptics", "haptics/session", "shaders"}},
   };
   return arrows;
 }

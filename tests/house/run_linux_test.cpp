@@ -66,7 +66,7 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread")
   CHECK(run.code == 0);
   CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^haptics\\. threads=\n"));
-  CHECK(says(run.text, "-R ^(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$ threads=1\n"));
+  CHECK(says(run.text, "-R ^(spatial|contact|edit|mesh|matter_gpu|motion_gpu)\\.(gpu|hash_compaction)$ threads=1\n"));
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));
@@ -104,7 +104,8 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
   // Each test fails in the first run of a leg, which is one of two at a time.
   const auto failing = [](const std::string& names) {
     return "if [ $preset != asan ]; then exit 0; fi\n"
-           "case \"$*\" in *' -N -L ^clock$'*) printf '  Test  #3: asan.late\\n  Test #12: asan.later\\n'; exit 0 ;; esac\n"
+           "case \"$*\" in *' -N -L ^clock$'*) printf '  Test  #3: asan.late\\n  Test #12: asan.later\\n'; exit 0 ;; "
+           "esac\n"
            "case \"$*\" in *' -j 2 '*) ;; *) exit 0 ;; esac\n"
            "mkdir -p build/$preset/Testing/Temporary\n"
            "printf '" +

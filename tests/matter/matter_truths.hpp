@@ -5,6 +5,11 @@
 
 namespace palpate {
 
+inline std::unique_ptr<MatterSimulation> atRest(const MatterMaker& make, const MatterScene& scene,
+                                                std::size_t tools = 0) {
+  return make(scene, tools, placesAtRest(scene));
+}
+
 /// Grains on a floor that is tilted, in a box that is periodic along z.
 MatterScene sandbox(const DVec3& box_mm, const DVec3& fill_mm, double friction, double tilt_deg);
 
@@ -20,12 +25,12 @@ void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter mat
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
 void checkRandomHands(const MatterMaker& make, int hands, int steps);
-void checkReactions(const MatterMaker& make);
+void checkReactions(const MatterMaker& make, int steps);
 
 /// A grain on a slope of 30 degrees.
 void checkSlope(const MatterMaker& make, double friction);
 /// Does not creep, and keeps its momentum's account.
-void checkHeap(const MatterMaker& make, int falling, int resting);
+void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);
 void checkBallInSand(const MatterMaker& make);
 
 void checkFewParticles(const MatterMaker& make);

@@ -7,10 +7,12 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball in water is pushed up by th
   checkBuoyancy(onGpu(device), 0.03, 250, 150);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what a ball got is what water lost") { checkReactions(onGpu(device)); }
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what a ball got is what water lost") {
+  checkReactions(onGpu(device), 160);
+}
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands get no energy out of water") {
-  checkRandomHands(onGpu(device), 1, 300);
+  checkRandomHands(onGpu(device), 1, 200);
 }
 
 }  // namespace palpate
