@@ -1,0 +1,148 @@
+#include "engine/matter/soft_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+namespace {
+
+// What one thread works on at a time, always the same: sums do not depend on the threads.
+constexpr std::size_t kCellsOfBlock = 64, kNodesOfBlock = 256;
+
+std::size_t blocksIn(std::size_t all, std::size_t block) { return (all + block - 1) / block; }
+
+}  // namespace
+
+SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned)
+    : lattice_(lattice),
+      rules_(softRules(material, lattice.spacing_m())),
+      mass_kg_(material.density_kg_m3 * lattice.volume_m3()) {
+  for (const double share : lattice.nodeShares()) masses_.push_back(static_cast<float>(mass_kg_ * share));
+  for (const Vec3& rest : lattice.rest())
+    pinned_.push_back(std::ranges::any_of(pinned, [&](const PlaceBox& box) { return box.holds(rest); }) ? 1 : 0);
+  Incident none;
+  none.fill(static_cast<std::uint32_t>(8 * lattice.cells()));
+  incident_.assign(lattice.nodes(), none);
+  for (std::size_t c = 0; c < lattice.cells(); ++c)
+    for (std::size_t k = 0; k < 8; ++k)
+      incident_[lattice.corners()[c][k]][7 - k] = static_cast<std::uint32_t>(8 * c + k);
+  cornerForces_.resize(lattice.cells() + 1);
+  leastVolumes_.resize(blocksIn(lattice.cells(), kCellsOfBlock));
+  sums_.resize(blocksIn(lattice.nodes(), kNodesOfBlock));
+  reset();
+}
+
+void SoftBody::reset() {
+  moved_.assign(lattice_.nodes(), Vec3(0));
+  velocities_ = loads_ = moved_;
+}
+
+shared::Corners SoftBody::atCorners(std::size_t cell, std::span<const Vec3> values) const {
+  shared::Corners corners;
+  const SoftLattice::Corners& nodes = lattice_.corners()[cell];
+  for (std::size_t k = 0; k < 8; ++k) corners.at[k] = values[nodes[k]];
+  return corners;
+}
+
+void SoftBody::pushCells(std::size_t block) {
+  const std::size_t begin = block * kCellsOfBlock, end = std::min(begin + kCellsOfBlock, lattice_.cells());
+  const shared::SoftRules rules = rules_;
+  const auto cube = static_cast<float>(std::pow(lattice_.spacing_m(), 3));
+  float least = 1;
+  for (std::size_t c = begin; c < end; ++c) {
+    shared::Corners moved = atCorners(c, moved_), velocity = atCorners(c, velocities_);
+    shared::takeModes(moved);
+    shared::takeModes(velocity);
+    least = std::min(least, shared::volumeShare(shared::gradientOf(rules, moved) + glm::mat3(1)));
+    cornerForces_[c] = shared::cellForces(rules, cube * lattice_.filled()[c], moved, velocity);
+  }
+  leastVolumes_[block] = least;
+}
+
+Vec3 SoftBody::forceOn(std::size_t node) const {
+  Vec3 force(0);
+  for (const std::uint32_t slot : incident_[node]) force += cornerForces_[slot / 8].at[slot % 8];
+  return force;
+}
+
+void SoftBody::moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums) {
+  const std::size_t begin = block * kNodesOfBlock, end = std::min(begin + kNodesOfBlock, size());
+  sums = {};
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3 force = forceOn(i) + loads_[i];
+    loads_[i] = Vec3(0);
+    if (isPinned(i)) {
+      sums.pinImpulse += static_cast<double>(step_s) * DVec3(force);
+      continue;
+    }
+    const auto mass = static_cast<double>(masses_[i]);
+    velocities_[i] += step_s / masses_[i] * force + fall;
+    moved_[i] += step_s * velocities_[i];
+    const DVec3 velocity(velocities_[i]);
+    sums.momentum += mass * velocity;
+    sums.kinetic_J += mass / 2 * glm::dot(velocity, velocity);
+    sums.gravityImpulse += mass * DVec3(fall);
+  }
+}
+
+SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team) {
+  team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+  const Vec3 fall(gravity_m_s2 * step_s);
+  team.forEach(sums_.size(),
+               [&](std::size_t block) { moveNodes(block, fall, static_cast<float>(step_s), sums_[block]); });
+  SoftSums all;
+  for (const SoftSums& sums : sums_) {
+    all.momentum += sums.momentum;
+    all.kinetic_J += sums.kinetic_J;
+    all.gravityImpulse += sums.gravityImpulse;
+    all.pinImpulse += sums.pinImpulse;
+  }
+  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, least);
+  return all;
+}
+
+std::vector<DVec3> SoftBody::forces(WorkerTeam& team) {
+  team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+  std::vector<DVec3> forces;
+  for (std::size_t i = 0; i < size(); ++i) forces.emplace_back(forceOn(i));
+  return forces;
+}
+
+double SoftBody::strainEnergy_J() const {
+  const shared::SoftRules rules = rules_;
+  const double atRest = static_cast<double>(shared::softEnergy(rules, glm::mat3(1)));
+  double energy = 0;
+  for (std::size_t c = 0; c < lattice_.cells(); ++c) {
+    shared::Corners modes = atCorners(c, moved_);
+    shared::takeModes(modes);
+    const auto square = [&](int mode) { return glm::dot(modes.at[mode], modes.at[mode]); };
+    const float beyond = (rules.bend * (square(3) + square(5) + square(6)) + rules.twist * square(7)) / 2;
+    const auto strained =
+        static_cast<double>(shared::softEnergy(rules, shared::gradientOf(rules, modes) + glm::mat3(1)) + beyond);
+    energy += std::pow(lattice_.spacing_m(), 3) * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
+  }
+  return energy;
+}
+
+void SoftBody::gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const {
+  gradients.resize(size());
+  team.forEach(sums_.size(), [&](std::size_t block) {
+    const std::size_t begin = block * kNodesOfBlock, end = std::min(begin + kNodesOfBlock, size());
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::mat3 sum(0);
+      float weight = 0;
+      for (const std::uint32_t slot : incident_[i]) {
+        const std::size_t cell = slot / 8;
+        if (cell == lattice_.cells()) continue;
+        shared::Corners modes = atCorners(cell, moved_);
+        shared::takeModes(modes);
+        sum += lattice_.filled()[cell] * shared::gradientOf(rules_, modes);
+        weight += lattice_.filled()[cell];
+      }
+      gradients[i] = sum / weight;
+    }
+  });
+}
+
+}  // namespace palpate
