@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
 
 #include "engine/core/check.hpp"
 #include "engine/matter/matter_rules.hpp"
@@ -20,11 +19,6 @@ MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& 
           .listed_m = (reach.neighbour_spacings + kListedFarther_spacings) * spacing,
           .mass_kg = static_cast<float>(plan.mass_kg),
           .step_s = static_cast<float>(plan.substep_s)};
-}
-
-HandPose between(const HandPose& from, const HandPose& to, double share) {
-  return {.place_m = glm::mix(from.place_m, to.place_m, share),
-          .orientation = glm::slerp(from.orientation, to.orientation, share)};
 }
 
 std::vector<Vec3> insideOf(std::vector<Vec3> places, const MatterScene& scene, double spacing_m) {

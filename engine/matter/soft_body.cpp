@@ -8,9 +8,20 @@ namespace palpate {
 namespace {
 
 // What one thread works on at a time, always the same: sums do not depend on the threads.
-constexpr std::size_t kCellsOfBlock = 64, kNodesOfBlock = 256;
+constexpr std::size_t kGroupsOfBlock = 16, kNodesOfBlock = 256;
 
 std::size_t blocksIn(std::size_t all, std::size_t block) { return (all + block - 1) / block; }
+
+shared::SoftRulesOf<Lanes> inLanes(const shared::SoftRules& rules) {
+  return {.shear = Lanes(rules.shear),
+          .bulk = Lanes(rules.bulk),
+          .restVolume = Lanes(rules.restVolume),
+          .viscosity = Lanes(rules.viscosity),
+          .bend = Lanes(rules.bend),
+          .twist = Lanes(rules.twist),
+          .bendDrag = Lanes(rules.bendDrag),
+          .perEdges = Lanes(rules.perEdges)};
+}
 
 }  // namespace
 
@@ -27,8 +38,15 @@ SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std
   for (std::size_t c = 0; c < lattice.cells(); ++c)
     for (std::size_t k = 0; k < 8; ++k)
       incident_[lattice.corners()[c][k]][7 - k] = static_cast<std::uint32_t>(8 * c + k);
-  cornerForces_.resize(lattice.cells() + 1);
-  leastVolumes_.resize(blocksIn(lattice.cells(), kCellsOfBlock));
+  filled_.resize(blocksIn(lattice.cells(), Lanes::kCount));
+  for (std::size_t group = 0; group < filled_.size(); ++group) {
+    std::array<float, Lanes::kCount> filled{};
+    for (std::size_t lane = 0; lane < Lanes::kCount && group * Lanes::kCount + lane < lattice.cells(); ++lane)
+      filled[lane] = lattice.filled()[group * Lanes::kCount + lane];
+    filled_[group] = Lanes(filled);
+  }
+  cornerForces_.assign(lattice.cells() / Lanes::kCount + 1, {});
+  leastVolumes_.resize(blocksIn(filled_.size(), kGroupsOfBlock));
   sums_.resize(blocksIn(lattice.nodes(), kNodesOfBlock));
   reset();
 }
@@ -45,24 +63,44 @@ shared::Corners SoftBody::atCorners(std::size_t cell, std::span<const Vec3> valu
   return corners;
 }
 
+// Beyond the last cell it counts again, in lanes that are not full of anything.
+SoftBody::LanesOfCorners SoftBody::atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const {
+  std::array<const SoftLattice::Corners*, Lanes::kCount> nodes;
+  for (std::size_t lane = 0; lane < Lanes::kCount; ++lane)
+    nodes[lane] = &lattice_.corners()[std::min(group * Lanes::kCount + lane, lattice_.cells() - 1)];
+  LanesOfCorners corners;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vec3 &a = values[(*nodes[0])[k]], &b = values[(*nodes[1])[k]], &c = values[(*nodes[2])[k]],
+               &d = values[(*nodes[3])[k]];
+    corners.at[k] = {Lanes({a.x, b.x, c.x, d.x}), Lanes({a.y, b.y, c.y, d.y}), Lanes({a.z, b.z, c.z, d.z})};
+  }
+  return corners;
+}
+
 void SoftBody::pushCells(std::size_t block) {
-  const std::size_t begin = block * kCellsOfBlock, end = std::min(begin + kCellsOfBlock, lattice_.cells());
-  const shared::SoftRules rules = rules_;
-  const auto cube = static_cast<float>(std::pow(lattice_.spacing_m(), 3));
-  float least = 1;
-  for (std::size_t c = begin; c < end; ++c) {
-    shared::Corners moved = atCorners(c, moved_), velocity = atCorners(c, velocities_);
+  const std::size_t begin = block * kGroupsOfBlock, end = std::min(begin + kGroupsOfBlock, filled_.size());
+  const shared::SoftRulesOf<Lanes> rules = inLanes(rules_);
+  const Lanes cube(std::pow(lattice_.spacing_m(), 3));
+  std::array<float, Lanes::kCount> least;
+  least.fill(1);
+  for (std::size_t group = begin; group < end; ++group) {
+    LanesOfCorners moved = atCornersOfGroup(group, moved_), velocity = atCornersOfGroup(group, velocities_);
     shared::takeModes(moved);
     shared::takeModes(velocity);
-    least = std::min(least, shared::volumeShare(shared::gradientOf(rules, moved) + glm::mat3(1)));
-    cornerForces_[c] = shared::cellForces(rules, cube * lattice_.filled()[c], moved, velocity);
+    const Lanes volume = shared::volumeShare(shared::gradientOf(rules, moved) + glm::mat<3, 3, Lanes>(Lanes(1)));
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) least[lane] = std::min(least[lane], volume[lane]);
+    cornerForces_[group] = shared::cellForces(rules, cube * filled_[group], moved, velocity);
   }
-  leastVolumes_[block] = least;
+  leastVolumes_[block] = *std::ranges::min_element(least);
 }
 
 Vec3 SoftBody::forceOn(std::size_t node) const {
   Vec3 force(0);
-  for (const std::uint32_t slot : incident_[node]) force += cornerForces_[slot / 8].at[slot % 8];
+  for (const std::uint32_t slot : incident_[node]) {
+    const std::uint32_t cell = slot / 8, lane = cell % Lanes::kCount;
+    const auto& part = cornerForces_[cell / Lanes::kCount].at[slot % 8];
+    force += Vec3(part.x[lane], part.y[lane], part.z[lane]);
+  }
   return force;
 }
 

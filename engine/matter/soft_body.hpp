@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/core/worker_team.hpp"
+#include "engine/matter/lanes.hpp"
 #include "engine/matter/soft_lattice.hpp"
 #include "engine/matter/soft_rules.hpp"
 
@@ -63,12 +64,14 @@ class SoftBody {
   void gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const;
 
  private:
-  using Incident = std::array<std::uint32_t, 8>;  // of a node: where in cornerForces_ what acts on it stands
+  using Incident = std::array<std::uint32_t, 8>;  // of a node: 8 times the cell, and which corner of it the node is
+  using LanesOfCorners = shared::CornersOf<Lanes>;
 
   void pushCells(std::size_t block);
   void moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums);
   Vec3 forceOn(std::size_t node) const;
   shared::Corners atCorners(std::size_t cell, std::span<const Vec3> values) const;
+  LanesOfCorners atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const;
 
   const SoftLattice& lattice_;
   shared::SoftRules rules_;
@@ -77,7 +80,8 @@ class SoftBody {
   std::vector<char> pinned_;
   std::vector<Incident> incident_;
   std::vector<Vec3> moved_, velocities_, loads_;
-  std::vector<shared::Corners> cornerForces_;  // of each cell, and one more of none
+  std::vector<Lanes> filled_;                  // of each group of Lanes::kCount cells
+  std::vector<LanesOfCorners> cornerForces_;   // of each group, and of one more cell, which is none
   std::vector<float> leastVolumes_;            // of each block of cells
   std::vector<SoftSums> sums_;                 // of each block of nodes
 };

@@ -108,7 +108,7 @@ SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
   const DVec3 sides = glm::max(glm::round(size_m / spacing_m), DVec3(1));
   CellBox box = CellBox::about(low_m, low_m + sides * spacing_m, spacing_m);
   box.filled.assign(box.filled.size(), 1);
-  SoftSolid solid{.lattice = SoftLattice(box), .skin = {}};
+  SoftSolid solid{.lattice = SoftLattice(box), .surface = {}};
   // Four for each face of a cell.
   for (int axis = 0; axis < 3; ++axis) {
     const int first = (axis + 1) % 3, second = (axis + 2) % 3;
@@ -119,8 +119,9 @@ SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
           place[axis] = side;
           place[first] = (a + 0.5) / 2;
           place[second] = (b + 0.5) / 2;
-          place = box.corner + spacing_m * place;
-          solid.skin.push_back({.place = solid.lattice.embed(place), .rest = place});
+          DVec3 normal(0);
+          normal[axis] = side == 0 ? -1 : 1;
+          solid.surface.push_back({.rest = box.corner + spacing_m * place, .normal = normal});
         }
   }
   return solid;
@@ -138,20 +139,19 @@ SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
     }
     box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
   }
-  // Points of equal area along a spiral by the golden angle (Vogel 1979), half a spacing apart.
+  // Points of equal area along a spiral by the golden angle (Vogel 1979).
   const double turn = kPi * (3 - std::sqrt(5.0));
   const auto count = static_cast<int>(std::ceil(16 * kPi * radius_m * radius_m / (spacing_m * spacing_m)));
-  std::vector<DVec3> places;
+  std::vector<SurfacePlace> surface;
   std::vector<std::size_t> kept;
   for (int k = 0; k < count; ++k) {
     const double y = 1 - (2 * k + 1.0) / count, across = std::sqrt(1 - y * y);
-    const DVec3& place =
-        places.emplace_back(middle_m + radius_m * DVec3(across * std::cos(turn * k), y, across * std::sin(turn * k)));
+    const DVec3 normal(across * std::cos(turn * k), y, across * std::sin(turn * k));
+    const DVec3 place = middle_m + radius_m * normal;
+    surface.push_back({.rest = place, .normal = normal});
     kept.push_back(box.numberOf(glm::clamp(box.cellAt(place), IVec3(0), box.cells - 1)));
   }
-  SoftSolid solid{.lattice = SoftLattice(box, kept), .skin = {}};
-  for (const DVec3& place : places) solid.skin.push_back({.place = solid.lattice.embed(place), .rest = place});
-  return solid;
+  return {.lattice = SoftLattice(std::move(box), kept), .surface = std::move(surface)};
 }
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 // What a soft body is made of at rest: cubic cells of a lattice, as full as the body fills them, the nodes at their
-// corners, and the skin.
+// corners, and its surface.
 #pragma once
 
 #include <array>
@@ -18,9 +18,9 @@ struct EmbeddedPlace {
 };
 
 /// A place of the surface at rest.
-struct SkinPoint {
-  EmbeddedPlace place;
-  Vec3 rest{0};  ///< m
+struct SurfacePlace {
+  Vec3 rest{0};    ///< m
+  Vec3 normal{0};  ///< outward, unit
 };
 
 /// Cells side by side, z slowest, with what each holds.
@@ -80,7 +80,7 @@ class SoftLattice {
 /// A body at rest.
 struct SoftSolid {
   SoftLattice lattice;
-  std::vector<SkinPoint> skin;
+  std::vector<SurfacePlace> surface;  ///< evenly spread, about half a spacing apart
 };
 
 /// A box, with sides of at least half a spacing, which are rounded to whole spacings. m.

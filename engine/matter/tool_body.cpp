@@ -22,6 +22,11 @@ DVec3 spinBetween(const DQuat& from, const DQuat& to, double step_s) {
 
 }  // namespace
 
+HandPose between(const HandPose& from, const HandPose& to, double share) {
+  return {.place_m = glm::mix(from.place_m, to.place_m, share),
+          .orientation = glm::slerp(from.orientation, to.orientation, share)};
+}
+
 ToolBody::ToolBody(const MatterTool& tool, double step_s) : mass_kg_(tool.mass_kg), step_s_(step_s) {
   const double angular = 2 * kPi * kCouplingFrequency_Hz;
   stiffness_N_m_ = mass_kg_ * angular * angular;

@@ -14,6 +14,9 @@ struct HandPose {
   DQuat orientation{1, 0, 0, 0};
 };
 
+/// Where a hand is that goes from one pose to another, after a share of the way.
+HandPose between(const HandPose& from, const HandPose& to, double share);
+
 /// What a hand is answered, means over a step. Zero where the simulation has failed.
 struct ToolAnswer {
   DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain

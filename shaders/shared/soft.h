@@ -36,26 +36,51 @@ PALPATE_STRUCT(SoftRules) {
 };
 PALPATE_SINGLE(SoftRules);
 
-// From the values at corners to their modes.
+// Of two values the sum, and what the high one has more.
+PALPATE_FORMULA void takePair(PALPATE_INOUT(PALPATE_VEC3) low, PALPATE_INOUT(PALPATE_VEC3) high) {
+  const PALPATE_VEC3 first = low;
+  low = high + first;
+  high = high - first;
+}
+
+// Of a mean and a difference what the two sides have.
+PALPATE_FORMULA void givePair(PALPATE_INOUT(PALPATE_VEC3) mean, PALPATE_INOUT(PALPATE_VEC3) difference) {
+  const PALPATE_VEC3 middle = mean;
+  mean = middle - difference;
+  difference = middle + difference;
+}
+
+// From the values at corners to their modes: axis by axis, as a Walsh-Hadamard transform goes. Written out, so that every
+// value has a register.
 PALPATE_FORMULA void takeModes(PALPATE_INOUT(PALPATE_OF(Corners)) values) {
-  for (int bit = 1; bit < 8; bit *= 2)
-    for (int k = 0; k < 8; ++k)
-      if ((k & bit) == 0) {
-        const PALPATE_VEC3 low = values.at[k];
-        values.at[k] = values.at[k + bit] + low;
-        values.at[k + bit] = values.at[k + bit] - low;
-      }
+  takePair(values.at[0], values.at[1]);
+  takePair(values.at[2], values.at[3]);
+  takePair(values.at[4], values.at[5]);
+  takePair(values.at[6], values.at[7]);
+  takePair(values.at[0], values.at[2]);
+  takePair(values.at[1], values.at[3]);
+  takePair(values.at[4], values.at[6]);
+  takePair(values.at[5], values.at[7]);
+  takePair(values.at[0], values.at[4]);
+  takePair(values.at[1], values.at[5]);
+  takePair(values.at[2], values.at[6]);
+  takePair(values.at[3], values.at[7]);
 }
 
 // From modes to what each corner has of them all.
 PALPATE_FORMULA void giveModes(PALPATE_INOUT(PALPATE_OF(Corners)) modes) {
-  for (int bit = 1; bit < 8; bit *= 2)
-    for (int k = 0; k < 8; ++k)
-      if ((k & bit) == 0) {
-        const PALPATE_VEC3 high = modes.at[k + bit];
-        modes.at[k + bit] = modes.at[k] + high;
-        modes.at[k] = modes.at[k] - high;
-      }
+  givePair(modes.at[0], modes.at[1]);
+  givePair(modes.at[2], modes.at[3]);
+  givePair(modes.at[4], modes.at[5]);
+  givePair(modes.at[6], modes.at[7]);
+  givePair(modes.at[0], modes.at[2]);
+  givePair(modes.at[1], modes.at[3]);
+  givePair(modes.at[4], modes.at[6]);
+  givePair(modes.at[5], modes.at[7]);
+  givePair(modes.at[0], modes.at[4]);
+  givePair(modes.at[1], modes.at[5]);
+  givePair(modes.at[2], modes.at[6]);
+  givePair(modes.at[3], modes.at[7]);
 }
 
 // Change of displacements over the middle of a cell; with 1 on its diagonal it is the deformation gradient F.

@@ -1,0 +1,128 @@
+#include "engine/matter/soft_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/check.hpp"
+#include "engine/matter/soft_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::vector<PlaceBox> pinsOf(const MatterScene& scene) {
+  if (!scene.pinned_mm) return {};
+  const double slack_m = 1e-6 * scene.spacing_mm;
+  return {{.low = (*scene.pinned_mm)[0] * 1e-3 - slack_m, .high = (*scene.pinned_mm)[1] * 1e-3 + slack_m}};
+}
+
+// Nothing is filled before the scene is known to be one.
+SoftSolid plannedSolid(const MatterScene& scene, const MatterOptions& options) {
+  planOf(scene, options.memory_bytes);
+  return solidOf(scene);
+}
+
+SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
+  return {.box_m = scene.box_mm * 1e-3,
+          .ball_m = scene.tool.radius_mm * 1e-3,
+          .frequency_rad_s = touchFrequency(materialOf(scene), plan.spacing_m),
+          .friction = scene.friction};
+}
+
+}  // namespace
+
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
+    : SoftWorld(scene, options, plannedSolid(scene, options), {}) {}
+
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
+                     std::span<const SurfacePlace> points)
+    : scene_(scene),
+      plan_(planOf(scene, options.memory_bytes)),
+      team_(options.threads),
+      solid_(std::make_unique<const SoftSolid>(std::move(solid))),
+      body_(solid_->lattice, materialOf(scene), pinsOf(scene)),
+      contact_(body_, solid_->surface, contactOf(scene, plan_)),
+      embedding_(solid_->lattice, points.empty() ? std::span<const SurfacePlace>(solid_->surface) : points) {
+  PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
+  tools_.assign(options.tools, ToolBody(scene.tool, plan_.substep_s));
+  reset();
+}
+
+void SoftWorld::reset() {
+  body_.reset();
+  hands_.clear();
+  answers_.assign(tools_.size(), {});
+  sums_ = {};
+  impulses_ = {};
+  state_ = MatterState::running;
+  steps_ = 0;
+}
+
+void SoftWorld::step(std::span<const HandPose> hands) {
+  PALPATE_CHECK_EQ(hands.size(), tools_.size());
+  if (hands_.empty()) {
+    hands_.assign(hands.begin(), hands.end());
+    for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
+  }
+  if (state_ == MatterState::running) {
+    std::vector<BodyMotion> balls;
+    for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
+    contact_.list(body_, balls, kMatterStep_s);
+  }
+  for (std::uint32_t k = 0; k < plan_.substeps && state_ == MatterState::running; ++k)
+    substep(hands_, hands, (k + 1.0) / plan_.substeps);
+  for (std::size_t k = 0; k < tools_.size(); ++k) {
+    answers_[k] = tools_[k].takeAnswer(kMatterStep_s);
+    answers_[k].force_N *= scene_.gain;
+    answers_[k].torque_Nm *= scene_.gain;
+    if (state_ != MatterState::running) answers_[k] = {.place_m = hands[k].place_m};
+  }
+  hands_.assign(hands.begin(), hands.end());
+  ++steps_;
+}
+
+void SoftWorld::substep(std::span<const HandPose> from, std::span<const HandPose> to, double share) {
+  std::vector<BodyMotion> balls;
+  for (std::size_t k = 0; k < tools_.size(); ++k) {
+    tools_[k].predict(between(from[k], to[k], share));
+    balls.push_back(tools_[k].motion());
+  }
+  std::vector<Exchange> exchanges(tools_.size());
+  contact_.press(body_, balls, plan_.substep_s, impulses_.onWalls, exchanges);
+  sums_ = body_.substep(scene_.gravity_m_s2, plan_.substep_s, team_);
+  impulses_.gravity += sums_.gravityImpulse;
+  impulses_.onWalls += sums_.pinImpulse;
+  for (std::size_t k = 0; k < tools_.size(); ++k) {
+    tools_[k].react(exchanges[k]);
+    impulses_.onTools += exchanges[k].impulse;
+  }
+  judge();
+}
+
+// As a whole it may move with its sound, and with what it has from falling through the box.
+void SoftWorld::judge() {
+  const double fall_m2_s2 = 2 * glm::length(scene_.gravity_m_s2) * glm::length(scene_.box_mm) * 1e-3;
+  const double most_J = body_.mass_kg() * (plan_.speedOfSound_m_s * plan_.speedOfSound_m_s + fall_m2_s2);
+  if (!(sums_.kinetic_J <= most_J)) state_ = MatterState::diverged;
+}
+
+MatterObservation SoftWorld::observe() const {
+  MatterObservation seen{.time_s = time_s(),
+                         .particles = body_.size(),
+                         .kinetic_J = sums_.kinetic_J,
+                         .momentum = sums_.momentum,
+                         .maxCompression = 1 - static_cast<double>(sums_.leastVolume)};
+  for (std::size_t i = 0; i < body_.size(); ++i) {
+    const DVec3 place = DVec3(body_.lattice().rest()[i]) + DVec3(body_.displacements()[i]);
+    seen.potential_J -= static_cast<double>(body_.masses()[i]) * glm::dot(scene_.gravity_m_s2, place);
+    seen.front_m = std::max(seen.front_m, place.x);
+  }
+  return seen;
+}
+
+void SoftWorld::makeFrame(CloudFrame& frame) {
+  embedding_.carry(body_, frame, team_);
+  frame.time_s = time_s();
+}
+
+}  // namespace palpate
