@@ -11,6 +11,8 @@
 #include "engine/io/matter_scene_file.hpp"
 #include "engine/io/saving.hpp"
 #include "engine/matter/matter_world.hpp"
+#include "engine/matter/soft_scan.hpp"
+#include "engine/matter/soft_world.hpp"
 
 namespace palpate {
 
@@ -20,13 +22,32 @@ constexpr double kLongestDuration_s = 1e5;
 constexpr double kMmPerMetre = 1e3;
 
 struct SimulateOptions {
-  std::string scene, probe, save;
+  std::string scene, model, probe, save;
   double duration_s = 1;
 };
 
-MatterScene sceneOf(const std::string& name) {
+MatterScene sceneOf(const SimulateOptions& options) {
   const auto names = matterSceneNames();
-  return std::ranges::find(names, name) != names.end() ? matterSceneNamed(name) : readMatterScene(name);
+  MatterScene scene = std::ranges::find(names, options.scene) != names.end() ? matterSceneNamed(options.scene)
+                                                                             : readMatterScene(options.scene);
+  if (options.model.empty()) return scene;
+  if (scene.matter != Matter::soft) throw UsageError("--model: the scene is of {}", nameOf(kMatters, scene.matter));
+  scene.model = options.model;
+  return scene;
+}
+
+SoftWorld softWorldOf(Context& context, const MatterScene& scene) {
+  const MatterOptions options{.threads = context.threads()};
+  if (scene.model.empty()) return SoftWorld(scene, options);
+  planOf(scene);  // before the file is read
+  PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
+  const std::vector<SurfacePlace> points = placeScan(std::move(cloud), scene, context.threads());
+  WorkerTeam team(context.threads());
+  const Stopwatch watch;
+  SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, team);
+  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, points.size(),
+                    solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  return SoftWorld(scene, options, std::move(solid), points);
 }
 
 Json vectorJson(const DVec3& v) { return {v.x, v.y, v.z}; }
@@ -36,27 +57,36 @@ Json summaryJson(const Summary& summary) {
 }
 
 // What has failed, and what to do.
-void requireRunning(const MatterWorld& world) {
+template <class World>
+void requireRunning(const World& world) {
   if (world.state() == MatterState::running) return;
   throw Error("the simulation {} after {:.3f} s; take more substeps",
               world.state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
               world.time_s());
 }
 
-void save(const std::string& file, const MatterWorld& world) {
-  PointCloud cloud;
-  cloud.positions = world.positionsById();
+PointCloud cloudOf(const MatterWorld& world) { return {.positions = world.positionsById()}; }
+
+PointCloud cloudOf(SoftWorld& world) {
+  CloudFrame frame;
+  world.makeFrame(frame);
+  return {.positions = std::move(frame.positions), .normals = std::move(frame.normals)};
+}
+
+// `cloud`: in m.
+void save(const std::string& file, PointCloud cloud) {
   for (Vec3& position : cloud.positions) position *= static_cast<float>(kMmPerMetre);
   cloud.storedAs.comments.emplace_back("comment units: mm");
   markAsOurs(cloud);
   writeCloud(file, cloud);
 }
 
-void simulate(Context& context, const SimulateOptions& options) {
-  if (!options.save.empty()) Context::checkWritable(options.save);
+double pressureAt(const MatterWorld& world, const DVec3& place_m) { return world.pressureAt(place_m); }
+double pressureAt(const SoftWorld&, const DVec3&) { return 0; }
+
+template <class World>
+void simulate(Context& context, const SimulateOptions& options, const MatterScene& scene, World& world) {
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
-  const MatterScene scene = sceneOf(options.scene);
-  MatterWorld world(scene, {.threads = context.threads()});
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
   std::vector<double> step_us;
   double mostCompression = 0;
@@ -69,14 +99,15 @@ void simulate(Context& context, const SimulateOptions& options) {
     mostCompression = std::max(mostCompression, world.observe().maxCompression);
     progress.set(static_cast<double>(k + 1) / static_cast<double>(steps));
   }
-  if (!options.save.empty()) save(options.save, world);
+  if (!options.save.empty()) save(options.save, cloudOf(world));
   const MatterObservation seen = world.observe();
   const Summary times = summarize(std::move(step_us));
   const bool hasPressure = !options.probe.empty() && scene.matter == Matter::water;
-  const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
+  const double pressure_Pa = hasPressure ? pressureAt(world, probe_mm / kMmPerMetre) : 0;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} particles of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
-             nameOf(kMatters, scene.matter), seen.time_s, world.plan().substeps);
+  fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
+             scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
+             world.plan().substeps);
   fmt::print(out, "  a millisecond takes {:.0f} us (median), {:.0f} us at most\n", times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
@@ -93,6 +124,19 @@ void simulate(Context& context, const SimulateOptions& options) {
                      {"pressure_Pa", hasPressure ? Json(pressure_Pa) : Json(nullptr)}});
 }
 
+void simulate(Context& context, const SimulateOptions& options) {
+  if (!options.save.empty()) Context::checkWritable(options.save);
+  if (!options.probe.empty()) parseVec3(options.probe, "--probe");  // refused before anything runs
+  const MatterScene scene = sceneOf(options);
+  if (scene.matter == Matter::soft) {
+    SoftWorld world = softWorldOf(context, scene);
+    simulate(context, options, scene, world);
+  } else {
+    MatterWorld world(scene, {.threads = context.threads()});
+    simulate(context, options, scene, world);
+  }
+}
+
 }  // namespace
 
 void addSimulate(Options& app, Context& context, Command& command) {
@@ -101,9 +145,11 @@ void addSimulate(Options& app, Context& context, Command& command) {
   std::string names;
   for (const std::string_view name : matterSceneNames()) names += (names.empty() ? "" : ", ") + std::string(name);
   sub.add("scene", options->scene, "a JSON file, or one of " + names).required().typeName("SCENE");
+  sub.add("--model", options->model, "a closed cloud that is the surface of a soft scene, in place of the scene's own")
+      .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
-  sub.add("--save", options->save, "file for the particles at the end, mm: " + cloudFormats().endingsWritten())
+  sub.add("--save", options->save, "file for the particles, or the surface of a soft body, at the end, mm: " + cloudFormats().endingsWritten())
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }
