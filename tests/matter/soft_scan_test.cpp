@@ -186,7 +186,8 @@ TEST_CASE("a bar that is bent has the normals of an arc") {
 TEST_CASE("a scan that stands on its foot is pressed by a hand, and takes its points along") {
   MatterScene scene = scanScene();
   scene.spacing_mm = 7;
-  scene.viscosity_Pa_s = 3;
+  scene.young_Pa = 1e5;
+  scene.viscosity_Pa_s = 20;
   scene.tool = {.radius_mm = 15, .mass_kg = 0.05};
   scene.pinned_mm = {DVec3(0), DVec3(140, 8, 140)};
   const auto points = placeScan(shapeCloud("torus", 8000), scene);
