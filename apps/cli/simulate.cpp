@@ -44,7 +44,7 @@ SoftWorld softWorldOf(Context& context, const MatterScene& scene) {
   const std::vector<SurfacePlace> points = placeScan(std::move(cloud), scene, context.threads());
   WorkerTeam team(context.threads());
   const Stopwatch watch;
-  SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, team);
+  SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
   context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, points.size(),
                     solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
   return SoftWorld(scene, options, std::move(solid), points);

@@ -107,6 +107,7 @@ constexpr std::array kFields{
     Field{.name = "poisson", .read = readNumber<&MatterScene::poisson>, .ofWater = false, .ofSand = false},
     Field{.name = "shape", .read = readShape, .ofWater = false, .ofSand = false},
     Field{.name = "model", .read = readModel, .ofWater = false, .ofSand = false},
+    Field{.name = "hole_mm", .read = readNumber<&MatterScene::hole_mm>, .ofWater = false, .ofSand = false},
     Field{.name = "pinned_mm", .read = readPinned, .ofWater = false, .ofSand = false},
     Field{.name = "gravity_m_s2", .read = readVector<&MatterScene::gravity_m_s2>},
     Field{.name = "substeps", .read = readSubsteps},

@@ -46,6 +46,7 @@ struct MatterScene {
   double poisson = 0.45;     ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
   SoftShape shape = SoftShape::box;
   std::string model;         ///< file of a closed cloud that is the surface of a soft body; empty: there is the shape
+  double hole_mm = 0;        ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
   std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm
   DVec3 gravity_m_s2{0, -9.81, 0};  ///< m/s^2
   std::uint32_t substeps = 0;       ///< in a step of kMatterStep_s; 0: as many as it needs

@@ -48,7 +48,7 @@ struct Filling {
   std::span<const SurfacePlace> points;
   const PointTree& tree;
   const WindingNumber& winding;
-  double pointSpacing_m;
+  double widestHole_m;
   WorkerTeam& team;
   CellBox box;
   std::vector<float> windings;     // in the middle of each cell
@@ -111,13 +111,12 @@ void requireClosed(const Filling& filling) {
     }
   });
   const auto widest = static_cast<std::size_t>(std::ranges::max_element(widths) - widths.begin());
-  const double most = kWidestHole_spacings * box.spacing_m + kWidestHole_points * filling.pointSpacing_m;
-  if (widths[widest] <= most) return;
+  if (widths[widest] <= filling.widestHole_m) return;
   const DVec3 place = places[widest] * 1e3;
   throw Error(
       "model: is not closed: there is a hole about {:.1f} mm wide at {:.1f}, {:.1f}, {:.1f} mm of the box; a soft body "
-      "needs a surface all around, with no hole wider than {:.1f} mm at this spacing",
-      widths[widest] * 1e3, place.x, place.y, place.z, most * 1e3);
+      "needs a surface all around; at this spacing and hole_mm, holes of up to {:.1f} mm are closed",
+      widths[widest] * 1e3, place.x, place.y, place.z, filling.widestHole_m * 1e3);
 }
 
 // Cells that the surface may go through: those with points and all around them.
@@ -192,18 +191,20 @@ std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, 
   return points;
 }
 
-SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, WorkerTeam& team) {
+SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team) {
   std::vector<Vec3> places;
   for (const SurfacePlace& point : points) places.push_back(point.rest);
   const PointTree tree(places);
   std::vector<OrientedArea> areas = areasOf(points, tree, team);
   const double area = std::transform_reduce(areas.begin(), areas.end(), 0.0, std::plus<>(),
                                             [](const OrientedArea& point) { return static_cast<double>(point.area); });
+  const double byItself =
+      kWidestHole_spacings * spacing_m + kWidestHole_points * std::sqrt(area / static_cast<double>(points.size()));
   const WindingNumber winding(std::move(areas));
   Filling filling{.points = points,
                   .tree = tree,
                   .winding = winding,
-                  .pointSpacing_m = std::sqrt(area / static_cast<double>(points.size())),
+                  .widestHole_m = widestHole_m > 0 ? widestHole_m : byItself,
                   .team = team,
                   .box = boxAbout(points, spacing_m),
                   .windings = {},

@@ -16,9 +16,9 @@ namespace palpate {
 std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads = 0);
 
 /// Fills what a closed surface encloses with cells, by the winding numbers of its points, each of which stands for an area
-/// by its neighbours' distance; the same for any number of threads. Holes of up to three spacings of the lattice, and the
-/// points' own, are closed as by a soap film. Throws Error that begins with "model:" for a larger one, with its place and
-/// width, for a surface that is turned inside out, and for one that encloses nothing.
-SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, WorkerTeam& team);
+/// by its neighbours' distance; the same for any number of threads. Holes of up to `widestHole_m` (0: three spacings of the
+/// lattice and three of the points) are closed as by a soap film. Throws Error that begins with "model:" for a wider one,
+/// with its place and width, for a surface that is turned inside out, and for one that encloses nothing.
+SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team);
 
 }  // namespace palpate

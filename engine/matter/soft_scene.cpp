@@ -21,6 +21,7 @@ void requireMaterial(const MatterScene& scene) {
 
 void requireShape(const MatterScene& scene) {
   requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
+  requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
   if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: belongs to no scene with a model");
   if (scene.shape == SoftShape::ball && !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
     throw Error("fill_mm: is {:g} on its shortest side; a ball is at least two spacings wide",

@@ -65,7 +65,8 @@ TEST_CASE("a scene of matter is read with all that it says") {
                             .poisson = 0.3,
                             .shape = SoftShape::ball,
                             .pinned_mm = {{DVec3(0), DVec3(100, 1, 60)}}});
-  const MatterScene scan = parseMatterScene(softWith(R"("model": "bunny.ply")"));
+  const MatterScene scan = parseMatterScene(softWith(R"("model": "bunny.ply", "hole_mm": 12)"));
+  CHECK(scan.hole_mm == 12);
   CHECK(scan.model == "bunny.ply");
   CHECK(scan.viscosity_Pa_s == kSoftViscosity_Pa_s);
 }

@@ -28,7 +28,7 @@ PointCloud shapeCloud(std::string_view shape, std::size_t points = 20000) {
 std::string fillRefusal(const PointCloud& cloud, const MatterScene& scene = scanScene()) {
   try {
     WorkerTeam team(2);
-    scanSolid(placeScan(cloud, scene), scene.spacing_mm * 1e-3, team);
+    scanSolid(placeScan(cloud, scene), scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
   } catch (const Error& error) {
     return error.what();
   }
@@ -77,7 +77,7 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
                           Case{"torus", 2 * kPi * kPi * 0.035 * 0.015 * 0.015, 0.04}}) {
     CAPTURE(one.shape);
     const auto points = placeScan(shapeCloud(one.shape), scanScene());
-    const SoftSolid solid = scanSolid(points, 0.005, team);
+    const SoftSolid solid = scanSolid(points, 0.005, 0, team);
     CHECK(isWithin(one.share, solid.lattice.volume_m3(), one.volume_m3));
     // Every point is in a cell of the body.
     for (const SurfacePlace& point : points) {
@@ -93,7 +93,7 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
 TEST_CASE("a scan is filled the same by one thread and by three") {
   const auto points = placeScan(shapeCloud("sculpture"), scanScene());
   WorkerTeam one(1), three(3);
-  const SoftSolid a = scanSolid(points, 0.004, one), b = scanSolid(points, 0.004, three);
+  const SoftSolid a = scanSolid(points, 0.004, 0, one), b = scanSolid(points, 0.004, 0, three);
   CHECK(std::ranges::equal(a.lattice.rest(), b.lattice.rest()));
   CHECK(std::ranges::equal(a.lattice.filled(), b.lattice.filled()));
 }
@@ -114,6 +114,11 @@ TEST_CASE("a scan that is not closed is refused with where it is open, and how w
   checkHole([](const Vec3& place) { return place.x > 40; }, 60, {115, 50, 70});
   checkHole([](const Vec3& place) { return place.y < 0; }, 100, {70, 0, 70});
   CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; })) == "taken");
+  MatterScene patient = scanScene();
+  patient.hole_mm = 80;
+  CHECK(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 40; }), patient) == "taken");
+  patient.hole_mm = 5;
+  CHECK(says(fillRefusal(without(sphere, [](const Vec3& place) { return place.x > 49.5; }), patient), "model: is not"));
 }
 
 TEST_CASE("what encloses nothing, is turned inside out, or is hardly there is refused") {
@@ -130,7 +135,7 @@ TEST_CASE("what encloses nothing, is turned inside out, or is hardly there is re
 TEST_CASE("points at rest are where they were to the bit, and an even strain carries them and their normals exactly") {
   const auto points = placeScan(shapeCloud("sculpture", 5000), scanScene());
   WorkerTeam team(2);
-  const SoftSolid solid = scanSolid(points, 0.005, team);
+  const SoftSolid solid = scanSolid(points, 0.005, 0, team);
   SoftBody body(solid.lattice, {.young_Pa = 1e4, .poisson = 0.4, .density_kg_m3 = 1000, .viscosity_Pa_s = 0}, {});
   SoftEmbedding embedding(solid.lattice, points);
   CloudFrame frame;
@@ -192,7 +197,7 @@ TEST_CASE("a scan that stands on its foot is pressed by a hand, and takes its po
   scene.pinned_mm = {DVec3(0), DVec3(140, 8, 140)};
   const auto points = placeScan(shapeCloud("torus", 8000), scene);
   WorkerTeam team(2);
-  SoftWorld world(scene, {.tools = 1}, scanSolid(points, 0.007, team), points);
+  SoftWorld world(scene, {.tools = 1}, scanSolid(points, 0.007, 0, team), points);
   HandPose hand{.place_m = {0.07, 0.12, 0.07}};
   for (int k = 0; k < 600; ++k) {
     hand.place_m.y -= k < 300 ? 6e-5 : 0;
