@@ -147,6 +147,25 @@ std::vector<DVec3> SoftBody::forces(WorkerTeam& team) {
   return forces;
 }
 
+void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team) {
+  // A central difference over strains of about a thousandth, which single precision resolves.
+  constexpr double kStrain = 1e-3;
+  double most = 0;
+  for (const DVec3& change : changes) most = std::max(most, glm::length(change));
+  forces.assign(size(), DVec3(0));
+  if (!(most > 0)) return;
+  const double scale = kStrain * lattice_.spacing_m() / most;
+  const std::vector<Vec3> now = moved_;
+  for (const double sign : {1.0, -1.0}) {
+    for (std::size_t i = 0; i < size(); ++i)
+      if (!isPinned(i)) moved_[i] = DVec3(now[i]) + sign * scale * changes[i];
+    const std::vector<DVec3> pushed = this->forces(team);
+    for (std::size_t i = 0; i < size(); ++i)
+      if (!isPinned(i)) forces[i] -= sign / (2 * scale) * pushed[i];
+  }
+  moved_ = now;
+}
+
 double SoftBody::strainEnergy_J() const {
   const shared::SoftRules rules = rules_;
   const double atRest = static_cast<double>(shared::softEnergy(rules, glm::mat3(1)));

@@ -57,6 +57,9 @@ class SoftBody {
 
   /// What the cells do to each node as it is, N.
   std::vector<DVec3> forces(WorkerTeam& team);
+  /// What changes of the displacements (one a node, m) take away from those forces, as the body is now strained, N: those
+  /// times its stiffness. Those of pinned nodes are taken for 0, and get none.
+  void stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team);
   /// Of the strains, more than at rest, J.
   double strainEnergy_J() const;
   /// Deformation gradients less 1: of the cells about a node, by what they hold. A rotation and a stretch are exact.

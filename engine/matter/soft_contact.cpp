@@ -1,6 +1,7 @@
 #include "engine/matter/soft_contact.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace palpate {
 
@@ -11,47 +12,49 @@ constexpr float kLeastShare = 1e-5f;
 
 }  // namespace
 
+template <class Visit>
+void SoftContact::forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const {
+  const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
+  for (int k = 0; k < 8; ++k)
+    visit(nodes[static_cast<std::size_t>(k)], shared::cornerShare(place.at.share, k));
+}
+
+template <class Visit>
+void SoftContact::forEachWallIn(const Moved& moved, Visit&& visit) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = -moved.place[axis], high = moved.place[axis] - static_cast<float>(config_.box_m[axis]);
+    const float depth = std::max(low, high);
+    if (depth > 0) visit(axis, low > high ? 1.0f : -1.0f, depth);
+  }
+}
+
 SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config)
     : config_(config), reach_m_(static_cast<float>(body.lattice().spacing_m() / 2)) {
   const SoftLattice& lattice = body.lattice();
   std::vector<float> sharesOfNode(lattice.nodes(), 0);
-  const auto forEachNode = [&](const Place& place, auto&& visit) {
-    for (int k = 0; k < 8; ++k) {
-      const float share = shared::cornerShare(place.at.share, k);
-      if (share > kLeastShare) visit(lattice.corners()[place.at.cell][static_cast<std::size_t>(k)], share);
-    }
-  };
   for (const SurfacePlace& at : surface) {
     Place& place = places_.emplace_back(Place{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
-    forEachNode(place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
+    forEachNode(body, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
   // So stiff that the springs of no node, all together, have more than the frequency: a place's share of a node's motion
   // squared is below the share of the square (Jensen).
   const auto square = static_cast<float>(config.frequency_rad_s * config.frequency_rad_s);
   for (Place& place : places_) {
     float least = static_cast<float>(body.mass_kg());
-    forEachNode(place, [&](std::uint32_t node, float) {
-      least = std::min(least, body.masses()[node] / sharesOfNode[node]);
+    forEachNode(body, place, [&](std::uint32_t node, float share) {
+      if (share > kLeastShare) least = std::min(least, body.masses()[node] / sharesOfNode[node]);
     });
     place.stiffness = square * least;
   }
 }
 
 SoftContact::Moved SoftContact::now(const SoftBody& body, const Place& place) const {
-  const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
   Vec3 moved(0), velocity(0);
-  for (int k = 0; k < 8; ++k) {
-    const float share = shared::cornerShare(place.at.share, k);
-    moved += share * body.displacements()[nodes[static_cast<std::size_t>(k)]];
-    velocity += share * body.velocities()[nodes[static_cast<std::size_t>(k)]];
-  }
+  forEachNode(body, place, [&](std::uint32_t node, float share) {
+    moved += share * body.displacements()[node];
+    velocity += share * body.velocities()[node];
+  });
   return {.place = place.rest + moved, .velocity = velocity};
-}
-
-void SoftContact::load(SoftBody& body, const Place& place, const Vec3& force) const {
-  const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
-  for (int k = 0; k < 8; ++k)
-    body.loads()[nodes[static_cast<std::size_t>(k)]] += shared::cornerShare(place.at.share, k) * force;
 }
 
 shared::SoftTouch SoftContact::touchOf(const Place& place) const {
@@ -80,14 +83,11 @@ void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, 
 
 Vec3 SoftContact::forceOfWalls(const Place& place, const Moved& moved) const {
   Vec3 force(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const float low = -moved.place[axis], high = moved.place[axis] - static_cast<float>(config_.box_m[axis]);
-    const float depth = std::max(low, high);
-    if (!(depth > 0)) continue;
+  forEachWallIn(moved, [&](int axis, float sign, float depth) {
     Vec3 normal(0);
-    normal[axis] = low > high ? 1.0f : -1.0f;
+    normal[axis] = sign;
     force += shared::touchForce(touchOf(place), normal, depth, moved.velocity);
-  }
+  });
   return force;
 }
 
@@ -108,7 +108,43 @@ void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, doubl
       exchanges[b].add(-step_s * DVec3(part), DVec3(offset));
       force += part;
     }
-    if (force != Vec3(0)) load(body, place, force);
+    if (force == Vec3(0)) continue;
+    forEachNode(body, place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
+  }
+}
+
+std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_m, double radius_m,
+                                       const DVec3& direction) const {
+  std::vector<DVec3> forces(body.size(), DVec3(0));
+  std::vector<std::size_t> within;
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const double away = glm::length(DVec3(now(body, places_[i]).place) - place_m);
+    if (away < least) least = away, nearest = i;
+    if (away < radius_m) within.push_back(i);
+  }
+  if (within.empty()) within.push_back(nearest);
+  for (const std::size_t i : within)
+    forEachNode(body, places_[i], [&](std::uint32_t node, float share) {
+      forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
+    });
+  return forces;
+}
+
+void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> changes,
+                                   std::span<DVec3> forces) const {
+  for (const std::uint32_t i : near_) {
+    const Place& place = places_[i];
+    DVec3 change(0);
+    forEachNode(body, place, [&](std::uint32_t node, float share) {
+      change += static_cast<double>(share) * changes[node];
+    });
+    forEachWallIn(now(body, place), [&](int axis, float, float) {
+      forEachNode(body, place, [&](std::uint32_t node, float share) {
+        forces[node][axis] += static_cast<double>(share * place.stiffness) * change[axis];
+      });
+    });
   }
 }
 

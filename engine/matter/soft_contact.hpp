@@ -31,6 +31,12 @@ class SoftContact {
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
              std::span<Exchange> exchanges);
 
+  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the nearest
+  /// one, as the nodes have it, N.
+  std::vector<DVec3> spread(const SoftBody& body, const DVec3& place_m, double radius_m, const DVec3& direction) const;
+  /// What listed places that stand on walls take away from `forces` where the nodes go on by `changes` (m), N.
+  void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;
+
  private:
   struct Place {
     EmbeddedPlace at;
@@ -41,7 +47,10 @@ class SoftContact {
     Vec3 place{0}, velocity{0};
   };
   Moved now(const SoftBody& body, const Place& place) const;
-  void load(SoftBody& body, const Place& place, const Vec3& force) const;
+  template <class Visit>
+  void forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const;
+  template <class Visit>
+  void forEachWallIn(const Moved& moved, Visit&& visit) const;
   Vec3 forceOfWalls(const Place& place, const Moved& moved) const;
   shared::SoftTouch touchOf(const Place& place) const;
 

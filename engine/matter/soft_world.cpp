@@ -29,6 +29,15 @@ SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) 
           .friction = scene.friction};
 }
 
+// What a body that nothing holds is held by where it is asked how it gives way: one round in 1.6 s.
+constexpr double kHold_1_s2 = 16;
+
+double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += glm::dot(a[i], b[i]);
+  return sum;
+}
+
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
@@ -118,6 +127,33 @@ MatterObservation SoftWorld::observe() const {
     seen.front_m = std::max(seen.front_m, place.x);
   }
   return seen;
+}
+
+double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) {
+  constexpr int kMostRounds = 300;
+  constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
+  std::vector<DVec3> residual = contact_.spread(body_, place_m, radius_m, direction);
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    if (body_.isPinned(i)) residual[i] = DVec3(0);
+  const std::vector<DVec3> load = residual;
+  std::vector<DVec3> moved(residual.size(), DVec3(0)), way = residual, force;
+  const double begin = dotOf(residual, residual);
+  double left = begin;
+  for (int k = 0; k < kMostRounds && left > kLeft * kLeft * begin; ++k) {
+    body_.stiffnessTimes(way, force, team_);
+    contact_.addWallStiffness(body_, way, force);
+    for (std::size_t i = 0; i < way.size(); ++i)
+      force[i] = body_.isPinned(i) ? DVec3(0) : force[i] + kHold_1_s2 * static_cast<double>(body_.masses()[i]) * way[i];
+    const double far = left / dotOf(way, force);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      moved[i] += far * way[i];
+      residual[i] -= far * force[i];
+    }
+    const double before = left;
+    left = dotOf(residual, residual);
+    for (std::size_t i = 0; i < way.size(); ++i) way[i] = residual[i] + left / before * way[i];
+  }
+  return dotOf(load, moved);
 }
 
 void SoftWorld::makeFrame(CloudFrame& frame) {

@@ -51,7 +51,7 @@ double hertz(double poisson, double ball_m, double depth_m) {
 TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says") {
   for (const double poisson : {0.3, 0.45}) {
     CAPTURE(poisson);
-    Indentation indentation(poisson, 40, 32, 8);
+    Indentation indentation(poisson, 32, 24, 8);
     for (const double share : {0.05, 0.1}) {
       CAPTURE(share);
       const double depth = share * indentation.ball_m;

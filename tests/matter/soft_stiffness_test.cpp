@@ -65,23 +65,19 @@ TEST_CASE("a bar that is pulled grows thinner by Poisson's ratio") {
 }
 
 TEST_CASE("a beam bends by F L^3 / 3 E I and what shear adds (Timoshenko), however few cells it is high") {
-  struct Case {
-    DVec3 spacings;
-    double share;
-  };
-  for (const Case& one : {Case{{12, 1, 1}, 0.05}, Case{{16, 2, 2}, 0.05}, Case{{30, 4, 3}, 0.05}})
+  for (const DVec3& spacings : {DVec3(12, 1, 1), DVec3(16, 2, 2), DVec3(30, 4, 3)})
     for (const double poisson : {0.0, 0.3}) {
-      CAPTURE(one.spacings.y);
+      CAPTURE(spacings.y);
       CAPTURE(poisson);
-      TestBody held = beam(one.spacings, poisson);
-      const double h = kSoftSpacing_m, length = one.spacings.x * h, height = one.spacings.y * h, width = one.spacings.z * h;
+      TestBody held = beam(spacings, poisson);
+      const double h = kSoftSpacing_m, length = spacings.x * h, height = spacings.y * h, width = spacings.z * h;
       const double inertia = width * std::pow(height, 3) / 12, area = width * height;
       const double shear = kYoung_Pa / (2 * (1 + poisson));
       const double factor = 10 * (1 + poisson) / (12 + 11 * poisson);  // Cowper 1966
       const double perForce = std::pow(length, 3) / (3 * kYoung_Pa * inertia) + length / (factor * shear * area);
       const double force = 0.01 * length / perForce;
       const DVec3 moved = endUnder(held, {0, force, 0}, length, bendFrequency(length, height));
-      CHECK(isWithin(one.share, moved.y, force * perForce));
+      CHECK(isWithin(0.04, moved.y, force * perForce));
     }
 }
 
