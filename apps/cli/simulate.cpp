@@ -149,7 +149,8 @@ void addSimulate(Options& app, Context& context, Command& command) {
       .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
-  sub.add("--save", options->save, "file for the particles, or the surface of a soft body, at the end, mm: " + cloudFormats().endingsWritten())
+  sub.add("--save", options->save,
+          "file for the particles, or the surface of a soft body, at the end, mm: " + cloudFormats().endingsWritten())
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

@@ -124,8 +124,7 @@ void readFields(const Json& object, MatterScene& scene) {
       for (const Field& known : kFields) names.emplace_back(known.name);
       throw Error("{}: is not known; there are {}", inQuotes(name), fmt::join(names, ", "));
     }
-    if (!field->isOf(scene.matter))
-      throw Error("{}: belongs to no scene of {}", name, nameOf(kMatters, scene.matter));
+    if (!field->isOf(scene.matter)) throw Error("{}: belongs to no scene of {}", name, nameOf(kMatters, scene.matter));
     field->read(*field, value, scene);
   }
 }

@@ -15,7 +15,7 @@ class Lanes {
 
   Lanes() = default;
   template <class Number>
-    requires std::is_arithmetic_v<Number>
+  requires std::is_arithmetic_v<Number>
   explicit Lanes(Number all) : values_(Vector{} + static_cast<float>(all)) {}
   explicit Lanes(const std::array<float, kCount>& values) : values_{values[0], values[1], values[2], values[3]} {}
 

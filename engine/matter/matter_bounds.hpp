@@ -12,8 +12,8 @@ void requireBetween(std::string_view field, const DVec3& value, double least, do
 /// Along each axis.
 void requireBetween(std::string_view field, const DVec3& value, double least, const DVec3& most);
 
-/// Whether the scene's substeps are as many as it needs, and not too many. `remedy`: what else needs fewer, besides a larger
-/// spacing.
+/// Whether the scene's substeps are as many as it needs, and not too many. `remedy`: what else needs fewer, besides a
+/// larger spacing.
 void requireSubsteps(const MatterScene& scene, double needed, std::string_view remedy);
 
 }  // namespace palpate

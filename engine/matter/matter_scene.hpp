@@ -34,22 +34,22 @@ struct MatterTool {
 /// right-handed; the box stands from 0 to `box_mm`, and y is up as long as gravity says nothing else.
 struct MatterScene {
   Matter matter = Matter::water;
-  DVec3 box_mm{100};             ///< inner sides, mm
-  /// The corner at 0 is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as large
-  /// as fits into this. mm
+  DVec3 box_mm{100};  ///< inner sides, mm
+  /// The corner at 0 is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
+  /// large as fits into this. mm
   DVec3 fill_mm{100, 50, 100};
   double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
   double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
-  double friction = 0.5;     ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
-  double young_Pa = 2e4;     ///< Young's modulus; of soft bodies alone, Pa
-  double poisson = 0.45;     ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
+  double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
+  double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
+  double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
   SoftShape shape = SoftShape::box;
-  std::string model;         ///< file of a closed cloud that is the surface of a soft body; empty: there is the shape
-  double hole_mm = 0;        ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
+  std::string model;   ///< file of a closed cloud that is the surface of a soft body; empty: there is the shape
+  double hole_mm = 0;  ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
   std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm
-  DVec3 gravity_m_s2{0, -9.81, 0};  ///< m/s^2
-  std::uint32_t substeps = 0;       ///< in a step of kMatterStep_s; 0: as many as it needs
+  DVec3 gravity_m_s2{0, -9.81, 0};                ///< m/s^2
+  std::uint32_t substeps = 0;                     ///< in a step of kMatterStep_s; 0: as many as it needs
   MatterTool tool;
   double gain = 1;                 ///< of the force that the hand feels over the real one, 1
   std::array<bool, 3> periodic{};  ///< axes without walls, on which what leaves comes in again; not in files
@@ -83,8 +83,8 @@ struct MatterPlan {
 /// Throws Error that begins with the field and says its bounds, for what cannot be simulated within `memory_bytes`.
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 
-/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains a
-/// little beside that.
+/// Where the particles of a scene begin, m: a cubic lattice from the corner at 0, half a spacing from the walls; grains
+/// a little beside that.
 std::vector<Vec3> placesAtRest(const MatterScene& scene);
 
 /// Names of the scenes that need no file.

@@ -24,9 +24,9 @@ struct PlaceBox {
 struct SoftSums {
   DVec3 momentum{0};  ///< kg m/s
   double kinetic_J = 0;
-  DVec3 gravityImpulse{0};       ///< on the nodes that are free, kg m/s
-  DVec3 pinImpulse{0};           ///< of the body on what holds its pinned nodes, kg m/s
-  float leastVolume = 1;         ///< of all cells: the least share of its volume that one has
+  DVec3 gravityImpulse{0};  ///< on the nodes that are free, kg m/s
+  DVec3 pinImpulse{0};      ///< of the body on what holds its pinned nodes, kg m/s
+  float leastVolume = 1;    ///< of all cells: the least share of its volume that one has
 };
 
 /// Each array has one entry a node. All passes are gathers: the same bytes for any number of threads.
@@ -57,8 +57,8 @@ class SoftBody {
 
   /// What the cells do to each node as it is, N.
   std::vector<DVec3> forces(WorkerTeam& team);
-  /// What changes of the displacements (one a node, m) take away from those forces, as the body is now strained, N: those
-  /// times its stiffness. Those of pinned nodes are taken for 0, and get none.
+  /// What changes of the displacements (one a node, m) take away from those forces, as the body is now strained, N:
+  /// those times its stiffness. Those of pinned nodes are taken for 0, and get none.
   void stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team);
   /// Of the strains, more than at rest, J.
   double strainEnergy_J() const;
@@ -83,10 +83,10 @@ class SoftBody {
   std::vector<char> pinned_;
   std::vector<Incident> incident_;
   std::vector<Vec3> moved_, velocities_, loads_;
-  std::vector<Lanes> filled_;                  // of each group of Lanes::kCount cells
-  std::vector<LanesOfCorners> cornerForces_;   // of each group, and of one more cell, which is none
-  std::vector<float> leastVolumes_;            // of each block of cells
-  std::vector<SoftSums> sums_;                 // of each block of nodes
+  std::vector<Lanes> filled_;                 // of each group of Lanes::kCount cells
+  std::vector<LanesOfCorners> cornerForces_;  // of each group, and of one more cell, which is none
+  std::vector<float> leastVolumes_;           // of each block of cells
+  std::vector<SoftSums> sums_;                // of each block of nodes
 };
 
 }  // namespace palpate

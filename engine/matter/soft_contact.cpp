@@ -15,8 +15,7 @@ constexpr float kLeastShare = 1e-5f;
 template <class Visit>
 void SoftContact::forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const {
   const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
-  for (int k = 0; k < 8; ++k)
-    visit(nodes[static_cast<std::size_t>(k)], shared::cornerShare(place.at.share, k));
+  for (int k = 0; k < 8; ++k) visit(nodes[static_cast<std::size_t>(k)], shared::cornerShare(place.at.share, k));
 }
 
 template <class Visit>
@@ -36,8 +35,8 @@ SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> sur
     Place& place = places_.emplace_back(Place{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
     forEachNode(body, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
-  // So stiff that the springs of no node, all together, have more than the frequency: a place's share of a node's motion
-  // squared is below the share of the square (Jensen).
+  // So stiff that the springs of no node, all together, have more than the frequency: a place's share of a node's
+  // motion squared is below the share of the square (Jensen).
   const auto square = static_cast<float>(config.frequency_rad_s * config.frequency_rad_s);
   for (Place& place : places_) {
     float least = static_cast<float>(body.mass_kg());
@@ -137,9 +136,8 @@ void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> 
   for (const std::uint32_t i : near_) {
     const Place& place = places_[i];
     DVec3 change(0);
-    forEachNode(body, place, [&](std::uint32_t node, float share) {
-      change += static_cast<double>(share) * changes[node];
-    });
+    forEachNode(body, place,
+                [&](std::uint32_t node, float share) { change += static_cast<double>(share) * changes[node]; });
     forEachWallIn(now(body, place), [&](int axis, float, float) {
       forEachNode(body, place, [&](std::uint32_t node, float share) {
         forces[node][axis] += static_cast<double>(share * place.stiffness) * change[axis];

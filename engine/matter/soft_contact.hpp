@@ -10,17 +10,17 @@
 
 namespace palpate {
 
-/// Each place of the surface is a spring and a damper to what presses on it (shaders/shared/soft.h); its force goes to the
-/// nodes of its cell by its share of them, so that nothing is lost between them, and the energy of the spring is one of
-/// the nodes' places. No place pulls, and what is beyond the surface altogether is not felt: a ball of less than a
-/// spacing's radius would slip between places.
+/// Each place of the surface is a spring and a damper to what presses on it (shaders/shared/soft.h); its force goes to
+/// the nodes of its cell by its share of them, so that nothing is lost between them, and the energy of the spring is
+/// one of the nodes' places. No place pulls, and what is beyond the surface altogether is not felt: a ball of less than
+/// a spacing's radius would slip between places.
 class SoftContact {
  public:
   struct Config {
-    DVec3 box_m{0};         ///< walls from 0 to there
-    double ball_m = 0;      ///< radius of the balls
+    DVec3 box_m{0};              ///< walls from 0 to there
+    double ball_m = 0;           ///< radius of the balls
     double frequency_rad_s = 0;  ///< touchFrequency()
-    double friction = 0;    ///< Coulomb's coefficient, of walls and balls
+    double friction = 0;         ///< Coulomb's coefficient, of walls and balls
   };
   SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config);
 
@@ -31,8 +31,8 @@ class SoftContact {
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
              std::span<Exchange> exchanges);
 
-  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the nearest
-  /// one, as the nodes have it, N.
+  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the
+  /// nearest one, as the nodes have it, N.
   std::vector<DVec3> spread(const SoftBody& body, const DVec3& place_m, double radius_m, const DVec3& direction) const;
   /// What listed places that stand on walls take away from `forces` where the nodes go on by `changes` (m), N.
   void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;

@@ -10,8 +10,8 @@
 namespace palpate {
 
 /// A point goes where the nodes of its cell go, by its share of each at rest; at rest it is where it was, to the bit.
-/// Normals are turned and stretched by F^-T, with deformation gradients that are blended from node to node, so that they
-/// have no edges at the cells' faces.
+/// Normals are turned and stretched by F^-T, with deformation gradients that are blended from node to node, so that
+/// they have no edges at the cells' faces.
 class SoftEmbedding {
  public:
   SoftEmbedding(const SoftLattice& lattice, std::span<const SurfacePlace> points);

@@ -35,8 +35,8 @@ struct CellBox {
   static CellBox about(const DVec3& low_m, const DVec3& high_m, double spacing_m);
   std::size_t numberOf(const IVec3& cell) const {
     return static_cast<std::size_t>(cell.x) +
-           static_cast<std::size_t>(cells.x) *
-               (static_cast<std::size_t>(cell.y) + static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(cell.z));
+           static_cast<std::size_t>(cells.x) * (static_cast<std::size_t>(cell.y) +
+                                                static_cast<std::size_t>(cells.y) * static_cast<std::size_t>(cell.z));
   }
   bool holds(const IVec3& cell) const {
     for (int k = 0; k < 3; ++k)
@@ -52,17 +52,19 @@ class SoftLattice {
  public:
   using Corners = std::array<std::uint32_t, 8>;
 
-  /// Of all cells that are not empty, and of those in `kept`, by their numbers: places to embed lie there. A cell that is
-  /// nearly empty is taken to be as full as kLeastFilled says, so that its nodes weigh something.
+  /// Of all cells that are not empty, and of those in `kept`, by their numbers: places to embed lie there. A cell that
+  /// is nearly empty is taken to be as full as kLeastFilled says, so that its nodes weigh something.
   explicit SoftLattice(CellBox box, std::span<const std::size_t> kept = {});
 
   std::size_t nodes() const { return rest_.size(); }
   std::size_t cells() const { return corners_.size(); }
   double spacing_m() const { return box_.spacing_m; }
-  std::span<const Vec3> rest() const { return rest_; }           ///< of each node, m
-  std::span<const Corners> corners() const { return corners_; }  ///< of each cell, numbered as shaders/shared/soft.h does
-  std::span<const float> filled() const { return filled_; }      ///< of each cell, 1
-  double volume_m3() const { return volume_m3_; }                ///< of the body
+  std::span<const Vec3> rest() const { return rest_; }  ///< of each node, m
+  std::span<const Corners> corners() const {
+    return corners_;
+  }                                                          ///< of each cell, numbered as shaders/shared/soft.h does
+  std::span<const float> filled() const { return filled_; }  ///< of each cell, 1
+  double volume_m3() const { return volume_m3_; }            ///< of the body
   /// Share of the body's volume that each node stands for.
   std::vector<double> nodeShares() const;
   /// The cell that holds a place at rest, or the nearest of the body; the place must be near it.

@@ -6,8 +6,8 @@ namespace palpate {
 
 namespace {
 
-// Symplectic Euler is stable where w^2 dt^2 + 2 d dt is below 4, for a frequency w and a damping rate d; what is left is
-// for cells that are stiffer than at rest, as crushed and stretched ones are.
+// Symplectic Euler is stable where w^2 dt^2 + 2 d dt is below 4, for a frequency w and a damping rate d; what is left
+// is for cells that are stiffer than at rest, as crushed and stretched ones are.
 constexpr double kBudget = 3;
 // Stiffness of the skin over that of what lies below it, in squared frequencies.
 constexpr double kTouchStiffness = 2;
@@ -25,7 +25,8 @@ shared::SoftRules softRules(const SoftMaterial& material, double spacing_m) {
   rules.bulk = static_cast<float>(energyBulk);
   rules.restVolume = static_cast<float>(1 + 0.75 * energyShear / energyBulk);
   rules.viscosity = static_cast<float>(material.viscosity_Pa_s);
-  // The mean square of the distance from the middle of a cell, an edge's twelfth, by which bending strains, and its square.
+  // The mean square of the distance from the middle of a cell, an edge's twelfth, by which bending strains, and its
+  // square.
   rules.bend = static_cast<float>(material.young_Pa / (48 * square));
   rules.twist = static_cast<float>(material.young_Pa / (144 * square));
   rules.bendDrag = static_cast<float>(3 * material.viscosity_Pa_s / (48 * square));  // 3: as stretching has (Trouton)
@@ -45,8 +46,8 @@ double longestSubstep(const SoftMaterial& material, double spacing_m, double tou
   const double own = highestFrequency(material, spacing_m), touch = touchFrequency(material, spacing_m);
   const double both = 1 + touched_kg_per_kg;
   const double square = own * own + touch * touch * both;
-  const double damping = 8 * material.viscosity_Pa_s / (material.density_kg_m3 * spacing_m * spacing_m) +
-                         kTouchDamping * touch * both;
+  const double damping =
+      8 * material.viscosity_Pa_s / (material.density_kg_m3 * spacing_m * spacing_m) + kTouchDamping * touch * both;
   return kBudget / (damping + std::sqrt(damping * damping + square * kBudget));
 }
 

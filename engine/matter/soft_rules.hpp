@@ -9,7 +9,8 @@ struct SoftMaterial {
   double young_Pa = 0;       ///< Young's modulus
   double poisson = 0;        ///< Poisson's ratio, from 0 to below 0.5
   double density_kg_m3 = 0;  ///< kg/m^3
-  double viscosity_Pa_s = 0;  ///< of Kelvin and Voigt's solid: stress is that of strain plus twice this by the strain's rate
+  double viscosity_Pa_s =
+      0;  ///< of Kelvin and Voigt's solid: stress is that of strain plus twice this by the strain's rate
 
   double shear_Pa() const { return young_Pa / (2 * (1 + poisson)); }
   double bulk_Pa() const { return young_Pa / (3 * (1 - 2 * poisson)); }

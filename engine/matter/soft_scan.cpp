@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kLeastPoints = 100;
-constexpr std::size_t kNeighbours = 8;    // by whose distance a point has its area
-constexpr double kInside = 0.5;           // winding number from which on a place is inside
-constexpr int kSamples = 4;               // along each axis of a cell that the surface may go through
+constexpr std::size_t kNeighbours = 8;  // by whose distance a point has its area
+constexpr double kInside = 0.5;         // winding number from which on a place is inside
+constexpr int kSamples = 4;             // along each axis of a cell that the surface may go through
 constexpr double kWidestHole_spacings = 3;
 constexpr double kWidestHole_points = 3;  // in spacings of the points
 constexpr std::size_t kOfBlock = 256;     // points or cells that one thread works on at a time
@@ -51,8 +51,8 @@ struct Filling {
   double widestHole_m;
   WorkerTeam& team;
   CellBox box;
-  std::vector<float> windings;     // in the middle of each cell
-  std::vector<std::size_t> kept;   // cells with points, ascending
+  std::vector<float> windings;    // in the middle of each cell
+  std::vector<std::size_t> kept;  // cells with points, ascending
 
   DVec3 middleOf(const IVec3& cell) const { return box.corner + box.spacing_m * (DVec3(cell) + 0.5); }
   bool isInside(const IVec3& cell) const {

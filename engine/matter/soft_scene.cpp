@@ -10,8 +10,8 @@ namespace palpate {
 
 namespace {
 
-constexpr double kBytesOfNode = 400;   // with its cell
-constexpr double kBytesOfCell = 8;     // of the box about the body
+constexpr double kBytesOfNode = 400;    // with its cell
+constexpr double kBytesOfCell = 8;      // of the box about the body
 constexpr double kMostNodes = 1 << 27;  // as corners of cells are numbered
 
 void requireMaterial(const MatterScene& scene) {
@@ -23,7 +23,8 @@ void requireShape(const MatterScene& scene) {
   requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
   requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
   if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: belongs to no scene with a model");
-  if (scene.shape == SoftShape::ball && !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
+  if (scene.shape == SoftShape::ball &&
+      !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
     throw Error("fill_mm: is {:g} on its shortest side; a ball is at least two spacings wide",
                 std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}));
   if (!scene.pinned_mm) return;

@@ -8,8 +8,8 @@ namespace palpate {
 
 SoftMaterial materialOf(const MatterScene& scene);
 
-/// planOf() for soft bodies: `lattice` is that of cells about the fill, `particles` the nodes at its corners, of which a
-/// scan or a ball needs fewer.
+/// planOf() for soft bodies: `lattice` is that of cells about the fill, `particles` the nodes at its corners, of which
+/// a scan or a ball needs fewer.
 MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);
 
 /// Where the body stands: a box of the size of the fill, in the middle of the floor, m.

@@ -17,7 +17,8 @@ class SoftWorld {
  public:
   /// The body of a scene without a model. Throws Error as planOf() does.
   explicit SoftWorld(const MatterScene& scene, const MatterOptions& options = {});
-  /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and order.
+  /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
+  /// order.
   SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
             std::span<const SurfacePlace> points);
 
@@ -39,10 +40,10 @@ class SoftWorld {
   /// Where the points are now: positions in m, normals, velocities in m/s, the time in s.
   void makeFrame(CloudFrame& frame);
 
-  /// How far the surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on it, as
-  /// the body now is, strained and on the walls that it stands on, m/N: what a servo loop may go on with until the next
-  /// step. A body that nothing holds gives way as its mass does within a third of a second. Takes as long as a hundred
-  /// substeps, and changes nothing. (Conjugate gradients; Hestenes, Stiefel 1952.)
+  /// How far the surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on
+  /// it, as the body now is, strained and on the walls that it stands on, m/N: what a servo loop may go on with until
+  /// the next step. A body that nothing holds gives way as its mass does within a third of a second. Takes as long as a
+  /// hundred substeps, and changes nothing. (Conjugate gradients; Hestenes, Stiefel 1952.)
   double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction);
 
   SoftBody& body() { return body_; }

@@ -1,6 +1,6 @@
-// What a cell of a soft body does to its eight nodes: total-Lagrangian elasticity on a lattice that is fixed at rest, so
-// that nobody looks for neighbours. A cell takes one deformation gradient, in its middle (one-point hexahedron), and the
-// energy of what that does not see, the four modes in which a cell bends and twists, is the one that bending has by
+// What a cell of a soft body does to its eight nodes: total-Lagrangian elasticity on a lattice that is fixed at rest,
+// so that nobody looks for neighbours. A cell takes one deformation gradient, in its middle (one-point hexahedron), and
+// the energy of what that does not see, the four modes in which a cell bends and twists, is the one that bending has by
 // Young's modulus (physical hourglass control; Flanagan, Belytschko 1981; Belytschko, Bindeman 1993), so that a beam is
 // as stiff as it should be however few cells are in it. The material is stable neo-Hookean (Smith, de Goes, Kim 2018,
 // "Stable neo-Hookean flesh simulation"), which follows Hooke's law in the small, has no stress from a rotation however
@@ -8,9 +8,9 @@
 // decomposition. Displacements are from rest, so that single precision resolves strains and not places. Who walks over
 // cells and nodes: engine/matter/soft_body.cpp. Lengths are m, times s, stresses Pa.
 //
-// Nodes of a cell are numbered by bits: x is 1, y is 2, z is 4, and a bit that is set stands for the far corner. Modes are
-// numbered alike: mode k is the product of the axes' signs whose bits are in k. 0 is the sum of all, 1, 2 and 4 are the
-// differences along the axes, 3, 5, 6 and 7 are what bends and twists.
+// Nodes of a cell are numbered by bits: x is 1, y is 2, z is 4, and a bit that is set stands for the far corner. Modes
+// are numbered alike: mode k is the product of the axes' signs whose bits are in k. 0 is the sum of all, 1, 2 and 4 are
+// the differences along the axes, 3, 5, 6 and 7 are what bends and twists.
 #ifndef PALPATE_SHARED_SOFT_H
 #define PALPATE_SHARED_SOFT_H
 #include "shaders/shared/real.h"
@@ -18,21 +18,19 @@
 PALPATE_SHARED_BEGIN
 
 // A value at each corner of a cell, or of each mode.
-PALPATE_STRUCT(Corners) {
-  PALPATE_VEC3 at[8];
-};
+PALPATE_STRUCT(Corners) { PALPATE_VEC3 at[8]; };
 PALPATE_SINGLE(Corners);
 
 // What is the same for all cells of a body.
 PALPATE_STRUCT(SoftRules) {
-  Real shear;        // of the energy, Pa
-  Real bulk;         // of the energy, Pa
-  Real restVolume;   // the share of its volume at which the volume's part alone would rest
-  Real viscosity;    // Pa s
-  Real bend;         // stiffness of a mode of two axes for each m^3 of the cell, Pa / m^2
-  Real twist;        // of the mode of three axes
-  Real bendDrag;     // damping of both for each m^3, Pa s / m^2
-  Real perEdges;     // 1 / (4 spacing): gradient for a mode of one axis, 1 / m
+  Real shear;       // of the energy, Pa
+  Real bulk;        // of the energy, Pa
+  Real restVolume;  // the share of its volume at which the volume's part alone would rest
+  Real viscosity;   // Pa s
+  Real bend;        // stiffness of a mode of two axes for each m^3 of the cell, Pa / m^2
+  Real twist;       // of the mode of three axes
+  Real bendDrag;    // damping of both for each m^3, Pa s / m^2
+  Real perEdges;    // 1 / (4 spacing): gradient for a mode of one axis, 1 / m
 };
 PALPATE_SINGLE(SoftRules);
 
@@ -50,8 +48,8 @@ PALPATE_FORMULA void givePair(PALPATE_INOUT(PALPATE_VEC3) mean, PALPATE_INOUT(PA
   difference = middle + difference;
 }
 
-// From the values at corners to their modes: axis by axis, as a Walsh-Hadamard transform goes. Written out, so that every
-// value has a register.
+// From the values at corners to their modes: axis by axis, as a Walsh-Hadamard transform goes. Written out, so that
+// every value has a register.
 PALPATE_FORMULA void takeModes(PALPATE_INOUT(PALPATE_OF(Corners)) values) {
   takePair(values.at[0], values.at[1]);
   takePair(values.at[2], values.at[3]);
@@ -98,8 +96,8 @@ PALPATE_FORMULA Real softEnergy(PALPATE_OF(SoftRules) rules, PALPATE_MAT3 f) {
   return Real(0.5) * (rules.shear * (squares - log(squares + Real(1.0))) + rules.bulk * over * over);
 }
 
-// First Piola-Kirchhoff stress: of the energy's slope, and of the rate of Green's strain times twice the viscosity, which
-// a rotation does not have. `f` is the deformation gradient, `rate` its rate, 1 / s.
+// First Piola-Kirchhoff stress: of the energy's slope, and of the rate of Green's strain times twice the viscosity,
+// which a rotation does not have. `f` is the deformation gradient, `rate` its rate, 1 / s.
 PALPATE_FORMULA PALPATE_MAT3 softStress(PALPATE_OF(SoftRules) rules, PALPATE_MAT3 f, PALPATE_MAT3 rate) {
   const PALPATE_VEC3 areaX = cross(f[1], f[2]);
   const PALPATE_VEC3 areaY = cross(f[2], f[0]);
@@ -113,14 +111,15 @@ PALPATE_FORMULA PALPATE_MAT3 softStress(PALPATE_OF(SoftRules) rules, PALPATE_MAT
   const Real xy = rules.viscosity * (dot(f[0], rate[1]) + dot(f[1], rate[0]));
   const Real xz = rules.viscosity * (dot(f[0], rate[2]) + dot(f[2], rate[0]));
   const Real yz = rules.viscosity * (dot(f[1], rate[2]) + dot(f[2], rate[1]));
-  return PALPATE_MAT3(xx * f[0] + xy * f[1] + xz * f[2] + press * areaX, xy * f[0] + yy * f[1] + yz * f[2] + press * areaY,
+  return PALPATE_MAT3(xx * f[0] + xy * f[1] + xz * f[2] + press * areaX,
+                      xy * f[0] + yy * f[1] + yz * f[2] + press * areaY,
                       xz * f[0] + yz * f[1] + zz * f[2] + press * areaZ);
 }
 
-// What a cell of `volume` (m^3 of matter) does to its nodes, N, from modes of their displacements and velocities. The sum
-// over the nodes is 0.
-PALPATE_FORMULA PALPATE_OF(Corners) cellForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(Corners) moved,
-                                               PALPATE_OF(Corners) velocity) {
+// What a cell of `volume` (m^3 of matter) does to its nodes, N, from modes of their displacements and velocities. The
+// sum over the nodes is 0.
+PALPATE_FORMULA PALPATE_OF(Corners)
+    cellForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(Corners) moved, PALPATE_OF(Corners) velocity) {
   const PALPATE_MAT3 f = gradientOf(rules, moved) + PALPATE_MAT3(Real(1.0));
   const PALPATE_MAT3 stress = softStress(rules, f, gradientOf(rules, velocity));
   const Real perGradient = -volume * rules.perEdges;

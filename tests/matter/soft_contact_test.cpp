@@ -16,7 +16,8 @@ struct Indentation {
 
   Indentation(double poisson, int width, int depth, double ball_spacings)
       : body(boxSolid(DVec3(0), DVec3(width, depth, width) * kSoftSpacing_m, kSoftSpacing_m),
-             {.young_Pa = 5e4, .poisson = poisson, .density_kg_m3 = 1000}, std::array{PlaceBox{DVec3(-1), DVec3(1, 1e-6, 1)}}),
+             {.young_Pa = 5e4, .poisson = poisson, .density_kg_m3 = 1000},
+             std::array{PlaceBox{DVec3(-1), DVec3(1, 1e-6, 1)}}),
         contact(body.body, body.solid.surface,
                 {.box_m = DVec3(10),
                  .ball_m = ball_spacings * kSoftSpacing_m,

@@ -17,8 +17,14 @@ SoftSolid block(const DVec3& spacings) { return boxSolid(DVec3(0), spacings * kS
 // In double precision, and from the rest on: what stress a deformation gradient has.
 glm::dmat3 stressOf(const glm::dmat3& f, const SoftMaterial& material) {
   const shared::SoftRules rules = softRules(material, kSoftSpacing_m);
-  const shared::SoftRulesOf<double> precise{.shear = rules.shear, .bulk = rules.bulk, .restVolume = 1 + 0.75 * rules.shear / rules.bulk,
-                                            .viscosity = rules.viscosity, .bend = 0, .twist = 0, .bendDrag = 0, .perEdges = 1};
+  const shared::SoftRulesOf<double> precise{.shear = rules.shear,
+                                            .bulk = rules.bulk,
+                                            .restVolume = 1 + 0.75 * rules.shear / rules.bulk,
+                                            .viscosity = rules.viscosity,
+                                            .bend = 0,
+                                            .twist = 0,
+                                            .bendDrag = 0,
+                                            .perEdges = 1};
   return shared::softStress(precise, f, glm::dmat3(0));
 }
 
@@ -42,8 +48,14 @@ TEST_CASE("a small strain has the stress of Hooke's law, whatever the rotation")
 TEST_CASE("stress is the slope of the energy") {
   const glm::dmat3 f(DVec3(1.2, 0.1, -0.3), DVec3(0.2, 0.7, 0.1), DVec3(0.0, 0.4, 1.1));
   const shared::SoftRules rules = softRules(kJelly, kSoftSpacing_m);
-  const shared::SoftRulesOf<double> precise{.shear = rules.shear, .bulk = rules.bulk, .restVolume = rules.restVolume,
-                                            .viscosity = 0, .bend = 0, .twist = 0, .bendDrag = 0, .perEdges = 1};
+  const shared::SoftRulesOf<double> precise{.shear = rules.shear,
+                                            .bulk = rules.bulk,
+                                            .restVolume = rules.restVolume,
+                                            .viscosity = 0,
+                                            .bend = 0,
+                                            .twist = 0,
+                                            .bendDrag = 0,
+                                            .perEdges = 1};
   const glm::dmat3 stress = shared::softStress(precise, f, glm::dmat3(0));
   for (int column = 0; column < 3; ++column)
     for (int row = 0; row < 3; ++row) {
@@ -177,7 +189,8 @@ TEST_CASE("a bar that is let go swings along itself with the frequency of its wa
 }
 
 TEST_CASE("the same bytes with one thread and with three") {
-  TestBody one(block({9, 9, 9}), kJelly, std::array{sheetAt(0)}), three(block({9, 9, 9}), kJelly, std::array{sheetAt(0)});
+  TestBody one(block({9, 9, 9}), kJelly, std::array{sheetAt(0)}),
+      three(block({9, 9, 9}), kJelly, std::array{sheetAt(0)});
   WorkerTeam single(1), team(3);
   for (int k = 0; k < 200; ++k) {
     const SoftSums a = one.body.substep({0, -9.81, 0}, one.step_s, single);

@@ -9,9 +9,7 @@ namespace {
 
 constexpr double kYoung_Pa = 5e4;
 
-SoftMaterial material(double poisson) {
-  return {.young_Pa = kYoung_Pa, .poisson = poisson, .density_kg_m3 = 1000};
-}
+SoftMaterial material(double poisson) { return {.young_Pa = kYoung_Pa, .poisson = poisson, .density_kg_m3 = 1000}; }
 
 // A beam along x from 0, of so many spacings, held at its end.
 TestBody beam(const DVec3& spacings, double poisson, double spacing_m = kSoftSpacing_m) {

@@ -172,8 +172,8 @@ TEST_CASE("how a surface gives way is that of a half-space, and that of the mass
   // Mean displacement under an even pressure on a circle (Love 1929), less that of what would lie below the block
   // (Boussinesq 1885).
   constexpr double kRadius_m = 0.0125;
-  const double expected = 16 * (1 - 0.3 * 0.3) / (3 * 9.8696 * 3e4 * kRadius_m) -
-                          (1 + 0.3) * (3 - 2 * 0.3) / (2 * 3.1416 * 3e4 * 0.1);
+  const double expected =
+      16 * (1 - 0.3 * 0.3) / (3 * 9.8696 * 3e4 * kRadius_m) - (1 + 0.3) * (3 - 2 * 0.3) / (2 * 3.1416 * 3e4 * 0.1);
   CHECK(isWithin(0.05, deep.localCompliance_m_N({0.1, 0.1, 0.1}, kRadius_m, {0, -1, 0}), expected));
   CHECK(sameBytes(deep, SoftWorld(scene)));
   MatterScene free = jelly();
