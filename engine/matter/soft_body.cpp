@@ -12,15 +12,16 @@ constexpr std::size_t kGroupsOfBlock = 16, kNodesOfBlock = 256;
 
 std::size_t blocksIn(std::size_t all, std::size_t block) { return (all + block - 1) / block; }
 
-shared::SoftRulesOf<Lanes> inLanes(const shared::SoftRules& rules) {
-  return {.shear = Lanes(rules.shear),
-          .bulk = Lanes(rules.bulk),
-          .restVolume = Lanes(rules.restVolume),
-          .viscosity = Lanes(rules.viscosity),
-          .bend = Lanes(rules.bend),
-          .twist = Lanes(rules.twist),
-          .bendDrag = Lanes(rules.bendDrag),
-          .perEdges = Lanes(rules.perEdges)};
+template <class Real>
+shared::SoftRulesOf<Real> rulesIn(const shared::SoftRules& rules) {
+  return {.shear = Real(rules.shear),
+          .bulk = Real(rules.bulk),
+          .restVolume = Real(rules.restVolume),
+          .viscosity = Real(rules.viscosity),
+          .bend = Real(rules.bend),
+          .twist = Real(rules.twist),
+          .bendDrag = Real(rules.bendDrag),
+          .perEdges = Real(rules.perEdges)};
 }
 
 }  // namespace
@@ -79,7 +80,7 @@ SoftBody::LanesOfCorners SoftBody::atCornersOfGroup(std::size_t group, std::span
 
 void SoftBody::pushCells(std::size_t block) {
   const std::size_t begin = block * kGroupsOfBlock, end = std::min(begin + kGroupsOfBlock, filled_.size());
-  const shared::SoftRulesOf<Lanes> rules = inLanes(rules_);
+  const auto rules = rulesIn<Lanes>(rules_);
   const Lanes cube(std::pow(lattice_.spacing_m(), 3));
   std::array<float, Lanes::kCount> least;
   least.fill(1);
@@ -166,18 +167,19 @@ void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>
   moved_ = now;
 }
 
+// In double precision: energies at rest and strained are almost the same.
 double SoftBody::strainEnergy_J() const {
-  const shared::SoftRules rules = rules_;
-  const double atRest = static_cast<double>(shared::softEnergy(rules, glm::mat3(1)));
+  const auto rules = rulesIn<double>(rules_);
+  const double atRest = shared::softEnergy(rules, glm::dmat3(1)), cube = std::pow(lattice_.spacing_m(), 3);
   double energy = 0;
   for (std::size_t c = 0; c < lattice_.cells(); ++c) {
-    shared::Corners modes = atCorners(c, moved_);
+    shared::CornersOf<double> modes;
+    for (std::size_t k = 0; k < 8; ++k) modes.at[k] = DVec3(moved_[lattice_.corners()[c][k]]);
     shared::takeModes(modes);
     const auto square = [&](int mode) { return glm::dot(modes.at[mode], modes.at[mode]); };
-    const float beyond = (rules.bend * (square(3) + square(5) + square(6)) + rules.twist * square(7)) / 2;
-    const auto strained =
-        static_cast<double>(shared::softEnergy(rules, shared::gradientOf(rules, modes) + glm::mat3(1)) + beyond);
-    energy += std::pow(lattice_.spacing_m(), 3) * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
+    const double beyond = (rules.bend * (square(3) + square(5) + square(6)) + rules.twist * square(7)) / 2;
+    const double strained = shared::softEnergy(rules, shared::gradientOf(rules, modes) + glm::dmat3(1)) + beyond;
+    energy += cube * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
   }
   return energy;
 }

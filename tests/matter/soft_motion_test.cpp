@@ -67,6 +67,30 @@ TEST_CASE("stress is the slope of the energy") {
     }
 }
 
+TEST_CASE("what a cell does not see in its middle has the energy of bending, and viscosity takes that as well") {
+  const double h = kSoftSpacing_m, volume = h * h * h;
+  // u_x = x y strains by y, as a beam; u_x = x y z by y z. Their mean squares over the cell are h^2 / 12 and h^4 / 144.
+  const auto bent = [&](bool twisted, TestBody& cell) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      const DVec3 arm = DVec3(cell.solid.lattice.rest()[i]) - h / 2;
+      cell.body.displacements()[i].x = static_cast<float>(arm.x * arm.y * (twisted ? arm.z / h : 1.0));
+    }
+    return cell.body.strainEnergy_J();
+  };
+  TestBody cell(block({1, 1, 1}), kJelly);
+  CHECK(isWithin(0.01, bent(false, cell), volume * kJelly.young_Pa * h * h / 24));
+  CHECK(isWithin(0.01, bent(true, cell), volume * kJelly.young_Pa * h * h / 288));
+  // By a viscosity n energy is taken at the rate at which Young's modulus 3 n would store it: a decay of 4 n / rho h^2.
+  SoftMaterial syrup = kJelly;
+  syrup.viscosity_Pa_s = 0.5;
+  TestBody damped(block({1, 1, 1}), syrup);
+  damped.step_s /= 20;
+  const double before_J = bent(false, damped), rate = 4 * syrup.viscosity_Pa_s / (syrup.density_kg_m3 * h * h);
+  double kinetic_J = 0;
+  for (int k = 0; k < 1.0 / rate / damped.step_s; ++k) kinetic_J = damped.substep().kinetic_J;
+  CHECK(isWithin(0.1, damped.body.strainEnergy_J() + kinetic_J, before_J * std::exp(-1.0)));
+}
+
 TEST_CASE("a body that is turned has no stress, and a turn that goes on is not damped") {
   const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5));
   for (const double angle : {0.3, 1.6, 3.1}) {

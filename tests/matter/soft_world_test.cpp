@@ -57,6 +57,24 @@ TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, 
   CHECK(bottom > -5e-5);
 }
 
+TEST_CASE("a block on a slope stays where friction holds it, and otherwise slides as Coulomb says") {
+  for (const double friction : {0.3, 0.8}) {
+    MatterScene scene = jelly();
+    scene.box_mm.x = 600;
+    scene.young_Pa = 1e5;
+    scene.viscosity_Pa_s = 20;
+    scene.friction = friction;
+    scene.gravity_m_s2 = kGravity_m_s2 * DVec3(std::sin(0.5), -std::cos(0.5), 0);  // tan is 0.55
+    SoftWorld world(scene);
+    const auto speed = [&] { return world.observe().momentum.x / world.body().mass_kg(); };
+    run(world, 100);
+    const double before = speed();
+    run(world, 100);
+    const double expected = kGravity_m_s2 * std::max(std::sin(0.5) - friction * std::cos(0.5), 0.0);
+    CHECK(std::abs((speed() - before) / 0.1 - expected) < 0.25);
+  }
+}
+
 TEST_CASE("what is pushed and let go returns to where it was") {
   MatterScene scene = jelly();
   scene.gravity_m_s2 = DVec3(0);
