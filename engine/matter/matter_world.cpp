@@ -39,6 +39,7 @@ MatterWorld::MatterWorld(const MatterScene& scene, const MatterOptions& options,
       beginning_(insideOf(std::move(places), scene, plan_.spacing_m)),
       team_(options.threads),
       law_(lawOf(scene_, plan_)) {
+  PALPATE_CHECK(scene.matter != Matter::soft);
   PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
   const auto support = static_cast<float>(kSupport_spacings * plan_.spacing_m);
   const auto points = ballPoints(scene.tool.radius_mm * 1e-3, plan_.spacing_m, support);

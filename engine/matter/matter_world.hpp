@@ -1,4 +1,4 @@
-// A scene of matter that moves by itself, and what it says of itself.
+// A scene of particles that move by themselves, and what it says of itself.
 #pragma once
 
 #include <cstdint>
@@ -46,7 +46,7 @@ struct MatterOptions {
 /// For one thread at a time. The same scene and the same hands give the same bytes, for any number of threads.
 class MatterWorld {
  public:
-  /// Throws Error as planOf() does.
+  /// Of water or sand; for soft bodies see soft_world.hpp. Throws Error as planOf() does.
   explicit MatterWorld(const MatterScene& scene, const MatterOptions& options = {});
   /// The same with particles elsewhere than at rest in the fill, m; those outside of the box stand at its walls.
   MatterWorld(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places);

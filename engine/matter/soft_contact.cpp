@@ -9,6 +9,7 @@ namespace {
 
 // A node's share of a place that is less is that of rounding.
 constexpr float kLeastShare = 1e-5f;
+constexpr std::size_t kPlacesOfBlock = 256;  // that one thread works on at a time
 
 }  // namespace
 
@@ -62,22 +63,29 @@ shared::SoftTouch SoftContact::touchOf(const Place& place) const {
           .friction = static_cast<float>(config_.friction)};
 }
 
-void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s) {
-  const auto duration = static_cast<float>(duration_s);
-  const Vec3 box(config_.box_m);
+bool SoftContact::isNear(const SoftBody& body, const Place& place, std::span<const BodyMotion> balls,
+                         double duration_s) const {
+  const Moved moved = now(body, place);
+  const float wallReach = reach_m_ + static_cast<float>(duration_s) * glm::length(moved.velocity);
+  const Vec3 fromWall = glm::min(moved.place, Vec3(config_.box_m) - moved.place);
+  if (!(std::min({fromWall.x, fromWall.y, fromWall.z}) > wallReach)) return true;
+  return std::ranges::any_of(balls, [&](const BodyMotion& ball) {
+    const float reach = wallReach + static_cast<float>(config_.ball_m + duration_s * glm::length(ball.velocity));
+    const Vec3 offset = moved.place - Vec3(ball.place);
+    return glm::dot(offset, offset) < reach * reach;
+  });
+}
+
+void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s, WorkerTeam& team) {
+  isNear_.resize(places_.size());
+  team.forEach((places_.size() + kPlacesOfBlock - 1) / kPlacesOfBlock, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kPlacesOfBlock, places_.size());
+    for (std::size_t i = block * kPlacesOfBlock; i < end; ++i)
+      isNear_[i] = isNear(body, places_[i], balls, duration_s) ? 1 : 0;
+  });
   near_.clear();
-  for (std::uint32_t i = 0; i < places_.size(); ++i) {
-    const Moved moved = now(body, places_[i]);
-    const float wallReach = reach_m_ + duration * glm::length(moved.velocity);
-    const Vec3 fromWall = glm::min(moved.place, box - moved.place);
-    bool isNear = !(std::min({fromWall.x, fromWall.y, fromWall.z}) > wallReach);
-    for (const BodyMotion& ball : balls) {
-      const float reach = wallReach + static_cast<float>(config_.ball_m + duration_s * glm::length(ball.velocity));
-      const Vec3 offset = moved.place - Vec3(ball.place);
-      isNear |= glm::dot(offset, offset) < reach * reach;
-    }
-    if (isNear) near_.push_back(i);
-  }
+  for (std::uint32_t i = 0; i < places_.size(); ++i)
+    if (isNear_[i] != 0) near_.push_back(i);
 }
 
 Vec3 SoftContact::forceOfWalls(const Place& place, const Moved& moved) const {

@@ -25,7 +25,7 @@ class SoftContact {
   SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config);
 
   /// Looks which places may meet walls or balls within `duration_s`.
-  void list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s);
+  void list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s, WorkerTeam& team);
   /// Loads the body for a substep with what walls and balls do to the listed places. Adds to `wallImpulse`, and to
   /// `exchanges`, one a ball, what the body does to them, kg m/s.
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
@@ -46,6 +46,7 @@ class SoftContact {
   struct Moved {
     Vec3 place{0}, velocity{0};
   };
+  bool isNear(const SoftBody& body, const Place& place, std::span<const BodyMotion> balls, double duration_s) const;
   Moved now(const SoftBody& body, const Place& place) const;
   template <class Visit>
   void forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const;
@@ -57,7 +58,8 @@ class SoftContact {
   Config config_;
   float reach_m_;  // so far beside what may be met within no time at all places are listed
   std::vector<Place> places_;
-  std::vector<std::uint32_t> near_;
+  std::vector<char> isNear_;         // of each place
+  std::vector<std::uint32_t> near_;  // the places that are, ascending
 };
 
 }  // namespace palpate

@@ -11,7 +11,7 @@ namespace palpate {
 namespace {
 
 constexpr double kBytesOfNode = 400;    // with its cell
-constexpr double kBytesOfCell = 8;      // of the box about the body
+constexpr double kBytesOfCell = 60;     // of the box about the body, while it is filled
 constexpr double kMostNodes = 1 << 27;  // as corners of cells are numbered
 
 void requireMaterial(const MatterScene& scene) {

@@ -52,6 +52,7 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, Sof
       body_(solid_->lattice, materialOf(scene), pinsOf(scene)),
       contact_(body_, solid_->surface, contactOf(scene, plan_)),
       embedding_(solid_->lattice, points.empty() ? std::span<const SurfacePlace>(solid_->surface) : points) {
+  PALPATE_CHECK(scene.matter == Matter::soft);
   PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
   tools_.assign(options.tools, ToolBody(scene.tool, plan_.substep_s));
   reset();
@@ -76,7 +77,7 @@ void SoftWorld::step(std::span<const HandPose> hands) {
   if (state_ == MatterState::running) {
     std::vector<BodyMotion> balls;
     for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
-    contact_.list(body_, balls, kMatterStep_s);
+    contact_.list(body_, balls, kMatterStep_s, team_);
   }
   for (std::uint32_t k = 0; k < plan_.substeps && state_ == MatterState::running; ++k)
     substep(hands_, hands, (k + 1.0) / plan_.substeps);

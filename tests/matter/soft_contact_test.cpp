@@ -28,7 +28,7 @@ struct Indentation {
 
   double forceAt(double depth_m) {
     const BodyMotion ball{.place = {middle_m, top_m + ball_m - depth_m, middle_m}};
-    contact.list(body.body, {&ball, 1}, 0);
+    contact.list(body.body, {&ball, 1}, 0, body.team);
     const double slowest = 1.57 * std::sqrt(body.material.shear_Pa() / 1000) / top_m * body.step_s;
     const auto kept = static_cast<float>(std::exp(-1.5 * slowest));
     Exchange exchange;
