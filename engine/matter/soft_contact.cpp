@@ -7,8 +7,6 @@ namespace palpate {
 
 namespace {
 
-// A node's share of a place that is less is that of rounding.
-constexpr float kLeastShare = 1e-5f;
 constexpr std::size_t kPlacesOfBlock = 256;  // that one thread works on at a time
 
 }  // namespace
@@ -36,15 +34,15 @@ SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> sur
     Place& place = places_.emplace_back(Place{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
     forEachNode(body, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
-  // So stiff that the springs of no node, all together, have more than the frequency: a place's share of a node's
-  // motion squared is below the share of the square (Jensen).
-  const auto square = static_cast<float>(config.frequency_rad_s * config.frequency_rad_s);
+  // As stiff as may be while all springs together have no higher frequency than that, whatever the nodes do (by
+  // Cauchy's and Schwarz's inequality, each place's share of a node against all places' shares of it).
+  const double square = config.frequency_rad_s * config.frequency_rad_s;
   for (Place& place : places_) {
-    float least = static_cast<float>(body.mass_kg());
+    double perMass = 0;
     forEachNode(body, place, [&](std::uint32_t node, float share) {
-      if (share > kLeastShare) least = std::min(least, body.masses()[node] / sharesOfNode[node]);
+      perMass += static_cast<double>(share * sharesOfNode[node] / body.masses()[node]);
     });
-    place.stiffness = square * least;
+    place.stiffness = static_cast<float>(square / perMass);
   }
 }
 

@@ -67,6 +67,21 @@ TEST_CASE("stress is the slope of the energy") {
     }
 }
 
+TEST_CASE("viscosity has the stress of the rate of Green's strain, and none of a turn") {
+  const glm::dmat3 f(DVec3(1.2, 0.1, -0.3), DVec3(0.2, 0.7, 0.1), DVec3(0.0, 0.4, 1.1));
+  const glm::dmat3 rate(DVec3(3, -1, 2), DVec3(0.5, 4, -2), DVec3(1, 1, -3));
+  const shared::SoftRulesOf<double> rules{
+      .shear = 0, .bulk = 0, .restVolume = 1, .viscosity = 5, .bend = 0, .twist = 0, .bendDrag = 0, .perEdges = 1};
+  const glm::dmat3 stress = shared::softStress(rules, f, rate);
+  const glm::dmat3 expected = 5.0 * f * (glm::transpose(rate) * f + glm::transpose(f) * rate);
+  const glm::dmat3 spin(DVec3(0, 1, -2), DVec3(-1, 0, 3), DVec3(2, -3, 0));
+  const glm::dmat3 turning = shared::softStress(rules, f, spin * f);
+  for (int k = 0; k < 3; ++k) {
+    CHECK(glm::length(stress[k] - expected[k]) < 1e-12);
+    CHECK(glm::length(turning[k]) < 1e-12);
+  }
+}
+
 TEST_CASE("what a cell does not see in its middle has the energy of bending, and viscosity takes that as well") {
   const double h = kSoftSpacing_m, volume = h * h * h;
   // u_x = x y strains by y, as a beam; u_x = x y z by y z. Their mean squares over the cell are h^2 / 12 and h^4 / 144.
