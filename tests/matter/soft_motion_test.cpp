@@ -69,7 +69,7 @@ TEST_CASE("stress is the slope of the energy") {
 
 TEST_CASE("viscosity has the stress of the rate of Green's strain, and none of a turn") {
   const glm::dmat3 f(DVec3(1.2, 0.1, -0.3), DVec3(0.2, 0.7, 0.1), DVec3(0.0, 0.4, 1.1));
-  const glm::dmat3 rate(DVec3(3, -1, 2), DVec3(0.5, 4, -2), DVec3(1, 1, -3));
+  const glm::dmat3 rate(DVec3(3, -1, 2), DVec3(0.5, 4, 2), DVec3(1, 1, -3));
   const shared::SoftRulesOf<double> rules{
       .shear = 0, .bulk = 0, .restVolume = 1, .viscosity = 5, .bend = 0, .twist = 0, .bendDrag = 0, .perEdges = 1};
   const glm::dmat3 stress = shared::softStress(rules, f, rate);
