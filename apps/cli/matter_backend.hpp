@@ -10,8 +10,9 @@ namespace palpate {
 
 /// Those that move any.
 std::vector<std::string> matterBackends();
-/// The one that is named or, for `auto`, vulkan where there is a GPU and cpu where there is none but a software driver.
-std::string chooseMatterBackend(const Context& context, const std::string& name);
+/// The one that is named or, for `auto`, vulkan where there is a GPU and cpu where there is none but a software driver, and
+/// for soft bodies.
+std::string chooseMatterBackend(const Context& context, const std::string& name, Matter matter);
 /// On that back end, with as many threads as the program may use. Throws Error as planOf() does.
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options = {});

@@ -20,7 +20,7 @@ constexpr double kLongestDuration_s = 1e5;
 constexpr double kMmPerMetre = 1e3;
 
 struct SimulateOptions {
-  std::string scene, probe, save, backend = "auto";
+  std::string scene, model, probe, save, backend = "auto";
   double duration_s = 1;
 };
 
@@ -38,20 +38,29 @@ void requireRunning(const MatterSimulation& world) {
               world.time_s());
 }
 
-void save(const std::string& file, const MatterSimulation& world) {
-  PointCloud cloud;
-  cloud.positions = world.positionsById();
+void save(const std::string& file, MatterSimulation& world) {
+  CloudFrame frame;
+  world.makeFrame(frame);
+  PointCloud cloud{.positions = std::move(frame.positions), .normals = std::move(frame.normals)};
   for (Vec3& position : cloud.positions) position *= static_cast<float>(kMmPerMetre);
   cloud.storedAs.comments.emplace_back("comment units: mm");
   markAsOurs(cloud);
   writeCloud(file, cloud);
 }
 
+MatterScene sceneOf(const SimulateOptions& options) {
+  MatterScene scene = readSceneNamed(options.scene);
+  if (options.model.empty()) return scene;
+  if (scene.matter != Matter::soft) throw UsageError("--model: the scene is of {}", nameOf(kMatters, scene.matter));
+  scene.model = options.model;
+  return scene;
+}
+
 void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
-  const MatterScene scene = readSceneNamed(options.scene);
-  const std::string backend = chooseMatterBackend(context, options.backend);
+  const MatterScene scene = sceneOf(options);
+  const std::string backend = chooseMatterBackend(context, options.backend, scene.matter);
   const auto simulation = startMatter(context, backend, scene);
   MatterSimulation& world = *simulation;
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
@@ -73,8 +82,9 @@ void simulate(Context& context, const SimulateOptions& options) {
   const bool hasPressure = !options.probe.empty() && scene.matter == Matter::water;
   const double pressure_Pa = hasPressure ? world.pressureAt(probe_mm / kMmPerMetre) : 0;
   std::FILE* out = context.tables();
-  fmt::print(out, "{}: {} particles of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
-             nameOf(kMatters, scene.matter), seen.time_s, world.plan().substeps);
+  fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
+             scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
+             world.plan().substeps);
   fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
@@ -101,13 +111,16 @@ void addSimulate(Options& app, Context& context, Command& command) {
   std::vector<std::string> backends = matterBackends();
   backends.insert(backends.begin(), "auto");
   sub.add("--backend", options->backend,
-          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU and cpu where there is none but a "
-          "software driver; times are a GPU's own where it keeps any")
+          "what moves it: vulkan, a GPU (water and sand); cpu; auto, vulkan where there is a GPU that can, and otherwise cpu; "
+          "times are a GPU's own where it keeps any")
       .check(oneOf(std::move(backends)))
       .showDefault();
+  sub.add("--model", options->model, "a closed cloud that is the surface of a soft scene, in place of the scene's own")
+      .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");
-  sub.add("--save", options->save, "file for the particles at the end, mm: " + cloudFormats().endingsWritten())
+  sub.add("--save", options->save,
+          "file for the particles, or the surface of a soft body, at the end, mm: " + cloudFormats().endingsWritten())
       .typeName("FILE");
   sub.whenNamed([&, options] { command = [&context, options] { simulate(context, *options); }; });
 }

@@ -19,11 +19,15 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kLongestFile = std::size_t{1} << 20;  // bytes
 
-// Where a field is written, and whether a scene of water, and one of sand, has it.
+// Where a field is written, and which kinds of matter have it.
 struct Field {
   const char* name;
   void (*read)(const Field& field, const Json& value, MatterScene& scene);
-  bool ofWater = true, ofSand = true, needed = false;
+  bool ofWater = true, ofSand = true, ofSoft = true, needed = false;
+
+  bool isOf(Matter matter) const {
+    return matter == Matter::water ? ofWater : matter == Matter::sand ? ofSand : ofSoft;
+  }
 };
 
 double numberOf(std::string_view name, const Json& value) {
@@ -67,10 +71,28 @@ void readTool(const Field&, const Json& value, MatterScene& scene) {
   }
 }
 
+void readModel(const Field&, const Json& value, MatterScene& scene) {
+  if (!value.is_string() || value.get<std::string>().empty())
+    throw Error("model: is {}, which is no name of a file", inQuotes(value.dump()));
+  scene.model = value.get<std::string>();
+}
+
+void readShape(const Field&, const Json& value, MatterScene& scene) {
+  const auto shape = value.is_string() ? valueNamed(kSoftShapes, value.get<std::string>()) : std::nullopt;
+  if (!shape) throw Error("shape: is {}; there are {}", inQuotes(value.dump()), fmt::join(namesOf(kSoftShapes), ", "));
+  scene.shape = *shape;
+}
+
+void readPinned(const Field& field, const Json& value, MatterScene& scene) {
+  if (!value.is_array() || value.size() != 2) throw Error("{}: is no list of 2 corners of a box", field.name);
+  scene.pinned_mm = {vectorOf(field, value[0]), vectorOf(field, value[1])};
+}
+
 void readMatter(const Field&, const Json& value, MatterScene& scene) {
   const auto matter = value.is_string() ? valueNamed(kMatters, value.get<std::string>()) : std::nullopt;
   if (!matter) throw Error("matter: is {}; there are {}", inQuotes(value.dump()), fmt::join(namesOf(kMatters), ", "));
   scene.matter = *matter;
+  if (scene.matter == Matter::soft) scene.viscosity_Pa_s = kSoftViscosity_Pa_s;
 }
 
 constexpr std::array kFields{
@@ -81,6 +103,12 @@ constexpr std::array kFields{
     Field{.name = "density_kg_m3", .read = readNumber<&MatterScene::density_kg_m3>},
     Field{.name = "viscosity_Pa_s", .read = readNumber<&MatterScene::viscosity_Pa_s>, .ofSand = false},
     Field{.name = "friction", .read = readNumber<&MatterScene::friction>, .ofWater = false},
+    Field{.name = "young_Pa", .read = readNumber<&MatterScene::young_Pa>, .ofWater = false, .ofSand = false},
+    Field{.name = "poisson", .read = readNumber<&MatterScene::poisson>, .ofWater = false, .ofSand = false},
+    Field{.name = "shape", .read = readShape, .ofWater = false, .ofSand = false},
+    Field{.name = "model", .read = readModel, .ofWater = false, .ofSand = false},
+    Field{.name = "hole_mm", .read = readNumber<&MatterScene::hole_mm>, .ofWater = false, .ofSand = false},
+    Field{.name = "pinned_mm", .read = readPinned, .ofWater = false, .ofSand = false},
     Field{.name = "gravity_m_s2", .read = readVector<&MatterScene::gravity_m_s2>},
     Field{.name = "substeps", .read = readSubsteps},
     Field{.name = "tool", .read = readTool},
@@ -96,8 +124,7 @@ void readFields(const Json& object, MatterScene& scene) {
       for (const Field& known : kFields) names.emplace_back(known.name);
       throw Error("{}: is not known; there are {}", inQuotes(name), fmt::join(names, ", "));
     }
-    if (!(scene.matter == Matter::water ? field->ofWater : field->ofSand))
-      throw Error("{}: belongs to no scene of {}", name, nameOf(kMatters, scene.matter));
+    if (!field->isOf(scene.matter)) throw Error("{}: belongs to no scene of {}", name, nameOf(kMatters, scene.matter));
     field->read(*field, value, scene);
   }
 }
@@ -112,7 +139,6 @@ MatterScene parseMatterScene(std::string_view json) {
     if (field.needed && !parsed.contains(field.name)) throw Error("{}: is not there", field.name);
   MatterScene scene;
   readMatter(kFields.front(), parsed["matter"], scene);
-  if (scene.matter == Matter::soft) planOf(scene);  // says what there is, before fields that belong to soft bodies
   readFields(parsed, scene);
   return scene;
 }
@@ -122,7 +148,8 @@ MatterScene readMatterScene(const std::filesystem::path& file) {
   const auto bytes = in.peek(kLongestFile + 1);
   if (bytes.size() > kLongestFile) throw FileError(file, "is too long for a scene of matter");
   try {
-    const MatterScene scene = parseMatterScene({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    MatterScene scene = parseMatterScene({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (!scene.model.empty()) scene.model = (file.parent_path() / scene.model).string();
     planOf(scene);
     return scene;
   } catch (const Error& error) {

@@ -152,7 +152,7 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(
       memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kSums).data());
   StepReport report{.state = static_cast<MatterState>(control().state),
-                    .substeps = control().substeps,
+                    .gravity = gravityOf(control().substeps),
                     .onWalls = sums.onWalls,
                     .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
                                .momentum = sums.momentum,

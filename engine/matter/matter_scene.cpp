@@ -5,7 +5,9 @@
 
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"
+#include "engine/matter/matter_bounds.hpp"
 #include "engine/matter/matter_rules.hpp"
+#include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
 
@@ -17,20 +19,10 @@ constexpr double kMostCells = 64e6;        // of the grid, whose memory grows wi
 constexpr double kBytesOfParticle = 1600;  // with its neighbours
 constexpr double kBytesOfCell = 4;
 constexpr std::uint64_t kMostParticles = 1 << 27;  // as neighbours are numbered
-constexpr std::uint32_t kMostSubsteps = 1000;
 // A particle that falls through the whole box goes so many spacings in a substep at most.
 constexpr double kMostWay_spacings = 0.5;
 
-void requireBetween(std::string_view field, double value, double least, double most) {
-  if (!(value >= least && value <= most)) throw Error("{}: is {}; it is from {:g} to {:g}", field, value, least, most);
-}
-
-void requireBetween(std::string_view field, const DVec3& value, double least, double most) {
-  for (int k = 0; k < 3; ++k) requireBetween(field, value[k], least, most);
-}
-
 void requireFields(const MatterScene& scene) {
-  if (scene.matter == Matter::soft) throw Error("matter: soft bodies are not built yet; there are water and sand");
   requireBetween("spacing_mm", scene.spacing_mm, kLeastSpacing_mm, kMostSpacing_mm);
   requireBetween("box_mm", scene.box_mm, scene.spacing_mm, kMostBox_mm);
   requireBetween("fill_mm", scene.fill_mm, 0, kMostBox_mm);
@@ -112,6 +104,7 @@ MatterTool usualTool(const MatterScene& scene) {
 MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   requireFields(scene);
   requireTool(scene);
+  if (scene.matter == Matter::soft) return softPlanOf(scene, memory_bytes);
   MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
   double particles = 1, cells = 1;
   for (int k = 0; k < 3; ++k) {
@@ -128,13 +121,7 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   plan.bytes = static_cast<std::uint64_t>(std::min(particles * kBytesOfParticle + cells * kBytesOfCell, 1e18));
   requireMemory(plan, cells, memory_bytes);
   const double needed = std::ceil(neededSubsteps(scene, plan.spacing_m) - 1e-9);
-  if (needed > kMostSubsteps)
-    throw Error(
-        "spacing_mm: needs {:.0f} substeps of a step of {} s, {} at most; take a larger one, less viscosity or less "
-        "gravity",
-        needed, kMatterStep_s, kMostSubsteps);
-  if (scene.substeps != 0 && scene.substeps < needed)
-    throw Error("substeps: is {}; this scene needs {:.0f}, or 0 for as many as it needs", scene.substeps, needed);
+  requireSubsteps(scene, needed, "less viscosity or less gravity");
   plan.substeps = scene.substeps != 0 ? scene.substeps : static_cast<std::uint32_t>(needed);
   plan.substep_s = kMatterStep_s / plan.substeps;
   plan.mass_kg = scene.density_kg_m3 * plan.spacing_m * plan.spacing_m * plan.spacing_m;
@@ -187,7 +174,14 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .box_mm = {300, 150, 150},
         .fill_mm = {100, 100, 150},
         .spacing_mm = 10,
-        .density_kg_m3 = 1600}}};
+        .density_kg_m3 = 1600}},
+      {"jelly",
+       {.matter = Matter::soft,
+        .box_mm = {160, 120, 160},
+        .fill_mm = {80, 60, 80},
+        .spacing_mm = 6,
+        .viscosity_Pa_s = kSoftViscosity_Pa_s,
+        .tool = {.radius_mm = 15, .mass_kg = 0.05}}}};
   return scenes;
 }
 

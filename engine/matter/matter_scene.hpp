@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,6 +16,11 @@ namespace palpate {
 enum class Matter { water, sand, soft };
 inline constexpr std::array<std::pair<std::string_view, Matter>, 3> kMatters{
     {{"water", Matter::water}, {"sand", Matter::sand}, {"soft", Matter::soft}}};
+
+/// What a soft body is that has no model.
+enum class SoftShape { box, ball };
+inline constexpr std::array<std::pair<std::string_view, SoftShape>, 2> kSoftShapes{
+    {{"box", SoftShape::box}, {"ball", SoftShape::ball}}};
 
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {
@@ -27,14 +34,22 @@ struct MatterTool {
 /// right-handed; the box stands from 0 to `box_mm`, and y is up as long as gravity says nothing else.
 struct MatterScene {
   Matter matter = Matter::water;
-  DVec3 box_mm{100};             ///< inner sides, mm
-  DVec3 fill_mm{100, 50, 100};   ///< the corner at 0 is filled so far at the beginning, at rest, mm
-  double spacing_mm = 5;         ///< of the particles at rest: a particle stands for its cube, mm
+  DVec3 box_mm{100};  ///< inner sides, mm
+  /// The corner at 0 is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
+  /// large as fits into this. mm
+  DVec3 fill_mm{100, 50, 100};
+  double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
-  double viscosity_Pa_s = 1e-3;  ///< dynamic; of water alone, Pa s
-  double friction = 0.5;  ///< Coulomb's coefficient between grains, and between grains and walls; of sand alone, 1
-  DVec3 gravity_m_s2{0, -9.81, 0};  ///< m/s^2
-  std::uint32_t substeps = 0;       ///< in a step of kMatterStep_s; 0: as many as it needs
+  double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
+  double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
+  double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
+  double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
+  SoftShape shape = SoftShape::box;
+  std::string model;   ///< file of a closed cloud that is the surface of a soft body; empty: there is the shape
+  double hole_mm = 0;  ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
+  std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm
+  DVec3 gravity_m_s2{0, -9.81, 0};                ///< m/s^2
+  std::uint32_t substeps = 0;                     ///< in a step of kMatterStep_s; 0: as many as it needs
   MatterTool tool;
   double gain = 1;                 ///< of the force that the hand feels over the real one, 1
   std::array<bool, 3> periodic{};  ///< axes without walls, on which what leaves comes in again; not in files
@@ -46,8 +61,13 @@ struct MatterScene {
 /// displaces.
 MatterTool usualTool(const MatterScene& scene);
 
+/// Viscosity that soft bodies have where a file says nothing: one as low as water's would let them ring for minutes.
+inline constexpr double kSoftViscosity_Pa_s = 3;
+
 /// Length of a step.
 inline constexpr double kMatterStep_s = 1e-3;
+
+inline constexpr std::uint32_t kMostSubsteps = 1000;
 
 /// Memory that a simulation takes at most, as it is planned.
 inline constexpr std::uint64_t kMostMatterBytes = std::uint64_t{2} << 30;

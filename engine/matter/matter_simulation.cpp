@@ -53,8 +53,7 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
 void MatterSimulation::take(const StepReport& report) {
   state_ = report.state;
   totals_ = report.totals;
-  const double mass_kg = plan_.mass_kg * static_cast<double>(particles());
-  impulses_.gravity += mass_kg * plan_.substep_s * static_cast<double>(report.substeps) * scene_.gravity_m_s2;
+  impulses_.gravity += report.gravity;
   impulses_.onWalls += report.onWalls;
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
@@ -68,6 +67,11 @@ void MatterSimulation::take(const StepReport& report) {
   }
 }
 
+DVec3 MatterSimulation::gravityOf(std::uint32_t substeps) const {
+  const double mass_kg = plan_.mass_kg * static_cast<double>(particles());
+  return mass_kg * plan_.substep_s * static_cast<double>(substeps) * scene_.gravity_m_s2;
+}
+
 MatterObservation MatterSimulation::observe() const {
   MatterObservation seen{totals_};
   seen.time_s = time_s();
@@ -77,6 +81,13 @@ MatterObservation MatterSimulation::observe() const {
     seen.front_m = std::max(seen.front_m, static_cast<double>(place.x) + plan_.spacing_m / 2);
   }
   return seen;
+}
+
+void MatterSimulation::makeFrame(CloudFrame& frame) {
+  frame.time_s = time_s();
+  frame.positions = positionsById();
+  frame.velocities = velocitiesById();
+  frame.normals.clear();
 }
 
 double MatterSimulation::pressureAt(const DVec3& place) const {

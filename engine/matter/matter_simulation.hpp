@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/core/cloud_frame.hpp"
 #include "engine/core/pass_record.hpp"
 #include "engine/matter/hand_pose.hpp"
 #include "engine/matter/matter_scene.hpp"
@@ -95,12 +96,15 @@ class MatterSimulation {
   virtual std::vector<PassRecord> passes() const { return {}; }
 
   /// Looks at all particles.
-  MatterObservation observe() const;
+  virtual MatterObservation observe() const;
   /// Pressure of water about a place, m, of what lies above where there is gravity; linear in the particles within
   /// three spacings, of which those at a wall hardly count: part of what goes through them is the wall's. 0 where no
   /// matter is, or none that has one. Pa. Looks at all particles.
   double pressureAt(const DVec3& place) const;
 
+  /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry, and
+  /// unit normals where these have some.
+  virtual void makeFrame(CloudFrame& frame);
   /// In the order of the ids, m.
   virtual std::vector<Vec3> positionsById() const = 0;
   virtual std::vector<Vec3> velocitiesById() const = 0;  ///< m/s
@@ -114,13 +118,14 @@ class MatterSimulation {
 
   struct StepReport {
     MatterState state = MatterState::running;
-    std::uint32_t substeps = 0;  ///< that were run
-    DVec3 onWalls{0};            ///< kg m/s
+    DVec3 gravity{0}, onWalls{0};  ///< kg m/s
     MatterTotals totals;
     std::vector<ToolReport> tools;
   };
   std::size_t tools() const { return answers_.size(); }
   const std::vector<Vec3>& beginning() const { return beginning_; }
+  /// What gravity gives to all particles in so many substeps, kg m/s.
+  DVec3 gravityOf(std::uint32_t substeps) const;
 
  private:
   /// Everything stands where it begins.

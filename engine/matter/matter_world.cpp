@@ -63,7 +63,7 @@ MatterState MatterWorld::substep(StepReport& report) {
   for (BlockSums& sums : sums_) sums = {.bodies = std::vector<Exchange>(bodies_.size())};
   law_->solve(*particles_, bodies_, sums_, team_);
   report.totals = reactTo(sums_, report);
-  ++report.substeps;
+  report.gravity += gravityOf(1);
   return report.totals.kinetic_J <= plan().mostKinetic_J(particles()) ? MatterState::running : MatterState::diverged;
 }
 

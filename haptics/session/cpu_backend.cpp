@@ -1,6 +1,7 @@
 #include "engine/core/parallel.hpp"
 #include "engine/core/processor.hpp"
 #include "engine/matter/matter_world.hpp"
+#include "engine/matter/soft_world.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "haptics/session/backends.hpp"
 
@@ -19,6 +20,7 @@ class CpuBackend final : public BackendKind {
     return fmt::format("{}, {} threads", processorName(), threadCount(threads));
   }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
+    if (scene.matter == Matter::soft) return std::make_unique<SoftWorld>(scene, options);
     return std::make_unique<MatterWorld>(scene, options);
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {

@@ -29,6 +29,7 @@ class VulkanBackend final : public BackendKind {
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
+    if (scene.matter == Matter::soft) throw ConfigError("backend.name", "{} moves no soft bodies; take cpu", name());
     MatterOptions there = options;
     there.memory_bytes = std::max(options.memory_bytes, device_().ownMemory() / 2);
     return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);

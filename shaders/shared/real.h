@@ -61,6 +61,7 @@ using glm::determinant;
 using glm::dot;
 using glm::exp;
 using glm::length;
+using glm::log;
 using glm::max;
 using glm::min;
 using glm::normalize;

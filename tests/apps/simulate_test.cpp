@@ -40,7 +40,7 @@ TEST_CASE("a scene is simulated without a hand, and its particles are kept") {
 
 TEST_CASE("the scenes that need no file run, the same for any number of threads") {
   const ScratchFolder folder;
-  for (const std::string name : {"water", "dam", "sand"}) {
+  for (const std::string name : {"water", "dam", "sand", "jelly"}) {
     CAPTURE(name);
     const auto saved = [&](const std::string& threads) {
       const std::string file = (folder / (name + threads + ".ply")).string();
@@ -67,6 +67,33 @@ TEST_CASE("a GPU moves a scene as the CPU does") {
     CHECK(gpu[value].get<double>() == doctest::Approx(cpu[value].get<double>()).epsilon(0.01));
   }
   CHECK(palpate("simulate water --backend abacus").code == 2);
+}
+
+TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep their order") {
+  const ScratchFolder folder;
+  const std::string scene = (folder / "soft.json").string(), json = (folder / "out.json").string();
+  works("make sphere -n 5000 -o " + (folder / "ball.ply").string());
+  std::ofstream(scene) << R"({"matter": "soft", "model": "ball.ply", "box_mm": [100, 100, 100], "fill_mm": [60, 60, 60],
+                              "spacing_mm": 6, "young_Pa": 2e4, "poisson": 0.4})";
+  works("simulate " + scene + " --duration 0.1 --save " + (folder / "out.ply").string() + " --json " + json);
+  const auto result = jsonOf(json);
+  CHECK(result["particles"] > 500);
+  CHECK(result["pressure_Pa"].is_null());
+  CHECK(result["max_compression"] > 0);
+  CHECK(result["max_compression"] < 0.3);
+  const PointCloud before = readPly(folder / "ball.ply"), after = readPly(folder / "out.ply");
+  REQUIRE(after.size() == before.size());
+  CHECK(after.hasNormals());
+  const double scale = 60 / boundsOf(before).longestSide();
+  double most = 0;
+  for (std::size_t i = 0; i < after.size(); ++i)
+    most =
+        std::max(most, glm::length(DVec3(after.positions[i]) - scale * DVec3(before.positions[i]) - DVec3(50, 30, 50)));
+  CHECK(most > 0.1);
+  CHECK(most < 10);
+  CHECK(palpate("simulate water --model " + (folder / "ball.ply").string()).code == 2);
+  works("make plane -n 5000 -o " + (folder / "plane.ply").string());
+  CHECK(says(palpate("simulate jelly --model " + (folder / "plane.ply").string()).text, "model: "));
 }
 
 TEST_CASE("what cannot be simulated is refused in a sentence, and leaves no file") {

@@ -22,7 +22,7 @@ const Arrows& allowedArrows() {
   static const Arrows arrows{
       {"engine/core", {"shaders/shared/frame.h"}},
       {"engine/cloud", {"engine/core"}},
-      {"engine/matter", {"engine/gpu", "engine/core", "shaders"}},
+      {"engine/matter", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},
       {"engine/io", {"engine/matter", "engine/cloud", "engine/core"}},
       {"engine/gpu", {"engine/core"}},
       {"engine/spatial", {"engine/gpu", "engine/cloud", "engine/core", "shaders"}},

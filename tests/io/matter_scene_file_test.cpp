@@ -28,6 +28,10 @@ std::string waterWith(const std::string& more) {
   return std::string(R"({"matter": "water", )") + kLeast + ", " + more + "}";
 }
 
+std::string softWith(const std::string& more) {
+  return std::string(R"({"matter": "soft", )") + kLeast + ", " + more + "}";
+}
+
 }  // namespace
 
 TEST_CASE("a scene of matter is read with all that it says") {
@@ -48,6 +52,23 @@ TEST_CASE("a scene of matter is read with all that it says") {
   CHECK(sand.matter == Matter::sand);
   CHECK(sand.friction == 0.3);
   CHECK(sand.density_kg_m3 == MatterScene{}.density_kg_m3);
+  const MatterScene soft = parseMatterScene(softWith(
+      R"("young_Pa": 5e4, "poisson": 0.3, "viscosity_Pa_s": 7, "friction": 0.2, "shape": "ball",
+         "pinned_mm": [[0, 0, 0], [100, 1, 60]])"));
+  CHECK(soft == MatterScene{.matter = Matter::soft,
+                            .box_mm = {100, 80, 60},
+                            .fill_mm = {50, 40, 60},
+                            .spacing_mm = 5,
+                            .viscosity_Pa_s = 7,
+                            .friction = 0.2,
+                            .young_Pa = 5e4,
+                            .poisson = 0.3,
+                            .shape = SoftShape::ball,
+                            .pinned_mm = {{DVec3(0), DVec3(100, 1, 60)}}});
+  const MatterScene scan = parseMatterScene(softWith(R"("model": "bunny.ply", "hole_mm": 12)"));
+  CHECK(scan.hole_mm == 12);
+  CHECK(scan.model == "bunny.ply");
+  CHECK(scan.viscosity_Pa_s == kSoftViscosity_Pa_s);
 }
 
 TEST_CASE("a scene of matter that says something wrong is refused with the field") {
@@ -57,9 +78,16 @@ TEST_CASE("a scene of matter that says something wrong is refused with the field
   CHECK(says(refusal("{}"), "matter: is not there"));
   CHECK(says(refusal(R"({"matter": "water"})"), "box_mm: is not there"));
   CHECK(says(refusal(std::string(R"({"matter": "lava", )") + kLeast + "}"), "there are water, sand, soft"));
-  CHECK(says(refusal(std::string(R"({"matter": "soft", "young_Pa": 1e4, )") + kLeast + "}"),
-             "matter: soft bodies are not built yet"));
-  CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "'young_Pa': is not known; there are matter, box_mm"));
+  CHECK(says(refusal(waterWith(R"("colour": 1000)")), "'colour': is not known; there are matter, box_mm"));
+  CHECK(says(refusal(waterWith(R"("young_Pa": 1000)")), "young_Pa: belongs to no scene of water"));
+  CHECK(says(refusal(softWith(R"("young_Pa": "soft")")), "young_Pa: is"));
+  CHECK(says(refusal(softWith(R"("model": 3)")), "model: is '3', which is no name of a file"));
+  CHECK(says(refusal(softWith(R"("model": "")")), "which is no name of a file"));
+  CHECK(says(refusal(softWith(R"("shape": "cone")")), "there are box, ball"));
+  CHECK(says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is no list of 2 corners of a box"));
+  CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is no list of 3 numbers"));
+  CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kLeast + "}"),
+             "poisson: belongs to no scene of sand"));
   CHECK(says(refusal(waterWith(R"("friction": 0.5)")), "friction: belongs to no scene of water"));
   CHECK(says(refusal(waterWith(R"("gain": "much")")), "gain: is"));
   CHECK(says(refusal(waterWith(R"("gain": null)")), "gain: is"));
@@ -86,6 +114,10 @@ TEST_CASE("a file of a scene is refused by its name, the field and the bounds") 
   CHECK(readRefusal(waterWith(R"("gain": 1)")) == "read");
   CHECK(says(readRefusal(waterWith(R"("gain": -1)")), "scene.json: gain: is -1; it is from 0 to"));
   CHECK(says(readRefusal(waterWith(R"("density_kg_m3": 0)")), "scene.json: density_kg_m3: is 0;"));
+  CHECK(says(readRefusal(softWith(R"("poisson": 0.5)")), "scene.json: poisson: is 0.5; it is from 0 to 0.49"));
+  CHECK(says(readRefusal(softWith(R"("young_Pa": -5)")), "scene.json: young_Pa: is -5;"));
+  CHECK(readRefusal(softWith(R"("model": "scan.ply")")) == "read");
+  CHECK(readMatterScene(file).model == (folder / "scan.ply").string());
   CHECK(says(readRefusal(""), "scene.json: is no JSON"));
   CHECK(says(readRefusal(std::string(2 << 20, ' ')), "scene.json: is too long"));
 }

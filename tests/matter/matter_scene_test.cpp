@@ -15,7 +15,6 @@ TEST_CASE("a scene that cannot be simulated is refused with its field, before an
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   CHECK(refusal({}) == "taken");
-  CHECK(says(with([](MatterScene& s) { s.matter = Matter::soft; }), "matter: soft bodies are not built yet"));
   CHECK(says(with([](MatterScene& s) { s.spacing_mm = 0; }), "spacing_mm: is 0;"));
   CHECK(says(with([](MatterScene& s) { s.spacing_mm = -1; }), "spacing_mm: is -1;"));
   CHECK(says(with([](MatterScene& s) { s.spacing_mm = kNaN; }), "spacing_mm: is nan;"));
@@ -66,7 +65,7 @@ TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
 
 TEST_CASE("there are scenes that need no file, and another name is told which") {
   for (const std::string_view name : matterSceneNames()) CHECK(refusal(matterSceneNamed(name)) == "taken");
-  CHECK_THROWS_WITH(matterSceneNamed("lava"), "there is no scene 'lava'; there are water, dam, sand");
+  CHECK_THROWS_WITH(matterSceneNamed("lava"), "there is no scene 'lava'; there are water, dam, sand, jelly");
 }
 
 }  // namespace palpate

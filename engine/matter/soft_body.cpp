@@ -1,0 +1,207 @@
+#include "engine/matter/soft_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate {
+
+namespace {
+
+// What one thread works on at a time, always the same: sums do not depend on the threads.
+constexpr std::size_t kGroupsOfBlock = 16, kNodesOfBlock = 256;
+
+std::size_t blocksIn(std::size_t all, std::size_t block) { return (all + block - 1) / block; }
+
+template <class Real>
+shared::SoftRulesOf<Real> rulesIn(const shared::SoftRules& rules) {
+  return {.shear = Real(rules.shear),
+          .bulk = Real(rules.bulk),
+          .restVolume = Real(rules.restVolume),
+          .viscosity = Real(rules.viscosity),
+          .bend = Real(rules.bend),
+          .twist = Real(rules.twist),
+          .bendDrag = Real(rules.bendDrag),
+          .perEdges = Real(rules.perEdges)};
+}
+
+}  // namespace
+
+SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned)
+    : lattice_(lattice),
+      rules_(softRules(material, lattice.spacing_m())),
+      mass_kg_(material.density_kg_m3 * lattice.volume_m3()) {
+  for (const double share : lattice.nodeShares()) masses_.push_back(static_cast<float>(mass_kg_ * share));
+  for (const Vec3& rest : lattice.rest())
+    pinned_.push_back(std::ranges::any_of(pinned, [&](const PlaceBox& box) { return box.holds(rest); }) ? 1 : 0);
+  Incident none;
+  none.fill(static_cast<std::uint32_t>(8 * lattice.cells()));
+  incident_.assign(lattice.nodes(), none);
+  for (std::size_t c = 0; c < lattice.cells(); ++c)
+    for (std::size_t k = 0; k < 8; ++k)
+      incident_[lattice.corners()[c][k]][7 - k] = static_cast<std::uint32_t>(8 * c + k);
+  filled_.resize(blocksIn(lattice.cells(), Lanes::kCount));
+  for (std::size_t group = 0; group < filled_.size(); ++group) {
+    std::array<float, Lanes::kCount> filled{};
+    for (std::size_t lane = 0; lane < Lanes::kCount && group * Lanes::kCount + lane < lattice.cells(); ++lane)
+      filled[lane] = lattice.filled()[group * Lanes::kCount + lane];
+    filled_[group] = Lanes(filled);
+  }
+  cornerForces_.assign(lattice.cells() / Lanes::kCount + 1, {});
+  leastVolumes_.resize(blocksIn(filled_.size(), kGroupsOfBlock));
+  sums_.resize(blocksIn(lattice.nodes(), kNodesOfBlock));
+  reset();
+}
+
+void SoftBody::reset() {
+  moved_.assign(lattice_.nodes(), Vec3(0));
+  velocities_ = loads_ = moved_;
+}
+
+shared::Corners SoftBody::atCorners(std::size_t cell, std::span<const Vec3> values) const {
+  shared::Corners corners;
+  const SoftLattice::Corners& nodes = lattice_.corners()[cell];
+  for (std::size_t k = 0; k < 8; ++k) corners.at[k] = values[nodes[k]];
+  return corners;
+}
+
+// Beyond the last cell it counts again, in lanes that are not full of anything.
+SoftBody::LanesOfCorners SoftBody::atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const {
+  std::array<const SoftLattice::Corners*, Lanes::kCount> nodes;
+  for (std::size_t lane = 0; lane < Lanes::kCount; ++lane)
+    nodes[lane] = &lattice_.corners()[std::min(group * Lanes::kCount + lane, lattice_.cells() - 1)];
+  LanesOfCorners corners;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const Vec3 &a = values[(*nodes[0])[k]], &b = values[(*nodes[1])[k]], &c = values[(*nodes[2])[k]],
+               &d = values[(*nodes[3])[k]];
+    corners.at[k] = {Lanes({a.x, b.x, c.x, d.x}), Lanes({a.y, b.y, c.y, d.y}), Lanes({a.z, b.z, c.z, d.z})};
+  }
+  return corners;
+}
+
+void SoftBody::pushCells(std::size_t block) {
+  const std::size_t begin = block * kGroupsOfBlock, end = std::min(begin + kGroupsOfBlock, filled_.size());
+  const auto rules = rulesIn<Lanes>(rules_);
+  const Lanes cube(std::pow(lattice_.spacing_m(), 3));
+  std::array<float, Lanes::kCount> least;
+  least.fill(1);
+  for (std::size_t group = begin; group < end; ++group) {
+    LanesOfCorners moved = atCornersOfGroup(group, moved_), velocity = atCornersOfGroup(group, velocities_);
+    shared::takeModes(moved);
+    shared::takeModes(velocity);
+    const Lanes volume = shared::volumeShare(shared::gradientOf(rules, moved) + glm::mat<3, 3, Lanes>(Lanes(1)));
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) least[lane] = std::min(least[lane], volume[lane]);
+    cornerForces_[group] = shared::cellForces(rules, cube * filled_[group], moved, velocity);
+  }
+  leastVolumes_[block] = *std::ranges::min_element(least);
+}
+
+Vec3 SoftBody::forceOn(std::size_t node) const {
+  Vec3 force(0);
+  for (const std::uint32_t slot : incident_[node]) {
+    const std::uint32_t cell = slot / 8, lane = cell % Lanes::kCount;
+    const auto& part = cornerForces_[cell / Lanes::kCount].at[slot % 8];
+    force += Vec3(part.x[lane], part.y[lane], part.z[lane]);
+  }
+  return force;
+}
+
+void SoftBody::moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums) {
+  const std::size_t begin = block * kNodesOfBlock, end = std::min(begin + kNodesOfBlock, size());
+  sums = {};
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3 force = forceOn(i) + loads_[i];
+    loads_[i] = Vec3(0);
+    if (isPinned(i)) {
+      sums.pinImpulse += static_cast<double>(step_s) * DVec3(force);
+      continue;
+    }
+    const auto mass = static_cast<double>(masses_[i]);
+    velocities_[i] += step_s / masses_[i] * force + fall;
+    moved_[i] += step_s * velocities_[i];
+    const DVec3 velocity(velocities_[i]);
+    sums.momentum += mass * velocity;
+    sums.kinetic_J += mass / 2 * glm::dot(velocity, velocity);
+    sums.gravityImpulse += mass * DVec3(fall);
+  }
+}
+
+SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team) {
+  team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+  const Vec3 fall(gravity_m_s2 * step_s);
+  team.forEach(sums_.size(),
+               [&](std::size_t block) { moveNodes(block, fall, static_cast<float>(step_s), sums_[block]); });
+  SoftSums all;
+  for (const SoftSums& sums : sums_) {
+    all.momentum += sums.momentum;
+    all.kinetic_J += sums.kinetic_J;
+    all.gravityImpulse += sums.gravityImpulse;
+    all.pinImpulse += sums.pinImpulse;
+  }
+  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, least);
+  return all;
+}
+
+std::vector<DVec3> SoftBody::forces(WorkerTeam& team) {
+  team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+  std::vector<DVec3> forces;
+  for (std::size_t i = 0; i < size(); ++i) forces.emplace_back(forceOn(i));
+  return forces;
+}
+
+void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team) {
+  // A central difference over strains of about a thousandth, which single precision resolves.
+  constexpr double kStrain = 1e-3;
+  double most = 0;
+  for (const DVec3& change : changes) most = std::max(most, glm::length(change));
+  forces.assign(size(), DVec3(0));
+  if (!(most > 0)) return;
+  const double scale = kStrain * lattice_.spacing_m() / most;
+  const std::vector<Vec3> now = moved_;
+  for (const double sign : {1.0, -1.0}) {
+    for (std::size_t i = 0; i < size(); ++i)
+      if (!isPinned(i)) moved_[i] = DVec3(now[i]) + sign * scale * changes[i];
+    const std::vector<DVec3> pushed = this->forces(team);
+    for (std::size_t i = 0; i < size(); ++i)
+      if (!isPinned(i)) forces[i] -= sign / (2 * scale) * pushed[i];
+  }
+  moved_ = now;
+}
+
+// In double precision: energies at rest and strained are almost the same.
+double SoftBody::strainEnergy_J() const {
+  const auto rules = rulesIn<double>(rules_);
+  const double atRest = shared::softEnergy(rules, glm::dmat3(1)), cube = std::pow(lattice_.spacing_m(), 3);
+  double energy = 0;
+  for (std::size_t c = 0; c < lattice_.cells(); ++c) {
+    shared::CornersOf<double> modes;
+    for (std::size_t k = 0; k < 8; ++k) modes.at[k] = DVec3(moved_[lattice_.corners()[c][k]]);
+    shared::takeModes(modes);
+    const auto square = [&](int mode) { return glm::dot(modes.at[mode], modes.at[mode]); };
+    const double beyond = (rules.bend * (square(3) + square(5) + square(6)) + rules.twist * square(7)) / 2;
+    const double strained = shared::softEnergy(rules, shared::gradientOf(rules, modes) + glm::dmat3(1)) + beyond;
+    energy += cube * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
+  }
+  return energy;
+}
+
+void SoftBody::gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const {
+  gradients.resize(size());
+  team.forEach(sums_.size(), [&](std::size_t block) {
+    const std::size_t begin = block * kNodesOfBlock, end = std::min(begin + kNodesOfBlock, size());
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::mat3 sum(0);
+      float weight = 0;
+      for (const std::uint32_t slot : incident_[i]) {
+        const std::size_t cell = slot / 8;
+        if (cell == lattice_.cells()) continue;
+        shared::Corners modes = atCorners(cell, moved_);
+        shared::takeModes(modes);
+        sum += lattice_.filled()[cell] * shared::gradientOf(rules_, modes);
+        weight += lattice_.filled()[cell];
+      }
+      gradients[i] = sum / weight;
+    }
+  });
+}
+
+}  // namespace palpate

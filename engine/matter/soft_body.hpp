@@ -1,0 +1,92 @@
+// The motion of a soft body: what cells do to their nodes, and where the nodes go.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/core/worker_team.hpp"
+#include "engine/matter/lanes.hpp"
+#include "engine/matter/soft_lattice.hpp"
+#include "engine/matter/soft_rules.hpp"
+
+namespace palpate {
+
+/// A box of places, m.
+struct PlaceBox {
+  DVec3 low{0}, high{0};
+
+  bool holds(const DVec3& place) const {
+    return glm::all(glm::lessThanEqual(low, place)) && glm::all(glm::lessThanEqual(place, high));
+  }
+};
+
+/// What a body has come to in a substep.
+struct SoftSums {
+  DVec3 momentum{0};  ///< kg m/s
+  double kinetic_J = 0;
+  DVec3 gravityImpulse{0};  ///< on the nodes that are free, kg m/s
+  DVec3 pinImpulse{0};      ///< of the body on what holds its pinned nodes, kg m/s
+  float leastVolume = 1;    ///< of all cells: the least share of its volume that one has
+};
+
+/// Each array has one entry a node. All passes are gathers: the same bytes for any number of threads.
+class SoftBody {
+ public:
+  /// The lattice must outlive the body. Nodes at rest within a box of `pinned` never move.
+  SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned);
+
+  const SoftLattice& lattice() const { return lattice_; }
+  std::size_t size() const { return moved_.size(); }
+  /// Puts every node to rest where it began.
+  void reset();
+
+  std::span<const Vec3> displacements() const { return moved_; }  ///< from rest, m
+  std::span<const Vec3> velocities() const { return velocities_; }
+  /// For what begins or goes on with another motion; those of pinned nodes must stay 0.
+  std::span<Vec3> displacements() { return moved_; }
+  std::span<Vec3> velocities() { return velocities_; }
+  /// Mass of each node, kg.
+  std::span<const float> masses() const { return masses_; }
+  bool isPinned(std::size_t node) const { return pinned_[node] != 0; }
+  double mass_kg() const { return mass_kg_; }
+
+  /// What else acts on each node in the next substep, which forgets it, N.
+  std::span<Vec3> loads() { return loads_; }
+  /// Symplectic Euler.
+  SoftSums substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team);
+
+  /// What the cells do to each node as it is, N.
+  std::vector<DVec3> forces(WorkerTeam& team);
+  /// What changes of the displacements (one a node, m) take away from those forces, as the body is now strained, N:
+  /// those times its stiffness. Those of pinned nodes are taken for 0, and get none.
+  void stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>& forces, WorkerTeam& team);
+  /// Of the strains, more than at rest, J.
+  double strainEnergy_J() const;
+  /// Deformation gradients less 1: of the cells about a node, by what they hold. A rotation and a stretch are exact.
+  /// `gradients`: one a node.
+  void gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const;
+
+ private:
+  using Incident = std::array<std::uint32_t, 8>;  // of a node: 8 times the cell, and which corner of it the node is
+  using LanesOfCorners = shared::CornersOf<Lanes>;
+
+  void pushCells(std::size_t block);
+  void moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums);
+  Vec3 forceOn(std::size_t node) const;
+  shared::Corners atCorners(std::size_t cell, std::span<const Vec3> values) const;
+  LanesOfCorners atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const;
+
+  const SoftLattice& lattice_;
+  shared::SoftRules rules_;
+  double mass_kg_;
+  std::vector<float> masses_;
+  std::vector<char> pinned_;
+  std::vector<Incident> incident_;
+  std::vector<Vec3> moved_, velocities_, loads_;
+  std::vector<Lanes> filled_;                 // of each group of Lanes::kCount cells
+  std::vector<LanesOfCorners> cornerForces_;  // of each group, and of one more cell, which is none
+  std::vector<float> leastVolumes_;           // of each block of cells
+  std::vector<SoftSums> sums_;                // of each block of nodes
+};
+
+}  // namespace palpate

@@ -1,0 +1,155 @@
+#include "engine/matter/soft_contact.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kPlacesOfBlock = 256;  // that one thread works on at a time
+
+}  // namespace
+
+template <class Visit>
+void SoftContact::forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const {
+  const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
+  for (int k = 0; k < 8; ++k) visit(nodes[static_cast<std::size_t>(k)], shared::cornerShare(place.at.share, k));
+}
+
+template <class Visit>
+void SoftContact::forEachWallIn(const Moved& moved, Visit&& visit) const {
+  for (int axis = 0; axis < 3; ++axis) {
+    const float low = -moved.place[axis], high = moved.place[axis] - static_cast<float>(config_.box_m[axis]);
+    const float depth = std::max(low, high);
+    if (depth > 0) visit(axis, low > high ? 1.0f : -1.0f, depth);
+  }
+}
+
+SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config)
+    : config_(config), reach_m_(static_cast<float>(body.lattice().spacing_m() / 2)) {
+  const SoftLattice& lattice = body.lattice();
+  std::vector<float> sharesOfNode(lattice.nodes(), 0);
+  for (const SurfacePlace& at : surface) {
+    Place& place = places_.emplace_back(Place{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
+    forEachNode(body, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
+  }
+  // As stiff as may be while all springs together have no higher frequency than that, whatever the nodes do (by
+  // Cauchy's and Schwarz's inequality, each place's share of a node against all places' shares of it).
+  const double square = config.frequency_rad_s * config.frequency_rad_s;
+  for (Place& place : places_) {
+    double perMass = 0;
+    forEachNode(body, place, [&](std::uint32_t node, float share) {
+      perMass += static_cast<double>(share * sharesOfNode[node] / body.masses()[node]);
+    });
+    place.stiffness = static_cast<float>(square / perMass);
+  }
+}
+
+SoftContact::Moved SoftContact::now(const SoftBody& body, const Place& place) const {
+  Vec3 moved(0), velocity(0);
+  forEachNode(body, place, [&](std::uint32_t node, float share) {
+    moved += share * body.displacements()[node];
+    velocity += share * body.velocities()[node];
+  });
+  return {.place = place.rest + moved, .velocity = velocity};
+}
+
+shared::SoftTouch SoftContact::touchOf(const Place& place) const {
+  return {.stiffness = place.stiffness,
+          .damping = static_cast<float>(kTouchDamping / config_.frequency_rad_s) * place.stiffness,
+          .friction = static_cast<float>(config_.friction)};
+}
+
+bool SoftContact::isNear(const SoftBody& body, const Place& place, std::span<const BodyMotion> balls,
+                         double duration_s) const {
+  const Moved moved = now(body, place);
+  const float wallReach = reach_m_ + static_cast<float>(duration_s) * glm::length(moved.velocity);
+  const Vec3 fromWall = glm::min(moved.place, Vec3(config_.box_m) - moved.place);
+  if (!(std::min({fromWall.x, fromWall.y, fromWall.z}) > wallReach)) return true;
+  return std::ranges::any_of(balls, [&](const BodyMotion& ball) {
+    const float reach = wallReach + static_cast<float>(config_.ball_m + duration_s * glm::length(ball.velocity));
+    const Vec3 offset = moved.place - Vec3(ball.place);
+    return glm::dot(offset, offset) < reach * reach;
+  });
+}
+
+void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s, WorkerTeam& team) {
+  isNear_.resize(places_.size());
+  team.forEach((places_.size() + kPlacesOfBlock - 1) / kPlacesOfBlock, [&](std::size_t block) {
+    const std::size_t end = std::min((block + 1) * kPlacesOfBlock, places_.size());
+    for (std::size_t i = block * kPlacesOfBlock; i < end; ++i)
+      isNear_[i] = isNear(body, places_[i], balls, duration_s) ? 1 : 0;
+  });
+  near_.clear();
+  for (std::uint32_t i = 0; i < places_.size(); ++i)
+    if (isNear_[i] != 0) near_.push_back(i);
+}
+
+Vec3 SoftContact::forceOfWalls(const Place& place, const Moved& moved) const {
+  Vec3 force(0);
+  forEachWallIn(moved, [&](int axis, float sign, float depth) {
+    Vec3 normal(0);
+    normal[axis] = sign;
+    force += shared::touchForce(touchOf(place), normal, depth, moved.velocity);
+  });
+  return force;
+}
+
+void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
+                        std::span<Exchange> exchanges) {
+  const auto radius = static_cast<float>(config_.ball_m);
+  for (const std::uint32_t i : near_) {
+    const Place& place = places_[i];
+    const Moved moved = now(body, place);
+    Vec3 force = forceOfWalls(place, moved);
+    wallImpulse -= step_s * DVec3(force);
+    for (std::size_t b = 0; b < balls.size(); ++b) {
+      const Vec3 offset(DVec3(moved.place) - balls[b].place);
+      const float away = glm::length(offset);
+      if (!(away < radius && away > 0)) continue;
+      const Vec3 ofBall(balls[b].velocity + glm::cross(balls[b].spin, DVec3(offset)));
+      const Vec3 part = shared::touchForce(touchOf(place), offset / away, radius - away, moved.velocity - ofBall);
+      exchanges[b].add(-step_s * DVec3(part), DVec3(offset));
+      force += part;
+    }
+    if (force == Vec3(0)) continue;
+    forEachNode(body, place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
+  }
+}
+
+std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_m, double radius_m,
+                                       const DVec3& direction) const {
+  std::vector<DVec3> forces(body.size(), DVec3(0));
+  std::vector<std::size_t> within;
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const double away = glm::length(DVec3(now(body, places_[i]).place) - place_m);
+    if (away < least) least = away, nearest = i;
+    if (away < radius_m) within.push_back(i);
+  }
+  if (within.empty()) within.push_back(nearest);
+  for (const std::size_t i : within)
+    forEachNode(body, places_[i], [&](std::uint32_t node, float share) {
+      forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
+    });
+  return forces;
+}
+
+void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> changes,
+                                   std::span<DVec3> forces) const {
+  for (const std::uint32_t i : near_) {
+    const Place& place = places_[i];
+    DVec3 change(0);
+    forEachNode(body, place,
+                [&](std::uint32_t node, float share) { change += static_cast<double>(share) * changes[node]; });
+    forEachWallIn(now(body, place), [&](int axis, float, float) {
+      forEachNode(body, place, [&](std::uint32_t node, float share) {
+        forces[node][axis] += static_cast<double>(share * place.stiffness) * change[axis];
+      });
+    });
+  }
+}
+
+}  // namespace palpate

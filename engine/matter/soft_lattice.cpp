@@ -1,0 +1,157 @@
+#include "engine/matter/soft_lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr double kMostCells = 64e6;  // of the box
+constexpr float kLeastFilled = 0.2f;
+constexpr int kFarthestCell = 8;  // from a place that is embedded
+// Along each axis, where a cell is looked at that the surface of a ball may go through.
+constexpr int kSamples = 6;
+
+IVec3 cornerOf(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 1}; }
+
+}  // namespace
+
+CellBox CellBox::about(const DVec3& low_m, const DVec3& high_m, double spacing_m) {
+  CellBox box{.corner = low_m, .spacing_m = spacing_m};
+  double count = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::max(1.0, std::ceil((high_m[k] - low_m[k]) / spacing_m - 1e-6));
+    count *= along;
+    if (!(count <= kMostCells)) throw Error("spacing_mm: makes more than {:g} cells; take a larger one", kMostCells);
+    box.cells[k] = static_cast<int>(along);
+  }
+  box.filled.assign(static_cast<std::size_t>(count), 0);
+  return box;
+}
+
+IVec3 CellBox::cellOf(std::size_t number) const {
+  const auto x = static_cast<std::size_t>(cells.x), y = static_cast<std::size_t>(cells.y);
+  return {static_cast<int>(number % x), static_cast<int>(number / x % y), static_cast<int>(number / x / y)};
+}
+
+IVec3 CellBox::cellAt(const DVec3& place_m) const { return {glm::floor((place_m - corner) / spacing_m)}; }
+
+SoftLattice::SoftLattice(CellBox box, std::span<const std::size_t> kept) : box_(std::move(box)) {
+  cellAt_.assign(box_.filled.size(), kNone);
+  for (const std::size_t number : kept) cellAt_[number] = 0;
+  const IVec3 places = box_.cells + 1;
+  const CellBox nodeBox{.cells = places};
+  std::vector<std::uint32_t> nodeAt(
+      static_cast<std::size_t>(places.x) * static_cast<std::size_t>(places.y) * static_cast<std::size_t>(places.z),
+      kNone);
+  const double cube = std::pow(box_.spacing_m, 3);
+  for (std::size_t c = 0; c < cellAt_.size(); ++c) {
+    volume_m3_ += cube * static_cast<double>(box_.filled[c]);
+    if (cellAt_[c] == kNone && !(box_.filled[c] > 0)) continue;
+    cellAt_[c] = static_cast<std::uint32_t>(filled_.size());
+    filled_.push_back(std::max(box_.filled[c], kLeastFilled));
+    for (int k = 0; k < 8; ++k) nodeAt[nodeBox.numberOf(box_.cellOf(c) + cornerOf(k))] = 0;
+  }
+  for (std::size_t n = 0; n < nodeAt.size(); ++n) {
+    if (nodeAt[n] == kNone) continue;
+    nodeAt[n] = static_cast<std::uint32_t>(rest_.size());
+    rest_.emplace_back(box_.corner + box_.spacing_m * DVec3(nodeBox.cellOf(n)));
+  }
+  for (std::size_t c = 0; c < cellAt_.size(); ++c) {
+    if (cellAt_[c] == kNone) continue;
+    Corners& corners = corners_.emplace_back();
+    for (int k = 0; k < 8; ++k)
+      corners[static_cast<std::size_t>(k)] = nodeAt[nodeBox.numberOf(box_.cellOf(c) + cornerOf(k))];
+  }
+}
+
+std::vector<double> SoftLattice::nodeShares() const {
+  double all = 0;
+  for (const float filled : filled_) all += static_cast<double>(filled);
+  std::vector<double> shares(rest_.size(), 0.0);
+  for (std::size_t c = 0; c < corners_.size(); ++c)
+    for (const std::uint32_t node : corners_[c]) shares[node] += static_cast<double>(filled_[c]) / (8 * all);
+  return shares;
+}
+
+EmbeddedPlace SoftLattice::embed(const DVec3& place_m) const {
+  // Half-open cells would leave the upper faces of a body to cells that are empty: the nearest cell is as good.
+  const DVec3 along = (place_m - box_.corner) / box_.spacing_m;
+  const IVec3 home(glm::floor(along));
+  EmbeddedPlace found;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int far = 0; far <= kFarthestCell && nearest > far - 1; ++far)
+    for (int z = -far; z <= far; ++z)
+      for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
+          if (std::max({std::abs(x), std::abs(y), std::abs(z)}) != far) continue;
+          const IVec3 cell = home + IVec3(x, y, z);
+          if (!box_.holds(cell) || cellAt_[box_.numberOf(cell)] == kNone) continue;
+          const DVec3 share = along - DVec3(cell);
+          const double away = glm::length(share - glm::clamp(share, DVec3(0), DVec3(1)));
+          if (!(away < nearest)) continue;
+          nearest = away;
+          found = {.cell = cellAt_[box_.numberOf(cell)], .share = Vec3(share)};
+        }
+  PALPATE_CHECK(nearest < kFarthestCell);
+  return found;
+}
+
+SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
+  const DVec3 sides = glm::max(glm::round(size_m / spacing_m), DVec3(1));
+  CellBox box = CellBox::about(low_m, low_m + sides * spacing_m, spacing_m);
+  box.filled.assign(box.filled.size(), 1);
+  SoftSolid solid{.lattice = SoftLattice(box), .surface = {}};
+  // Four for each face of a cell.
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+    for (int a = 0; a < 2 * box.cells[first]; ++a)
+      for (int b = 0; b < 2 * box.cells[second]; ++b)
+        for (const int side : {0, box.cells[axis]}) {
+          DVec3 place;
+          place[axis] = side;
+          place[first] = (a + 0.5) / 2;
+          place[second] = (b + 0.5) / 2;
+          DVec3 normal(0);
+          normal[axis] = side == 0 ? -1 : 1;
+          solid.surface.push_back({.rest = box.corner + spacing_m * place, .normal = normal});
+        }
+  }
+  return solid;
+}
+
+SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
+  CellBox box = CellBox::about(middle_m - radius_m, middle_m + radius_m, spacing_m);
+  box.corner = middle_m - 0.5 * spacing_m * DVec3(box.cells);
+  for (std::size_t c = 0; c < box.filled.size(); ++c) {
+    const DVec3 low = box.corner + spacing_m * DVec3(box.cellOf(c)) - middle_m;
+    int inside = 0;
+    for (int k = 0; k < kSamples * kSamples * kSamples; ++k) {
+      const DVec3 sample(k % kSamples + 0.5, k / kSamples % kSamples + 0.5, k / kSamples / kSamples + 0.5);
+      inside += glm::length(low + spacing_m / kSamples * sample) < radius_m ? 1 : 0;
+    }
+    box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
+  }
+  // Points of equal area along a spiral by the golden angle (Vogel 1979).
+  const double turn = kPi * (3 - std::sqrt(5.0));
+  const auto count = static_cast<int>(std::ceil(16 * kPi * radius_m * radius_m / (spacing_m * spacing_m)));
+  std::vector<SurfacePlace> surface;
+  std::vector<std::size_t> kept;
+  for (int k = 0; k < count; ++k) {
+    const double y = 1 - (2 * k + 1.0) / count, across = std::sqrt(1 - y * y);
+    const DVec3 normal(across * std::cos(turn * k), y, across * std::sin(turn * k));
+    const DVec3 place = middle_m + radius_m * normal;
+    surface.push_back({.rest = place, .normal = normal});
+    kept.push_back(box.numberOf(glm::clamp(box.cellAt(place), IVec3(0), box.cells - 1)));
+  }
+  return {.lattice = SoftLattice(std::move(box), kept), .surface = std::move(surface)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,220 @@
+#include "engine/matter/soft_scan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "engine/cloud/normals.hpp"
+#include "engine/cloud/point_tree.hpp"
+#include "engine/core/error.hpp"
+#include "engine/matter/soft_scene.hpp"
+#include "engine/matter/winding_number.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kLeastPoints = 100;
+constexpr std::size_t kNeighbours = 8;  // by whose distance a point has its area
+constexpr double kInside = 0.5;         // winding number from which on a place is inside
+constexpr int kSamples = 4;             // along each axis of a cell that the surface may go through
+constexpr double kWidestHole_spacings = 3;
+constexpr double kWidestHole_points = 3;  // in spacings of the points
+constexpr std::size_t kOfBlock = 256;     // points or cells that one thread works on at a time
+
+template <class Each>
+void forEachOf(std::size_t count, WorkerTeam& team, Each&& each) {
+  team.forEach((count + kOfBlock - 1) / kOfBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kOfBlock; i < std::min((block + 1) * kOfBlock, count); ++i) each(i);
+  });
+}
+
+std::vector<OrientedArea> areasOf(std::span<const SurfacePlace> points, const PointTree& tree, WorkerTeam& team) {
+  std::vector<OrientedArea> areas(points.size());
+  forEachOf(points.size(), team, [&](std::size_t i) {
+    std::array<std::uint32_t, kNeighbours + 1> near;
+    std::array<double, kNeighbours + 1> distances2;
+    const std::size_t found = tree.nearest(points[i].rest, near, distances2);
+    // Half of the farthest neighbour is within the circle through it.
+    const double area = kPi * distances2[found - 1] / (static_cast<double>(found) - 0.5);
+    areas[i] = {.place = points[i].rest, .normal = points[i].normal, .area = static_cast<float>(area)};
+  });
+  return areas;
+}
+
+// What is looked at while a scan is filled.
+struct Filling {
+  std::span<const SurfacePlace> points;
+  const PointTree& tree;
+  const WindingNumber& winding;
+  double widestHole_m;
+  WorkerTeam& team;
+  CellBox box;
+  std::vector<float> windings;    // in the middle of each cell
+  std::vector<std::size_t> kept;  // cells with points, ascending
+
+  DVec3 middleOf(const IVec3& cell) const { return box.corner + box.spacing_m * (DVec3(cell) + 0.5); }
+  bool isInside(const IVec3& cell) const {
+    return box.holds(cell) && windings[box.numberOf(cell)] > static_cast<float>(kInside);
+  }
+};
+
+// The box with a layer of cells around all points.
+CellBox boxAbout(std::span<const SurfacePlace> points, double spacing_m) {
+  DVec3 low(points[0].rest), high = low;
+  for (const SurfacePlace& point : points) {
+    low = glm::min(low, DVec3(point.rest));
+    high = glm::max(high, DVec3(point.rest));
+  }
+  return CellBox::about(low - 1.01 * spacing_m, high + 1.01 * spacing_m, spacing_m);
+}
+
+void wind(Filling& filling) {
+  filling.windings.resize(filling.box.filled.size());
+  forEachOf(filling.windings.size(), filling.team, [&](std::size_t c) {
+    filling.windings[c] = static_cast<float>(filling.winding.at(filling.middleOf(filling.box.cellOf(c))));
+  });
+  for (const SurfacePlace& point : filling.points)
+    filling.kept.push_back(filling.box.numberOf(filling.box.cellAt(DVec3(point.rest))));
+  std::ranges::sort(filling.kept);
+  const auto same = std::ranges::unique(filling.kept);
+  filling.kept.erase(same.begin(), same.end());
+}
+
+void requireInside(const Filling& filling) {
+  const auto [least, most] = std::ranges::minmax(filling.windings);
+  if (static_cast<double>(most) > kInside) return;
+  if (static_cast<double>(least) < -kInside) throw Error("model: its normals point inwards; turn them round");
+  throw Error("model: encloses nothing that is {:g} mm wide; a soft body needs a closed surface",
+              filling.box.spacing_m * 1e3);
+}
+
+// Between cells inside and outside there is the surface, or the film over a hole: then points are far, and the farthest
+// place is the middle of the hole.
+void requireClosed(const Filling& filling) {
+  const CellBox& box = filling.box;
+  std::vector<double> widths(box.filled.size(), 0.0);
+  std::vector<DVec3> places(box.filled.size());
+  forEachOf(widths.size(), filling.team, [&](std::size_t c) {
+    const IVec3 cell = box.cellOf(c);
+    if (!filling.isInside(cell)) return;
+    for (int side = 0; side < 6; ++side) {
+      IVec3 beside(0);
+      beside[side / 2] = side % 2 == 0 ? -1 : 1;
+      if (filling.isInside(cell + beside)) continue;
+      const DVec3 face = filling.middleOf(cell) + 0.5 * box.spacing_m * DVec3(beside);
+      std::uint32_t nearest = 0;
+      double distance2 = 0;
+      filling.tree.nearest(Vec3(face), {&nearest, 1}, {&distance2, 1});
+      if (const double width = 2 * std::sqrt(distance2); width > widths[c]) widths[c] = width, places[c] = face;
+    }
+  });
+  const auto widest = static_cast<std::size_t>(std::ranges::max_element(widths) - widths.begin());
+  if (widths[widest] <= filling.widestHole_m) return;
+  const DVec3 place = places[widest] * 1e3;
+  throw Error(
+      "model: is not closed: there is a hole about {:.1f} mm wide at {:.1f}, {:.1f}, {:.1f} mm of the box; a soft body "
+      "needs a surface all around; at this spacing and hole_mm, holes of up to {:.1f} mm are closed",
+      widths[widest] * 1e3, place.x, place.y, place.z, filling.widestHole_m * 1e3);
+}
+
+// Cells that the surface may go through: those with points and all around them.
+std::vector<char> cutCells(const Filling& filling) {
+  std::vector<char> cut(filling.box.filled.size(), 0);
+  for (const std::size_t c : filling.kept)
+    for (int k = 0; k < 27; ++k) {
+      const IVec3 cell = filling.box.cellOf(c) + IVec3(k % 3, k / 3 % 3, k / 9) - 1;
+      if (filling.box.holds(cell)) cut[filling.box.numberOf(cell)] = 1;
+    }
+  return cut;
+}
+
+void fill(Filling& filling) {
+  CellBox& box = filling.box;
+  const std::vector<char> cut = cutCells(filling);
+  forEachOf(box.filled.size(), filling.team, [&](std::size_t c) {
+    const IVec3 cell = box.cellOf(c);
+    if (cut[c] == 0) {
+      box.filled[c] = filling.isInside(cell) ? 1.0f : 0.0f;
+      return;
+    }
+    int inside = 0;
+    for (int k = 0; k < kSamples * kSamples * kSamples; ++k) {
+      const DVec3 sample = DVec3(k % kSamples, k / kSamples % kSamples, k / kSamples / kSamples) + 0.5;
+      inside += filling.winding.at(box.corner + box.spacing_m * (DVec3(cell) + sample / double(kSamples))) > kInside;
+    }
+    box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
+  });
+}
+
+// One place in each cube of half a spacing: the mean of its points.
+std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const CellBox& box) {
+  const CellBox cubes{.corner = box.corner, .spacing_m = box.spacing_m / 2, .cells = 2 * box.cells};
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    order.emplace_back(cubes.numberOf(cubes.cellAt(DVec3(points[i].rest))), i);
+  std::ranges::sort(order);
+  std::vector<SurfacePlace> thin;
+  for (std::size_t k = 0; k < order.size();) {
+    DVec3 place(0), normal(0);
+    const std::size_t begin = k;
+    for (; k < order.size() && order[k].first == order[begin].first; ++k) {
+      place += DVec3(points[order[k].second].rest);
+      normal += DVec3(points[order[k].second].normal);
+    }
+    const double length = glm::length(normal);
+    thin.push_back({.rest = place / static_cast<double>(k - begin),
+                    .normal = length > 0 ? Vec3(normal / length) : points[order[begin].second].normal});
+  }
+  return thin;
+}
+
+}  // namespace
+
+std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads) {
+  if (cloud.size() < kLeastPoints)
+    throw Error("model: has {} points; a soft body needs a surface of at least {}", cloud.size(), kLeastPoints);
+  if (!cloud.hasNormals()) estimateNormals(cloud, 16, threads);
+  const Bounds bounds = boundsOf(cloud);
+  const auto [low, high] = standOf(scene);
+  const DVec3 sides = glm::max(bounds.max - bounds.min, DVec3(1e-30));
+  const DVec3 scales = (high - low) / sides;
+  const double scale = std::min({scales.x, scales.y, scales.z});
+  if (!(bounds.longestSide() > 0) || !std::isfinite(scale)) throw Error("model: all of its points are in one place");
+  const DVec3 spare = (high - low) - scale * sides;
+  const DVec3 corner = low + DVec3(spare.x / 2, 0, spare.z / 2);
+  std::vector<SurfacePlace> points;
+  points.reserve(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i)
+    points.push_back({.rest = corner + scale * (DVec3(cloud.positions[i]) - bounds.min), .normal = cloud.normals[i]});
+  return points;
+}
+
+SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team) {
+  std::vector<Vec3> places;
+  for (const SurfacePlace& point : points) places.push_back(point.rest);
+  const PointTree tree(places);
+  std::vector<OrientedArea> areas = areasOf(points, tree, team);
+  const double area = std::transform_reduce(areas.begin(), areas.end(), 0.0, std::plus<>(),
+                                            [](const OrientedArea& point) { return static_cast<double>(point.area); });
+  const double byItself =
+      kWidestHole_spacings * spacing_m + kWidestHole_points * std::sqrt(area / static_cast<double>(points.size()));
+  const WindingNumber winding(std::move(areas));
+  Filling filling{.points = points,
+                  .tree = tree,
+                  .winding = winding,
+                  .widestHole_m = widestHole_m > 0 ? widestHole_m : byItself,
+                  .team = team,
+                  .box = boxAbout(points, spacing_m),
+                  .windings = {},
+                  .kept = {}};
+  wind(filling);
+  requireInside(filling);
+  requireClosed(filling);
+  fill(filling);
+  std::vector<SurfacePlace> surface = thinned(points, filling.box);
+  return {.lattice = SoftLattice(std::move(filling.box), filling.kept), .surface = std::move(surface)};
+}
+
+}  // namespace palpate

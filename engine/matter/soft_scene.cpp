@@ -1,0 +1,94 @@
+#include "engine/matter/soft_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/error.hpp"
+#include "engine/matter/matter_bounds.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kBytesOfNode = 400;    // with its cell
+constexpr double kBytesOfCell = 60;     // of the box about the body, while it is filled
+constexpr double kMostNodes = 1 << 27;  // as corners of cells are numbered
+
+void requireMaterial(const MatterScene& scene) {
+  requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
+  requireBetween("poisson", scene.poisson, 0, 0.49);
+}
+
+void requireShape(const MatterScene& scene) {
+  requireBetween("fill_mm", scene.fill_mm, scene.spacing_mm, scene.box_mm);
+  requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
+  if (!scene.model.empty() && scene.shape != SoftShape::box) throw Error("shape: belongs to no scene with a model");
+  if (scene.shape == SoftShape::ball &&
+      !(std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}) >= 2 * scene.spacing_mm))
+    throw Error("fill_mm: is {:g} on its shortest side; a ball is at least two spacings wide",
+                std::min({scene.fill_mm.x, scene.fill_mm.y, scene.fill_mm.z}));
+  if (!scene.pinned_mm) return;
+  const auto& [low, high] = *scene.pinned_mm;
+  for (int k = 0; k < 3; ++k)
+    if (!(low[k] <= high[k]))
+      throw Error("pinned_mm: begins at {} along {}, and ends at {}", low[k], "xyz"[k], high[k]);
+}
+
+// The most mass of nodes that the ball may touch, over its own: half of it, to the middle of the first cells.
+double touchedShare(const MatterScene& scene) {
+  if (scene.tool.radius_mm == 0) return 0;
+  const double radius = scene.tool.radius_mm * 1e-3;
+  return 3.14159265358979 * radius * radius * scene.spacing_mm * 1e-3 * scene.density_kg_m3 / scene.tool.mass_kg;
+}
+
+}  // namespace
+
+SoftMaterial materialOf(const MatterScene& scene) {
+  return {.young_Pa = scene.young_Pa,
+          .poisson = scene.poisson,
+          .density_kg_m3 = scene.density_kg_m3,
+          .viscosity_Pa_s = scene.viscosity_Pa_s};
+}
+
+MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
+  requireMaterial(scene);
+  requireShape(scene);
+  MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
+  double cells = 1, nodes = 1;
+  for (int k = 0; k < 3; ++k) {
+    const double along = std::max(1.0, std::round(scene.fill_mm[k] / scene.spacing_mm));
+    plan.lattice[k] = static_cast<std::uint32_t>(std::min(along, 4e9));
+    cells *= along;
+    nodes *= along + 1;
+  }
+  plan.particles = static_cast<std::uint64_t>(std::min(nodes, 1e18));
+  plan.bytes = static_cast<std::uint64_t>(std::min(nodes * kBytesOfNode + cells * kBytesOfCell, 1e18));
+  if (plan.bytes > memory_bytes || nodes > kMostNodes)
+    throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; take a larger one", plan.particles,
+                plan.bytes >> 20, memory_bytes >> 20);
+  const SoftMaterial material = materialOf(scene);
+  const double needed = std::ceil(kMatterStep_s / longestSubstep(material, plan.spacing_m, touchedShare(scene)) - 1e-9);
+  requireSubsteps(scene, needed, "a softer body or less viscosity");
+  plan.substeps = scene.substeps != 0 ? scene.substeps : static_cast<std::uint32_t>(needed);
+  plan.substep_s = kMatterStep_s / plan.substeps;
+  plan.mass_kg = scene.density_kg_m3 * std::pow(plan.spacing_m, 3);
+  plan.speedOfSound_m_s = std::sqrt((material.bulk_Pa() + 4.0 / 3 * material.shear_Pa()) / material.density_kg_m3);
+  return plan;
+}
+
+PlaceBox standOf(const MatterScene& scene) {
+  const DVec3 spare = scene.box_mm - scene.fill_mm;
+  const DVec3 low = DVec3(spare.x / 2, 0, spare.z / 2) * 1e-3;
+  return {.low = low, .high = low + scene.fill_mm * 1e-3};
+}
+
+SoftSolid solidOf(const MatterScene& scene) {
+  const auto [low, high] = standOf(scene);
+  const DVec3 size = high - low;
+  const double spacing = scene.spacing_mm * 1e-3;
+  if (scene.shape == SoftShape::box) return boxSolid(low, size, spacing);
+  const double radius = std::min({size.x, size.y, size.z}) / 2;
+  return ballSolid({low.x + size.x / 2, radius, low.z + size.z / 2}, radius, spacing);
+}
+
+}  // namespace palpate

@@ -1,0 +1,164 @@
+#include "engine/matter/soft_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/check.hpp"
+#include "engine/matter/soft_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::vector<PlaceBox> pinsOf(const MatterScene& scene) {
+  if (!scene.pinned_mm) return {};
+  const double slack_m = 1e-6 * scene.spacing_mm;
+  return {{.low = (*scene.pinned_mm)[0] * 1e-3 - slack_m, .high = (*scene.pinned_mm)[1] * 1e-3 + slack_m}};
+}
+
+// Nothing is filled before the scene is known to be one.
+SoftSolid plannedSolid(const MatterScene& scene, const MatterOptions& options) {
+  planOf(scene, options.memory_bytes);
+  return solidOf(scene);
+}
+
+SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
+  return {.box_m = scene.box_mm * 1e-3,
+          .ball_m = scene.tool.radius_mm * 1e-3,
+          .frequency_rad_s = touchFrequency(materialOf(scene), plan.spacing_m),
+          .friction = scene.friction};
+}
+
+std::vector<Vec3> restOf(const SoftSolid& solid) { return {solid.lattice.rest().begin(), solid.lattice.rest().end()}; }
+
+// What a body that nothing holds is held by where it is asked how it gives way: one round in 1.6 s.
+constexpr double kHold_1_s2 = 16;
+
+double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += glm::dot(a[i], b[i]);
+  return sum;
+}
+
+}  // namespace
+
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
+    : SoftWorld(scene, options, plannedSolid(scene, options), {}) {}
+
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
+                     std::span<const SurfacePlace> points)
+    : SoftWorld(scene, options, std::make_unique<const SoftSolid>(std::move(solid)), points) {}
+
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::unique_ptr<const SoftSolid> solid,
+                     std::span<const SurfacePlace> points)
+    : MatterSimulation(scene, options, restOf(*solid)),
+      team_(options.threads),
+      solid_(std::move(solid)),
+      body_(solid_->lattice, materialOf(scene), pinsOf(scene)),
+      contact_(body_, solid_->surface, contactOf(scene, plan())),
+      embedding_(solid_->lattice, points.empty() ? std::span<const SurfacePlace>(solid_->surface) : points),
+      tools_(options.tools, ToolBody(toolSpring(scene.tool, plan().substep_s))) {
+  PALPATE_CHECK(scene.matter == Matter::soft);
+  reset();
+}
+
+void SoftWorld::placeTools(std::span<const HandPose> hands) {
+  for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
+}
+
+MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
+  StepReport report{.totals = totals()};
+  std::vector<BodyMotion> balls;
+  for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
+  contact_.list(body_, balls, kMatterStep_s, team_);
+  std::vector<HandPose> hands(tools_.size());
+  for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
+    for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], (s + 1.0) / plan().substeps);
+    substep(hands, report);
+  }
+  for (ToolBody& tool : tools_) report.tools.push_back(tool.takeReport());
+  return report;
+}
+
+void SoftWorld::substep(std::span<const HandPose> hands, StepReport& report) {
+  std::vector<BodyMotion> balls;
+  for (std::size_t k = 0; k < tools_.size(); ++k) {
+    tools_[k].predict(hands[k]);
+    balls.push_back(tools_[k].motion());
+  }
+  std::vector<Exchange> exchanges(tools_.size());
+  contact_.press(body_, balls, plan().substep_s, report.onWalls, exchanges);
+  const SoftSums sums = body_.substep(scene().gravity_m_s2, plan().substep_s, team_);
+  report.gravity += sums.gravityImpulse;
+  report.onWalls += sums.pinImpulse;
+  report.totals = {.kinetic_J = sums.kinetic_J,
+                   .momentum = sums.momentum,
+                   .maxCompression = 1 - static_cast<double>(sums.leastVolume)};
+  for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].react(exchanges[k]);
+  if (!isSane(sums.kinetic_J)) report.state = MatterState::diverged;
+}
+
+// As a whole it may move with its sound, and with what it has from falling through the box.
+bool SoftWorld::isSane(double kinetic_J) const {
+  const double fall_m2_s2 = 2 * glm::length(scene().gravity_m_s2) * glm::length(scene().box_mm) * 1e-3;
+  const double most_J = body_.mass_kg() * (plan().speedOfSound_m_s * plan().speedOfSound_m_s + fall_m2_s2);
+  return kinetic_J <= most_J;
+}
+
+std::vector<Vec3> SoftWorld::positionsById() const {
+  std::vector<Vec3> places(body_.size());
+  for (std::size_t i = 0; i < places.size(); ++i) places[i] = body_.lattice().rest()[i] + body_.displacements()[i];
+  return places;
+}
+
+std::vector<Vec3> SoftWorld::velocitiesById() const {
+  return {body_.velocities().begin(), body_.velocities().end()};
+}
+
+void SoftWorld::setVelocities(std::span<const Vec3> byId) { std::ranges::copy(byId, body_.velocities().begin()); }
+
+MatterObservation SoftWorld::observe() const {
+  MatterObservation seen{totals()};
+  seen.time_s = time_s();
+  seen.particles = body_.size();
+  for (std::size_t i = 0; i < body_.size(); ++i) {
+    const DVec3 place = DVec3(body_.lattice().rest()[i]) + DVec3(body_.displacements()[i]);
+    seen.potential_J -= static_cast<double>(body_.masses()[i]) * glm::dot(scene().gravity_m_s2, place);
+    seen.front_m = std::max(seen.front_m, place.x);
+  }
+  return seen;
+}
+
+double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) {
+  constexpr int kMostRounds = 300;
+  constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
+  std::vector<DVec3> residual = contact_.spread(body_, place_m, radius_m, direction);
+  for (std::size_t i = 0; i < residual.size(); ++i)
+    if (body_.isPinned(i)) residual[i] = DVec3(0);
+  const std::vector<DVec3> load = residual;
+  std::vector<DVec3> moved(residual.size(), DVec3(0)), way = residual, force;
+  const double begin = dotOf(residual, residual);
+  double left = begin;
+  for (int k = 0; k < kMostRounds && left > kLeft * kLeft * begin; ++k) {
+    body_.stiffnessTimes(way, force, team_);
+    contact_.addWallStiffness(body_, way, force);
+    for (std::size_t i = 0; i < way.size(); ++i)
+      force[i] = body_.isPinned(i) ? DVec3(0) : force[i] + kHold_1_s2 * static_cast<double>(body_.masses()[i]) * way[i];
+    const double far = left / dotOf(way, force);
+    for (std::size_t i = 0; i < way.size(); ++i) {
+      moved[i] += far * way[i];
+      residual[i] -= far * force[i];
+    }
+    const double before = left;
+    left = dotOf(residual, residual);
+    for (std::size_t i = 0; i < way.size(); ++i) way[i] = residual[i] + left / before * way[i];
+  }
+  return dotOf(load, moved);
+}
+
+void SoftWorld::makeFrame(CloudFrame& frame) {
+  embedding_.carry(body_, frame, team_);
+  frame.time_s = time_s();
+}
+
+}  // namespace palpate

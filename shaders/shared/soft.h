@@ -1,0 +1,174 @@
+// What a cell of a soft body does to its eight nodes: total-Lagrangian elasticity on a lattice that is fixed at rest,
+// so that nobody looks for neighbours. A cell takes one deformation gradient, in its middle (one-point hexahedron), and
+// the energy of what that does not see, the four modes in which a cell bends and twists, is the one that bending has by
+// Young's modulus (physical hourglass control; Flanagan, Belytschko 1981; Belytschko, Bindeman 1993), so that a beam is
+// as stiff as it should be however few cells are in it. The material is stable neo-Hookean (Smith, de Goes, Kim 2018,
+// "Stable neo-Hookean flesh simulation"), which follows Hooke's law in the small, has no stress from a rotation however
+// large, and stays finite where a cell is crushed or turned inside out: what corotation is for, without a polar
+// decomposition. Displacements are from rest, so that single precision resolves strains and not places. Who walks over
+// cells and nodes: engine/matter/soft_body.cpp. Lengths are m, times s, stresses Pa.
+//
+// Nodes of a cell are numbered by bits: x is 1, y is 2, z is 4, and a bit that is set stands for the far corner. Modes
+// are numbered alike: mode k is the product of the axes' signs whose bits are in k. 0 is the sum of all, 1, 2 and 4 are
+// the differences along the axes, 3, 5, 6 and 7 are what bends and twists.
+#ifndef PALPATE_SHARED_SOFT_H
+#define PALPATE_SHARED_SOFT_H
+#include "shaders/shared/real.h"
+
+PALPATE_SHARED_BEGIN
+
+// A value at each corner of a cell, or of each mode.
+PALPATE_STRUCT(Corners) { PALPATE_VEC3 at[8]; };
+PALPATE_SINGLE(Corners);
+
+// What is the same for all cells of a body.
+PALPATE_STRUCT(SoftRules) {
+  Real shear;       // of the energy, Pa
+  Real bulk;        // of the energy, Pa
+  Real restVolume;  // the share of its volume at which the volume's part alone would rest
+  Real viscosity;   // Pa s
+  Real bend;        // stiffness of a mode of two axes for each m^3 of the cell, Pa / m^2
+  Real twist;       // of the mode of three axes
+  Real bendDrag;    // damping of both for each m^3, Pa s / m^2
+  Real perEdges;    // 1 / (4 spacing): gradient for a mode of one axis, 1 / m
+};
+PALPATE_SINGLE(SoftRules);
+
+// Of two values the sum, and what the high one has more.
+PALPATE_FORMULA void takePair(PALPATE_INOUT(PALPATE_VEC3) low, PALPATE_INOUT(PALPATE_VEC3) high) {
+  const PALPATE_VEC3 first = low;
+  low = high + first;
+  high = high - first;
+}
+
+// Of a mean and a difference what the two sides have.
+PALPATE_FORMULA void givePair(PALPATE_INOUT(PALPATE_VEC3) mean, PALPATE_INOUT(PALPATE_VEC3) difference) {
+  const PALPATE_VEC3 middle = mean;
+  mean = middle - difference;
+  difference = middle + difference;
+}
+
+// From the values at corners to their modes: axis by axis, as a Walsh-Hadamard transform goes. Written out, so that
+// every value has a register.
+PALPATE_FORMULA void takeModes(PALPATE_INOUT(PALPATE_OF(Corners)) values) {
+  takePair(values.at[0], values.at[1]);
+  takePair(values.at[2], values.at[3]);
+  takePair(values.at[4], values.at[5]);
+  takePair(values.at[6], values.at[7]);
+  takePair(values.at[0], values.at[2]);
+  takePair(values.at[1], values.at[3]);
+  takePair(values.at[4], values.at[6]);
+  takePair(values.at[5], values.at[7]);
+  takePair(values.at[0], values.at[4]);
+  takePair(values.at[1], values.at[5]);
+  takePair(values.at[2], values.at[6]);
+  takePair(values.at[3], values.at[7]);
+}
+
+// From modes to what each corner has of them all.
+PALPATE_FORMULA void giveModes(PALPATE_INOUT(PALPATE_OF(Corners)) modes) {
+  givePair(modes.at[0], modes.at[1]);
+  givePair(modes.at[2], modes.at[3]);
+  givePair(modes.at[4], modes.at[5]);
+  givePair(modes.at[6], modes.at[7]);
+  givePair(modes.at[0], modes.at[2]);
+  givePair(modes.at[1], modes.at[3]);
+  givePair(modes.at[4], modes.at[6]);
+  givePair(modes.at[5], modes.at[7]);
+  givePair(modes.at[0], modes.at[4]);
+  givePair(modes.at[1], modes.at[5]);
+  givePair(modes.at[2], modes.at[6]);
+  givePair(modes.at[3], modes.at[7]);
+}
+
+// Change of displacements over the middle of a cell; with 1 on its diagonal it is the deformation gradient F.
+PALPATE_FORMULA PALPATE_MAT3 gradientOf(PALPATE_OF(SoftRules) rules, PALPATE_OF(Corners) modes) {
+  return PALPATE_MAT3(rules.perEdges * modes.at[1], rules.perEdges * modes.at[2], rules.perEdges * modes.at[4]);
+}
+
+// Share of its volume that a cell has.
+PALPATE_FORMULA Real volumeShare(PALPATE_MAT3 f) { return dot(f[0], cross(f[1], f[2])); }
+
+// Energy of a strain, Pa, up to a constant.
+PALPATE_FORMULA Real softEnergy(PALPATE_OF(SoftRules) rules, PALPATE_MAT3 f) {
+  const Real squares = dot(f[0], f[0]) + dot(f[1], f[1]) + dot(f[2], f[2]);
+  const Real over = volumeShare(f) - rules.restVolume;
+  return Real(0.5) * (rules.shear * (squares - log(squares + Real(1.0))) + rules.bulk * over * over);
+}
+
+// First Piola-Kirchhoff stress: of the energy's slope, and of the rate of Green's strain times twice the viscosity,
+// which a rotation does not have. `f` is the deformation gradient, `rate` its rate, 1 / s.
+PALPATE_FORMULA PALPATE_MAT3 softStress(PALPATE_OF(SoftRules) rules, PALPATE_MAT3 f, PALPATE_MAT3 rate) {
+  const PALPATE_VEC3 areaX = cross(f[1], f[2]);
+  const PALPATE_VEC3 areaY = cross(f[2], f[0]);
+  const PALPATE_VEC3 areaZ = cross(f[0], f[1]);
+  const Real squares = dot(f[0], f[0]) + dot(f[1], f[1]) + dot(f[2], f[2]);
+  const Real pull = rules.shear * (Real(1.0) - Real(1.0) / (squares + Real(1.0)));
+  const Real press = rules.bulk * (dot(f[0], areaX) - rules.restVolume);
+  const Real xx = pull + rules.viscosity * Real(2.0) * dot(f[0], rate[0]);
+  const Real yy = pull + rules.viscosity * Real(2.0) * dot(f[1], rate[1]);
+  const Real zz = pull + rules.viscosity * Real(2.0) * dot(f[2], rate[2]);
+  const Real xy = rules.viscosity * (dot(f[0], rate[1]) + dot(f[1], rate[0]));
+  const Real xz = rules.viscosity * (dot(f[0], rate[2]) + dot(f[2], rate[0]));
+  const Real yz = rules.viscosity * (dot(f[1], rate[2]) + dot(f[2], rate[1]));
+  return PALPATE_MAT3(xx * f[0] + xy * f[1] + xz * f[2] + press * areaX,
+                      xy * f[0] + yy * f[1] + yz * f[2] + press * areaY,
+                      xz * f[0] + yz * f[1] + zz * f[2] + press * areaZ);
+}
+
+// What a cell of `volume` (m^3 of matter) does to its nodes, N, from modes of their displacements and velocities. The
+// sum over the nodes is 0.
+PALPATE_FORMULA PALPATE_OF(Corners)
+    cellForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(Corners) moved, PALPATE_OF(Corners) velocity) {
+  const PALPATE_MAT3 f = gradientOf(rules, moved) + PALPATE_MAT3(Real(1.0));
+  const PALPATE_MAT3 stress = softStress(rules, f, gradientOf(rules, velocity));
+  const Real perGradient = -volume * rules.perEdges;
+  PALPATE_OF(Corners) forces;
+  forces.at[0] = PALPATE_VEC3(Real(0.0));
+  forces.at[1] = perGradient * stress[0];
+  forces.at[2] = perGradient * stress[1];
+  forces.at[4] = perGradient * stress[2];
+  forces.at[3] = -volume * (rules.bend * moved.at[3] + rules.bendDrag * velocity.at[3]);
+  forces.at[5] = -volume * (rules.bend * moved.at[5] + rules.bendDrag * velocity.at[5]);
+  forces.at[6] = -volume * (rules.bend * moved.at[6] + rules.bendDrag * velocity.at[6]);
+  forces.at[7] = -volume * (rules.twist * moved.at[7] + rules.bendDrag * velocity.at[7]);
+  giveModes(forces);
+  return forces;
+}
+
+// Share that the node `corner` of a cell has of a place in it, from 0 to 1 along each axis.
+PALPATE_FORMULA Real cornerShare(PALPATE_VEC3 place, int corner) {
+  const Real x = (corner & 1) != 0 ? place.x : Real(1.0) - place.x;
+  const Real y = (corner & 2) != 0 ? place.y : Real(1.0) - place.y;
+  const Real z = (corner & 4) != 0 ? place.z : Real(1.0) - place.z;
+  return x * y * z;
+}
+
+// A place of the skin that something presses on.
+PALPATE_STRUCT(SoftTouch) {
+  Real stiffness;  // N / m
+  Real damping;    // N s / m
+  Real friction;   // Coulomb's coefficient
+};
+PALPATE_SINGLE(SoftTouch);
+
+// On the skin, N: a spring and a damper along `normal`, which leads from what presses into the body, never a pull; and
+// what rubs, against `relative`, the velocity of the skin less that of what presses on it.
+PALPATE_FORMULA PALPATE_VEC3 touchForce(PALPATE_OF(SoftTouch) touch, PALPATE_VEC3 normal, Real depth,
+                                        PALPATE_VEC3 relative) {
+  const Real apart = dot(relative, normal);
+  const Real press = max(touch.stiffness * depth - touch.damping * apart, Real(0.0));
+  const PALPATE_VEC3 slide = relative - apart * normal;
+  const Real speed = length(slide);
+  const Real rub = min(touch.damping * speed, touch.friction * press);
+  return press * normal - (speed > Real(0.0) ? rub / speed : Real(0.0)) * slide;
+}
+
+// Normal of a surface that is carried by the deformation gradient: F^-T n, without its length; the cofactors need no
+// inverse.
+PALPATE_FORMULA PALPATE_VEC3 carriedNormal(PALPATE_MAT3 f, PALPATE_VEC3 normal) {
+  return normal.x * cross(f[1], f[2]) + normal.y * cross(f[2], f[0]) + normal.z * cross(f[0], f[1]);
+}
+
+PALPATE_SHARED_END
+#endif

@@ -1,0 +1,71 @@
+// Balls and walls that press on soft bodies: Hertz, and how stiff the floor is.
+#include <cmath>
+
+#include "engine/matter/soft_contact.hpp"
+#include "tests/matter/soft_bodies.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A ball that is held above a block, and pressed into it as deep as it says; the force on it when all is at rest.
+struct Indentation {
+  TestBody body;
+  SoftContact contact;
+  double ball_m, top_m, middle_m;
+
+  Indentation(double poisson, int width, int depth, double ball_spacings)
+      : body(boxSolid(DVec3(0), DVec3(width, depth, width) * kSoftSpacing_m, kSoftSpacing_m),
+             {.young_Pa = 5e4, .poisson = poisson, .density_kg_m3 = 1000},
+             std::array{PlaceBox{DVec3(-1), DVec3(1, 1e-6, 1)}}),
+        contact(body.body, body.solid.surface,
+                {.box_m = DVec3(10),
+                 .ball_m = ball_spacings * kSoftSpacing_m,
+                 .frequency_rad_s = touchFrequency(body.material, kSoftSpacing_m)}),
+        ball_m(ball_spacings * kSoftSpacing_m),
+        top_m(depth * kSoftSpacing_m),
+        middle_m(width * kSoftSpacing_m / 2) {}
+
+  double forceAt(double depth_m) {
+    const BodyMotion ball{.place = {middle_m, top_m + ball_m - depth_m, middle_m}};
+    contact.list(body.body, {&ball, 1}, 0, body.team);
+    const double slowest = 1.57 * std::sqrt(body.material.shear_Pa() / 1000) / top_m * body.step_s;
+    const auto kept = static_cast<float>(std::exp(-1.5 * slowest));
+    Exchange exchange;
+    for (int k = 0; k < 7 / slowest; ++k) {
+      DVec3 walls(0);
+      exchange = {};
+      contact.press(body.body, {&ball, 1}, body.step_s, walls, {&exchange, 1});
+      body.substep();
+      for (Vec3& velocity : body.body.velocities()) velocity *= kept;
+    }
+    return exchange.impulse.y / body.step_s;
+  }
+};
+
+double hertz(double poisson, double ball_m, double depth_m) {
+  return 4.0 / 3 * 5e4 / (1 - poisson * poisson) * std::sqrt(ball_m) * std::pow(depth_m, 1.5);
+}
+
+}  // namespace
+
+TEST_CASE("a ball that is pressed into a deep block is pushed back as Hertz says") {
+  for (const double poisson : {0.3, 0.45}) {
+    CAPTURE(poisson);
+    Indentation indentation(poisson, 32, 24, 8);
+    for (const double share : {0.05, 0.1}) {
+      CAPTURE(share);
+      const double depth = share * indentation.ball_m;
+      CHECK(isWithin(0.08, indentation.forceAt(depth), hertz(poisson, indentation.ball_m, depth)));
+    }
+  }
+}
+
+TEST_CASE("the force of a ball hardly depends on where between the nodes it presses") {
+  Indentation between(0.3, 20, 14, 5), onNode(0.3, 20, 14, 5);
+  between.middle_m += kSoftSpacing_m / 2;
+  const double depth = 0.1 * onNode.ball_m;
+  CHECK(isWithin(0.06, between.forceAt(depth), onNode.forceAt(depth)));
+}
+
+}  // namespace palpate
