@@ -90,6 +90,9 @@ TEST_CASE("what is pushed and let go returns to where it was") {
   }
   REQUIRE(world.state() == MatterState::running);
   CHECK(deepest > 0.05);
+  const MatterImpulses& given = world.impulses();
+  CHECK(given.onTools.y > 0.01);
+  CHECK(glm::length(world.observe().momentum + given.onWalls + given.onTools) <= 1e-5 * glm::length(given.onTools));
   for (const Vec3& moved : std::as_const(world).body().displacements()) REQUIRE(glm::length(moved) < 1e-6f);
 }
 
