@@ -202,6 +202,9 @@ TEST_CASE("how a surface gives way is that of a half-space, and that of the mass
   SoftWorld floating(free);
   const double byMass = 1 / (16 * floating.body().mass_kg());
   CHECK(isWithin(0.03, floating.localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}), byMass));
+  SoftWorld standing(jelly());
+  run(standing, 300);
+  CHECK(standing.localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}) < 0.05 * byMass);
 }
 
 TEST_CASE("a world of a soft body has the same bytes with one thread and with three, and after it was begun again") {
