@@ -65,7 +65,7 @@ double WindingNumber::at(const DVec3& place) const {
         const double nearest2 = std::max(glm::dot(away, away), area / kPi);  // the disc's own radius
         if (nearest2 > 0) sum += area * glm::dot(DVec3(point.normal), away) / (nearest2 * std::sqrt(nearest2));
       }
-    n = node.isLeaf ? node.behind : n + 1;
+    ++n;  // behind a leaf, as nothing is in it
   }
   return sum / (4 * kPi);
 }

@@ -79,6 +79,10 @@ TEST_CASE("a closed scan is filled with as much as it holds") {
     const auto points = placeScan(shapeCloud(one.shape), scanScene());
     const SoftSolid solid = scanSolid(points, 0.005, 0, team);
     CHECK(isWithin(one.share, solid.lattice.volume_m3(), one.volume_m3));
+    // What is stiff is hardly more than that.
+    double stiff_m3 = 0;
+    for (const float filled : solid.lattice.filled()) stiff_m3 += std::pow(0.005, 3) * static_cast<double>(filled);
+    CHECK(isWithin(0.1, stiff_m3, one.volume_m3));
     // Every point is in a cell of the body.
     for (const SurfacePlace& point : points) {
       const EmbeddedPlace place = solid.lattice.embed(DVec3(point.rest));
