@@ -192,7 +192,7 @@ void Document::carryOut(const ViewRequests& requests) {
   if (!requests.play.empty()) play(requests.play);
   if (requests.endPlaying) session_->endPlaying();
   if (requests.exportTicks) writeTicks();
-  if (requests.beginAnew) beginAnew();
+  if (requests.restart) restart();
   if (requests.holdFrames) holdFrames();
   if (requests.stepFrame && session_->isHeldStill())
     messages_.say("what is sculpted is one frame; K lets the frames go on");
@@ -200,7 +200,7 @@ void Document::carryOut(const ViewRequests& requests) {
     session_->stepFrame();
 }
 
-void Document::beginAnew() {
+void Document::restart() {
   SimulationControl* const simulation = session_->simulation();
   if (!simulation) return;
   simulation->reset();

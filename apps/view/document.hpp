@@ -75,7 +75,7 @@ class Document {
   void install(std::unique_ptr<WindowSession> session);
   // Of a camera: frames are held or go on, and what is held is sculpted once there is a brush.
   void holdFrames();
-  void beginAnew();
+  void restart();
   void sayWhatSimulationLacks();
   void sculptHeld();
   void letFramesGoOn();

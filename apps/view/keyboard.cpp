@@ -61,7 +61,7 @@ ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {
     case GLFW_KEY_PERIOD:
       return {.stepFrame = true};
     case GLFW_KEY_N:
-      return {.beginAnew = true};
+      return {.restart = true};
     case GLFW_KEY_Q:
       return {.quit = true};
     case GLFW_KEY_BACKSPACE:

@@ -23,8 +23,8 @@ IVec3 cornerOf(int corner) { return {corner & 1, corner >> 1 & 1, corner >> 2 & 
 
 }  // namespace
 
-CellBox CellBox::about(const DVec3& low_m, const DVec3& high_m, double spacing_m) {
-  CellBox box{.corner = low_m, .spacing_m = spacing_m};
+LatticeBox LatticeBox::about(const DVec3& low_m, const DVec3& high_m, double spacing_m) {
+  LatticeBox box{.corner = low_m, .spacing_m = spacing_m};
   double count = 1;
   for (int k = 0; k < 3; ++k) {
     const double along = std::max(1.0, std::ceil((high_m[k] - low_m[k]) / spacing_m - 1e-6));
@@ -36,18 +36,18 @@ CellBox CellBox::about(const DVec3& low_m, const DVec3& high_m, double spacing_m
   return box;
 }
 
-IVec3 CellBox::cellOf(std::size_t number) const {
+IVec3 LatticeBox::cellOf(std::size_t number) const {
   const auto x = static_cast<std::size_t>(cells.x), y = static_cast<std::size_t>(cells.y);
   return {static_cast<int>(number % x), static_cast<int>(number / x % y), static_cast<int>(number / x / y)};
 }
 
-IVec3 CellBox::cellAt(const DVec3& place_m) const { return {glm::floor((place_m - corner) / spacing_m)}; }
+IVec3 LatticeBox::cellAt(const DVec3& place_m) const { return {glm::floor((place_m - corner) / spacing_m)}; }
 
-SoftLattice::SoftLattice(CellBox box, std::span<const std::size_t> kept) : box_(std::move(box)) {
+SoftLattice::SoftLattice(LatticeBox box, std::span<const std::size_t> kept) : box_(std::move(box)) {
   cellAt_.assign(box_.filled.size(), kNone);
   for (const std::size_t number : kept) cellAt_[number] = 0;
   const IVec3 places = box_.cells + 1;
-  const CellBox nodeBox{.cells = places};
+  const LatticeBox nodeBox{.cells = places};
   std::vector<std::uint32_t> nodeAt(
       static_cast<std::size_t>(places.x) * static_cast<std::size_t>(places.y) * static_cast<std::size_t>(places.z),
       kNone);
@@ -106,7 +106,7 @@ EmbeddedPlace SoftLattice::embed(const DVec3& place_m) const {
 
 SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
   const DVec3 sides = glm::max(glm::round(size_m / spacing_m), DVec3(1));
-  CellBox box = CellBox::about(low_m, low_m + sides * spacing_m, spacing_m);
+  LatticeBox box = LatticeBox::about(low_m, low_m + sides * spacing_m, spacing_m);
   box.filled.assign(box.filled.size(), 1);
   SoftSolid solid{.lattice = SoftLattice(box), .surface = {}};
   // Four for each face of a cell.
@@ -128,7 +128,7 @@ SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
 }
 
 SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
-  CellBox box = CellBox::about(middle_m - radius_m, middle_m + radius_m, spacing_m);
+  LatticeBox box = LatticeBox::about(middle_m - radius_m, middle_m + radius_m, spacing_m);
   box.corner = middle_m - 0.5 * spacing_m * DVec3(box.cells);
   for (std::size_t c = 0; c < box.filled.size(); ++c) {
     const DVec3 low = box.corner + spacing_m * DVec3(box.cellOf(c)) - middle_m;

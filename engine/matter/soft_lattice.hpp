@@ -24,7 +24,7 @@ struct SurfacePlace {
 };
 
 /// Cells side by side, z slowest, with what each holds.
-struct CellBox {
+struct LatticeBox {
   DVec3 corner{0};  ///< the lowest, m
   double spacing_m = 0;
   IVec3 cells{0};
@@ -32,7 +32,7 @@ struct CellBox {
 
   /// Cells of that spacing about a box, which begins at the corner of a cell and ends within one; all empty. Throws
   /// Error where there are too many to count.
-  static CellBox about(const DVec3& low_m, const DVec3& high_m, double spacing_m);
+  static LatticeBox about(const DVec3& low_m, const DVec3& high_m, double spacing_m);
   std::size_t numberOf(const IVec3& cell) const {
     return static_cast<std::size_t>(cell.x) +
            static_cast<std::size_t>(cells.x) * (static_cast<std::size_t>(cell.y) +
@@ -54,7 +54,7 @@ class SoftLattice {
 
   /// Of all cells that are not empty, and of those in `kept`, by their numbers: places to embed lie there. A cell that
   /// is nearly empty is taken to be as full as kLeastFilled says, so that its nodes weigh something.
-  explicit SoftLattice(CellBox box, std::span<const std::size_t> kept = {});
+  explicit SoftLattice(LatticeBox box, std::span<const std::size_t> kept = {});
 
   std::size_t nodes() const { return rest_.size(); }
   std::size_t cells() const { return corners_.size(); }
@@ -71,7 +71,7 @@ class SoftLattice {
   EmbeddedPlace embed(const DVec3& place_m) const;
 
  private:
-  CellBox box_;
+  LatticeBox box_;
   double volume_m3_ = 0;
   std::vector<Vec3> rest_;
   std::vector<Corners> corners_;

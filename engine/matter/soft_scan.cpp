@@ -50,7 +50,7 @@ struct Filling {
   const WindingNumber& winding;
   double widestHole_m;
   WorkerTeam& team;
-  CellBox box;
+  LatticeBox box;
   std::vector<float> windings;    // in the middle of each cell
   std::vector<std::size_t> kept;  // cells with points, ascending
 
@@ -61,13 +61,13 @@ struct Filling {
 };
 
 // The box with a layer of cells around all points.
-CellBox boxAbout(std::span<const SurfacePlace> points, double spacing_m) {
+LatticeBox boxAbout(std::span<const SurfacePlace> points, double spacing_m) {
   DVec3 low(points[0].rest), high = low;
   for (const SurfacePlace& point : points) {
     low = glm::min(low, DVec3(point.rest));
     high = glm::max(high, DVec3(point.rest));
   }
-  return CellBox::about(low - 1.01 * spacing_m, high + 1.01 * spacing_m, spacing_m);
+  return LatticeBox::about(low - 1.01 * spacing_m, high + 1.01 * spacing_m, spacing_m);
 }
 
 void wind(Filling& filling) {
@@ -93,7 +93,7 @@ void requireInside(const Filling& filling) {
 // Between cells inside and outside there is the surface, or the film over a hole: then points are far, and the farthest
 // place is the middle of the hole.
 void requireClosed(const Filling& filling) {
-  const CellBox& box = filling.box;
+  const LatticeBox& box = filling.box;
   std::vector<double> widths(box.filled.size(), 0.0);
   std::vector<DVec3> places(box.filled.size());
   forEachOf(widths.size(), filling.team, [&](std::size_t c) {
@@ -131,7 +131,7 @@ std::vector<char> cutCells(const Filling& filling) {
 }
 
 void fill(Filling& filling) {
-  CellBox& box = filling.box;
+  LatticeBox& box = filling.box;
   const std::vector<char> cut = cutCells(filling);
   forEachOf(box.filled.size(), filling.team, [&](std::size_t c) {
     const IVec3 cell = box.cellOf(c);
@@ -149,8 +149,8 @@ void fill(Filling& filling) {
 }
 
 // One place in each cube of half a spacing: the mean of its points.
-std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const CellBox& box) {
-  const CellBox cubes{.corner = box.corner, .spacing_m = box.spacing_m / 2, .cells = 2 * box.cells};
+std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const LatticeBox& box) {
+  const LatticeBox cubes{.corner = box.corner, .spacing_m = box.spacing_m / 2, .cells = 2 * box.cells};
   std::vector<std::pair<std::size_t, std::size_t>> order;
   for (std::size_t i = 0; i < points.size(); ++i)
     order.emplace_back(cubes.numberOf(cubes.cellAt(DVec3(points[i].rest))), i);

@@ -98,7 +98,7 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
 0.41 state %/held.json
 0.42 key N
 0.44 key K
-0.48 screenshot %/anew.png
+0.48 screenshot %/again.png
 0.50 key 2
 0.52 state %/tool.json
 0.54 key ctrl+s
@@ -120,7 +120,7 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
   const double moved = apart("begin.png", "later.png");
   CHECK(moved > 0.005);
   CHECK(apart("held.png", "still.png") < 0.1 * moved);
-  CHECK(apart("begin.png", "anew.png") < 0.8 * apart("later.png", "anew.png"));
+  CHECK(apart("begin.png", "again.png") < 0.8 * apart("later.png", "again.png"));
   CHECK(played->state("held.json")["last_message"] == "the scene is held");
   const std::string message = played->state("tool.json")["last_message"];
   CHECK_MESSAGE(message.find("is not sculpted") != std::string::npos, message);

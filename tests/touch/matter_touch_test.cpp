@@ -28,10 +28,9 @@ std::unique_ptr<MatterSimulation> worldOf(const MatterScene& scene, const Matter
   return std::make_unique<MatterWorld>(scene, MatterOptions{.threads = options.threads, .tools = options.hands});
 }
 
-struct Touched : MatterTouch {
-  explicit Touched(const MatterScene& scene, const MatterTouchOptions& options = {})
-      : MatterTouch(worldOf(scene, options), options) {}
-};
+MatterTouch touched(const MatterScene& scene, const MatterTouchOptions& options = {}) {
+  return MatterTouch(worldOf(scene, options), options);
+}
 
 // Down into the water, in a slow arc.
 Pose dive(double time_s) {
@@ -56,7 +55,7 @@ PointCloud pointsOf(MatterTouch& touch, const MatterScene& scene) {
 
 TEST_CASE("a hand feels what its ball is told, and particles are where the simulation has them") {
   const MatterScene scene = tank();
-  Touched touch(scene, {.threads = 2});
+  MatterTouch touch = touched(scene, {.threads = 2});
   MatterWorld world(scene, {.threads = 1, .tools = 1});
   bool felt = false;
   for (int k = 0; k < 400; ++k) {
@@ -88,7 +87,7 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
   MatterScene scene = tank();
   for (const double gain : {1.0, 5.0}) {
     scene.gain = gain;
-    Touched touch(scene, {});
+    MatterTouch touch = touched(scene);
     played(touch, 1000, 0.6);
     DVec3 sum_N(0);
     for (int k = 0; k < 200; ++k) sum_N += *touch.query(dive(0.601 + 1e-3 * k), 0).force_N;
@@ -99,7 +98,7 @@ TEST_CASE("a ball that is under water is pushed up by what it displaces, whateve
 
 TEST_CASE("the same poses give the same bytes for any number of threads, and at any rate the simulation keeps time") {
   const MatterScene scene = tank();
-  Touched one(scene, {.threads = 1}), three(scene, {.threads = 3});
+  MatterTouch one = touched(scene, {.threads = 1}), three = touched(scene, {.threads = 3});
   const auto a = played(one, 1000, 0.3), b = played(three, 1000, 0.3);
   for (std::size_t k = 0; k < a.size(); ++k) CHECK(a[k].proxy == b[k].proxy);
   const PointCloud first = pointsOf(one, scene), second = pointsOf(three, scene);
@@ -107,7 +106,7 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
   CHECK(first.normals == second.normals);
   for (const double rate_Hz : {250.0, 500.0, 2000.0}) {
     CAPTURE(rate_Hz);
-    Touched other(scene, {});
+    MatterTouch other = touched(scene);
     played(other, rate_Hz, 0.3);
     const PointCloud there = pointsOf(other, scene);
     // The hand moves along other chords between its poses, and the water is a little elsewhere.
@@ -123,9 +122,9 @@ TEST_CASE("the same poses give the same bytes for any number of threads, and at 
   }
 }
 
-TEST_CASE("a scene that is held moves nothing and is felt by nobody; it goes on, and begins anew, when it is told to") {
+TEST_CASE("a scene that is held moves nothing and is felt by nobody; it goes on, and begins again, when it is told to") {
   const MatterScene scene = tank();
-  Touched touch(scene, {});
+  MatterTouch touch = touched(scene);
   played(touch, 1000, 0.3);
   const PointCloud before = pointsOf(touch, scene);
   SimulationControl& control = *touch.simulation();
@@ -140,20 +139,20 @@ TEST_CASE("a scene that is held moves nothing and is felt by nobody; it goes on,
   touch.query(dive(0.32), 0);
   CHECK(pointsOf(touch, scene).positions != before.positions);
   control.reset();
-  Touched anew(scene, {});
+  MatterTouch again = touched(scene);
   for (int k = 0; k < 30; ++k) {
     Pose pose = dive(1e-3 * k);
-    anew.query(pose, 0);
+    again.query(pose, 0);
     pose.time_s += 0.321;
     touch.query(pose, 0);
   }
-  CHECK(pointsOf(touch, scene).positions == pointsOf(anew, scene).positions);
+  CHECK(pointsOf(touch, scene).positions == pointsOf(again, scene).positions);
   CHECK(control.leftOut_s() == 0);
 }
 
 TEST_CASE("where time goes back the scene begins anew") {
   const MatterScene scene = tank();
-  Touched touch(scene, {}), straight(scene, {});
+  MatterTouch touch = touched(scene), straight = touched(scene);
   played(touch, 1000, 0.2);
   played(touch, 1000, 0.05);
   played(straight, 1000, 0.05);
@@ -162,7 +161,7 @@ TEST_CASE("where time goes back the scene begins anew") {
 
 TEST_CASE("a hand that is no number gets no answer and moves nothing") {
   const MatterScene scene = tank();
-  Touched touch(scene, {});
+  MatterTouch touch = touched(scene);
   played(touch, 1000, 0.2);
   const PointCloud before = pointsOf(touch, scene);
   const Contact none = touch.query({.time_s = 0.201, .hip = {std::numeric_limits<double>::quiet_NaN(), 0, 0}}, 0);
@@ -175,7 +174,7 @@ TEST_CASE("a simulation that fails gives no answer until it is reset") {
   // So fine and without weight that it takes one step at a time: its sound is slower than a hand that beats about.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};
   scene.tool = usualTool(scene);
-  Touched touch(scene, {});
+  MatterTouch touch = touched(scene);
   const auto beat = [&](int k) { return touch.query({.time_s = 1e-3 * k, .hip = {8, 8 + (k % 4 < 2 ? 8 : -8), 8}}, 0); };
   int k = 0;
   while (k < 1000 && touch.simulation()->failure().empty()) beat(k++);
@@ -193,7 +192,7 @@ TEST_CASE("a simulation that fails gives no answer until it is reset") {
 TEST_CASE("hands share the matter: the second one feels what the first one does to it") {
   MatterScene scene = tank();
   scene.box_mm.x = scene.fill_mm.x = 160;
-  Touched two(scene, {.hands = 2}), alone(scene, {.hands = 1});
+  MatterTouch two = touched(scene, {.hands = 2}), alone = touched(scene, {.hands = 1});
   CHECK(two.hands() == 2);
   const auto still = [](double time_s) { return Pose{.time_s = time_s, .hip = {120, 40, 40}}; };
   double most_N = 0;
@@ -209,7 +208,7 @@ TEST_CASE("hands share the matter: the second one feels what the first one does 
 
 TEST_CASE("frames show each particle where it is, once each, and normals look out of the water") {
   const MatterScene scene = tank();
-  Touched touch(scene, {});
+  MatterTouch touch = touched(scene);
   CloudFrame frame;
   CHECK_FALSE(touch.takeFrame(frame));
   touch.query(dive(0), 0);
@@ -236,9 +235,9 @@ TEST_CASE("frames show each particle where it is, once each, and normals look ou
 
 TEST_CASE("against the clock no tick waits past its budget, and an old answer fades") {
   const MatterScene scene = tank();
-  Touched touch(scene, {.realtime = true});
+  MatterTouch touch = touched(scene, {.realtime = true});
   // With all the time that it takes each tick has its own answer, as in virtual time.
-  Touched exact(scene, {});
+  MatterTouch exact = touched(scene);
   for (int k = 0; k < 350; ++k) {
     const Contact contact = touch.query(dive(1e-3 * k), 0);
     CHECK(contact.fresh);
@@ -266,7 +265,7 @@ TEST_CASE("against the clock no tick waits past its budget, and an old answer fa
 }
 
 TEST_CASE("what holds no ball, or is sculpted, is refused") {
-  Touched touch(tank());
+  MatterTouch touch = touched(tank());
   CHECK_THROWS_WITH_AS(touch.setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
   CHECK_NOTHROW(touch.setBrush(std::nullopt));
   CHECK(touch.keepsEdits());
