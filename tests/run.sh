@@ -60,8 +60,8 @@ leg 'build' build dev --target palpate gpu_tests && built+=' dev'
 tests 'with a GPU' dev -LE '^host$'
 leg 'build without Vulkan, for AddressSanitizer and UBSan' build asan --target host_tests && built+=' asan'
 tests 'without Vulkan, under AddressSanitizer and UBSan' asan -L '^host$'
-leg 'build for ThreadSanitizer' build tsan --target tests_haptics && built+=' tsan'
-tests 'under ThreadSanitizer' tsan -R '^haptics\.'
+leg 'build for ThreadSanitizer' build tsan --target tests_haptics tests_core && built+=' tsan'
+tests 'under ThreadSanitizer' tsan -R '^(haptics\.|core\.latest_value$)'
 if [ "$PALPATE_GPU" = llvmpipe ]; then
   LP_NUM_THREADS=1 PALPATE_TESTS_VALIDATE=0 tests 'with one driver thread' dev -R '^(spatial|contact|edit|mesh|matter_gpu|motion_gpu)\.(gpu|hash_compaction)$'
   # A third driver and a current layer judge what the packaged ones let pass.

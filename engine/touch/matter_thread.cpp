@@ -40,10 +40,9 @@ std::optional<MatterAnswer> MatterThread::ask(const MatterQuestion& question, do
 }
 
 void MatterThread::finish() {
-  if (!last_ && askedAt_s_ == 0) return;
-  for (;;) {
+  while (askedAt_s_) {
     if (const auto newest = answered_.load()) last_ = newest;
-    if (last_ && last_->question.time_s == askedAt_s_) return;
+    if (last_ && last_->question.time_s == *askedAt_s_) return;
     wake_.post();
     done_.take();
   }

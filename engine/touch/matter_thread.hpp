@@ -23,7 +23,7 @@ class MatterThread {
   /// before the first one.
   /// Allocates nothing and takes no lock. For one thread.
   std::optional<MatterAnswer> ask(const MatterQuestion& question, double budget_us) noexcept;
-  /// Waits for the answer to the last question.
+  /// Waits for the answer to the last question, if there was one.
   void finish();
 
  private:
@@ -33,7 +33,7 @@ class MatterThread {
   LatestValue<MatterQuestion> asked_;
   LatestValue<MatterAnswer> answered_;
   std::optional<MatterAnswer> last_;
-  double askedAt_s_ = 0;  // of the last question
+  std::optional<double> askedAt_s_;  // of the last question
   Semaphore wake_, done_;
   std::atomic<bool> stop_ = false;
   std::jthread thread_;  // goes first

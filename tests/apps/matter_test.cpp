@@ -50,6 +50,27 @@ TEST_CASE("a ball that dives into water is lifted by what it displaces, the same
   works("replay " + in("log"));  // the log has the scene
 }
 
+TEST_CASE("both back ends feel the same water") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("tank.json")) << kTank;
+  std::ofstream(in("dive.csv")) << "t_s,x,y,z\n0,40,105,40\n0.1,40,85,40\n";
+  const auto touched = [&](const std::string& backend) {
+    works("touch " + in("tank.json") + " --path " + in("dive.csv") + " --backend " + backend + " --trace " + in("t.csv") +
+          " --json " + in("r.json"));
+    CHECK(jsonOf(in("r.json"))["backend"] == backend);
+    return readTrace(in("t.csv"));
+  };
+  const auto gpu = touched("vulkan"), cpu = touched("cpu");
+  REQUIRE(gpu.size() == cpu.size());
+  double most_N = 0;
+  for (std::size_t i = 0; i < cpu.size(); ++i) {
+    CHECK(glm::distance(gpu[i].force, cpu[i].force) < 2e-3);
+    most_N = std::max(most_N, glm::length(cpu[i].force));
+  }
+  CHECK(most_N > 0.05);
+}
+
 TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands") {
   const ScratchFolder folder;
   const auto in = [&](const char* name) { return (folder / name).string(); };

@@ -264,6 +264,19 @@ TEST_CASE("against the clock no tick waits past its budget, and an old answer fa
   touch.finish();
 }
 
+TEST_CASE("whoever waits for a simulation that nobody has asked waits for nothing, and one that was asked is waited for") {
+  const MatterScene scene = tank();
+  MatterTouch touch = touched(scene, {.realtime = true});
+  touch.finish();
+  const PointCloud begin = cloudOf(scene, 1);
+  const auto fallen_mm = [&] {  // of a particle at the top
+    return begin.positions.back().y - pointsOf(touch, scene).positions.back().y;
+  };
+  CHECK(std::abs(fallen_mm()) < 1e-4f);
+  touch.query(dive(0), 1);
+  CHECK(fallen_mm() > 1e-3f);
+}
+
 TEST_CASE("what holds no ball, or is sculpted, is refused") {
   MatterTouch touch = touched(tank());
   CHECK_THROWS_WITH_AS(touch.setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
