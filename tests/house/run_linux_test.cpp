@@ -65,7 +65,7 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread")
   const Run run = runLegs("", "");
   CHECK(run.code == 0);
   CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
-  CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^haptics\\. threads=\n"));
+  CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^(haptics\\.|core\\.latest_value$) threads=\n"));
   CHECK(says(run.text, "-R ^(spatial|contact|edit|mesh|matter_gpu|motion_gpu)\\.(gpu|hash_compaction)$ threads=1\n"));
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
@@ -124,7 +124,7 @@ TEST_CASE("run.sh tries again, alone, what is held against the wall clock and no
 
 TEST_CASE("run.sh says of tests that were not built that they did not run, and runs the others") {
   if (!hasSources()) return;
-  const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics' ]; then exit 1; fi\n", "");
+  const Run run = runLegs("if [ \"$*\" = '--build --preset tsan --target tests_haptics tests_core' ]; then exit 1; fi\n", "");
   CHECK(run.code == 1);
   CHECK(run.text.find("ctest --preset tsan") == std::string::npos);
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
