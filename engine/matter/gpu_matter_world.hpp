@@ -38,8 +38,6 @@ class GpuMatterWorld final : public MatterSimulation {
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override;
 
-  void writeHands(std::span<const HandPose> from, std::span<const HandPose> to);
-  ToolReport reportOf(std::size_t tool, const HandPose& hand) const;
   std::vector<Vec3> byId(const Buffer& slots, std::uint64_t firstSlot) const;
   const shared::MatterControl& control() const { return memory_.stateRead.mapped<const shared::MatterControl>()[0]; }
 

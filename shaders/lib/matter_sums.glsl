@@ -43,4 +43,14 @@ void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
   barrier();
 }
 
+// The rows `row` and the next one, from a block on, for all invocations of a workgroup.
+void sumRows(Vec4s sums, uint row, uint firstBlock, uint blocks, bool keepsLargest, out vec4 a, out vec4 b) {
+  a = b = vec4(0);
+  for (uint block = firstBlock + gl_LocalInvocationIndex; block < blocks; block += kMatterBlock) {
+    a = combined(a, sums.at[row * blocks + block], false);
+    b = combined(b, sums.at[(row + 1) * blocks + block], keepsLargest);
+  }
+  addUp(a, b, keepsLargest);
+}
+
 #endif

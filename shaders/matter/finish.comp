@@ -8,24 +8,7 @@ layout(push_constant, scalar) uniform Push { MatterFinishArgs args; };
 
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_sums.glsl"
-
-// Both rows from `row` on, over all blocks.
-void sumRows(uint row, bool keepsLargest, out vec4 a, out vec4 b) {
-  a = b = vec4(0);
-  for (uint block = gl_LocalInvocationIndex; block < args.blocks; block += kMatterBlock) {
-    a = combined(a, args.sums.at[row * args.blocks + block], false);
-    b = combined(b, args.sums.at[(row + 1) * args.blocks + block], keepsLargest);
-  }
-  addUp(a, b, keepsLargest);
-}
-
-void react(uint t, vec3 impulse, vec3 angular) {
-  const vec3 change = impulse / SETTING.spring.mass;
-  args.tools.at[t].velocity += change;
-  args.tools.at[t].lag += SETTING.step * change;
-  args.tools.at[t].impulse += impulse;
-  args.tools.at[t].angular += angular;
-}
+#include "shaders/lib/matter_tools.glsl"
 
 void main() {
   if (args.control.now.state != kMatterRunning) return;
@@ -40,11 +23,11 @@ void main() {
     return;
   }
   vec4 onWalls, momentum;
-  sumRows(0, true, onWalls, momentum);
+  sumRows(args.sums, 0, 0, args.blocks, true, onWalls, momentum);
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     vec4 impulse, angular;
-    sumRows(kRowsOfAll + 2 * tool, false, impulse, angular);
-    if (first) react(tool, impulse.xyz, angular.xyz);
+    sumRows(args.sums, kRowsOfAll + 2 * tool, 0, args.blocks, false, impulse, angular);
+    if (first) reactTool(tool, impulse.xyz, angular.xyz);
   }
   if (!first) return;
   args.total.now.onWalls = (args.substep == 0 ? vec3(0) : args.total.now.onWalls) + onWalls.xyz;
