@@ -32,8 +32,8 @@ SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
 SoftSizes sizesOf(const SoftLayout& layout, std::span<const char> pinned, std::size_t points, std::size_t tools,
                   const MatterPlan& plan) {
   return {.nodes = static_cast<std::uint32_t>(pinned.size()),
-          .inner = layout.inner,
-          .firstSkin = layout.firstSkin,
+          .skinCount = layout.skinCount,
+          .firstInner = layout.firstInner,
           .slots = layout.slots,
           .stride = layout.stride,
           .skin = static_cast<std::uint32_t>(layout.skin.size() / shared::kSkinVec4s),

@@ -31,8 +31,11 @@ class GpuSoftWorld final : public MatterSimulation {
   void makeFrame(CloudFrame& frame) override;
   /// The same into memory of the GPU, for who stays there; m, m/s. Waits; stands until the next call.
   CarriedPoints carry();
-  /// Time of the last frame on the GPU's own clock, without the way to the host.
-  std::optional<double> frameTime_us() const;
+  bool makeFrameThere() override {
+    carry();
+    return true;
+  }
+  std::optional<double> frameTime_us() const override;
   /// Records how the points are carried to where they are asked for, such as the points from which an index is built.
   /// May be submitted again and again, to any queue, but not while this or another such list runs, nor a step.
   void recordFrame(CommandList& list, const CarriedPoints& to) const {

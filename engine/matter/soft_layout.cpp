@@ -36,14 +36,14 @@ SoftLayout::SoftLayout(const SoftLattice& lattice, std::span<const SkinPlace> pl
 void SoftLayout::placeCells(const SoftLattice& lattice, std::span<const SkinPlace> places) {
   std::vector<char> hasSkin(lattice.cells(), 0);
   for (const SkinPlace& place : places) hasSkin[place.at.cell] = 1;
-  inner = static_cast<std::uint32_t>(std::ranges::count(hasSkin, 0));
-  firstSkin = roundedUp(inner, shared::kMatterBlock);
-  slots = firstSkin + static_cast<std::uint32_t>(lattice.cells()) - inner;
+  skinCount = static_cast<std::uint32_t>(std::ranges::count(hasSkin, 1));
+  firstInner = roundedUp(skinCount, shared::kMatterBlock);
+  slots = firstInner + static_cast<std::uint32_t>(lattice.cells()) - skinCount;
   stride = roundedUp(std::size_t{slots} + 1, kStrideUnit);
   corners.resize(slots);
   volumes.assign(std::size_t{slots} + 1, 0);
   const double cube = std::pow(lattice.spacing_m(), 3);
-  std::uint32_t nextInner = 0, nextSkin = firstSkin;
+  std::uint32_t nextSkin = 0, nextInner = firstInner;
   for (std::size_t c = 0; c < lattice.cells(); ++c) {
     const std::uint32_t slot = slotOf.emplace_back(hasSkin[c] != 0 ? nextSkin++ : nextInner++);
     const SoftLattice::Corners& nodes = lattice.corners()[c];
@@ -64,13 +64,13 @@ void SoftLayout::placeSkin(const SoftLattice& lattice, std::span<const SkinPlace
   std::vector<std::size_t> order(places.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, {}, [&](std::size_t i) { return slotOf[places[i].at.cell]; });
-  skinCells.resize(std::size_t{slots} - firstSkin + 1);
+  skinCells.resize(std::size_t{skinCount} + 1);
   for (std::size_t c = 0; c < lattice.cells(); ++c)
-    if (slotOf[c] >= firstSkin) skinCells[slotOf[c] - firstSkin].corner = lattice.rest()[lattice.corners()[c][0]];
+    if (slotOf[c] < skinCount) skinCells[slotOf[c]].corner = lattice.rest()[lattice.corners()[c][0]];
   std::uint32_t next = 0;
   for (std::size_t k = 0; k < skinCells.size(); ++k) {
     skinCells[k].first = next;
-    for (; next < order.size() && slotOf[places[order[next]].at.cell] == firstSkin + k; ++next) {
+    for (; next < order.size() && slotOf[places[order[next]].at.cell] == k; ++next) {
       const SkinPlace& place = places[order[next]];
       skin.emplace_back(place.at.share, place.stiffness);
       skin.emplace_back(place.rest, 0);

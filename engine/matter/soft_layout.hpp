@@ -17,8 +17,8 @@ struct SoftLayout {
   /// `skin`: in any order.
   SoftLayout(const SoftLattice& lattice, std::span<const SkinPlace> skin);
 
-  std::uint32_t inner = 0;      ///< cells without a place of the skin, in the first slots
-  std::uint32_t firstSkin = 0;  ///< slot of the first cell with one, where a block begins
+  std::uint32_t skinCount = 0;   ///< cells with a place of the skin, in the first slots
+  std::uint32_t firstInner = 0;  ///< slot of the first cell without one, where a block begins
   std::uint32_t slots = 0;
   std::uint32_t stride = 0;  ///< of planes, floats
   float beyond = 0;          ///< shared::SoftSetting::beyond

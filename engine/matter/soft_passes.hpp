@@ -9,8 +9,8 @@ namespace palpate {
 /// How much of everything a soft body on a GPU has.
 struct SoftSizes {
   std::uint32_t nodes = 0;
-  std::uint32_t inner = 0, firstSkin = 0, slots = 0, stride = 0;  ///< SoftLayout's
-  std::uint32_t skin = 0;                                         ///< places
+  std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< SoftLayout's
+  std::uint32_t skin = 0;                                              ///< places
   std::uint32_t points = 0;                                       ///< that it carries
   std::uint32_t tools = 0;
   std::uint32_t substeps = 1;  ///< in a step

@@ -43,12 +43,12 @@ void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
   barrier();
 }
 
-// The rows `row` and the next one, from a block on, for all invocations of a workgroup.
-void sumRows(Vec4s sums, uint row, uint firstBlock, uint blocks, bool keepsLargest, out vec4 a, out vec4 b) {
+// Of the row `row` and the next one, of `width` blocks, the first ones summed up, for all invocations of a workgroup.
+void sumRows(Vec4s sums, uint row, uint width, uint blocks, bool keepsLargest, out vec4 a, out vec4 b) {
   a = b = vec4(0);
-  for (uint block = firstBlock + gl_LocalInvocationIndex; block < blocks; block += kMatterBlock) {
-    a = combined(a, sums.at[row * blocks + block], false);
-    b = combined(b, sums.at[(row + 1) * blocks + block], keepsLargest);
+  for (uint block = gl_LocalInvocationIndex; block < blocks; block += kMatterBlock) {
+    a = combined(a, sums.at[row * width + block], false);
+    b = combined(b, sums.at[(row + 1) * width + block], keepsLargest);
   }
   addUp(a, b, keepsLargest);
 }

@@ -23,10 +23,10 @@ void main() {
     return;
   }
   vec4 onWalls, momentum;
-  sumRows(args.sums, 0, 0, args.blocks, true, onWalls, momentum);
+  sumRows(args.sums, 0, args.blocks, args.blocks, true, onWalls, momentum);
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     vec4 impulse, angular;
-    sumRows(args.sums, kRowsOfAll + 2 * tool, 0, args.blocks, false, impulse, angular);
+    sumRows(args.sums, kRowsOfAll + 2 * tool, args.blocks, args.blocks, false, impulse, angular);
     if (first) reactTool(tool, impulse.xyz, angular.xyz);
   }
   if (!first) return;

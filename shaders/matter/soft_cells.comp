@@ -11,7 +11,6 @@ layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
 #include "shaders/lib/soft_cells.glsl"
 
 Corners moved, velocity, forces;
-uint skinCell;  // number among those with skin
 
 void readNodes(uint slot) {
   const uvec4 corners = args.corners.at[slot];
@@ -23,8 +22,8 @@ void readNodes(uint slot) {
 }
 
 // Whether a place of the skin in the cell may be in a wall or a ball: all are between the corners.
-bool mayMeet() {
-  const vec3 corner = args.skinCells.at[skinCell].corner;
+bool mayMeet(uint slot) {
+  const vec3 corner = args.skinCells.at[slot].corner;
   const float spacing = SETTING.spacing, beyond = SETTING.beyond, ball = SETTING.ball;
   vec3 low = corner + moved.at[0], high = low;
   [[unroll]] for (uint k = 1; k < 8; ++k) {
@@ -77,7 +76,7 @@ void handToCorners(vec3 share, vec3 force) {
 vec3 pressOnWalls(uint slot) {
   const vec3 box = SETTING.box;
   vec3 sum = vec3(0);
-  for (uint at = args.skinCells.at[skinCell].first; at < args.skinCells.at[skinCell + 1].first; ++at) {
+  for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
     const SkinNow now = skinAt(slot, at);
     const vec3 force = wallsForce(now.touch, box, now.place, now.velocity);
     if (force == vec3(0)) continue;
@@ -91,7 +90,7 @@ vec3 pressOnWalls(uint slot) {
 void pressOnTool(uint slot, uint tool, inout vec3 impulse, inout vec3 angular) {
   const vec3 middle = args.tools.at[tool].place, speed = args.tools.at[tool].velocity, spin = args.tools.at[tool].spin;
   const float radius = SETTING.ball, step = SETTING.step;
-  for (uint at = args.skinCells.at[skinCell].first; at < args.skinCells.at[skinCell + 1].first; ++at) {
+  for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
     const SkinNow now = skinAt(slot, at);
     const vec3 offset = now.place - middle;
     const vec3 force = ballForce(now.touch, radius, offset, now.velocity - (speed + cross(spin, offset)));
@@ -122,13 +121,12 @@ void meetTools(uint slot, bool meets) {
 
 void main() {
   const uint slot = threadIndex();
-  const bool isCell = holdsCell(slot), hasSkin = workgroupIndex() * kMatterBlock >= args.firstSkin;
+  const bool isCell = holdsCell(slot), hasSkin = workgroupIndex() * kMatterBlock < args.firstInner;
   bool meets = false;
   float compression = 0;
   if (isCell) {
     readNodes(slot);
-    skinCell = slot - args.firstSkin;
-    meets = hasSkin && mayMeet();
+    meets = hasSkin && mayMeet(slot);
     takeModes(moved);
     takeModes(velocity);
     const SoftRules rules = softRules();

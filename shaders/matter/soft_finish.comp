@@ -10,8 +10,8 @@ layout(push_constant, scalar) uniform Push { SoftFinishArgs args; };
 
 void main() {
   vec4 onWalls, compressed, onPins, momentum;
-  sumRows(args.cellSums, 0, 0, args.cellBlocks, true, onWalls, compressed);
-  sumRows(args.nodeSums, 0, 0, args.nodeBlocks, false, onPins, momentum);
+  sumRows(args.cellSums, 0, args.cellBlocks, args.cellBlocks, true, onWalls, compressed);
+  sumRows(args.nodeSums, 0, args.nodeBlocks, args.nodeBlocks, false, onPins, momentum);
   if (gl_LocalInvocationIndex != 0) return;
   args.total.now.onWalls = onWalls.xyz + onPins.xyz;
   args.total.now.kinetic = onPins.w;

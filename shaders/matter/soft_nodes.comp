@@ -13,7 +13,7 @@ layout(push_constant, scalar) uniform Push { SoftNodesArgs args; };
 void moveTools() {
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     vec4 impulse, angular;
-    sumRows(args.cellSums, kSoftRowsOfAll + 2 * tool, args.firstSkinBlock, args.cellBlocks, false, impulse, angular);
+    sumRows(args.cellSums, kSoftRowsOfAll + 2 * tool, args.cellBlocks, args.skinBlocks, false, impulse, angular);
     if (gl_LocalInvocationIndex != 0) continue;
     reactTool(tool, impulse.xyz, angular.xyz);
     if (args.ends == 0) predictTool(tool, args.substep + 1);

@@ -1,5 +1,5 @@
 // What the passes of a soft body on a GPU read and write (engine/matter/soft_passes.hpp). Its cells stand in slots: first
-// those without a place of the skin, then, from a whole block on, those with some. What is by slot and by corner or
+// those with a place of the skin, which take longest, then, from a whole block on, those without. What is by slot and by corner or
 // axis stands in planes of `stride` floats, one behind the other; behind the last slot is one that is no cell, where
 // all planes are 0.
 #ifndef PALPATE_SHARED_SOFT_PASSES_H
@@ -74,8 +74,8 @@ struct SoftCellsArgs {
   PALPATE_ADDRESS(Vec4s) skin;
   PALPATE_ADDRESS(ToolStates) tools;
   PALPATE_ADDRESS(Vec4s) sums;  // out: rows of blocks of slots
-  uint inner;                   // cells without places of the skin
-  uint firstSkin;               // slot
+  uint skinCount;               // cells with places of the skin
+  uint firstInner;              // slot of the first one without
   uint slots;
   uint stride;
   uint blocks;
@@ -99,7 +99,7 @@ struct SoftNodesArgs {
   uint stride;
   uint blocks;
   uint cellBlocks;
-  uint firstSkinBlock;  // of those of cells
+  uint skinBlocks;  // of those of cells
   uint toolCount;
   uint hasPins;
   uint substep;
@@ -125,8 +125,8 @@ struct SoftStrainArgs {
   PALPATE_ADDRESS(UVec4s) corners;
   PALPATE_ADDRESS(Floats) volumes;
   PALPATE_ADDRESS(Floats) gradients;  // out: planes, times the volume
-  uint inner;
-  uint firstSkin;
+  uint skinCount;
+  uint firstInner;
   uint slots;
   uint stride;
 };

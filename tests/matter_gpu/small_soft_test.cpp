@@ -233,18 +233,18 @@ TEST_CASE_FIXTURE(GpuFixture, "points go into a live cloud as it has them: in it
   }
 }
 
-TEST_CASE("cells with skin stand from a block on, each with its places, and every corner is read by its node alone") {
+TEST_CASE("cells with skin stand first, each with its places, and every corner is read by its node alone") {
   const MatterScene scene = snug({9, 8, 7});
   const SoftSolid solid = solidOf(scene);
   const SoftMaterial material = materialOf(scene);
   const std::vector<SkinPlace> skin =
       skinOf(solid.lattice, nodeMasses(solid.lattice, 1), solid.surface, touchFrequency(material, 0.005));
   const SoftLayout layout(solid.lattice, skin);
-  CHECK(layout.inner == 7 * 6 * 5);
-  CHECK(layout.firstSkin == 256);
-  CHECK(layout.slots - layout.firstSkin == 9 * 8 * 7 - 7 * 6 * 5);
+  CHECK(layout.skinCount == 9 * 8 * 7 - 7 * 6 * 5);
+  CHECK(layout.firstInner == 512);
+  CHECK(layout.slots - layout.firstInner == 7 * 6 * 5);
   CHECK(layout.stride > layout.slots);
-  REQUIRE(layout.skinCells.size() == layout.slots - layout.firstSkin + 1);
+  REQUIRE(layout.skinCells.size() == layout.skinCount + 1);
   CHECK(layout.skinCells.front().first == 0);
   CHECK(layout.skinCells.back().first == skin.size());
   // Where the places rest is in the cell in whose range they stand.

@@ -20,7 +20,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what a ball got is what the body l
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU what is pushed and let go returns to where it was") {
-  checkReturn(softOnGpu(device), 150, 700);
+  checkReturn(softOnGpu(device), 150, 850);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU random hands get no energy out of a soft body") {
