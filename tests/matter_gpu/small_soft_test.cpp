@@ -1,5 +1,7 @@
 // Soft bodies of a few cells on the GPU against the same ones on the CPU, and the points that they carry.
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <numeric>
@@ -269,6 +271,37 @@ TEST_CASE("cells with skin stand first, each with its places, and every corner i
   CHECK(std::accumulate(readers.begin(), readers.end(), 0) == 8 * 9 * 8 * 7);
   CHECK(*std::ranges::max_element(readers) == 1);
   CHECK(layout.volumes[layout.slots] == 0);
+}
+
+TEST_CASE("no place of the skin is farther beyond the corners of its cell than the pass looks, wherever these go") {
+  const MatterScene scene = snug({2, 2, 2});
+  const SoftSolid solid = solidOf(scene);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> anywhere(-1, 1);
+  CHECK(SoftLayout(solid.lattice, std::vector<SkinPlace>{{.at = {.cell = 0, .share = {0, 1, 0.5f}}}}).beyond < 1e-5f);
+  for (const float most : {0.01f, 0.1f, 0.4f}) {
+    CAPTURE(most);
+    const std::array<SkinPlace, 2> skin{SkinPlace{.at = {.cell = 0, .share = {0.5f, -most, 0.2f}}},
+                                        SkinPlace{.at = {.cell = 3, .share = {0.3f, 1, 0.5f + most}}}};
+    const float beyond = SoftLayout(solid.lattice, skin).beyond;
+    float farthest = 0;
+    for (int k = 0; k < 20000; ++k) {
+      // At corners of what shares may be places are farthest.
+      const auto end = [&] { return anywhere(random) > 0 ? 1 + most : -most; };
+      const Vec3 share(end(), end(), end());
+      float low = 1, high = -1, place = 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        const float at = anywhere(random) > 0 ? 1.0f : -1.0f;
+        low = std::min(low, at);
+        high = std::max(high, at);
+        place += shared::cornerShare(share, corner) * at;
+      }
+      const float over = std::max(place - high, low - place);
+      REQUIRE(over <= beyond * (high - low) + 1e-5f);
+      farthest = std::max(farthest, over / std::max(high - low, 1e-9f));
+    }
+    CHECK(farthest > 0.9f * beyond);
+  }
 }
 
 }  // namespace palpate
