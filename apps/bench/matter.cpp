@@ -20,12 +20,15 @@ constexpr int kPassSteps = 20;  // in which passes are timed one by one
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
   std::int64_t points = 0;  // that a soft body carries; 0: its skin
+  double depth_mm = 0;  // of what fills the tank; 0: as deep as wide
   bool passes = false;
 };
 
 // A tank as wide as it is filled, with room for a ball above that weighs what it displaces.
-MatterScene sceneOf(Matter matter, std::size_t particles) {
-  const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(particles))));
+MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
+  const auto count = static_cast<double>(particles);
+  const double wanted = depth_mm > 0 ? std::sqrt(count * kSpacing_mm / depth_mm) : std::cbrt(count);
+  const double side = std::max(2 * kBall_spacings + 1, std::round(wanted));
   const double layers = std::max(1.0, std::round(static_cast<double>(particles) / (side * side)));
   const double radius_m = kBall_spacings * kSpacing_mm * 1e-3, density_kg_m3 = matter == Matter::sand ? 1600 : 1000;
   MatterScene scene{.matter = matter,
@@ -43,7 +46,7 @@ MatterScene softScene(std::size_t nodes) {
   const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(nodes))) - 1);
   const double layers =
       std::max(1.0, std::round(static_cast<double>(nodes) / ((side + 1) * (side + 1))) - 1);
-  MatterScene scene = sceneOf(Matter::water, 0);
+  MatterScene scene = sceneOf(Matter::water, 0, 0);
   scene.matter = Matter::soft;
   scene.viscosity_Pa_s = kSoftViscosity_Pa_s;
   scene.fill_mm = DVec3(side, layers, side) * kSpacing_mm;
@@ -187,6 +190,7 @@ Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& 
   return {{"matter", nameOf(kMatters, one.scene.matter)},
           {"backend", one.backend},
           {"particles", stirred.world().particles()},
+          {"depth_mm", one.scene.fill_mm.y},
           {"substeps", substeps},
           {"step", {{"gpu_us", summaryOf(summarize(gpu_us))}, {"wall_us", summaryOf(summarize(wall_us))}}},
           {"substep",
@@ -203,14 +207,16 @@ std::string said(const Json& summary) {
 }
 
 void print(std::FILE* out, const Json& records) {
-  fmt::print(out, "\nmatter that a ball stirs or presses: us, median / p99.9\n{:<8}{:<9}{:>11}{:>10}", "", "", "particles",
-             "substeps");
+  fmt::print(out, "\nmatter that a ball stirs or presses: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "",
+             "particles", "depth, mm", "substeps");
   for (const char* column : {"step, on the GPU", "in all", "substep, on the GPU", "in all"})
     fmt::print(out, "{:>24}", column);
   fmt::print(out, "\n");
   for (const Json& record : records) {
-    fmt::print(out, "{:<8}{:<9}{:>11}{:>10}", record["matter"].get<std::string>(), record["backend"].get<std::string>(),
-               record["particles"].get<std::size_t>(), record["substeps"].get<std::size_t>());
+    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(),
+               record["backend"].get<std::string>(),
+               record["particles"].get<std::size_t>(), record["depth_mm"].get<double>(),
+               record["substeps"].get<std::size_t>());
     for (const char* span : {"step", "substep"})
       for (const char* clock : {"gpu_us", "wall_us"}) fmt::print(out, "{:>24}", said(record[span][clock]));
     fmt::print(out, "\n");
@@ -233,7 +239,8 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
         context.log().say("matter: {} particles of {}, {}", size, name, backend);
         const Matter matter = *valueNamed(kMatters, name);
         const auto particles = static_cast<std::size_t>(size);
-        const MatterScene scene = matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles);
+        const MatterScene scene =
+            matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
         records.push_back(measure(context, {.scene = scene, .backend = backend, .points = options.points}, options));
       }
   print(context.tables(), records);
@@ -243,25 +250,32 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
 }  // namespace
 
 void addMatterBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("matter", "a millisecond of water, sand or a soft body that a hand stirs or presses");
+  Options& sub =
+      bench.addSubcommand("matter", "a millisecond of water, sand or a soft body that a hand stirs or presses");
   const auto options = std::make_shared<MatterBenchOptions>();
-  sub.add("--sizes", options->sizes, "numbers of particles, or of nodes, about; a tank is filled for each, or a cube made (default 100000)")
+  sub.add("--sizes", options->sizes,
+          "numbers of particles, or of nodes, about; a tank is filled for each, or a cube made (default 100000)")
       .check(wholeBetween(1, 1e8))
       .typeName("N...");
   sub.add("--matter", options->matters, "what is stirred, or pressed where it is soft: water, sand, soft")
       .check(oneOf(namesOf(kMatters)))
       .separatedBy(',')
       .showDefault();
-  sub.add("--points", options->points, "points that a soft body carries, about; 0: a place of each half spacing of its skin")
+  sub.add("--points", options->points,
+          "points that a soft body carries, about; 0: a place of each half spacing of its skin")
       .check(wholeBetween(0, 1e8))
       .showDefault();
+  sub.add("--depth", options->depth_mm,
+          "how deep water and sand lie, and so how many substeps they need (default: as deep as wide)")
+      .check(between(10, 1e5))
+      .typeName("MM");
   addBackendsOption(sub, *options, matterBackends());
   sub.addFlag("--passes", options->passes, "time each pass by itself, too, in further steps");
   addRepeatOptions(sub, *options);
   sub.footer(
       "Time of a step of a millisecond and its share for each substep, on the GPU's clock and with all that the host "
-      "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a frame "
-      "of the points that it carries: where they are carried, and until they are on the host.\n");
+      "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a "
+      "frame of the points that it carries: where they are carried, and until they are on the host.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "matter", [&] { return benchMatter(context, *options); });

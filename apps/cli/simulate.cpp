@@ -111,8 +111,8 @@ void addSimulate(Options& app, Context& context, Command& command) {
   std::vector<std::string> backends = matterBackends();
   backends.insert(backends.begin(), "auto");
   sub.add("--backend", options->backend,
-          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU, and otherwise cpu; times are a GPU's own "
-          "where it keeps any")
+          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU, and otherwise cpu; times are a GPU's "
+          "own where it keeps any")
       .check(oneOf(std::move(backends)))
       .showDefault();
   sub.add("--model", options->model, "a closed cloud that is the surface of a soft scene, in place of the scene's own")

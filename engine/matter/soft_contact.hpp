@@ -17,8 +17,8 @@ struct SkinPlace {
   float stiffness = 0;  ///< N/m
 };
 
-/// As stiff as may be while all springs together have no higher frequency than that (rad/s), whatever the nodes of those
-/// masses (kg) do.
+/// As stiff as may be while all springs together have no higher frequency than that (rad/s), whatever the nodes of
+/// those masses (kg) do.
 std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float> masses,
                               std::span<const SurfacePlace> surface, double frequency_rad_s);
 

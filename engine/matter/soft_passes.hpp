@@ -20,7 +20,8 @@ struct SoftSizes {
   std::uint32_t nodeBlocks() const;
 };
 
-/// What the passes of a soft body work on: shaders/shared/soft_passes.h says what stands in each. Throws OutOfGpuMemory.
+/// What the passes of a soft body work on: shaders/shared/soft_passes.h says what stands in each. Throws
+/// OutOfGpuMemory.
 struct SoftMemory {
   SoftMemory(Device& device, const SoftSizes& sizes);
 

@@ -13,7 +13,7 @@ layout(push_constant, scalar) uniform Push { MatterFinishArgs args; };
 void main() {
   if (args.control.now.state != kMatterRunning) return;
   const bool first = gl_LocalInvocationIndex == 0;
-  const bool runs = isRunning(), made = needsLists();
+  const bool runs = isRunning(), stale = needsLists();
   const bool diverges = args.control.now.farthest >= kNotFinite;
   barrier();  // from here on one invocation changes what all have read
   if (!runs) {
@@ -35,8 +35,8 @@ void main() {
   args.total.now.momentum = momentum.xyz;
   args.total.now.mostCompression = momentum.w;
   args.control.now.parity = 1 - args.control.now.parity;
-  args.control.now.lists += made ? 1 : 0;
-  args.control.now.listed = 1;
+  if (stale && args.makesLists != 0) args.control.now.lists += 1;
+  if (stale && args.makesLists == 0) args.control.now.late += 1;
   args.control.now.farthest = 0;
   args.control.now.substeps = args.substep + 1;
   if (!(onWalls.w <= SETTING.mostKinetic)) args.control.now.state = kMatterDiverged;

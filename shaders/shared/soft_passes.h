@@ -1,7 +1,7 @@
-// What the passes of a soft body on a GPU read and write (engine/matter/soft_passes.hpp). Its cells stand in slots: first
-// those with a place of the skin, which take longest, then, from a whole block on, those without. What is by slot and by corner or
-// axis stands in planes of `stride` floats, one behind the other; behind the last slot is one that is no cell, where
-// all planes are 0.
+// What the passes of a soft body on a GPU read and write (engine/matter/soft_passes.hpp). Its cells stand in slots:
+// first those with a place of the skin, which take longest, then, from a whole block on, those without. What is by slot
+// and by corner or axis stands in planes of `stride` floats, one behind the other; behind the last slot is one that is
+// no cell, where all planes are 0.
 #ifndef PALPATE_SHARED_SOFT_PASSES_H
 #define PALPATE_SHARED_SOFT_PASSES_H
 #include "shaders/shared/matter_state.h"
@@ -67,7 +67,7 @@ PALPATE_SIZE(SoftPredictArgs, 32);
 struct SoftCellsArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
-  PALPATE_ADDRESS(UVec4s) corners;  // of each slot: the nodes of the corners 0, 2, 4 and 6; next to them those of 1, 3, 5, 7
+  PALPATE_ADDRESS(UVec4s) corners;  // of each slot: the nodes of corners 0, 2, 4 and 6; next to them are 1, 3, 5 and 7
   PALPATE_ADDRESS(Floats) volumes;  // of what is in each slot, m^3
   PALPATE_ADDRESS(Floats) forces;   // out: planes, N
   PALPATE_ADDRESS(SoftSkinCells) skinCells;

@@ -109,7 +109,8 @@ void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
   const double length = spacings.x * kSpacing_m, height = spacings.y * kSpacing_m, width = spacings.z * kSpacing_m;
   const double inertia = width * std::pow(height, 3) / 12, area = width * height;
   const double shear = kYoung_Pa / 2, factor = 10.0 / 12;  // Cowper 1966, for a Poisson's ratio of 0
-  const double perLoad = std::pow(length, 4) / (8 * kYoung_Pa * inertia) + length * length / (2 * factor * shear * area);
+  const double perLoad =
+      std::pow(length, 4) / (8 * kYoung_Pa * inertia) + length * length / (2 * factor * shear * area);
   // Upwards, away from the floor.
   const double load_N_m = 0.02 * length / perLoad;
   scene.gravity_m_s2 = {0, load_N_m / (1000 * area), 0};

@@ -174,7 +174,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a scan bends on the GPU as on the CPU, and takes 
   CHECK(both.gpu->particles() == solid.lattice.nodes());
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points at rest are where they were to the bit, and an even strain carries them exactly") {
+TEST_CASE_FIXTURE(GpuFixture, "on the GPU points at rest keep their bits, and an even strain carries them exactly") {
   const MatterScene scene = scanScene();
   std::vector<SurfacePlace> points;
   const SoftSolid solid = torus(scene, points);
@@ -207,7 +207,7 @@ TEST_CASE_FIXTURE(GpuFixture, "points at rest are where they were to the bit, an
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "points go into a live cloud as it has them: in its units, from its origin, with their ids") {
+TEST_CASE_FIXTURE(GpuFixture, "points go into a live cloud in its units, from its origin, with their ids") {
   const MatterScene scene = snug({3, 2, 2});
   GpuSoftWorld world(device, device.latencyQueue(), scene);
   run(world, 3);
