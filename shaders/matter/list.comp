@@ -1,6 +1,5 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 // Who is near whom, in the order of the cells about a particle. What was sorted goes back to where the other passes have
 // it: each invocation moves its own slot, and reads others only where they were sorted.
 #include "shaders/lib/index.glsl"
@@ -11,8 +10,6 @@ layout(push_constant, scalar) uniform Push { MatterListArgs args; };
 #include "shaders/lib/matter_lists.glsl"
 #include "shaders/lib/matter_setting.glsl"
 
-const uint kAtOnce = 4;
-
 uint slot, count;
 uvec4 four;  // the last neighbours, until there are four
 vec3 seenFrom;
@@ -21,20 +18,15 @@ vec3 seenFrom;
 bool listRun(uint begin, uint end, uint image) {
   const float reach2 = SETTING.listed * SETTING.listed;
   const uint most = SETTING.mostListed;
-  for (uint first = begin; first < end; first += kAtOnce) {
-    vec3 others[kAtOnce];  // all of them are asked for before the first one is waited for
-    [[unroll]] for (uint k = 0; k < kAtOnce; ++k) others[k] = args.sortedPlaces.at[min(first + k, end - 1)].xyz;
-    [[unroll]] for (uint k = 0; k < kAtOnce; ++k) {
-      const uint other = first + k;
-      const vec3 offset = seenFrom - others[k];
-      if (!(dot(offset, offset) < reach2) || other == slot || other >= end) continue;
-      if (count == most) return false;
-      const uint part = count % kListedAtOnce, neighbour = listed(other, image);
-      four = uvec4(part == 0 ? neighbour : four.x, part == 1 ? neighbour : four.y, part == 2 ? neighbour : four.z,
-                   part == 3 ? neighbour : four.w);
-      if (part + 1 == kListedAtOnce) args.lists.at[count / kListedAtOnce * args.stride + slot] = four;
-      ++count;
-    }
+  for (uint other = begin; other < end; ++other) {
+    const vec3 offset = seenFrom - args.sortedPlaces.at[other].xyz;
+    if (!(dot(offset, offset) < reach2) || other == slot) continue;
+    if (count == most) return false;
+    const uint part = count % kListedAtOnce, neighbour = listed(other, image);
+    four = uvec4(part == 0 ? neighbour : four.x, part == 1 ? neighbour : four.y, part == 2 ? neighbour : four.z,
+                 part == 3 ? neighbour : four.w);
+    if (part + 1 == kListedAtOnce) args.lists.at[count / kListedAtOnce * args.stride + slot] = four;
+    ++count;
   }
   return true;
 }
