@@ -76,8 +76,7 @@ void convert(Context& context, const ConvertOptions& options) {
   ConvertInput input = readInput(context, options);
   StoredCloud& stored = input.stored;
   if (options.normals == "estimate") estimateNormals(stored.cloud, 16, context.threads());
-  std::vector<std::string> lost = stored.lost;
-  for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  std::vector<std::string> lost = lostOnTheWay(stored, to);
   if (!stored.leftOut.empty()) lost.push_back(stored.leftOut + " (--all-points keeps them)");
   const std::vector<std::string> kept = attributesOf(stored);
   // Before it is gone.

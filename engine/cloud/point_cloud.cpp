@@ -5,9 +5,14 @@
 
 namespace palpate {
 
+DVec3 CoordinateGrid::nearest(const DVec3& p) const { return glm::round((p - offset) / step); }
+
 DVec3 PointCloud::fileCoordinates(std::size_t i) const {
   if (!exactPositions.empty() && Vec3(exactPositions[i] - origin) == positions[i]) return exactPositions[i];
-  return origin + DVec3(positions[i]);
+  const DVec3 place = origin + DVec3(positions[i]);
+  if (!storedAs.grid) return place;
+  const DVec3 onGrid = storedAs.grid->at(storedAs.grid->nearest(place));
+  return Vec3(onGrid - origin) == positions[i] ? onGrid : place;
 }
 
 double Bounds::longestSide() const {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,23 @@ struct Attribute {
   std::vector<std::byte> data;  ///< size() values in native byte order
 };
 
+/// Coordinates that a file stores as whole numbers k: offset + k * step, in double precision.
+struct CoordinateGrid {
+  DVec3 step{1}, offset{0};
+
+  DVec3 at(const DVec3& k) const { return k * step + offset; }
+  /// The whole numbers of the place next to `p`.
+  DVec3 nearest(const DVec3& p) const;
+  bool operator==(const CoordinateGrid&) const = default;
+};
+
+/// What only the format that a cloud came from can keep: its reader leaves it for its writer.
+struct FormatBaggage {
+  virtual ~FormatBaggage() = default;
+  std::string format;    ///< its name
+  std::string sentence;  ///< what any other format loses of it, in words; empty: nothing
+};
+
 /// How a cloud was stored, so that it is written back the same way.
 struct StoredAs {
   ScalarType position = ScalarType::f32;  ///< f32 or f64; f64 is used in any case when the origin is not zero
@@ -26,6 +45,10 @@ struct StoredAs {
   ScalarType color = ScalarType::u8;      ///< u8: 0 to 255, u16: 0 to 65535, f32 and f64: 0 to 1
   bool alpha = false;                     ///< colours have a fourth channel; otherwise alpha is 255
   std::vector<std::string> comments;      ///< header lines that begin with `comment` or `obj_info`, with that word
+  /// Where the file's coordinates are whole numbers. A point whose position is still the float32 of a place of the grid
+  /// is at that place, bit by bit, where float32 tells the places apart.
+  std::optional<CoordinateGrid> grid = {};
+  std::shared_ptr<const FormatBaggage> baggage = {};  ///< null: none
 };
 
 struct PointCloud {

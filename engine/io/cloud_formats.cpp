@@ -11,6 +11,7 @@
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/gaussian_format.hpp"
+#include "engine/io/las_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
@@ -85,6 +86,7 @@ std::string CloudFormats::endingsWritten() const {
 const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(),
+      lasFormat(),
       xyzFormat(),
       colmapFormat(),
       colmapDenseFormat(),
@@ -92,6 +94,14 @@ const CloudFormats& cloudFormats() {
   };
   static const CloudFormats table{formats};
   return table;
+}
+
+std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to) {
+  std::vector<std::string> lost = stored.lost;
+  for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
+  const auto& baggage = stored.cloud.storedAs.baggage;
+  if (baggage && baggage->format != to.name && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
+  return lost;
 }
 
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats) {

@@ -30,6 +30,9 @@ class CloudFormats {
 /// All that there are.
 const CloudFormats& cloudFormats();
 
+/// What of a file that was read is not in one that is written in the format `to`, in words.
+std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudFormat& to);
+
 /// What the file says that it holds. Throws FileError.
 FileContents contentsOf(const std::filesystem::path& file, const CloudFormats& formats = cloudFormats());
 

@@ -1,0 +1,92 @@
+#include "engine/io/las_grid.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include <glm/common.hpp>
+
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
+constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+
+Bounds boxInFile(const PointCloud& cloud) {
+  Bounds box{cloud.fileCoordinates(0), cloud.fileCoordinates(0)};
+  for (std::size_t i = 1; i < cloud.size(); ++i) {
+    const DVec3 p = cloud.fileCoordinates(i);
+    box = {glm::min(box.min, p), glm::max(box.max, p)};
+  }
+  return box;
+}
+
+double largest(const DVec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+/// Whether 32 bits hold the numbers of all points.
+bool fits(const CoordinateGrid& grid, const Bounds& box) {
+  for (const DVec3& corner : {grid.nearest(box.min), grid.nearest(box.max)})
+    for (int k = 0; k < 3; ++k)
+      if (!(corner[k] >= kLeast && corner[k] <= kMost)) return false;
+  return true;
+}
+
+/// `beside`: how far from a place, in parts of a coordinate's size, a point may be.
+bool allOn(const CoordinateGrid& grid, const PointCloud& cloud, double beside) {
+  std::atomic<bool> all = true;
+  parallelBlocks(cloud.size(), 1 << 16, 0, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end && all; ++i) {
+      const DVec3 p = cloud.fileCoordinates(i);
+      const DVec3 on = grid.at(grid.nearest(p));
+      for (int k = 0; k < 3; ++k)
+        if (!(std::abs(on[k] - p[k]) <= beside * std::abs(p[k]))) all = false;
+    }
+  });
+  return all;
+}
+
+/// As many halvings as 32 bits leave room for, and float32 can use.
+CoordinateGrid refined(const CoordinateGrid& grid, const Bounds& box) {
+  constexpr int kMostHalvings = 20;
+  CoordinateGrid finer = grid;
+  for (int k = 0; k < kMostHalvings; ++k) {
+    CoordinateGrid next = finer;
+    next.step *= 0.5;
+    if (!fits(next, box)) break;
+    finer = next;
+  }
+  return finer;
+}
+
+}  // namespace
+
+LasGrid lasGridFor(const PointCloud& cloud) {
+  constexpr double kRounding = 4e-16;  // of a decimal that is the sum of two
+  const auto& known = cloud.storedAs.grid;
+  if (cloud.empty()) return {known.value_or(CoordinateGrid{DVec3(1e-3), DVec3(0)})};
+  const Bounds box = boxInFile(cloud);
+  if (known && fits(*known, box)) {
+    if (allOn(*known, cloud, 0)) return {*known};
+    const CoordinateGrid finer = refined(*known, box);
+    return {finer, allOn(finer, cloud, 0)};
+  }
+  const DVec3 middle = glm::round(box.center());
+  for (double parts = 1; parts <= 1e9; parts *= 10) {
+    CoordinateGrid decimal{DVec3(1 / parts), DVec3(0)};
+    if (!fits(decimal, box)) decimal.offset = middle;
+    if (fits(decimal, box) && allOn(decimal, cloud, kRounding)) return {decimal, allOn(decimal, cloud, 0)};
+  }
+  // Half the numbers are left, so that a whole cell more at either end fits.
+  const auto finest = [](double reach) { return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMost / 2)))); };
+  CoordinateGrid binary{DVec3(finest(std::max(largest(box.min), largest(box.max)))), DVec3(0)};
+  if (allOn(binary, cloud, 0)) return {binary};
+  binary.step = DVec3(finest(0.5 * box.longestSide()));
+  binary.offset = glm::round(box.center() / binary.step) * binary.step;
+  return {binary, allOn(binary, cloud, 0)};
+}
+
+}  // namespace palpate

@@ -1,0 +1,296 @@
+#include "engine/io/las_layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <set>
+
+#include "engine/core/error.hpp"
+#include "engine/io/in_quotes.hpp"
+
+namespace palpate {
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "LAS is little endian, and is read as it is");
+
+template <class T>
+T load(std::span<const std::byte> bytes, std::size_t at) {
+  return loadScalar<T>(bytes.data() + at);
+}
+
+std::string textAt(std::span<const std::byte> bytes, std::size_t at, std::size_t longest) {
+  const auto* text = reinterpret_cast<const char*>(bytes.data() + at);
+  return {text, std::find(text, text + longest, '\0')};
+}
+
+void readLateFields(std::span<const std::byte> begin, LasHeader& header) {
+  if (header.minor >= 3) header.waveformsAt = load<std::uint64_t>(begin, 227);
+  if (header.minor < 4) return;
+  header.longRecordsAt = load<std::uint64_t>(begin, 235);
+  header.longRecords = load<std::uint32_t>(begin, 243);
+  if (header.longRecords == 0) header.longRecordsAt = 0;
+  // Some programs count in the older field alone.
+  if (const auto points = load<std::uint64_t>(begin, 247)) header.points = points;
+}
+
+CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::byte> begin) {
+  constexpr double kLargestStep = 1e20, kFarthest = 1e29;  // so that coordinates stay below 1e30
+  CoordinateGrid grid;
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t stepAt = 131 + 8 * static_cast<std::size_t>(k), offsetAt = stepAt + 24;
+    grid.step[k] = load<double>(begin, stepAt);
+    grid.offset[k] = load<double>(begin, offsetAt);
+    if (!std::isnormal(grid.step[k]) || !(std::abs(grid.step[k]) < kLargestStep))
+      throw FileError::atByte(file, stepAt,
+                              fmt::format("the scale of {} is {}; expected a number other than zero", "xyz"[k], grid.step[k]));
+    if (!(std::abs(grid.offset[k]) < kFarthest))
+      throw FileError::atByte(file, offsetAt,
+                              fmt::format("the offset of {} is {}; expected a finite number", "xyz"[k], grid.offset[k]));
+  }
+  return grid;
+}
+
+void checkPlaces(const std::filesystem::path& file, const LasHeader& header) {
+  const std::size_t least = header.minor == 4 ? kLasHeader14 : header.minor == 3 ? kLasHeader13 : kLasShortHeader;
+  if (header.size < least)
+    throw FileError::atByte(file, 94, fmt::format("a header of {} bytes; version 1.{} has at least {}", header.size,
+                                                  header.minor, least));
+  if (header.pointsAt < header.size)
+    throw FileError::atByte(file, 96, fmt::format("points at byte {}, inside the header of {}", header.pointsAt, header.size));
+}
+
+struct ExtraType {
+  ScalarType type;
+  bool wide, isSigned;
+};
+// By the number that the specification gives them, less 1.
+constexpr std::array<ExtraType, 10> kExtraTypes{{{ScalarType::u8, false, false},
+                                                 {ScalarType::i8, false, true},
+                                                 {ScalarType::u16, false, false},
+                                                 {ScalarType::i16, false, true},
+                                                 {ScalarType::u32, false, false},
+                                                 {ScalarType::i32, false, true},
+                                                 {ScalarType::f64, true, false},
+                                                 {ScalarType::f64, true, true},
+                                                 {ScalarType::f32, false, true},
+                                                 {ScalarType::f64, false, true}}};
+
+/// Makes names that files of text can hold, and no two the same.
+class NamesInUse {
+ public:
+  explicit NamesInUse(const LasPointFormat& format) {
+    for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "red", "green", "blue", "alpha", "r", "g", "b", "a"})
+      names_.insert(name);
+    for (const std::string_view name : kLasFineColors) names_.emplace(name);
+    for (const LasField& field : format.fields) names_.insert(field.name);
+  }
+  std::string next(std::string name) {
+    for (char& c : name)
+      if (c <= ' ' || c > '~' || c == ',' || c == ';') c = '_';
+    if (name.empty()) name = "extra";
+    const std::string first = name;
+    for (int number = 2; !names_.insert(name).second; ++number) name = fmt::format("{}_{}", first, number);
+    return name;
+  }
+
+ private:
+  std::set<std::string> names_;
+};
+
+void addWaves(LasPointFormat& format) {
+  const std::size_t at = format.bytes;
+  format.fields.push_back({.name = "wave_packet_descriptor", .at = at});
+  format.fields.push_back({.name = "wave_packet_offset", .at = at + 1, .type = ScalarType::f64, .wide = true});
+  format.fields.push_back({.name = "wave_packet_size", .at = at + 9, .type = ScalarType::u32});
+  std::size_t next = at + 13;
+  for (const char* name : {"return_point_wave_location", "wave_x_t", "wave_y_t", "wave_z_t"}) {
+    format.fields.push_back({.name = name, .at = next, .type = ScalarType::f32});
+    next += 4;
+  }
+  format.bytes = next;
+  format.hasWaves = true;
+}
+
+void addBits(LasPointFormat& format, std::size_t at, std::initializer_list<std::pair<const char*, unsigned>> names) {
+  unsigned shift = 0;
+  for (const auto& [name, bits] : names) {
+    format.fields.push_back({.name = name, .at = at, .shift = shift, .bits = bits});
+    shift += bits;
+  }
+}
+
+void addCore(LasPointFormat& format, bool extended) {
+  format.fields.push_back({.name = "intensity", .at = 12, .type = ScalarType::u16});
+  if (extended) {
+    addBits(format, 14, {{"return_number", 4}, {"number_of_returns", 4}});
+    addBits(format, 15,
+            {{"synthetic", 1}, {"key_point", 1}, {"withheld", 1}, {"overlap", 1}, {"scanner_channel", 2},
+             {"scan_direction_flag", 1}, {"edge_of_flight_line", 1}});
+    format.fields.push_back({.name = "classification", .at = 16});
+    format.fields.push_back({.name = "user_data", .at = 17});
+    format.fields.push_back({.name = "scan_angle", .at = 18, .type = ScalarType::i16});
+    format.fields.push_back({.name = "point_source_id", .at = 20, .type = ScalarType::u16});
+    format.bytes = 22;
+    return;
+  }
+  addBits(format, 14,
+          {{"return_number", 3}, {"number_of_returns", 3}, {"scan_direction_flag", 1}, {"edge_of_flight_line", 1}});
+  addBits(format, 15, {{"classification", 5}, {"synthetic", 1}, {"key_point", 1}, {"withheld", 1}});
+  format.fields.push_back({.name = "scan_angle_rank", .at = 16, .type = ScalarType::i8});
+  format.fields.push_back({.name = "user_data", .at = 17});
+  format.fields.push_back({.name = "point_source_id", .at = 18, .type = ScalarType::u16});
+}
+
+}  // namespace
+
+LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::byte> begin) {
+  const std::string magic = textAt(begin, 0, std::min<std::size_t>(4, begin.size()));
+  if (magic != "LASF")
+    throw FileError::atByte(file, 0, fmt::format("not a LAS file: it begins with {}, expected 'LASF'", inQuotes(magic)));
+  const auto need = [&](std::size_t bytes) {
+    if (begin.size() < bytes)
+      throw FileError::atByte(file, begin.size(), fmt::format("the file ends inside the header of {} bytes", bytes));
+  };
+  need(kLasShortHeader);
+  LasHeader header;
+  header.minor = load<std::uint8_t>(begin, 25);
+  if (load<std::uint8_t>(begin, 24) != 1 || header.minor > 4)
+    throw FileError::atByte(file, 24, fmt::format("LAS version {}.{}; 1.0 to 1.4 are read", load<std::uint8_t>(begin, 24),
+                                                  header.minor));
+  header.size = load<std::uint16_t>(begin, 94);
+  header.pointsAt = load<std::uint32_t>(begin, 96);
+  header.records = load<std::uint32_t>(begin, 100);
+  header.format = load<std::uint8_t>(begin, 104);
+  header.pointBytes = load<std::uint16_t>(begin, 105);
+  header.points = load<std::uint32_t>(begin, 107);
+  checkPlaces(file, header);
+  need(header.size);
+  if (header.format & 0xc0u)
+    throw FileError::atByte(file, 104, "the points are compressed (LAZ), which is not read; unpack the file to LAS first");
+  if (header.format >= kLasFormats)
+    throw FileError::atByte(file, 104, fmt::format("point format {}; 0 to {} are read", header.format, kLasFormats - 1));
+  if (const std::size_t least = lasPointFormat(header.format).bytes; header.pointBytes < least)
+    throw FileError::atByte(file, 105, fmt::format("points of {} bytes; those of format {} have at least {}",
+                                                   header.pointBytes, header.format, least));
+  header.grid = readGrid(file, begin);
+  readLateFields(begin, header);
+  return header;
+}
+
+std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHeader& header,
+                                  std::span<const std::byte> head) {
+  std::vector<LasRecord> records;
+  std::size_t at = header.size;
+  for (std::uint32_t k = 0; k < header.records; ++k) {
+    const std::size_t left = head.size() - at;
+    const std::size_t bytes = left < kLasRecordHead ? 0 : load<std::uint16_t>(head, at + 20);
+    if (left < kLasRecordHead || left - kLasRecordHead < bytes)
+      throw FileError::atByte(file, at, fmt::format("record {} of {} reaches into the points at byte {}", k + 1,
+                                                    header.records, head.size()));
+    records.push_back({.user = textAt(head, at + 2, 16),
+                       .id = load<std::uint16_t>(head, at + 18),
+                       .at = at,
+                       .head = head.subspan(at, kLasRecordHead),
+                       .data = head.subspan(at + kLasRecordHead, bytes)});
+    at += kLasRecordHead + bytes;
+  }
+  return records;
+}
+
+std::vector<LasRecord> lasLongRecords(const std::filesystem::path& file, const LasHeader& header,
+                                      std::span<const std::byte> tail, std::uint64_t tailAt) {
+  std::vector<LasRecord> records;
+  if (header.longRecords == 0) return records;
+  if (header.longRecordsAt < tailAt || header.longRecordsAt - tailAt > tail.size())
+    throw FileError::atByte(file, 235, fmt::format("records behind the points at byte {}; those bytes are {} to {}",
+                                                   header.longRecordsAt, tailAt, tailAt + tail.size()));
+  std::size_t at = header.longRecordsAt - tailAt;
+  for (std::uint32_t k = 0; k < header.longRecords; ++k) {
+    const std::size_t left = tail.size() - at;
+    const std::uint64_t bytes = left < kLasLongRecordHead ? 0 : load<std::uint64_t>(tail, at + 20);
+    if (left < kLasLongRecordHead || left - kLasLongRecordHead < bytes)
+      throw FileError::atByte(file, tailAt + at, fmt::format("record {} of {} behind the points is longer than the file",
+                                                             k + 1, header.longRecords));
+    records.push_back({.user = textAt(tail, at + 2, 16),
+                       .id = load<std::uint16_t>(tail, at + 18),
+                       .at = at,
+                       .head = tail.subspan(at, kLasLongRecordHead),
+                       .data = tail.subspan(at + kLasLongRecordHead, bytes)});
+    at += kLasLongRecordHead + bytes;
+  }
+  return records;
+}
+
+LasPointFormat lasPointFormat(unsigned number) {
+  LasPointFormat format;
+  const bool extended = number >= 6;
+  addCore(format, extended);
+  format.hasTime = extended || number == 1 || number >= 3;
+  if (format.hasTime) {
+    format.fields.push_back({.name = "gps_time", .at = format.bytes, .type = ScalarType::f64});
+    format.bytes += 8;
+  }
+  if (number == 2 || number == 3 || number == 5 || number == 7 || number == 8 || number == 10) {
+    format.colorAt = format.bytes;
+    format.bytes += 6;
+  }
+  format.hasInfrared = number == 8 || number == 10;
+  if (format.hasInfrared) {
+    format.fields.push_back({.name = "nir", .at = format.bytes, .type = ScalarType::u16});
+    format.bytes += 2;
+  }
+  if (number == 4 || number == 5 || number == 9 || number == 10) addWaves(format);
+  return format;
+}
+
+unsigned lasFormatWith(bool extended, bool time, bool color, bool infrared, bool waves) {
+  for (unsigned number = extended || infrared ? 6 : 0; number < kLasFormats; ++number) {
+    const LasPointFormat format = lasPointFormat(number);
+    if (format.hasTime >= time && (format.colorAt > 0) >= color && format.hasInfrared >= infrared &&
+        format.hasWaves >= waves)
+      return number;
+  }
+  return kLasFormats - 1;
+}
+
+std::optional<std::vector<LasExtraField>> lasExtraFields(std::span<const std::byte> descriptors,
+                                                         const LasPointFormat& format, std::size_t pointBytes) {
+  std::vector<LasExtraField> fields;
+  const std::size_t described = descriptors.size() / kLasDescriptor;
+  std::size_t at = format.bytes;
+  NamesInUse names(format);
+  for (std::size_t k = 0; k < described; ++k) {
+    const auto one = descriptors.subspan(k * kLasDescriptor, kLasDescriptor);
+    const unsigned code = load<std::uint8_t>(one, 2), options = load<std::uint8_t>(one, 3);
+    const bool known = code >= 1 && code <= 30;  // otherwise as many bytes as the options say
+    const ExtraType type = known ? kExtraTypes[(code - 1) % 10] : kExtraTypes[0];
+    const std::size_t elements = known ? 1 + (code - 1) / 10 : options;
+    const std::string name = textAt(one, 4, 32);
+    for (std::size_t e = 0; e < elements; ++e) {
+      LasField field{.name = names.next(known && elements == 1 ? name : fmt::format("{}_{}", name, e)),
+                     .at = at,
+                     .type = type.type,
+                     .wide = type.wide,
+                     .isSigned = type.isSigned};
+      const double scale = load<double>(one, 112 + 8 * std::min<std::size_t>(e, 2));
+      const double offset = load<double>(one, 136 + 8 * std::min<std::size_t>(e, 2));
+      if (known && (options & 0x18u)) {
+        if ((options & 0x08u) && std::isnormal(scale)) field.scale = scale;
+        if ((options & 0x10u) && std::isfinite(offset)) field.offset = offset;
+        field.raw = field.type;
+        field.type = ScalarType::f64;
+      }
+      at += field.storedBytes();
+      if (at > pointBytes) return std::nullopt;
+      fields.push_back({std::move(field), k});
+    }
+  }
+  for (std::size_t k = 0; at < pointBytes; ++at, ++k)
+    fields.push_back({{.name = names.next(fmt::format("extra_byte_{}", k)), .at = at}, described + k});
+  return fields;
+}
+
+}  // namespace palpate

@@ -1,0 +1,210 @@
+#include "engine/io/las_plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kLongest = 65535;  // a point, or a record, in bytes
+
+/// Calls f(std::type_identity<T>{}) with the type that the file stores.
+template <class F>
+void visitStored(const LasField& field, F&& f) {
+  if (field.wide && field.isSigned) return f(std::type_identity<std::int64_t>{});
+  if (field.wide) return f(std::type_identity<std::uint64_t>{});
+  visitScalar(field.raw.value_or(field.type), f);
+}
+
+/// The number that is stored for a value.
+double storedFor(const LasField& field, double value) {
+  return field.raw ? std::round((value - field.offset) / field.scale) : value;
+}
+
+template <class T>
+bool holds(double number) {
+  if constexpr (std::is_floating_point_v<T>) return static_cast<double>(static_cast<T>(number)) == number;
+  // 2^64 itself is no number of 64 bits, but what the largest one becomes in double precision.
+  const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
+  return number >= static_cast<double>(std::numeric_limits<T>::min()) && number < end && number == std::trunc(number);
+}
+
+std::vector<std::byte> descriptorOf(const Attribute& attribute) {
+  constexpr std::array<std::uint8_t, 8> kCodes{2, 1, 4, 3, 6, 5, 9, 10};  // by ScalarType
+  std::vector<std::byte> bytes(kLasDescriptor);
+  bytes[2] = static_cast<std::byte>(kCodes[static_cast<std::size_t>(attribute.type)]);
+  std::memcpy(bytes.data() + 4, attribute.name.data(), std::min<std::size_t>(32, attribute.name.size()));
+  return bytes;
+}
+
+}  // namespace
+
+double LasSource::value(std::size_t i) const {
+  return visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
+    return static_cast<double>(loadScalar<T>(attribute->data.data() + i * sizeof(T)));
+  });
+}
+
+bool LasSource::fits() const {
+  if (field.type == attribute->type && !field.wide && !field.raw && field.bits == 0) return true;
+  const std::size_t count = attribute->data.size() / sizeOf(attribute->type);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double whole = value(i), number = storedFor(field, whole);
+    bool fit = field.bits == 0 || number < std::ldexp(1.0, static_cast<int>(field.bits));
+    visitStored(field, [&]<class T>(std::type_identity<T>) { fit = fit && holds<T>(number); });
+    if (!fit || (field.raw && number * field.scale + field.offset != whole)) return false;
+  }
+  return true;
+}
+
+void LasSource::encode(std::size_t begin, std::size_t end, std::byte* rows, std::size_t rowBytes) const {
+  std::byte* to = rows + field.at;
+  if (field.bits > 0) {
+    for (std::size_t i = begin; i < end; ++i, to += rowBytes)
+      *to |= static_cast<std::byte>(static_cast<unsigned>(value(i)) << field.shift);
+    return;
+  }
+  if (field.type == attribute->type && !field.wide && !field.raw) {  // also what is no number
+    const std::size_t bytes = sizeOf(field.type);
+    for (std::size_t i = begin; i < end; ++i, to += rowBytes) std::memcpy(to, attribute->data.data() + i * bytes, bytes);
+    return;
+  }
+  visitStored(field, [&]<class T>(std::type_identity<T>) {
+    for (std::size_t i = begin; i < end; ++i, to += rowBytes) {
+      const T number = static_cast<T>(storedFor(field, value(i)));
+      std::memcpy(to, &number, sizeof number);
+    }
+  });
+}
+
+LasPlan::LasPlan(const PointCloud& cloud)
+    : baggage(dynamic_cast<const LasBaggage*>(cloud.storedAs.baggage.get())), grid(lasGridFor(cloud)) {
+  if (baggage) {
+    old = readLasHeader({}, baggage->head);
+    oldEarlyCount = loadScalar<std::uint32_t>(baggage->head.data() + 107);
+    colorStep_ = baggage->colorStep;
+  }
+  if (cloud.hasNormals()) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      Attribute& normal = normals_.emplace_back(Attribute{std::string(kLasNormals[k]), ScalarType::f32, {}});
+      normal.data.resize(cloud.size() * sizeof(float));
+      for (std::size_t i = 0; i < cloud.size(); ++i)
+        std::memcpy(normal.data.data() + i * sizeof(float), &cloud.normals[i][static_cast<int>(k)], sizeof(float));
+    }
+    for (const Attribute& normal : normals_) attributes_.push_back(&normal);
+  }
+  const std::vector<std::string> gone = lasNamesGivingWay(cloud);
+  for (const Attribute& attribute : cloud.extra) {
+    const auto fine = std::ranges::find(kLasFineColors, attribute.name);
+    if (fine != kLasFineColors.end() && attribute.type == ScalarType::u16 && cloud.hasColors())
+      fineColors_[static_cast<std::size_t>(fine - kLasFineColors.begin())] = &attribute;
+    else if (std::ranges::find(gone, attribute.name) == gone.end())
+      attributes_.push_back(&attribute);
+  }
+  choose(cloud);
+  takeOldExtra();
+  for (const Attribute* attribute : attributes_)
+    if (!isTaken(*attribute)) take(*attribute);
+  if (!descriptors.empty() && !baggage) minor = 4;  // which describes extra bytes
+}
+
+/// The format of points, and what of it the cloud has.
+void LasPlan::choose(const PointCloud& cloud) {
+  const auto has = [&](const LasPointFormat& among, std::string_view name) {
+    const auto field = std::ranges::find(among.fields, name, &LasField::name);
+    return std::ranges::any_of(attributes_, [&](const Attribute* attribute) {
+      return attribute->name == name && LasSource{*field, attribute}.fits();
+    });
+  };
+  const LasPointFormat most = lasPointFormat(10), plain = lasPointFormat(0), before = lasPointFormat(old.format);
+  bool extended = old.format >= 6 || cloud.size() > std::numeric_limits<std::uint32_t>::max();
+  for (const char* name : {"scanner_channel", "scan_angle", "overlap", "nir"}) extended = extended || has(most, name);
+  for (const char* name : {"classification", "return_number", "number_of_returns"})
+    extended = extended || (has(most, name) && !has(plain, name));
+  const bool time = before.hasTime || has(most, "gps_time"), color = before.colorAt > 0 || cloud.hasColors();
+  const bool waves = before.hasWaves || has(most, "wave_packet_descriptor");
+  format = lasFormatWith(extended, time, color, before.hasInfrared || has(most, "nir"), waves);
+  const unsigned least = format >= 6 ? 4 : format >= 4 ? 3 : baggage ? 0 : 2;
+  minor = std::max(baggage ? old.minor : 2, least);
+  points = lasPointFormat(format);
+  pointBytes = points.bytes;
+  for (const LasField& field : points.fields)
+    for (const Attribute* attribute : attributes_)
+      if (attribute->name == field.name && LasSource{field, attribute}.fits()) {
+        sources.push_back({field, attribute});
+        break;
+      }
+}
+
+/// Those of the file that the cloud came from which it still has, as they were described there.
+void LasPlan::takeOldExtra() {
+  if (!baggage) return;
+  const auto extra = *lasExtraFields(baggage->descriptors, lasPointFormat(old.format), old.pointBytes);
+  const std::size_t described = baggage->descriptors.size() / kLasDescriptor;
+  for (std::size_t begin = 0, end = 0; begin < extra.size(); begin = end) {
+    const std::size_t descriptor = extra[begin].descriptor;
+    while (end < extra.size() && extra[end].descriptor == descriptor) ++end;
+    std::vector<LasSource> whole;
+    for (std::size_t k = begin; k < end; ++k)
+      for (const Attribute* attribute : attributes_) {
+        const LasSource source{extra[k].field, attribute};
+        if (attribute->name == extra[k].field.name && !isTaken(*attribute) && source.fits()) whole.push_back(source);
+      }
+    if (descriptor >= described || whole.size() != end - begin) continue;
+    const auto raw = std::span(baggage->descriptors).subspan(descriptor * kLasDescriptor, kLasDescriptor);
+    descriptors.insert(descriptors.end(), raw.begin(), raw.end());
+    for (LasSource& source : whole) {
+      source.field.at = pointBytes;
+      pointBytes += source.field.storedBytes();
+      sources.push_back(source);
+    }
+  }
+}
+
+void LasPlan::take(const Attribute& attribute) {
+  const std::vector<std::byte> descriptor = descriptorOf(attribute);
+  descriptors.insert(descriptors.end(), descriptor.begin(), descriptor.end());
+  sources.push_back({{.name = attribute.name, .at = pointBytes, .type = attribute.type}, &attribute});
+  pointBytes += sizeOf(attribute.type);
+}
+
+bool LasPlan::isTaken(const Attribute& attribute) const {
+  return std::ranges::any_of(sources, [&](const LasSource& source) { return source.attribute == &attribute; });
+}
+
+void LasPlan::check(const std::filesystem::path& file) const {
+  if (pointBytes > kLongest || descriptors.size() > kLongest)
+    throw FileError(file, fmt::format("LAS has no room for {} attributes of a point; PLY has", attributes_.size()));
+}
+
+const LasSource* LasPlan::sourceOf(std::string_view name) const {
+  const auto found = std::ranges::find_if(sources, [&](const LasSource& source) { return source.field.name == name; });
+  return found == sources.end() ? nullptr : &*found;
+}
+
+/// That of the file where the point was not painted since.
+std::uint16_t LasPlan::color(const PointCloud& cloud, std::size_t i, std::size_t channel) const {
+  const unsigned now = cloud.colors[i][channel];
+  if (const Attribute* fine = fineColors_[channel]) {
+    const auto was = loadScalar<std::uint16_t>(fine->data.data() + i * sizeof(std::uint16_t));
+    if ((was + colorStep_ / 2) / colorStep_ == now) return was;
+  }
+  return static_cast<std::uint16_t>(now * colorStep_);
+}
+
+std::vector<std::string> lasNamesGivingWay(const PointCloud& cloud) {
+  std::vector<std::string> names;
+  for (const Attribute& attribute : cloud.extra) {
+    const bool normal = std::ranges::find(kLasNormals, attribute.name) != kLasNormals.end();
+    if (cloud.hasNormals() && normal) names.push_back(attribute.name);
+  }
+  return names;
+}
+
+}  // namespace palpate
