@@ -12,6 +12,7 @@
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/las_format.hpp"
+#include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/xyz_format.hpp"
 
@@ -87,6 +88,7 @@ const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(),
       lasFormat(),
+      pcdFormat(),
       xyzFormat(),
       colmapFormat(),
       colmapDenseFormat(),

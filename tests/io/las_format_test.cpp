@@ -9,6 +9,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
+#include "tests/io/damage.hpp"
 #include "tests/io/las_bytes.hpp"
 #include "tests/scratch_folder.hpp"
 
@@ -462,30 +463,8 @@ TEST_CASE("whatever is flipped, cut or made extreme in a file, it is read or ref
   las.longRecords = 1;
   const std::string good = las.text();
   REQUIRE(refusal(good) == "read");
-  std::uint32_t state = 12345;
-  const auto random = [&](std::size_t below) {
-    state = state * 1664525u + 1013904223u;
-    return static_cast<std::size_t>((std::uint64_t{state} * below) >> 32);
-  };
-  constexpr std::array<std::uint64_t, 6> kExtremes{0, 1, 0x7f, 0xff, 0x7fffffffffffffff, 0xffffffffffffffff};
-  std::size_t read = 0;
   constexpr int kTries = 1500;
-  for (int k = 0; k < kTries; ++k) {
-    std::string text = good;
-    for (std::size_t flips = random(4); flips > 0; --flips) text[random(text.size())] ^= static_cast<char>(1u << random(8));
-    if (k % 3 == 1) text.resize(random(text.size()));
-    if (k % 3 == 2) {
-      const std::uint64_t extreme = kExtremes[random(kExtremes.size())];
-      const std::size_t bytes = std::size_t{1} << random(4), at = random(375 + 500);
-      std::memcpy(text.data() + at, &extreme, bytes);
-    }
-    try {
-      const StoredCloud stored = reading(text);
-      ++read;
-      written(stored.cloud);
-    } catch (const FileError&) {
-    }
-  }
+  const int read = readOfDamaged(good, ".las", 375 + 500, kTries);
   CHECK(read > 100);
   CHECK(read < kTries - 100);
 }

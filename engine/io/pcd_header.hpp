@@ -1,0 +1,55 @@
+// The header of PCD files, of the Point Cloud Library (Rusu and Cousins 2011), versions 0.5 to 0.7.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/cloud/scalar_type.hpp"
+#include "engine/io/chunked_file.hpp"
+
+namespace palpate {
+
+enum class PcdData : std::uint8_t { ascii, binary, compressed };
+
+struct PcdField {
+  std::string name;
+  std::size_t bytes = 4;  ///< of one number
+  char type = 'F';        ///< I, U or F
+  std::size_t count = 1;  ///< numbers
+};
+
+struct PcdHeader {
+  std::vector<PcdField> fields;
+  std::uint64_t points = 0, width = 0, height = 1;
+  std::string viewpoint;
+  PcdData data = PcdData::ascii;
+  std::vector<std::string> comments;  ///< as in StoredAs
+  std::uint64_t line = 0;             ///< its last one
+
+  std::size_t rowBytes() const;
+};
+
+/// Reads up to the first byte of the points. Throws FileError with the line that is wrong.
+PcdHeader readPcdHeader(ChunkedFile& file);
+
+/// Calls f(std::type_identity<T>{}) with the type of a field's numbers, which is one that the header allows.
+template <class F>
+decltype(auto) visitPcd(const PcdField& field, F&& f) {
+  const auto whole = [&]<class I8, class I16, class I32, class I64>(I8 one, I16 two, I32 four, I64 eight) {
+    switch (field.bytes) {
+      case 1:
+        return f(std::type_identity<decltype(one)>{});
+      case 2:
+        return f(std::type_identity<decltype(two)>{});
+      case 4:
+        return f(std::type_identity<decltype(four)>{});
+      default:
+        return f(std::type_identity<decltype(eight)>{});
+    }
+  };
+  if (field.type == 'I') return whole(std::int8_t{}, std::int16_t{}, std::int32_t{}, std::int64_t{});
+  if (field.type == 'U') return whole(std::uint8_t{}, std::uint16_t{}, std::uint32_t{}, std::uint64_t{});
+  return field.bytes == 8 ? f(std::type_identity<double>{}) : f(std::type_identity<float>{});
+}
+
+}  // namespace palpate

@@ -1,0 +1,245 @@
+// PCD in its three encodings: what fields become, what is refused with its place, and that nothing is lost on the way.
+#include "engine/io/pcd_format.hpp"
+
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "engine/io/lzf.hpp"
+#include "engine/io/saving.hpp"
+#include "tests/io/damage.hpp"
+
+namespace palpate::test {
+namespace {
+
+using Color = std::array<std::uint8_t, 4>;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+StoredCloud reading(const std::string& text) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.pcd", std::ios::binary) << text;
+  return readCloud(folder / "a.pcd");
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    reading(text);
+  } catch (const FileError& error) {
+    const std::string message = error.what();
+    return message.substr(message.find(".pcd") + 4);
+  }
+  return "read";
+}
+
+PointCloud again(const PointCloud& cloud, bool ascii) {
+  const ScratchFolder folder;
+  writeCloud(folder / "b.pcd", cloud, {.ascii = ascii});
+  CHECK(contentsOf(folder / "b.pcd").elements.at(0).count == cloud.size());
+  return readCloud(folder / "b.pcd").cloud;
+}
+
+std::string header(const std::string& fields, const std::string& sizes, const std::string& types, std::size_t points,
+                   const std::string& data) {
+  const std::string count = std::to_string(points);
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS " + fields + "\nSIZE " + sizes + "\nTYPE " +
+         types + "\nWIDTH " + count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA " + data + "\n";
+}
+
+template <class... Values>
+std::string bytesOf(Values... values) {
+  std::string out;
+  const auto add = [&](auto value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  (add(values), ...);
+  return out;
+}
+
+/// As it is, in pieces that need no compression.
+std::string stored(const std::string& bytes) {
+  std::string out;
+  for (std::size_t at = 0; at < bytes.size(); at += 32) {
+    const std::string piece = bytes.substr(at, 32);
+    out += static_cast<char>(piece.size() - 1);
+    out += piece;
+  }
+  return bytesOf(static_cast<std::uint32_t>(out.size()), static_cast<std::uint32_t>(bytes.size())) + out;
+}
+
+std::string unpacked(const std::string& in, std::size_t bytes) {
+  std::string out(bytes, '?');
+  const auto bad = unpackLzf(std::as_bytes(std::span(in)), std::as_writable_bytes(std::span(out)));
+  return bad ? "bad at " + std::to_string(*bad) : out;
+}
+
+}  // namespace
+
+TEST_CASE("fields of text become places, normals, colours and attributes under their names") {
+  const float packed = std::bit_cast<float>(std::uint32_t{0x00ff8001});
+  const StoredCloud read = reading(header("x y z normal_x normal_y normal_z rgb curvature", "4 4 4 4 4 4 4 4",
+                                          "F F F F F F F F", 2, "ascii") +
+                                   fmt::format("1 2 3 0 0 1 {} 0.5\n\n4 5 6.5 1 0 0 1e-45 0.25\n", packed));
+  REQUIRE(read.cloud.size() == 2);
+  CHECK(read.lost.empty());
+  CHECK(read.cloud.fileCoordinates(1) == DVec3(4, 5, 6.5));
+  CHECK(read.cloud.normals.at(1) == Vec3(1, 0, 0));
+  CHECK(read.cloud.colors.at(0) == Color{255, 128, 1, 255});
+  CHECK(read.cloud.colors.at(1) == Color{0, 0, 1, 255});  // smaller than other numbers can be
+  REQUIRE(read.cloud.extra.size() == 1);
+  CHECK(read.cloud.extra[0].name == "curvature");
+}
+
+TEST_CASE("binary points are those of the file, of any type, with padding and many numbers in a field") {
+  const std::string head = "VERSION .7\nFIELDS x y z _ rgba hist ring t\nSIZE 8 8 8 1 4 4 2 8\nTYPE F F F U U F U U\n"
+                           "COUNT 1 1 1 4 1 2 1 1\nWIDTH 1\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ";
+  const auto row = [](double x, std::uint32_t color) {
+    return std::array{bytesOf(x), bytesOf(5200000.001), bytesOf(-1.0), bytesOf(std::uint32_t{9}), bytesOf(color),
+                      bytesOf(0.5f, 1.5f), bytesOf(std::uint16_t{7}), bytesOf(std::uint64_t{1} << 40)};
+  };
+  const auto first = row(4500000.001, 0x80ff0102), second = row(4500000.002, 0x00000000);
+  std::string rows, columns;
+  for (const auto* one : {&first, &second})
+    for (const std::string& part : *one) rows += part;
+  for (std::size_t k = 0; k < first.size(); ++k) columns += first[k] + second[k];
+  for (const std::string& text : {head + "binary\n" + rows, head + "binary_compressed\n" + stored(columns)}) {
+    const StoredCloud read = reading(text);
+    REQUIRE(read.cloud.size() == 2);
+    CHECK(read.cloud.fileCoordinates(0) == DVec3(4500000.001, 5200000.001, -1));
+    CHECK(read.cloud.fileCoordinates(1).x == 4500000.002);
+    CHECK(read.cloud.colors.at(0) == Color{255, 1, 2, 128});
+    CHECK(read.cloud.storedAs.alpha);
+    REQUIRE(read.cloud.extra.size() == 4);
+    CHECK(read.cloud.extra[1].name == "hist_1");
+    CHECK(loadScalar<float>(read.cloud.extra[1].data.data() + 4) == 1.5f);
+    CHECK(loadScalar<std::uint16_t>(read.cloud.extra[2].data.data()) == 7);
+    CHECK(loadScalar<double>(read.cloud.extra[3].data.data()) == std::ldexp(1.0, 40));
+    CHECK(read.lost == std::vector<std::string>{"the grid of 1 x 2", "whole numbers of 't' beyond 2^53, if there are any"});
+    for (const bool ascii : {false, true}) {
+      const PointCloud back = again(read.cloud, ascii);
+      CHECK(back.fileCoordinates(0) == read.cloud.fileCoordinates(0));
+      CHECK(back.colors == read.cloud.colors);
+      CHECK(back.storedAs.comments == std::vector<std::string>{"comment viewpoint: 1 2 3 1 0 0 0"});
+      for (std::size_t k = 0; k < 4; ++k) CHECK(back.extra.at(k).data == read.cloud.extra[k].data);
+    }
+  }
+}
+
+TEST_CASE("compressed bytes are copies of those before, also of themselves") {
+  CHECK(unpacked(std::string("\x02"
+                             "abc",
+                             4), 3) == "abc");
+  CHECK(unpacked(std::string("\x00"
+                             "a\x20\x00",
+                             4), 4) == "aaaa");  // three, one back
+  CHECK(unpacked(std::string("\x01"
+                             "ab\xe0\x02\x01",
+                             6), 13) == "ababababababa");  // nine more and two
+  CHECK(unpacked(std::string("\x00"
+                             "a\x20\x01",
+                             4), 4) == "bad at 2");  // from before the beginning
+  CHECK(unpacked(std::string("\x05"
+                             "ab",
+                             3), 6) == "bad at 0");
+  CHECK(unpacked("\x02"
+                 "abc", 2) == "bad at 0");
+  CHECK(unpacked("\x02"
+                 "abc", 4) == "bad at 4");
+  CHECK(unpacked("\xe0", 4) == "bad at 0");
+}
+
+TEST_CASE("places without a point are left out and counted; half a place is refused") {
+  const std::string head = header("x y z normal_x normal_y normal_z", "4 4 4 4 4 4", "F F F F F F", 3, "binary");
+  const std::string good = bytesOf(1.f, 2.f, 3.f, 0.f, 1.f, 0.f), none = bytesOf(kNaN, kNaN, kNaN, kNaN, kNaN, kNaN);
+  const StoredCloud read = reading(head + good + none + good);
+  CHECK(read.cloud.size() == 2);
+  CHECK(read.lost == std::vector<std::string>{"1 places without a point"});
+  const std::string at = std::to_string(head.size() + 48);
+  CHECK(refusal(head + good + none + bytesOf(1.f, kNaN, 3.f, 0.f, 1.f, 0.f)).starts_with(": byte " + at + ": "));
+  CHECK(refusal(head + good + none + bytesOf(1.f, HUGE_VALF, 3.f, 0.f, 1.f, 0.f)).starts_with(": byte " + at + ": "));
+  std::string many = header("x y z normal_x normal_y normal_z", "4 4 4 4 4 4", "F F F F F F", 20, "binary");
+  for (int k = 0; k < 19; ++k) many += good;
+  many += bytesOf(9.f, 2.f, 3.f, kNaN, kNaN, kNaN);  // takes that of its neighbour
+  CHECK(reading(many).cloud.normals.at(19) == Vec3(0, 1, 0));
+}
+
+TEST_CASE("any number of points comes back as it was") {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{4096}, std::size_t{65'537}}) {
+    CAPTURE(count);
+    PointCloud cloud;
+    for (std::size_t i = 0; i < count; ++i) {
+      cloud.positions.emplace_back(0.1f * static_cast<float>(i), 1 / 3.0f, -2);
+      cloud.normals.emplace_back(0, 0, i % 2 == 0 ? 1 : -1);
+      cloud.colors.push_back({static_cast<std::uint8_t>(i), 2, 3, 255});
+    }
+    if (count > 0) cloud.extra.push_back({"ring", ScalarType::i16, std::vector<std::byte>(2 * count, std::byte{3})});
+    markAsOurs(cloud);
+    for (const bool ascii : {false, true}) {
+      const PointCloud back = again(cloud, ascii);
+      CHECK(back.positions == cloud.positions);
+      CHECK(back.normals == cloud.normals);
+      CHECK(back.colors == cloud.colors);
+      CHECK(isOurs(back.storedAs.comments));
+      if (count > 0) CHECK(back.extra.at(0).data == cloud.extra[0].data);
+    }
+  }
+}
+
+TEST_CASE("a file that is damaged or lies is refused with its line or byte") {
+  const std::string ascii = header("x y z", "4 4 4", "F F F", 2, "ascii");
+  CHECK(refusal("ply\n") == ":1: not a PCD file: found 'ply', expected 'VERSION'");
+  CHECK(refusal("") == ":1: the file ends inside the header, before its line 'DATA'");
+  CHECK(refusal(ascii + "1 2 3\n") == ":12: the file ends after 1 of 2 points");
+  CHECK(refusal(ascii + "1 2 3\n4 5 6\n7 8 9\n") == ":13: more than the 2 points of the header");
+  CHECK(refusal(ascii + "1 2 3\n4 5\n") == ":12: found '' for 'z', expected a number");
+  CHECK(refusal(ascii + "1 2 3\n4 5 6 7\n") == ":12: a point of more numbers than the header has fields");
+  CHECK(refusal(ascii + "1 2 3\n4 nan 6\n").starts_with(":12: "));
+  CHECK(refusal(header("x y", "4 4", "F F", 1, "ascii")).find("no scalar property 'z'") != std::string::npos);
+  CHECK(refusal(header("x y z x", "4 4 4 4", "F F F F", 1, "ascii")) == ":3: a second field 'x'");
+  CHECK(refusal(header("x y z", "4 4 3", "F F F", 1, "ascii")) == ":10: field 'z' has numbers F of 3 bytes");
+  CHECK(refusal(header("x y z", "4 4", "F F F", 1, "ascii")) == ":4: SIZE has 2 entries for 3 fields");
+  CHECK(refusal(header("x y z", "4 4 4", "F F Q", 1, "ascii")) == ":5: type 'Q'; expected I, U or F");
+  CHECK(refusal(header("x y z", "4 4 4", "F F F", 1, "zip")).starts_with(":10: expected 'ascii', 'binary'"));
+  CHECK(refusal("VERSION 0.7\nFIELDS x y z\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n") == ":6: 5 points in a grid of 3 x 2");
+  const std::string binary = header("x y z", "4 4 4", "F F F", 2, "binary");
+  CHECK(refusal(binary + bytesOf(1.f, 2.f, 3.f)) ==
+        fmt::format(": byte {}: the header promises 2 points of 12 bytes, and 12 bytes are there", binary.size()));
+  const std::string lying = header("x y z", "4 4 4", "F F F", 1000000000000, "binary");
+  CHECK(refusal(lying + bytesOf(1.f)).find("promises 1000000000000 points") != std::string::npos);
+  const std::string packed = header("x y z", "4 4 4", "F F F", 2, "binary_compressed");
+  const std::string body = stored(std::string(24, '\0'));
+  CHECK(refusal(packed + body) == "read");
+  CHECK(refusal(packed + body.substr(0, 5)).find("ends before its compressed points") != std::string::npos);
+  CHECK(refusal(packed + body.substr(0, 20)).find("ends inside its 25 compressed bytes") != std::string::npos);
+  CHECK(refusal(packed + stored(std::string(36, '\0'))).find("36 bytes of points, where 2 of 12") != std::string::npos);
+  const std::string huge = header("x y z", "4 4 4", "F F F", 300000000, "binary_compressed");
+  CHECK(refusal(huge + bytesOf(std::uint32_t{3}, std::uint32_t{3600000000}) + "abc").find("cannot be as many") !=
+        std::string::npos);
+}
+
+TEST_CASE("whatever is flipped, cut or made extreme in a PCD file, it is read or refused") {
+  std::string rows, text;
+  for (int k = 0; k < 60; ++k) {
+    rows += bytesOf(0.1f * static_cast<float>(k), 2.f, 3.f, std::uint32_t{0xff8010}, static_cast<std::uint16_t>(k));
+    text += fmt::format("{} 2 3 {} {}\n", 0.1 * k, 0xff8010, k);
+  }
+  const auto head = [](const char* data) { return header("x y z rgb ring", "4 4 4 4 2", "F F F U U", 60, data); };
+  for (const std::string& good : {head("ascii") + text, head("binary") + rows,
+                                  head("binary_compressed") + stored(rows)}) {
+    REQUIRE(refusal(good) == "read");
+    const int read = readOfDamaged(good, ".pcd", 220, 600);
+    CHECK(read > 50);
+    CHECK(read < 550);
+  }
+}
+
+TEST_CASE("what a PCD file has no place for is named") {
+  StoredCloud some{.cloud = reading(header("x y z", "4 4 4", "F F F", 1, "ascii") + "1 2 3\n").cloud,
+                   .triangles = {{0, 0, 0}}, .lost = {}};
+  some.cloud.colors = {{1, 2, 3, 255}};
+  some.cloud.extra.push_back({"rgb", ScalarType::f32, std::vector<std::byte>(4)});
+  CHECK(pcdFormat().lacks(some) ==
+        std::vector<std::string>{"1 triangles", "the field 'rgb', for the one that is written under its name"});
+  CHECK(again(some.cloud, false).colors == some.cloud.colors);
+}
+
+}  // namespace palpate::test
