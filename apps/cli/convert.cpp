@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 struct ConvertOptions {
-  std::string input, output, normals = "keep";
+  std::string input, output, normals = "keep", columns;
   bool ascii = false, force = false, allPoints = false;
   ScaleOptions scale;
   std::string intrinsics;
@@ -51,11 +51,26 @@ struct ConvertInput {
   std::vector<std::pair<std::string_view, std::uint64_t>> counts = {};
 };
 
+// Names of columns as they were given.
+std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFormat& from) {
+  if (options.columns.empty()) return {};
+  if (!from.isText) throw UsageError("--columns is of files of text; {} says itself what it holds", from.name);
+  std::vector<std::string> names(1);
+  for (const char c : options.columns) {
+    if (c != ',' && c != ' ')
+      names.back() += c;
+    else if (!names.back().empty())
+      names.emplace_back();
+  }
+  if (names.back().empty()) names.pop_back();
+  return names;
+}
+
 ConvertInput readInput(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
-                                {.normalsFromFaces = options.normals == "face", .allPoints = options.allPoints}),
+                                {.normalsFromFaces = options.normals == "face", .allPoints = options.allPoints, .columns = columnsOf(options, from)}),
             .format = std::string(from.name)};
   }
   FusedFolder fused =
@@ -117,6 +132,9 @@ void addConvert(Options& app, Context& context, Command& command) {
           "keep: the file's, or none where it has none; estimate: from the points; face: from the faces")
       .check(oneOf({"keep", "estimate", "face"}))
       .showDefault();
+  sub.add("--columns", options->columns,
+          "what the columns of a file of text are, as in x,y,z,intensity,red,green,blue; else as its first line says")
+      .typeName("NAMES");
   sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
       .check(between(1e-3, 1e6));

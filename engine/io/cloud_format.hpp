@@ -56,6 +56,8 @@ struct CloudReadOptions {
   bool pointsOnly = false;
   /// Of a reconstruction also the points that its own measures tell to be unreliable (colmap_reliability.hpp).
   bool allPoints = false;
+  /// Of lines of text: what their columns are, in place of what the file says (CloudFormat::isText); empty: that.
+  std::vector<std::string> columns = {};
 };
 struct CloudWriteOptions {
   bool ascii = false;  ///< shortest decimals that read back as the same number
@@ -77,6 +79,7 @@ struct CloudFormat {
   /// Of a format that no name tells, of folders or of files that share their endings with another one: whether the
   /// path is of it. Throws nothing, and reads nothing that can be read only once.
   bool (*holds)(const std::filesystem::path& path) = nullptr;
+  bool isText = false;  ///< lines of columns
   /// Reads no further than it must. Throws FileError.
   FileContents (*contents)(const std::filesystem::path& file) = nullptr;
   /// Throws FileError with the place.

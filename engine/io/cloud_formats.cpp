@@ -12,6 +12,7 @@
 #include "engine/io/colmap_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/las_format.hpp"
+#include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
 #include "engine/io/xyz_format.hpp"
@@ -89,7 +90,11 @@ const CloudFormats& cloudFormats() {
       plyFormat(),
       lasFormat(),
       pcdFormat(),
+      npyFormat(),
+      npzFormat(),
       xyzFormat(),
+      csvFormat(),
+      ptsFormat(),
       colmapFormat(),
       colmapDenseFormat(),
       gaussianFormat(),

@@ -16,15 +16,16 @@
 namespace palpate {
 
 /// Collects bytes and hands them to the file in large pieces: numbers in binary, little endian, or as the shortest
-/// decimals that read back as the same, with a blank between them.
+/// decimals that read back as the same, with a blank or another sign between them.
 class RowOutput {
  public:
-  RowOutput(const std::filesystem::path& path, bool ascii) : file_(path), ascii_(ascii) {}
+  RowOutput(const std::filesystem::path& path, bool ascii, char between = ' ')
+      : file_(path), ascii_(ascii), between_(between) {}
 
   template <class T>
   void value(T number) {
     if (ascii_) {
-      if (!atLineStart_) text_.push_back(' ');
+      if (!atLineStart_) text_.push_back(between_);
       atLineStart_ = false;
       fmt::format_to(std::back_inserter(text_), "{}", number);
       return;
@@ -67,6 +68,7 @@ class RowOutput {
   AtomicFile file_;
   fmt::memory_buffer text_;
   bool ascii_;
+  char between_;
   bool atLineStart_ = true;
 };
 

@@ -24,6 +24,15 @@ constexpr std::array<std::string_view, 3> kChannels{"red", "green", "blue"};
 
 using Words = std::vector<std::string_view>;
 
+enum class TextKind { xyz, csv, pts };
+
+/// What programs call normals besides.
+std::string sharedName(std::string name) {
+  for (const char axis : {'x', 'y', 'z'})
+    if (name == fmt::format("normal_{}", axis) || name == fmt::format("normal{}", axis)) return fmt::format("n{}", axis);
+  return name;
+}
+
 void split(std::string_view line, Words& words) {
   words.clear();
   for (std::size_t begin = line.find_first_not_of(kBetween); begin != line.npos;
@@ -53,6 +62,10 @@ std::vector<std::string> lowerCase(const Words& words) {
   std::vector<std::string> names(words.begin(), words.end());
   for (std::string& name : names)
     for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (std::string& name : names) {
+    if (name.size() > 1 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+    name = sharedName(name);
+  }
   return names;
 }
 
@@ -64,9 +77,15 @@ bool namesColumns(const std::vector<std::string>& names) {
 /// Walks over the lines that hold points.
 class XyzRows {
  public:
-  explicit XyzRows(const std::filesystem::path& path) : file_(path) {
+  XyzRows(const std::filesystem::path& path, TextKind kind, const std::vector<std::string>& columns)
+      : file_(path), counted_(kind == TextKind::pts) {
     begin();
-    if (words_.empty()) return;  // no point at all
+    if (words_.empty()) {  // no point at all
+      checkEnd();
+      return;
+    }
+    if (!columns.empty()) names_ = columns;
+    countPoint();
     if (names_.empty()) names_ = usualNames();
     if (names_.size() != words_.size())
       fail(fmt::format("a point of {} columns, of which {} have names", words_.size(), names_.size()));
@@ -82,15 +101,34 @@ class XyzRows {
     do {
       const auto line = file_.readLine(kLongestLine);
       words_.clear();
-      if (!line) return;
+      if (!line) return checkEnd();
       split(*line, words_);
-    } while (words_.empty() || isRemark(words_.front()));
+    } while (words_.empty() || isRemark(words_.front()) || isCount());
     if (words_.size() != names_.size())
       fail(fmt::format("a point of {} columns where those before have {}", words_.size(), names_.size()));
+    countPoint();
   }
 
  private:
   static bool isRemark(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
+
+  /// Of files that have it: the number of points of the scan that follows.
+  bool isCount() {
+    if (!counted_ || words_.size() != 1) return false;
+    const auto count = textNumber<std::uint64_t>(words_.front());
+    if (!count) fail(fmt::format("found {}, expected a point, or how many follow", inQuotes(words_.front())));
+    checkEnd();
+    promised_ = *count;
+    seen_ = 0;
+    return true;
+  }
+  void countPoint() {
+    ++seen_;
+    if (promised_ && seen_ > *promised_) fail(fmt::format("more than the {} points that were promised", *promised_));
+  }
+  void checkEnd() const {
+    if (promised_ && seen_ < *promised_) fail(fmt::format("ends after {} of {} points", seen_, *promised_));
+  }
 
   // To the first point, past the line that names the columns.
   void begin() {
@@ -99,6 +137,7 @@ class XyzRows {
       if (first == line->npos) continue;
       const bool remark = isRemark(line->substr(first));
       split(line->substr(remark ? std::min(line->find_first_not_of("#/", first), line->size()) : first), words_);
+      if (isCount()) continue;
       if (auto names = lowerCase(words_); namesColumns(names)) {
         names_ = std::move(names);
       } else if (!remark) {
@@ -116,8 +155,9 @@ class XyzRows {
     const auto add = [&](std::initializer_list<const char*> more) { names.insert(names.end(), more.begin(), more.end()); };
     const bool facing = words_.size() == 6 && isUnit(words_[3], words_[4], words_[5]);
     const bool colored = words_.size() == 6 && !facing && std::all_of(words_.begin() + 3, words_.end(), isChannel);
-    if (words_.size() == 4) add({"intensity"});
-    if (colored) add({"red", "green", "blue"});
+    const bool lit = words_.size() == 7 && std::all_of(words_.begin() + 4, words_.end(), isChannel);
+    if (words_.size() == 4 || lit) add({"intensity"});
+    if (colored || lit) add({"red", "green", "blue"});
     if (facing) add({"nx", "ny", "nz"});
     if (names.size() != words_.size())
       fail(fmt::format("a point of {} columns, which may mean anything; a line before it should name them, as in: x y z "
@@ -129,6 +169,9 @@ class XyzRows {
   ChunkedFile file_;
   std::vector<std::string> names_;
   Words words_;
+  bool counted_;  // lines say how many points follow
+  std::optional<std::uint64_t> promised_;
+  std::uint64_t seen_ = 0;
 };
 
 bool isColor(const std::string& name) {
@@ -149,16 +192,18 @@ PlyElement elementOf(const XyzRows& rows) {
   return element;
 }
 
-FileContents contentsOfXyz(const std::filesystem::path& path) {
-  XyzRows rows(path);
+template <TextKind kKind>
+FileContents contentsOfText(const std::filesystem::path& path) {
+  XyzRows rows(path, kKind, {});
   FileElement element{.name = "vertex", .count = 0, .properties = {}};
   for (const std::string& name : rows.names()) element.properties.push_back({.name = name});
   for (; !rows.words().empty(); rows.next()) ++element.count;
   return {.elements = {std::move(element)}, .comments = {}};
 }
 
-StoredCloud readXyz(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
-  XyzRows rows(path);
+template <TextKind kKind>
+StoredCloud readText(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
+  XyzRows rows(path, kKind, options.columns);
   if (rows.names().empty()) return {};
   if (log) rows.file().onProgress([&](double share) { log->progress(path.filename().string(), share); });
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
@@ -200,37 +245,77 @@ std::vector<const Attribute*> attributesBeside(const PointCloud& cloud) {
   return attributes;
 }
 
-void writeXyz(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
-  RowOutput out(path, true);
+bool isWide(const PointCloud& cloud, const CloudWriteOptions& options) {
+  return options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
+         !cloud.exactPositions.empty();
+}
+
+void report(const CloudWriteOptions& options, std::size_t i, std::size_t points) {
+  constexpr std::size_t kBetweenReports = 1 << 16;
+  if (options.progress && i % kBetweenReports == 0) options.progress(static_cast<double>(i) / static_cast<double>(points));
+}
+
+void writeValue(RowOutput& out, const Attribute& attribute, std::size_t i) {
+  visitScalar(attribute.type, [&]<class T>(std::type_identity<T>) {
+    out.value(loadScalar<T>(attribute.data.data() + i * sizeof(T)));
+  });
+}
+
+void writePlace(RowOutput& out, const PointCloud& cloud, bool wide, std::size_t i) {
+  const DVec3 position = cloud.fileCoordinates(i);
+  for (int k = 0; k < 3; ++k) out.real(wide ? ScalarType::f64 : ScalarType::f32, position[k]);
+}
+
+template <TextKind kKind>
+void writeText(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
+  constexpr char kBetweenNumbers = kKind == TextKind::csv ? ',' : ' ';
+  RowOutput out(path, true, kBetweenNumbers);
   std::string names = "x y z";
   if (cloud.hasNormals()) names += " nx ny nz";
   if (cloud.hasColors())
     for (const std::string_view channel : kChannels) names += fmt::format(" {}", channel);
   const std::vector<const Attribute*> extra = attributesBeside(cloud);
   for (const Attribute* attribute : extra) names += fmt::format(" {}", attribute->name);
-  if (names.size() > std::string_view("x y z").size()) out.headerLine(names);
-  const bool wide =
-      options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) || !cloud.exactPositions.empty();
-  constexpr std::size_t kBetweenReports = 1 << 16;
+  std::ranges::replace(names, ' ', kBetweenNumbers);
+  if (kKind == TextKind::csv || names.size() > std::string_view("x y z").size()) out.headerLine(names);
+  const bool wide = isWide(cloud, options);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (options.progress && i % kBetweenReports == 0)
-      options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
-    const DVec3 position = cloud.fileCoordinates(i);
-    for (int k = 0; k < 3; ++k) out.real(wide ? ScalarType::f64 : ScalarType::f32, position[k]);
+    report(options, i, cloud.size());
+    writePlace(out, cloud, wide, i);
     if (cloud.hasNormals())
       for (int k = 0; k < 3; ++k) out.value(cloud.normals[i][k]);
     if (cloud.hasColors())
       for (std::size_t k = 0; k < kChannels.size(); ++k) out.value(cloud.colors[i][k]);
-    for (const Attribute* attribute : extra)
-      visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
-        out.value(loadScalar<T>(attribute->data.data() + i * sizeof(T)));
-      });
+    for (const Attribute* attribute : extra) writeValue(out, *attribute, i);
     out.endRow();
   }
   out.finish(options.keptAs);
 }
 
-std::vector<std::string> lacksOfXyz(const StoredCloud& stored) {
+const Attribute* intensityOf(const PointCloud& cloud) {
+  const auto found = std::ranges::find(cloud.extra, "intensity", &Attribute::name);
+  return found == cloud.extra.end() ? nullptr : &*found;
+}
+
+/// Where there are colours there is an intensity before them, 0 where the cloud has none.
+void writePts(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
+  RowOutput out(path, true);
+  out.headerLine(fmt::format("{}", cloud.size()));
+  const Attribute* intensity = intensityOf(cloud);
+  const bool wide = isWide(cloud, options);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    report(options, i, cloud.size());
+    writePlace(out, cloud, wide, i);
+    if (intensity) writeValue(out, *intensity, i);
+    if (!intensity && cloud.hasColors()) out.value(0);
+    if (cloud.hasColors())
+      for (std::size_t k = 0; k < kChannels.size(); ++k) out.value(cloud.colors[i][k]);
+    out.endRow();
+  }
+  out.finish(options.keptAs);
+}
+
+std::vector<std::string> lacksOfText(const StoredCloud& stored) {
   std::vector<std::string> lost;
   if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
   if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
@@ -240,16 +325,50 @@ std::vector<std::string> lacksOfXyz(const StoredCloud& stored) {
   return lost;
 }
 
+std::vector<std::string> lacksOfPts(const StoredCloud& stored) {
+  std::vector<std::string> lost;
+  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
+  if (stored.cloud.hasNormals()) lost.emplace_back("normals");
+  for (const Attribute& attribute : stored.cloud.extra)
+    if (&attribute != intensityOf(stored.cloud)) lost.push_back(fmt::format("the column '{}'", attribute.name));
+  if (stored.cloud.storedAs.alpha) lost.emplace_back("the alpha of colours");
+  return lost;
+}
+
 }  // namespace
 
 CloudFormat xyzFormat() {
-  static constexpr std::array<std::string_view, 1> kEndings{".xyz"};
+  static constexpr std::array<std::string_view, 3> kEndings{".xyz", ".asc", ".txt"};
   return {.name = "XYZ",
           .endings = kEndings,
-          .contents = contentsOfXyz,
-          .read = readXyz,
-          .write = writeXyz,
-          .lacks = lacksOfXyz};
+          .isText = true,
+          .contents = contentsOfText<TextKind::xyz>,
+          .read = readText<TextKind::xyz>,
+          .write = writeText<TextKind::xyz>,
+          .lacks = lacksOfText};
+}
+
+CloudFormat csvFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".csv"};
+  return {.name = "CSV",
+          .endings = kEndings,
+          .isText = true,
+          .contents = contentsOfText<TextKind::csv>,
+          .read = readText<TextKind::csv>,
+          .write = writeText<TextKind::csv>,
+          .lacks = lacksOfText};
+}
+
+CloudFormat ptsFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".pts"};
+  return {.name = "PTS",
+          .endings = kEndings,
+          .isText = true,
+          .contents = contentsOfText<TextKind::pts>,
+          .read = readText<TextKind::pts>,
+          .write = writePts,
+          .lacks = lacksOfPts};
 }
 
 }  // namespace palpate

@@ -8,26 +8,25 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "tests/scratch_folder.hpp"
+#include "tests/io/damage.hpp"
 
 namespace palpate::test {
 namespace {
 
 using Color = std::array<std::uint8_t, 4>;
 
-StoredCloud reading(const std::string& text) {
+StoredCloud reading(const std::string& text, const char* name = "a.xyz", const CloudReadOptions& options = {}) {
   const ScratchFolder folder;
-  const std::filesystem::path file = folder / "a.xyz";
-  std::ofstream(file, std::ios::binary) << text;
-  return readCloud(file);
+  std::ofstream(folder / name, std::ios::binary) << text;
+  return readCloud(folder / name, nullptr, options);
 }
 
-std::string refusal(const std::string& text) {
+std::string refusal(const std::string& text, const char* name = "a.xyz") {
   try {
-    reading(text);
+    reading(text, name);
   } catch (const FileError& error) {
     const std::string message = error.what();
-    return message.substr(message.find(".xyz") + 4);
+    return message.substr(message.find(name) + 5);
   }
   return "read";
 }
@@ -117,6 +116,81 @@ TEST_CASE("what is written reads back as it was") {
   REQUIRE(carriedAgain.extra.size() == 1);
   CHECK(carriedAgain.extra[0].data == carried.extra[0].data);
   CHECK(again({}).empty());
+}
+
+TEST_CASE("a PTS file says how many points follow, for each scan") {
+  const PointCloud cloud = reading("2\n1 2 3 -100 255 0 7\n4 5 6 20 1 2 3\n\n1\n7 8 9 0 4 5 6\n", "a.pts").cloud;
+  REQUIRE(cloud.size() == 3);
+  CHECK(cloud.fileCoordinates(2) == DVec3(7, 8, 9));
+  CHECK(cloud.colors.at(0) == Color{255, 0, 7, 255});
+  REQUIRE(cloud.extra.size() == 1);
+  CHECK(cloud.extra[0].name == "intensity");
+  CHECK(loadScalar<double>(cloud.extra[0].data.data()) == -100);
+  CHECK(reading("1 2 3\n", "a.pts").cloud.size() == 1);
+  CHECK(reading("0\n", "a.pts").cloud.empty());
+  CHECK(refusal("2\n1 2 3\n", "a.pts") == ":2: ends after 1 of 2 points");
+  CHECK(refusal("2\n1 2 3\n1\n4 5 6\n", "a.pts") == ":3: ends after 1 of 2 points");
+  CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
+  CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
+  CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or how many follow");
+  CHECK(refusal("1\n1 2 3\n") == ":1: a point of 1 columns, which may mean anything; a line before it should name them, as "
+                                 "in: x y z nx ny nz red green blue");
+
+  for (const bool lit : {false, true}) {
+    PointCloud some = cloud;
+    if (!lit) some.extra.clear();
+    const ScratchFolder folder;
+    writeCloud(folder / "b.pts", some);
+    const PointCloud back = readCloud(folder / "b.pts").cloud;
+    CHECK(back.positions == some.positions);
+    CHECK(back.colors == some.colors);
+    CHECK(loadScalar<double>(back.extra.at(0).data.data()) == (lit ? -100 : 0));
+  }
+  StoredCloud more{.cloud = cloud, .triangles = {{0, 1, 2}}, .lost = {}};
+  more.cloud.normals.assign(3, Vec3(0, 0, 1));
+  more.cloud.extra.push_back({"ring", ScalarType::u8, std::vector<std::byte>(3)});
+  CHECK(ptsFormat().lacks(more) == std::vector<std::string>{"1 triangles", "normals", "the column 'ring'"});
+}
+
+TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
+  const PointCloud cloud = reading("\"X\",\"Y\",Z,Normal_X,Normal_Y,Normal_Z,\"Score\"\r\n1,2,3,0,1,0,0.25\r\n", "a.csv").cloud;
+  REQUIRE(cloud.size() == 1);
+  CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
+  CHECK(cloud.normals.at(0) == Vec3(0, 1, 0));
+  REQUIRE(cloud.extra.size() == 1);
+  CHECK(cloud.extra[0].name == "score");
+  const ScratchFolder folder;
+  writeCloud(folder / "b.csv", cloud);
+  std::string text;
+  std::getline(std::ifstream(folder / "b.csv"), text);
+  CHECK(text == "x,y,z,nx,ny,nz,score");
+  const PointCloud back = readCloud(folder / "b.csv").cloud;
+  CHECK(back.positions == cloud.positions);
+  CHECK(back.normals == cloud.normals);
+  CHECK(back.extra.at(0).data == cloud.extra[0].data);
+  CHECK(refusal("x,y,z\n1,,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
+}
+
+TEST_CASE("given names of columns stand in place of what a file says") {
+  const CloudReadOptions options{.columns = {"z", "y", "x", "red", "green", "blue", "kind"}};
+  const PointCloud cloud = reading("3 2 1 9 8 7 5\n", "a.txt", options).cloud;
+  CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
+  CHECK(cloud.colors.at(0) == Color{9, 8, 7, 255});
+  CHECK(cloud.extra.at(0).name == "kind");
+  CHECK(reading("x y z a b c d\n3 2 1 9 8 7 5\n", "a.asc", options).cloud.fileCoordinates(0) == DVec3(1, 2, 3));
+  CHECK_THROWS_WITH_AS(reading("1 2 3\n", "a.xyz", options), doctest::Contains(":1: a point of 3 columns, of which 7 have names"),
+                       FileError);
+}
+
+TEST_CASE("whatever is flipped, cut or made extreme in a file of text, it is read or refused") {
+  std::string text = "60\n";
+  for (int k = 0; k < 60; ++k) text += fmt::format("{} 2.5 -3 {} 1 2 {}\n", 0.25 * k, k - 30, 4 * k);
+  for (const auto& [good, ending] : {std::pair{text, ".pts"}, {text.substr(3), ".xyz"}, {"x,y,z,i,r,g,b\n" + text.substr(3), ".csv"}}) {
+    CAPTURE(std::string(ending));
+    const int read = readOfDamaged(good, ending, 300, 800);
+    CHECK(read > 40);
+    CHECK(read < 760);
+  }
 }
 
 TEST_CASE("what text has no place for is named") {

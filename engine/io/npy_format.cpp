@@ -1,0 +1,331 @@
+#include "engine/io/npy_format.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/core/error.hpp"
+#include "engine/io/in_quotes.hpp"
+#include "engine/io/npy_array.hpp"
+#include "engine/io/ply_vertices.hpp"
+#include "engine/io/ply_writer.hpp"
+#include "engine/io/row_output.hpp"
+#include "engine/io/zip_archive.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kBatch = 4096;  // points
+constexpr std::array<const char*, 3> kPlaces{"x", "y", "z"}, kNormals{"nx", "ny", "nz"}, kColors{"red", "green", "blue"};
+
+std::vector<std::byte> readWhole(const std::filesystem::path& path, Log* log) {
+  ChunkedFile file(path);
+  if (log) file.onProgress([&](double share) { log->progress(path.filename().string(), share); });
+  std::vector<std::byte> bytes;
+  for (auto piece = file.peek(1); !piece.empty(); piece = file.peek(1)) {
+    bytes.insert(bytes.end(), piece.begin(), piece.end());
+    file.consume(piece.size());
+  }
+  return bytes;
+}
+
+/// A column, and the array that it is of.
+struct Source {
+  NpyColumn column;
+  std::span<const std::byte> data;
+  bool asByte = false;  ///< real numbers that are whole ones from 0 to 255
+
+  ScalarType type() const { return asByte ? ScalarType::u8 : column.type; }
+};
+
+/// Columns of as many rows each, under the names that a cloud's attributes have.
+class NpyTable {
+ public:
+  explicit NpyTable(const std::filesystem::path& path) : path_(path) {}
+
+  std::uint64_t rows() const { return rows_; }
+  const std::vector<Source>& sources() const { return sources_; }
+  std::vector<std::string>& lost() { return lost_; }
+
+  /// An array that is all there is.
+  void addAlone(const NpyArray& array) {
+    rows_ = array.rows;
+    const std::size_t begin = sources_.size();
+    for (const NpyColumn& column : array.columns) sources_.push_back({column, array.data});
+    if (!array.structured) nameColumns(std::span(sources_).subspan(begin), array);
+  }
+
+  /// An array of an archive, whose name says what it is.
+  void addNamed(const std::string& name, const NpyArray& array) {
+    if (sources_.empty()) rows_ = array.rows;
+    const bool perPoint = array.rows == rows_ && !array.shape.empty();
+    if (!perPoint) return lost_.push_back(fmt::format("the array {} of shape {}", inQuotes(name), array.shapeText()));
+    const std::array<const char*, 3>* three = isPlaces(name)   ? &kPlaces
+                                              : isOneOf(name, {"normals", "normal"}) ? &kNormals
+                                              : isOneOf(name, {"colors", "colours", "rgb", "color"}) ? &kColors
+                                                                                                      : nullptr;
+    if (array.columns.size() != 3) three = nullptr;
+    for (std::size_t k = 0; k < array.columns.size(); ++k) {
+      NpyColumn column = array.columns[k];
+      if (!array.structured)
+        column.name = three ? (*three)[k] : array.columns.size() == 1 ? name : fmt::format("{}_{}", name, k);
+      sources_.push_back({std::move(column), array.data});
+    }
+  }
+
+  static bool isPlaces(const std::string& name) {
+    return isOneOf(name, {"points", "xyz", "positions", "position", "pos", "vertices", "coords"});
+  }
+
+  /// Columns of a name that one before has are lost; real colours are found to be of 0 to 1 or of 0 to 255.
+  void settle() {
+    for (std::size_t k = 0; k < sources_.size();) {
+      std::string& name = sources_[k].column.name;
+      for (char& c : name)
+        if (c <= ' ' || c > '~' || c == ',' || c == ';') c = '_';
+      const auto before = sources_.begin() + static_cast<std::ptrdiff_t>(k);
+      const bool twice = std::find_if(sources_.begin(), before, [&](const Source& s) { return s.column.name == name; }) != before;
+      if (twice || name.empty()) {
+        lost_.push_back(fmt::format("a column {}", inQuotes(name)));
+        sources_.erase(before);
+      } else {
+        ++k;
+      }
+    }
+    for (Source& source : sources_) {
+      const bool color = isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"});
+      if (color && isFloating(source.column.type)) source.asByte = !allOf(source, isShare) && allOf(source, isByte);
+    }
+    const auto bytes = std::ranges::count_if(sources_, [](const Source& s) { return s.asByte; });
+    if (bytes > 0)  // all of them, as 0 and 1 are both
+      for (Source& source : sources_)
+        if (isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"}) && isFloating(source.column.type))
+          source.asByte = true;
+  }
+
+  PlyElement element() const {
+    PlyElement element{.name = "vertex", .count = rows_, .properties = {}, .line = 1};
+    for (const Source& source : sources_) element.properties.push_back({.name = source.column.name, .type = source.type()});
+    return element;
+  }
+
+  PointCloud cloud(Log* log) const {
+    PlyVertices vertices(path_, element(), log);
+    vertices.reserve(rows_);
+    std::vector<std::byte> packed(kBatch * vertices.rowBytes());
+    for (std::uint64_t begin = 0; begin < rows_; begin += kBatch) {
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, rows_ - begin));
+      std::byte* to = packed.data();
+      for (std::size_t r = 0; r < count; ++r)
+        for (const Source& source : sources_) {
+          if (source.asByte)
+            *to = static_cast<std::byte>(npyValue(source.column, source.data, begin + r));
+          else
+            loadNpy(source.column, source.data, begin + r, to);
+          to += sizeOf(source.type());
+        }
+      if (const auto bad = vertices.append(packed.data(), count, false))
+        throw FileError(path_, fmt::format("row {}: {}", begin + bad->row, bad->what));
+    }
+    return vertices.finish(log);
+  }
+
+ private:
+  static bool isOneOf(std::string_view name, std::initializer_list<const char*> names) {
+    return std::ranges::find(names, name) != names.end();
+  }
+  static bool isShare(double value) { return value >= 0 && value <= 1; }
+  static bool isByte(double value) { return value >= 0 && value <= 255 && value == std::trunc(value); }
+
+  bool allOf(const Source& source, bool (*is)(double)) const {
+    for (std::uint64_t r = 0; r < rows_; ++r)
+      if (!is(npyValue(source.column, source.data, r))) return false;
+    return true;
+  }
+
+  /// To a hundredth, as programs round; those that are zero are none.
+  bool areNormals(std::span<const Source> three) const {
+    for (std::uint64_t r = 0; r < rows_; ++r) {
+      double squared = 0;
+      for (const Source& source : three) squared += std::pow(npyValue(source.column, source.data, r), 2);
+      if (squared != 0 && !(std::abs(std::sqrt(squared) - 1) < 0.01)) return false;
+    }
+    return true;
+  }
+
+  bool areColors(std::span<const Source> three) const {
+    const auto all = [&](bool (*is)(double)) {
+      return std::ranges::all_of(three, [&](const Source& source) { return allOf(source, is); });
+    };
+    return all(isShare) || all(isByte);
+  }
+
+  void nameColumns(std::span<Source> columns, const NpyArray& array) const {
+    const auto name = [&](std::size_t begin, const std::array<const char*, 3>& names) {
+      for (std::size_t k = 0; k < 3; ++k) columns[begin + k].column.name = names[k];
+    };
+    const bool six = columns.size() == 6;
+    const bool facing = six && areNormals(columns.subspan(3)), colored = six && !facing && areColors(columns.subspan(3));
+    if (columns.size() != 3 && columns.size() != 4 && !facing && !colored)
+      throw FileError(path_, fmt::format("an array of shape {}, whose columns may mean anything; (N, 3) are places, (N, 4) "
+                                         "have an intensity, (N, 6) normals or colours, others need names: a structured dtype",
+                                         array.shapeText()));
+    name(0, kPlaces);
+    if (columns.size() == 4) columns[3].column.name = "intensity";
+    if (six) name(3, facing ? kNormals : kColors);
+  }
+
+  const std::filesystem::path& path_;
+  std::uint64_t rows_ = 0;
+  std::vector<Source> sources_;
+  std::vector<std::string> lost_;
+};
+
+/// The bytes of a file, and what they are.
+struct NpyFile {
+  std::vector<std::vector<std::byte>> bytes;
+  NpyTable table;
+};
+
+NpyFile openNpy(const std::filesystem::path& path, Log* log) {
+  NpyFile file{.bytes = {readWhole(path, log)}, .table = NpyTable(path)};
+  file.table.addAlone(readNpyArray(path, file.bytes[0], 0));
+  file.table.settle();
+  return file;
+}
+
+NpyFile openNpz(const std::filesystem::path& path, Log* log) {
+  NpyFile file{.bytes = {}, .table = NpyTable(path)};
+  const std::vector<std::byte> archive = readWhole(path, log);
+  struct Named {
+    std::string name;
+    NpyArray array;
+  };
+  std::vector<Named> arrays;
+  const std::vector<ZipMember> members = zipMembers(path, archive);
+  file.bytes.reserve(members.size());
+  for (const ZipMember& member : members) {
+    if (!member.name.ends_with(".npy")) {
+      file.table.lost().push_back(fmt::format("the member {}", inQuotes(member.name)));
+      continue;
+    }
+    file.bytes.push_back(unpackZip(path, archive, member));
+    const std::filesystem::path within = path.string() + "(" + member.name + ")";
+    arrays.push_back({member.name.substr(0, member.name.size() - 4), readNpyArray(within, file.bytes.back(), 0)});
+  }
+  if (arrays.size() == 1) {
+    file.table.addAlone(arrays[0].array);
+  } else {
+    // That of the places tells how many points there are.
+    std::ranges::stable_partition(arrays, [](const Named& one) { return NpyTable::isPlaces(one.name); });
+    for (const Named& one : arrays) file.table.addNamed(one.name, one.array);
+  }
+  file.table.settle();
+  return file;
+}
+
+FileContents contentsIn(const NpyFile& file) {
+  FileElement vertex{.name = "vertex", .count = file.table.rows(), .properties = {}};
+  for (const Source& source : file.table.sources()) vertex.properties.push_back({source.column.name});
+  return {.elements = {std::move(vertex)}, .comments = {}};
+}
+
+StoredCloud cloudIn(NpyFile file, const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
+  if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
+  StoredCloud stored{.cloud = file.table.cloud(log), .triangles = {}, .lost = std::move(file.table.lost())};
+  for (const Source& source : file.table.sources())
+    if (source.column.wide) stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", source.column.name));
+  return stored;
+}
+
+/// The line that describes the array, with blanks so that numbers begin at a multiple of 64.
+std::string headerOf(const std::string& fields, std::size_t points) {
+  std::string text = fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", fields, points);
+  const bool late = text.size() + 64 > 65535;  // version 1 says its length in 16 bits
+  const std::size_t before = late ? 12 : 10;
+  text += std::string(63 - (before + text.size()) % 64, ' ');  // and the end of the line
+  std::string out = std::string("\x93NUMPY", 6) + (late ? '\2' : '\1') + '\0';
+  const std::size_t length = text.size() + 1;
+  for (std::size_t k = 0; k < (late ? 4 : 2); ++k) out += static_cast<char>(length >> (8 * k) & 0xff);
+  return out + text;
+}
+
+bool canBeQuoted(const std::string& name) { return name.find_first_of("'\\") == name.npos; }
+
+std::string fieldOf(std::string name, ScalarType type) {
+  if (!canBeQuoted(name))
+    for (char& c : name)
+      if (c == '\'' || c == '\\') c = '_';
+  constexpr std::array<const char*, 8> kCodes{"|i1", "|u1", "<i2", "<u2", "<i4", "<u4", "<f4", "<f8"};
+  return fmt::format("('{}', '{}'), ", name, kCodes[static_cast<std::size_t>(type)]);
+}
+
+void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {
+  const bool wide = options.doubles || cloud.storedAs.position == ScalarType::f64 || cloud.origin != DVec3(0) ||
+                    !cloud.exactPositions.empty();
+  const ScalarType place = wide ? ScalarType::f64 : ScalarType::f32;
+  const std::vector<std::string> gone = namesGivingWay(cloud);
+  std::vector<const Attribute*> extra;
+  std::string fields;
+  for (const char* name : kPlaces) fields += fieldOf(name, place);
+  for (std::size_t k = 0; cloud.hasNormals() && k < 3; ++k) fields += fieldOf(kNormals[k], ScalarType::f32);
+  for (std::size_t k = 0; cloud.hasColors() && k < 3; ++k) fields += fieldOf(kColors[k], ScalarType::u8);
+  if (cloud.hasColors() && cloud.storedAs.alpha) fields += fieldOf("alpha", ScalarType::u8);
+  for (const Attribute& attribute : cloud.extra)
+    if (std::ranges::find(gone, attribute.name) == gone.end()) {
+      extra.push_back(&attribute);
+      fields += fieldOf(attribute.name, attribute.type);
+    }
+  RowOutput out(path, false);
+  out.headerLine(headerOf(fields, cloud.size()));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (options.progress && i % (1 << 16) == 0) options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
+    const DVec3 position = cloud.fileCoordinates(i);
+    for (int k = 0; k < 3; ++k) out.real(place, position[k]);
+    for (int k = 0; cloud.hasNormals() && k < 3; ++k) out.value(cloud.normals[i][k]);
+    for (std::size_t k = 0; cloud.hasColors() && k < (cloud.storedAs.alpha ? 4u : 3u); ++k) out.value(cloud.colors[i][k]);
+    for (const Attribute* attribute : extra)
+      visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
+        out.value(loadScalar<T>(attribute->data.data() + i * sizeof(T)));
+      });
+    out.endRow();
+  }
+  out.finish(options.keptAs);
+}
+
+std::vector<std::string> lacksOfNpy(const StoredCloud& stored) {
+  std::vector<std::string> lost;
+  if (!stored.triangles.empty()) lost.push_back(fmt::format("{} triangles", stored.triangles.size()));
+  if (!stored.cloud.storedAs.comments.empty()) lost.emplace_back("comments");
+  for (const Attribute& attribute : stored.cloud.extra)
+    if (!canBeQuoted(attribute.name)) lost.push_back(fmt::format("the quotes in the name {}", attribute.name));
+  for (const std::string& name : namesGivingWay(stored.cloud))
+    lost.push_back(fmt::format("the field '{}', for the one that is written under its name", name));
+  return lost;
+}
+
+}  // namespace
+
+CloudFormat npyFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".npy"};
+  return {.name = "NPY",
+          .endings = kEndings,
+          .contents = [](const std::filesystem::path& path) { return contentsIn(openNpy(path, nullptr)); },
+          .read = [](const std::filesystem::path& path, Log* log,
+                     const CloudReadOptions& options) { return cloudIn(openNpy(path, log), path, log, options); },
+          .write = writeNpy,
+          .lacks = lacksOfNpy};
+}
+
+CloudFormat npzFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".npz"};
+  return {.name = "NPZ",
+          .endings = kEndings,
+          .contents = [](const std::filesystem::path& path) { return contentsIn(openNpz(path, nullptr)); },
+          .read = [](const std::filesystem::path& path, Log* log,
+                     const CloudReadOptions& options) { return cloudIn(openNpz(path, log), path, log, options); }};
+}
+
+}  // namespace palpate

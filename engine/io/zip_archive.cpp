@@ -1,0 +1,152 @@
+#include "engine/io/zip_archive.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "engine/cloud/scalar_type.hpp"
+#include "engine/core/error.hpp"
+#include "engine/io/in_quotes.hpp"
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_NO_STDIO
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#include <stb/stb_image.h>
+#pragma GCC diagnostic pop
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWideLocator = 0x07064b50, kEntry = 0x02014b50,
+                        kLocalHead = 0x04034b50;
+constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30, kWideEndBytes = 56, kLocatorBytes = 20;
+constexpr std::uint32_t kElsewhere = 0xffffffff;  // a number of 32 bits that stands in one of 64
+
+class ZipReader {
+ public:
+  ZipReader(const std::filesystem::path& file, std::span<const std::byte> archive) : file_(file), archive_(archive) {}
+
+  template <class T>
+  T load(std::uint64_t at) const {
+    if (at > archive_.size() || archive_.size() - at < sizeof(T)) fail(archive_.size(), "the archive ends too early");
+    return loadScalar<T>(archive_.data() + at);
+  }
+  [[noreturn]] void fail(std::uint64_t at, std::string_view what) const { throw FileError::atByte(file_, at, what); }
+
+  std::uint64_t findEnd() const {
+    constexpr std::size_t kLongestRemark = 65535;
+    const std::size_t last = archive_.size() < kEndBytes ? 0 : archive_.size() - kEndBytes;
+    for (std::size_t back = 0; archive_.size() >= kEndBytes && back <= std::min(last, kLongestRemark); ++back)
+      if (load<std::uint32_t>(last - back) == kEndOfArchive) return last - back;
+    fail(archive_.size(), "no ZIP archive, or one whose end is missing");
+  }
+
+  std::vector<ZipMember> members() const {
+    const std::uint64_t end = findEnd();
+    std::uint64_t count = load<std::uint16_t>(end + 10), at = load<std::uint32_t>(end + 16);
+    if (end >= kLocatorBytes && load<std::uint32_t>(end - kLocatorBytes) == kWideLocator) {
+      const auto wide = load<std::uint64_t>(end - kLocatorBytes + 8);
+      if (wide > archive_.size() || archive_.size() - wide < kWideEndBytes || load<std::uint32_t>(wide) != kWideEnd)
+        fail(end - kLocatorBytes, "no list of members where it is said to be");
+      count = load<std::uint64_t>(wide + 32);
+      at = load<std::uint64_t>(wide + 48);
+    }
+    std::vector<ZipMember> members;
+    for (std::uint64_t k = 0; k < count; ++k) {
+      if (at > archive_.size() || archive_.size() - at < kEntryBytes || load<std::uint32_t>(at) != kEntry)
+        fail(at, fmt::format("expected member {} of {}", k + 1, count));
+      members.push_back(memberAt(at));
+      at += kEntryBytes + load<std::uint16_t>(at + 28) + load<std::uint16_t>(at + 30) + load<std::uint16_t>(at + 32);
+    }
+    return members;
+  }
+
+ private:
+  ZipMember memberAt(std::uint64_t at) const {
+    const std::size_t nameBytes = load<std::uint16_t>(at + 28), extraBytes = load<std::uint16_t>(at + 30);
+    if (archive_.size() - at - kEntryBytes < nameBytes + extraBytes) fail(at, "the archive ends inside its list of members");
+    ZipMember member{.name = {reinterpret_cast<const char*>(archive_.data()) + at + kEntryBytes, nameBytes},
+                     .packed = load<std::uint32_t>(at + 20),
+                     .bytes = load<std::uint32_t>(at + 24),
+                     .checksum = load<std::uint32_t>(at + 16)};
+    std::uint64_t local = load<std::uint32_t>(at + 42);
+    takeWideSizes(at + kEntryBytes + nameBytes, extraBytes, {&member.bytes, &member.packed, &local});
+    const unsigned method = load<std::uint16_t>(at + 10);
+    if (load<std::uint16_t>(at + 8) & 1u) fail(at, fmt::format("{} is encrypted", inQuotes(member.name)));
+    if (method != 0 && method != 8) fail(at + 10, fmt::format("{} is packed by method {}, which is not read", inQuotes(member.name), method));
+    member.deflated = method == 8;
+    if (local > archive_.size() || archive_.size() - local < kLocalBytes || load<std::uint32_t>(local) != kLocalHead)
+      fail(at + 42, fmt::format("{} does not begin where the list of members says", inQuotes(member.name)));
+    member.at = local + kLocalBytes + load<std::uint16_t>(local + 26) + load<std::uint16_t>(local + 28);
+    if (member.at > archive_.size() || archive_.size() - member.at < member.packed)
+      fail(local, fmt::format("{} reaches beyond the end of the archive", inQuotes(member.name)));
+    return member;
+  }
+
+  void takeWideSizes(std::uint64_t at, std::size_t bytes, std::initializer_list<std::uint64_t*> numbers) const {
+    for (const std::uint64_t end = at + bytes; at + 4 <= end;) {
+      const unsigned id = load<std::uint16_t>(at), length = load<std::uint16_t>(at + 2);
+      std::uint64_t next = at + 4;
+      at = next + length;
+      if (id != 1 || at > end) continue;
+      for (std::uint64_t* number : numbers)
+        if (*number == kElsewhere && next + 8 <= at) {
+          *number = load<std::uint64_t>(next);
+          next += 8;
+        }
+    }
+  }
+
+  const std::filesystem::path& file_;
+  std::span<const std::byte> archive_;
+};
+
+std::uint32_t checksumOf(std::span<const std::byte> bytes) {
+  static const auto kTable = [] {
+    std::array<std::uint32_t, 256> table{};
+    for (std::uint32_t k = 0; k < 256; ++k) {
+      std::uint32_t value = k;
+      for (int bit = 0; bit < 8; ++bit) value = value & 1 ? value >> 1 ^ 0xedb88320u : value >> 1;
+      table[k] = value;
+    }
+    return table;
+  }();
+  std::uint32_t sum = 0xffffffff;
+  for (const std::byte byte : bytes) sum = kTable[(sum ^ std::to_integer<std::uint32_t>(byte)) & 0xff] ^ sum >> 8;
+  return ~sum;
+}
+
+}  // namespace
+
+std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<const std::byte> archive) {
+  return ZipReader(file, archive).members();
+}
+
+std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive, const ZipMember& member) {
+  constexpr std::uint64_t kMostPerByte = 1032, kMost = std::numeric_limits<int>::max();  // deflate's; what is unpacked at once
+  const auto packed = archive.subspan(member.at, member.packed);
+  const auto damaged = [&](std::string_view what) {
+    return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
+  };
+  std::vector<std::byte> bytes;
+  if (!member.deflated) {
+    if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
+    bytes.assign(packed.begin(), packed.end());
+  } else {
+    if (member.bytes > kMost || member.packed > kMost) throw damaged("is packed and larger than 2 GiB, which is not read");
+    if (member.bytes / kMostPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
+    bytes.resize(member.bytes);
+    const int got = stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(bytes.size()),
+                                                     reinterpret_cast<const char*>(packed.data()), static_cast<int>(packed.size()));
+    if (got < 0 || static_cast<std::uint64_t>(got) != member.bytes) throw damaged("is damaged: it cannot be unpacked");
+  }
+  if (checksumOf(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");
+  return bytes;
+}
+
+}  // namespace palpate
