@@ -34,6 +34,7 @@ MatterSizes sizesOf(const MatterSimulation& world, const BoundaryBody& ball, std
           .tools = static_cast<std::uint32_t>(tools),
           .bodyPoints = ball.size(),
           .bodyCells = static_cast<std::uint32_t>(countOf(ball.grid().cells())),
+          .modelNodes = world.model() != nullptr ? static_cast<std::uint32_t>(world.model()->nodes().size()) : 0,
           .substeps = world.plan().substeps,
           .mostListed = world.scene().matter == Matter::sand ? kMostListedInSand : kMostListedInWater,
           .remembers = world.scene().matter == Matter::sand};
@@ -53,10 +54,14 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
                      .stiffness = static_cast<float>(spring.stiffness),
                      .damping = static_cast<float>(spring.damping),
                      .step = static_cast<float>(spring.step)},
+          .model = world.model() != nullptr ? world.model()->field() : shared::ModelField{},
+          .modelMiddle = world.model() != nullptr ? Vec3(world.model()->middle()) : Vec3(0),
           .bodyMiddle = ball.middle(),
           .bodyReach = ball.extent() + support,
           .fall = scene.gravity_m_s2 * plan.substep_s,
           .bodySupport = support,
+          .bodyKept = ball.kept(),
+          .bodyPush = ball.push(),
           .listed = listed_m(scene, plan),
           .allowed = kListedFarther_spacings * spacing / 2,
           .nearest = reachOf(scene.matter).wall_spacings * spacing,
@@ -95,7 +100,9 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       step_(device, queue, "matter",
             options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
-  upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
+  std::vector<Vec4> bodyPoints = copyOf(ball_.points());
+  if (model() != nullptr) bodyPoints.insert(bodyPoints.end(), model()->nodes().begin(), model()->nodes().end());
+  upload(device_, queue_, memory_.bodyPoints, bodyPoints);
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
   step_.begin();
   {
@@ -140,7 +147,7 @@ void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const 
                                          .x = turn[0],
                                          .y = turn[1],
                                          .z = turn[2],
-                                         .unused = 0};
+                                         .grown = static_cast<float>(grown_m(tool))};
       before = now;
     }
   }
@@ -154,6 +161,8 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
   StepReport report{.state = static_cast<MatterState>(control().state),
                     .gravity = gravityOf(control().substeps),
                     .onWalls = sums.onWalls,
+                    .onModel = sums.onModel,
+                    .turnOfModel = sums.turnOfModel,
                     .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
                                .momentum = sums.momentum,
                                .maxCompression = static_cast<double>(sums.mostCompression)}};

@@ -81,10 +81,19 @@ shared::StoppingWalls MatterParticles::walls() const {
           .openZ = config_.box.periodic[2]};
 }
 
-void MatterParticles::settle(std::size_t slot, const Vec3& change, BlockSums& sums) {
-  const shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), velocities_[slot], change);
+void MatterParticles::settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
+  shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), velocities_[slot], change);
   const double mass = config_.mass_kg;
   sums.wallImpulse -= mass * DVec3(settled.stop);
+  if (config_.model != nullptr) {
+    const MatterModel& model = *config_.model;
+    const Vec3 out = keptOut(model.field(), model.at(settled.place)) / config_.step_s;
+    sums.model.add(-mass * DVec3(byModel + out), DVec3(settled.place) - model.middle());
+    if (out != Vec3(0)) {
+      settled = shared::settle<float>(walls(), settled.place, settled.velocity, out);
+      sums.wallImpulse -= mass * DVec3(settled.stop);
+    }
+  }
   positions_[slot] = settled.place;
   nextVelocities_[slot] = settled.velocity;
   const DVec3 momentum = mass * DVec3(settled.velocity);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/worker_team.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "engine/matter/neighbour_lists.hpp"
 #include "shaders/shared/matter.h"
 
@@ -30,6 +31,7 @@ struct BlockSums {
   double kinetic_J = 0;
   float mostCompression = 0;     ///< 1
   std::vector<Exchange> bodies;  ///< with each body
+  Exchange model;                ///< with the model that stands in the matter
 };
 
 /// Each array has one entry a particle, in slots. All steps are gathers: a slot writes its own entries.
@@ -42,6 +44,7 @@ class MatterParticles {
     float listed_m = 0;   ///< so far the lists reach
     float mass_kg = 0;    ///< of each
     float step_s = 0;
+    const MatterModel* model = nullptr;  ///< that stands in the matter, where there is one
   };
   MatterParticles(const Config& config, std::vector<Vec3> places);
 
@@ -55,8 +58,9 @@ class MatterParticles {
   /// What predict() changed all velocities by, m/s.
   const Vec3& fall() const { return fall_; }
 
-  /// Of a slot: `change` (m/s) of its velocity, and where it is then, but inside of the walls. Adds to `sums`.
-  void settle(std::size_t slot, const Vec3& change, BlockSums& sums);
+  /// Of a slot: `change` (m/s) of its velocity, of which `byModel` is the model's, and where it is then, but inside of
+  /// the walls and outside of the model. Adds to `sums`.
+  void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums);
   /// Behind the last settle() of a substep.
   void flip() { velocities_.swap(nextVelocities_); }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/pass_record.hpp"
 #include "engine/matter/hand_pose.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "engine/matter/matter_scene.hpp"
 
 namespace palpate {
@@ -38,7 +40,13 @@ struct MatterObservation : MatterTotals {
 
 /// What has gone between matter and all else since the beginning, kg m/s; the momentum is their sum.
 struct MatterImpulses {
-  DVec3 gravity{0}, onWalls{0}, onTools{0};
+  DVec3 gravity{0}, onWalls{0}, onTools{0}, onModel{0};
+};
+
+/// What matter does to the model that stands in it, means over a step; 0 where there is none.
+struct ModelAnswer {
+  DVec3 force_N{0};
+  DVec3 torque_Nm{0};  ///< about the middle of its volume
 };
 
 /// What a hand is answered, means over a step. Zero where the simulation has failed.
@@ -64,6 +72,8 @@ struct MatterOptions {
   unsigned threads = 0;  ///< of the CPU; 0: one per core; results are the same for any number
   std::size_t tools = 0;
   std::uint64_t memory_bytes = kMostMatterBytes;
+  /// Of a scene of water or sand whose model is a file; others are made from the scene.
+  std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
 };
 
@@ -89,6 +99,16 @@ class MatterSimulation {
   /// Energy that the hand of a tool has put in through its spring and damper, J. Passive where it is never below 0.
   double portEnergy_J(std::size_t tool) const { return portEnergies_J_[tool]; }
   const MatterImpulses& impulses() const { return impulses_; }
+  /// That stands in the matter; nothing where there is none.
+  const MatterModel* model() const { return model_.get(); }
+  const ModelAnswer& onModel() const { return onModel_; }  ///< in the last step
+  /// Particles that began within the ball of a tool: it grows from a point there and pushes them out, within about a
+  /// fifth of a second for a ball of three spacings. 0: the ball is there at once.
+  std::size_t pushedOut(std::size_t tool) const { return balls_[tool].pushedOut; }
+  /// Particles that would have begun within the model, and are left out.
+  std::size_t leftOut() const { return leftOut_; }
+  /// Particles that are within the model now. Looks at all of them.
+  std::size_t insideModel() const;
   const MatterTotals& totals() const { return totals_; }  ///< after the last substep
   /// Time of the last step on a GPU's own clock; nothing where none ran it, or it keeps none.
   virtual std::optional<double> gpuTime_us() const = 0;
@@ -118,12 +138,15 @@ class MatterSimulation {
 
   struct StepReport {
     MatterState state = MatterState::running;
-    DVec3 gravity{0}, onWalls{0};  ///< kg m/s
+    DVec3 gravity{0}, onWalls{0};     ///< kg m/s
+    DVec3 onModel{0}, turnOfModel{0};  ///< kg m/s, kg m^2/s about its middle
     MatterTotals totals;
     std::vector<ToolReport> tools;
   };
   std::size_t tools() const { return answers_.size(); }
   const std::vector<Vec3>& beginning() const { return beginning_; }
+  /// So far from its middle the ball of a tool is there, m.
+  double grown_m(std::size_t tool) const { return balls_[tool].grown_m; }
   /// What gravity gives to all particles in so many substeps, kg m/s.
   DVec3 gravityOf(std::uint32_t substeps) const;
 
@@ -138,13 +161,26 @@ class MatterSimulation {
   virtual std::vector<Vec4> pressedPlaces() const = 0;
 
   void take(const StepReport& report);
+  void beginBalls(std::span<const HandPose> hands);
+  void growBalls();
+  double wholeBall_m() const;  // grown so far, all of it counts in full
+
+  // Of a tool.
+  struct Ball {
+    double grown_m = 0;
+    std::size_t pushedOut = 0;
+  };
 
   MatterScene scene_;
   MatterPlan plan_;
+  std::shared_ptr<const MatterModel> model_;
+  std::size_t leftOut_ = 0;
   std::vector<Vec3> beginning_;
   std::vector<HandPose> hands_;  // at the end of the last step; empty before the first
+  std::vector<Ball> balls_;
   std::vector<ToolAnswer> answers_;
   std::vector<double> portEnergies_J_;
+  ModelAnswer onModel_;
   MatterTotals totals_;
   MatterImpulses impulses_;
   MatterState state_ = MatterState::running;

@@ -77,6 +77,19 @@ class WaterLaw final : public MatterLaw {
     std::vector<std::uint32_t> counts;
   };
 
+  // What never moves about a place.
+  struct Fixed {
+    shared::WallEffect walls, model{};
+  };
+  Fixed fixedAt(const MatterParticles::Config& config, const Vec3& place) const {
+    Fixed fixed{.walls = wallsAt(config.box, place)};
+    if (config.model == nullptr) return fixed;
+    const shared::ModelAt at = config.model->at(place);
+    fixed.model = modelEffect(rules_, at, fixed.walls);
+    fixed.walls = wallsBesideModel(fixed.walls, at);
+    return fixed;
+  }
+
   shared::WallEffect wallsAt(const MatterBox& box, const Vec3& place) const {
     return shared::wallEffect(rules_, shared::wallsBeside(rules_, place.x, box.size.x, box.periodic[0]),
                               shared::wallsBeside(rules_, place.y, box.size.y, box.periodic[1]),
@@ -113,7 +126,8 @@ class WaterLaw final : public MatterLaw {
       sum += gather(particles, i, pairs.all.data() + particles.lists().firstOf(i), pairs.counts[i - begin]);
       for (const BoundaryBody& body : bodies)
         body.forEachNear(place, [&](const BoundaryMeeting& met) { sum += met.volume * shared::wendland(met.r); });
-      sum += wallsAt(particles.config().box, place).sum;
+      const Fixed fixed = fixedAt(particles.config(), place);
+      sum += fixed.walls.sum + fixed.model.sum;
       particles.places()[i].w = std::max(shared::compressionOf(rules_, sum), 0.0f);
     }
   }
@@ -147,7 +161,9 @@ class WaterLaw final : public MatterLaw {
       exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part), DVec3(met.arm));
       change += part;
     });
-    return change;
+    const Vec3 outwards = body.pushedOut(Vec3(place), rules_.step);
+    exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(outwards), DVec3(Vec3(place) - body.place()));
+    return change + outwards;
   }
 
   void push(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t block, BlockSums& sums) {
@@ -161,11 +177,12 @@ class WaterLaw final : public MatterLaw {
       const std::span<const Pair> near(pairs.all.data() + particles.lists().firstOf(i), pairs.counts[i - begin]);
       Vec3 change = changeByNeighbours(near, places, velocities, i);
       for (std::size_t b = 0; b < bodies.size(); ++b) change += changeByBody(particles, bodies[b], i, sums.bodies[b]);
-      const Vec3 byWalls =
-          shared::changeByWalls(rules_, wallsAt(particles.config().box, Vec3(places[i])), compression, velocity);
+      const Fixed fixed = fixedAt(particles.config(), Vec3(places[i]));
+      const Vec3 byWalls = shared::changeByWalls(rules_, fixed.walls, compression, velocity);
+      const Vec3 byModel = shared::changeByWalls(rules_, fixed.model, compression, velocity);
       sums.wallImpulse -= static_cast<double>(particles.config().mass_kg) * DVec3(byWalls);
       sums.mostCompression = std::max(sums.mostCompression, compression);
-      particles.settle(i, change + byWalls, sums);
+      particles.settle(i, change + byWalls + byModel, byModel, sums);
     }
   }
 
