@@ -31,12 +31,28 @@ std::unique_ptr<MatterSimulation> softScan(Context& context, const MatterScene& 
   return std::make_unique<SoftWorld>(scene, options, std::move(solid), points);
 }
 
+// What stands in water or sand: its file, or its shape, becomes a field.
+std::shared_ptr<const MatterModel> standingModel(Context& context, const MatterScene& scene,
+                                                 const MatterOptions& options) {
+  planOf(scene, options.memory_bytes);  // before the file is read
+  const Stopwatch watch;
+  PointCloud cloud = isBuiltInModel(scene.model)
+                         ? builtInModel(scene, options.threads)
+                         : readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
+  const std::size_t points = cloud.size();
+  auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, options.threads);
+  context.log().say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
+                    watch.elapsed_us() * 1e-3);
+  return model;
+}
+
 }  // namespace
 
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
-  if (backend == "cpu" && !scene.model.empty()) return softScan(context, scene, options);
+  if (backend == "cpu" && scene.matter == Matter::soft && !scene.model.empty()) return softScan(context, scene, options);
+  if (scene.matter != Matter::soft && !scene.model.empty()) options.model = standingModel(context, scene, options);
   return context.backends().named(backend).simulate(scene, options);
 }
 

@@ -65,12 +65,15 @@ class MatterParticles {
   void flip() { velocities_.swap(nextVelocities_); }
 
   std::span<const Vec3> positions() const { return positions_; }    ///< m
-  std::span<const Vec3> velocities() const { return velocities_; }  ///< m/s
-  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = velocity; }
-  std::span<const Vec4> places() const { return places_; }  ///< predicted, m; the compression in w
-  std::span<Vec4> places() { return places_; }
+  std::span<const Vec4> velocities() const { return velocities_; }  ///< m/s; 0 in w
+  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = Vec4(velocity, 0); }
+  std::span<const Vec4> places() const { return places_; }  ///< predicted, m
+  /// The same with the compression in w, which a law may find.
+  std::span<const Vec4> pressed() const { return pressed_; }
+  std::span<Vec4> pressed() { return pressed_; }
   std::span<const std::uint32_t> ids() const { return ids_; }  ///< for life
   const NeighbourLists& lists() const { return lists_; }
+  bool isPeriodic() const { return grid_.cells().periodic != 0; }
   Vec3 shiftOf(Neighbour neighbour) const { return grid_.shiftOf(neighbour.image); }
 
  private:
@@ -81,10 +84,11 @@ class MatterParticles {
   Vec3 fall_{0};
   CellGrid grid_;
   NeighbourLists lists_;
-  std::vector<Vec3> positions_, velocities_, nextVelocities_;
-  std::vector<Vec4> places_;
+  std::vector<Vec3> positions_, sortedPositions_;
+  std::vector<Vec4> velocities_, nextVelocities_;
+  std::vector<Vec4> places_, sortedPlaces_, pressed_;
   std::vector<Vec3> listedAt_;  // places when the lists were made; empty: they were not
-  std::vector<std::uint32_t> ids_, order_;
+  std::vector<std::uint32_t> ids_, sortedIds_, order_;
   std::vector<float> farthest2_;  // by block: gone since, m^2
 };
 

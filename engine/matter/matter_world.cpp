@@ -88,7 +88,7 @@ MatterTotals MatterWorld::reactTo(const std::vector<BlockSums>& blocks, StepRepo
 }
 
 std::vector<Vec4> MatterWorld::pressedPlaces() const {
-  const std::span<const Vec4> places = std::as_const(*particles_).places();
+  const std::span<const Vec4> places = std::as_const(*particles_).pressed();
   return {places.begin(), places.end()};
 }
 
@@ -100,7 +100,7 @@ std::vector<Vec3> MatterWorld::positionsById() const {
 
 std::vector<Vec3> MatterWorld::velocitiesById() const {
   std::vector<Vec3> velocities(particles_->size());
-  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[particles_->ids()[i]] = particles_->velocities()[i];
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[particles_->ids()[i]] = Vec3(particles_->velocities()[i]);
   return velocities;
 }
 

@@ -93,7 +93,7 @@ class SandLaw final : public MatterLaw {
            {.id = particles.ids()[neighbour.slot],
             .offset = offset,
             .overlap = rules_.diameter - distance,
-            .velocity = particles.velocities()[neighbour.slot],
+            .velocity = Vec3(particles.velocities()[neighbour.slot]),
             .fall = particles.fall()},
            particles.fall());
     }
@@ -140,7 +140,7 @@ class SandLaw final : public MatterLaw {
   void touch(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t slot, BlockSums& sums) {
     const std::uint32_t id = particles.ids()[slot];
     Grain grain{.place = Vec3(particles.places()[slot]),
-                .velocity = std::as_const(particles).velocities()[slot],
+                .velocity = Vec3(std::as_const(particles).velocities()[slot]),
                 .before = before_[id],
                 .after = after_[id]};
     grain.after.count = 0;

@@ -89,6 +89,8 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
   }
   if (scene.matter == Matter::soft)
     throw ConfigError("matter", "soft bodies are not felt yet; palpate simulate moves them");
+  if (!scene.model.empty())
+    throw ConfigError("matter.model", "a model in matter is not felt yet; palpate simulate moves what is about it");
   if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
   if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
   if (config.brush) throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
