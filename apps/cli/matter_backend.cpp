@@ -1,8 +1,13 @@
 #include "apps/cli/matter_backend.hpp"
 
+#include <algorithm>
+
 #include "engine/core/clock.hpp"
+#include "engine/gpu/device.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/matter/gpu_soft_world.hpp"
 #include "engine/matter/soft_scan.hpp"
+#include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "haptics/session/backends.hpp"
 
@@ -10,16 +15,18 @@ namespace palpate {
 
 std::vector<std::string> matterBackends() { return {"vulkan", "cpu"}; }
 
-std::string chooseMatterBackend(const Context& context, const std::string& name, Matter matter) {
+std::string chooseMatterBackend(const Context& context, const std::string& name) {
   if (name != "auto") return name;
-  if (matter == Matter::soft) return "cpu";
   return context.hasRealGpu() ? "vulkan" : "cpu";
 }
 
 namespace {
 
-// Its file is read, placed and filled.
-std::unique_ptr<MatterSimulation> softScan(Context& context, const MatterScene& scene, const MatterOptions& options) {
+// The scene's shape, or its file, which is read, placed and filled.
+std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& backend, const MatterScene& scene,
+                                           const MatterOptions& options) {
+  if (scene.model.empty())
+    return startSoft(context, backend, scene, options, solidOf(scene, options.memory_bytes), {});
   planOf(scene, options.memory_bytes);  // before the file is read
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
   const std::vector<SurfacePlace> points = placeScan(std::move(cloud), scene, options.threads);
@@ -28,7 +35,7 @@ std::unique_ptr<MatterSimulation> softScan(Context& context, const MatterScene& 
   SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
   context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, points.size(),
                     solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  return std::make_unique<SoftWorld>(scene, options, std::move(solid), points);
+  return startSoft(context, backend, scene, options, std::move(solid), points);
 }
 
 // What stands in water or sand: its file, or its shape, becomes a field.
@@ -48,12 +55,23 @@ std::shared_ptr<const MatterModel> standingModel(Context& context, const MatterS
 
 }  // namespace
 
+std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string& backend, const MatterScene& scene,
+                                            const MatterOptions& options, SoftSolid solid,
+                                            std::span<const SurfacePlace> points) {
+  if (backend == "cpu") return std::make_unique<SoftWorld>(scene, options, std::move(solid), points);
+  Device& device = context.device();
+  return std::make_unique<GpuSoftWorld>(device, device.latencyQueue(), scene, options, solid, points);
+}
+
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
-  if (backend == "cpu" && scene.matter == Matter::soft && !scene.model.empty()) return softScan(context, scene, options);
-  if (scene.matter != Matter::soft && !scene.model.empty()) options.model = standingModel(context, scene, options);
-  return context.backends().named(backend).simulate(scene, options);
+  if (scene.matter != Matter::soft) {
+    if (!scene.model.empty()) options.model = standingModel(context, scene, options);
+    return context.backends().named(backend).simulate(scene, options);
+  }
+  if (backend == "vulkan") options.memory_bytes = std::max(options.memory_bytes, context.device().ownMemory() / 2);
+  return softBody(context, backend, scene, options);
 }
 
 }  // namespace palpate

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <glm/gtc/quaternion.hpp>
 #include <numeric>
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/matter/gpu_tools.hpp"
+#include "engine/matter/matter_particles.hpp"
 #include "engine/matter/matter_rules.hpp"
-#include "engine/matter/tool_body.hpp"
 
 namespace palpate {
 
@@ -17,10 +17,14 @@ namespace {
 
 constexpr std::uint32_t kMostListedInWater = 128, kMostListedInSand = 64;
 constexpr const char* kStep = "step";
+constexpr std::uint32_t kSwiftSteps = 16;  // that follow the beginning, and a step which needed lists at least twice
 
 float listed_m(const MatterScene& scene, const MatterPlan& plan) {
   return (reachOf(scene.matter).neighbour_spacings + kListedFarther_spacings) * static_cast<float>(plan.spacing_m);
 }
+
+// So far a particle may go until it is listed again.
+float allowed_m(const MatterPlan& plan) { return kListedFarther_spacings * static_cast<float>(plan.spacing_m) / 2; }
 
 shared::MatterCells particleCells(const MatterScene& scene, const MatterPlan& plan) {
   return cellsOf({.size = scene.box_mm * 1e-3, .periodic = scene.periodic}, listed_m(scene, plan));
@@ -45,15 +49,11 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
   const MatterPlan& plan = world.plan();
   const auto spacing = static_cast<float>(plan.spacing_m);
   const auto support = static_cast<float>(kSupport_spacings * plan.spacing_m);
-  const shared::ToolSpringOf<double> spring = toolSpring(scene.tool, plan.substep_s);
   return {.cells = particleCells(scene, plan),
           .bodyCells = ball.grid().cells(),
           .water = waterRules(scene, plan),
           .grains = grainRules(scene, plan),
-          .spring = {.mass = static_cast<float>(spring.mass),
-                     .stiffness = static_cast<float>(spring.stiffness),
-                     .damping = static_cast<float>(spring.damping),
-                     .step = static_cast<float>(spring.step)},
+          .spring = springOnGpu(scene, plan),
           .model = world.model() != nullptr ? world.model()->field() : shared::ModelField{},
           .modelMiddle = world.model() != nullptr ? Vec3(world.model()->middle()) : Vec3(0),
           .bodyMiddle = ball.middle(),
@@ -63,7 +63,7 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
           .bodyKept = ball.kept(),
           .bodyPush = ball.push(),
           .listed = listed_m(scene, plan),
-          .allowed = kListedFarther_spacings * spacing / 2,
+          .allowed = allowed_m(plan),
           .nearest = reachOf(scene.matter).wall_spacings * spacing,
           .step = static_cast<float>(plan.substep_s),
           .mass = static_cast<float>(plan.mass_kg),
@@ -76,6 +76,10 @@ std::vector<Vec4> widened(const std::vector<Vec3>& values) {
   std::vector<Vec4> wide;
   for (const Vec3& value : values) wide.emplace_back(value, 0);
   return wide;
+}
+
+CommandList::Timing timingOf(const MatterOptions& options) {
+  return options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections;
 }
 
 template <class T>
@@ -97,22 +101,27 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       sizes_(sizesOf(*this, ball_, tools())),
       memory_(device, sizes_),
       passes_(device, scene.matter),
-      step_(device, queue, "matter",
-            options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
+      calm_(device, queue, "calm matter", timingOf(options)),
+      swift_(device, queue, "swift matter", timingOf(options)) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
   std::vector<Vec4> bodyPoints = copyOf(ball_.points());
   if (model() != nullptr) bodyPoints.insert(bodyPoints.end(), model()->nodes().begin(), model()->nodes().end());
   upload(device_, queue_, memory_.bodyPoints, bodyPoints);
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
-  step_.begin();
-  {
-    const auto section = step_.section(kStep);
-    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
-      passes_.record(step_, memory_, sizes_, substep);
-    step_.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
-  }
-  step_.end();
+  record(calm_, false);
+  record(swift_, true);
   reset();
+}
+
+void GpuMatterWorld::record(CommandList& step, bool swift) {
+  step.begin();
+  {
+    const auto section = step.section(kStep);
+    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
+      passes_.record(step, memory_, sizes_, substep, swift ? 1 : substep == 0 ? sizes_.substeps : 0);
+    step.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
+  }
+  step.end();
 }
 
 void GpuMatterWorld::begin() {
@@ -130,32 +139,20 @@ void GpuMatterWorld::begin() {
   clear.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
   clear.end();
   queue_.run(clear);
+  swiftSteps_ = kSwiftSteps;
 }
 
 void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
 
-void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const HandPose> to) {
-  const std::span<shared::HandStep> steps = memory_.hands.mapped<shared::HandStep>();
-  for (std::size_t tool = 0; tool < tools(); ++tool) {
-    HandPose before = from[tool];
-    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep) {
-      const HandPose now = between(from[tool], to[tool], (substep + 1.0) / sizes_.substeps);
-      const glm::mat3 turn(glm::mat3_cast(glm::normalize(now.orientation)));
-      steps[substep * tools() + tool] = {.place = now.place_m,
-                                         .move = now.place_m - before.place_m,
-                                         .spin = spinBetween(before.orientation, now.orientation, plan().substep_s),
-                                         .x = turn[0],
-                                         .y = turn[1],
-                                         .z = turn[2],
-                                         .grown = static_cast<float>(grown_m(tool))};
-      before = now;
-    }
-  }
-}
-
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
-  writeHands(from, to);
-  queue_.wait(queue_.submit(step_), device_.defaultWait());
+  const std::span<shared::HandStep> hands = memory_.hands.mapped<shared::HandStep>();
+  writeHandSteps(from, to, plan().substep_s, hands);
+  for (std::size_t k = 0; k < hands.size() && tools() > 0; ++k)
+    hands[k].grown = static_cast<float>(grown_m(k % tools()));
+  const shared::MatterControl before = control();
+  ran_ = swiftSteps_ > 0 || areSwift(from, to) ? &swift_ : &calm_;
+  queue_.wait(queue_.submit(*ran_), device_.defaultWait());
+  choose(before);
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(
       memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kSums).data());
   StepReport report{.state = static_cast<MatterState>(control().state),
@@ -166,23 +163,30 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
                     .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
                                .momentum = sums.momentum,
                                .maxCompression = static_cast<double>(sums.mostCompression)}};
-  for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(tool, to[tool]));
+  const auto* balls = reinterpret_cast<const shared::ToolState*>(
+      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kTools).data());
+  for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(balls[tool], to[tool]));
   return report;
 }
 
-ToolReport GpuMatterWorld::reportOf(std::size_t tool, const HandPose& hand) const {
-  const auto& state = reinterpret_cast<const shared::ToolState*>(
-      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kTools).data())[tool];
-  return {.springImpulse = state.springImpulse,
-          .impulse = state.impulse,
-          .angular = state.angular,
-          .portWork_J = static_cast<double>(state.portWork),
-          .place_m = hand.place_m + DVec3(state.lag),
-          .velocity_m_s = state.velocity};
+// Whether a hand takes matter with it in a step as far as lists allow.
+bool GpuMatterWorld::areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const {
+  for (std::size_t tool = 0; tool < tools(); ++tool)
+    if (growsBall(tool) || glm::length(to[tool].place_m - from[tool].place_m) > allowed_m(plan())) return true;
+  return false;
+}
+
+// How the next step goes, from what this one came to: the same for the same scene and hands.
+void GpuMatterWorld::choose(const shared::MatterControl& before) {
+  if (control().late != before.late || control().lists - before.lists > 1) {
+    swiftSteps_ = kSwiftSteps;
+  } else if (swiftSteps_ > 0) {
+    --swiftSteps_;
+  }
 }
 
 std::optional<double> GpuMatterWorld::gpuTime_us() const {
-  const double time_us = step_.sectionTime_us(kStep);
+  const double time_us = ran_->sectionTime_us(kStep);
   return time_us > 0 ? std::optional(time_us) : std::nullopt;
 }
 

@@ -125,6 +125,10 @@ class MatterSimulation {
   /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry, and
   /// unit normals where these have some.
   virtual void makeFrame(CloudFrame& frame);
+  /// Does the same but for the way to the host. False where there is no such way, and nothing was done.
+  virtual bool makeFrameThere() { return false; }
+  /// Time of the last frame on a GPU's own clock, without the way to the host; nothing where none made one.
+  virtual std::optional<double> frameTime_us() const { return std::nullopt; }
   /// In the order of the ids, m.
   virtual std::vector<Vec3> positionsById() const = 0;
   virtual std::vector<Vec3> velocitiesById() const = 0;  ///< m/s
@@ -147,6 +151,7 @@ class MatterSimulation {
   const std::vector<Vec3>& beginning() const { return beginning_; }
   /// So far from its middle the ball of a tool is there, m.
   double grown_m(std::size_t tool) const { return balls_[tool].grown_m; }
+  bool growsBall(std::size_t tool) const { return grown_m(tool) < wholeBall_m(); }
   /// What gravity gives to all particles in so many substeps, kg m/s.
   DVec3 gravityOf(std::uint32_t substeps) const;
 

@@ -1,7 +1,7 @@
 // What a scene of a soft body comes to.
 #pragma once
 
-#include "engine/matter/matter_scene.hpp"
+#include "engine/matter/matter_simulation.hpp"
 #include "engine/matter/soft_body.hpp"
 
 namespace palpate {
@@ -15,7 +15,17 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);
 /// Where the body stands: a box of the size of the fill, in the middle of the floor, m.
 PlaceBox standOf(const MatterScene& scene);
 
-/// The solid of a scene without a model.
-SoftSolid solidOf(const MatterScene& scene);
+/// The solid of a scene without a model. Throws Error as planOf() does, before anything is filled.
+SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+
+/// Where nodes are pinned; a hair wider than the scene says, for those on its faces.
+std::vector<PlaceBox> pinsOf(const MatterScene& scene);
+
+/// A body of that mass may move with its sound as a whole, and with what it has from falling through the box, J.
+double mostSoftKinetic_J(const MatterScene& scene, const MatterPlan& plan, double mass_kg);
+
+/// Adds to what is seen of a scene's body where its nodes are: at rest (m), how far from there (m), and their masses.
+void seeNodes(MatterObservation& seen, const MatterScene& scene, std::span<const Vec3> rest,
+              std::span<const Vec3> displacements, std::span<const float> masses);
 
 }  // namespace palpate

@@ -53,7 +53,6 @@ class SoftWorld final : public MatterSimulation {
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
   void substep(std::span<const HandPose> hands, StepReport& report);
-  bool isSane(double kinetic_J) const;
 
   WorkerTeam team_;
   std::unique_ptr<const SoftSolid> solid_;  // where it stays, as the body looks at it

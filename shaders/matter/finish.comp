@@ -8,29 +8,12 @@ layout(push_constant, scalar) uniform Push { MatterFinishArgs args; };
 
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_sums.glsl"
-
-// Both rows from `row` on, over all blocks.
-void sumRows(uint row, bool keepsLargest, out vec4 a, out vec4 b) {
-  a = b = vec4(0);
-  for (uint block = gl_LocalInvocationIndex; block < args.blocks; block += kMatterBlock) {
-    a = combined(a, args.sums.at[row * args.blocks + block], false);
-    b = combined(b, args.sums.at[(row + 1) * args.blocks + block], keepsLargest);
-  }
-  addUp(a, b, keepsLargest);
-}
-
-void react(uint t, vec3 impulse, vec3 angular) {
-  const vec3 change = impulse / SETTING.spring.mass;
-  args.tools.at[t].velocity += change;
-  args.tools.at[t].lag += SETTING.step * change;
-  args.tools.at[t].impulse += impulse;
-  args.tools.at[t].angular += angular;
-}
+#include "shaders/lib/matter_tools.glsl"
 
 void main() {
   if (args.control.now.state != kMatterRunning) return;
   const bool first = gl_LocalInvocationIndex == 0;
-  const bool runs = isRunning(), made = needsLists();
+  const bool runs = isRunning(), stale = needsLists();
   const bool diverges = args.control.now.farthest >= kNotFinite;
   barrier();  // from here on one invocation changes what all have read
   if (!runs) {
@@ -40,14 +23,15 @@ void main() {
     return;
   }
   vec4 onWalls, momentum;
-  sumRows(0, true, onWalls, momentum);
+  sumRows(args.sums, 0, args.blocks, args.blocks, true, onWalls, momentum);
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     vec4 impulse, angular;
-    sumRows(kRowsOfAll + 2 * tool, false, impulse, angular);
-    if (first) react(tool, impulse.xyz, angular.xyz);
+    sumRows(args.sums, kRowsOfAll + 2 * tool, args.blocks, args.blocks, false, impulse, angular);
+    if (first) reactTool(tool, impulse.xyz, angular.xyz);
   }
   vec4 onModel = vec4(0), turnOfModel = vec4(0);
-  if (SETTING.model.nodes.x > 0) sumRows(kRowsOfAll + 2 * args.toolCount, false, onModel, turnOfModel);
+  if (SETTING.model.nodes.x > 0)
+    sumRows(args.sums, kRowsOfAll + 2 * args.toolCount, args.blocks, args.blocks, false, onModel, turnOfModel);
   if (!first) return;
   args.total.now.onWalls = (args.substep == 0 ? vec3(0) : args.total.now.onWalls) + onWalls.xyz;
   args.total.now.onModel = (args.substep == 0 ? vec3(0) : args.total.now.onModel) + onModel.xyz;
@@ -56,8 +40,8 @@ void main() {
   args.total.now.momentum = momentum.xyz;
   args.total.now.mostCompression = momentum.w;
   args.control.now.parity = 1 - args.control.now.parity;
-  args.control.now.lists += made ? 1 : 0;
-  args.control.now.listed = 1;
+  if (stale && args.makesLists != 0) args.control.now.lists += 1;
+  if (stale && args.makesLists == 0) args.control.now.late += 1;
   args.control.now.farthest = 0;
   args.control.now.substeps = args.substep + 1;
   if (!(onWalls.w <= SETTING.mostKinetic)) args.control.now.state = kMatterDiverged;
