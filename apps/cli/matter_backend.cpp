@@ -2,8 +2,7 @@
 
 #include "engine/core/clock.hpp"
 #include "engine/io/cloud_formats.hpp"
-#include "engine/matter/soft_scan.hpp"
-#include "engine/matter/soft_world.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "haptics/session/backends.hpp"
 
 namespace palpate {
@@ -18,17 +17,15 @@ std::string chooseMatterBackend(const Context& context, const std::string& name,
 
 namespace {
 
-// Its file is read, placed and filled.
-std::unique_ptr<MatterSimulation> softScan(Context& context, const MatterScene& scene, const MatterOptions& options) {
+// The scene's file is read, placed and filled.
+std::shared_ptr<const SoftModel> softScan(Context& context, const MatterScene& scene, const MatterOptions& options) {
   planOf(scene, options.memory_bytes);  // before the file is read
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
-  const std::vector<SurfacePlace> points = placeScan(std::move(cloud), scene, options.threads);
-  WorkerTeam team(options.threads);
   const Stopwatch watch;
-  SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
-  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, points.size(),
-                    solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  return std::make_unique<SoftWorld>(scene, options, std::move(solid), points);
+  auto model = softModelOf(scene, std::move(cloud), options.threads);
+  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, model->points.size(),
+                    model->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  return model;
 }
 
 }  // namespace
@@ -36,7 +33,7 @@ std::unique_ptr<MatterSimulation> softScan(Context& context, const MatterScene& 
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
-  if (backend == "cpu" && !scene.model.empty()) return softScan(context, scene, options);
+  if (!scene.model.empty()) options.soft = softScan(context, scene, options);
   return context.backends().named(backend).simulate(scene, options);
 }
 

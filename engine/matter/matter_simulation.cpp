@@ -50,11 +50,14 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
   ++steps_;
 }
 
+void MatterSimulation::press(std::span<const SurfacePress> presses) { PALPATE_CHECK(presses.empty()); }
+
 void MatterSimulation::take(const StepReport& report) {
   state_ = report.state;
   totals_ = report.totals;
   impulses_.gravity += report.gravity;
   impulses_.onWalls += report.onWalls;
+  impulses_.onTools += report.onPresses;
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
     impulses_.onTools += tool.impulse;

@@ -15,7 +15,11 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);
 /// Where the body stands: a box of the size of the fill, in the middle of the floor, m.
 PlaceBox standOf(const MatterScene& scene);
 
-/// The solid of a scene without a model.
-SoftSolid solidOf(const MatterScene& scene);
+/// A ball that fits there: its middle and radius, m.
+struct SoftBall {
+  DVec3 middle{0};
+  double radius = 0;
+};
+SoftBall ballOf(const MatterScene& scene);
 
 }  // namespace palpate

@@ -17,9 +17,10 @@ std::vector<PlaceBox> pinsOf(const MatterScene& scene) {
 }
 
 // Nothing is filled before the scene is known to be one.
-SoftSolid plannedSolid(const MatterScene& scene, const MatterOptions& options) {
+std::shared_ptr<const SoftModel> plannedModel(const MatterScene& scene, const MatterOptions& options) {
+  if (options.soft) return options.soft;
   planOf(scene, options.memory_bytes);
-  return solidOf(scene);
+  return softModelOf(scene, {}, options.threads);
 }
 
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
@@ -43,23 +44,31 @@ double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
-    : SoftWorld(scene, options, plannedSolid(scene, options), {}) {}
+    : SoftWorld(scene, options, plannedModel(scene, options)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)
-    : SoftWorld(scene, options, std::make_unique<const SoftSolid>(std::move(solid)), points) {}
+    : SoftWorld(scene, options,
+                std::make_shared<const SoftModel>(
+                    SoftModel{.solid = std::move(solid), .points = {points.begin(), points.end()}})) {}
 
-SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::unique_ptr<const SoftSolid> solid,
-                     std::span<const SurfacePlace> points)
-    : MatterSimulation(scene, options, restOf(*solid)),
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
+    : MatterSimulation(scene, options, restOf(model->solid)),
       team_(options.threads),
-      solid_(std::move(solid)),
-      body_(solid_->lattice, materialOf(scene), pinsOf(scene)),
-      contact_(body_, solid_->surface, contactOf(scene, plan())),
-      embedding_(solid_->lattice, points.empty() ? std::span<const SurfacePlace>(solid_->surface) : points),
+      model_(std::move(model)),
+      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene)),
+      contact_(body_, model_->solid.surface, contactOf(scene, plan())),
+      press_(body_, model_->solid.surface),
+      embedding_(model_->solid.lattice, model_->points),
       tools_(options.tools, ToolBody(toolSpring(scene.tool, plan().substep_s))) {
   PALPATE_CHECK(scene.matter == Matter::soft);
   reset();
+}
+
+void SoftWorld::begin() {
+  body_.reset();
+  presses_.clear();
+  press_.begin(body_, {}, kMatterStep_s, team_);
 }
 
 void SoftWorld::placeTools(std::span<const HandPose> hands) {
@@ -71,16 +80,21 @@ MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std:
   std::vector<BodyMotion> balls;
   for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
   contact_.list(body_, balls, kMatterStep_s, team_);
+  press_.begin(body_, presses_, kMatterStep_s, team_);
+  presses_.clear();
   std::vector<HandPose> hands(tools_.size());
   for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
-    for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], (s + 1.0) / plan().substeps);
-    substep(hands, report);
+    const double share = (s + 1.0) / plan().substeps;
+    for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], share);
+    substep(hands, share, report);
   }
+  press_.end(body_);
+  for (const PressReport& pressed : press_.reports()) report.onPresses += pressed.impulse;
   for (ToolBody& tool : tools_) report.tools.push_back(tool.takeReport());
   return report;
 }
 
-void SoftWorld::substep(std::span<const HandPose> hands, StepReport& report) {
+void SoftWorld::substep(std::span<const HandPose> hands, double share, StepReport& report) {
   std::vector<BodyMotion> balls;
   for (std::size_t k = 0; k < tools_.size(); ++k) {
     tools_[k].predict(hands[k]);
@@ -88,7 +102,9 @@ void SoftWorld::substep(std::span<const HandPose> hands, StepReport& report) {
   }
   std::vector<Exchange> exchanges(tools_.size());
   contact_.press(body_, balls, plan().substep_s, report.onWalls, exchanges);
-  const SoftSums sums = body_.substep(scene().gravity_m_s2, plan().substep_s, team_);
+  body_.strain(team_);
+  press_.load(body_, share, plan().substep_s, scene().gravity_m_s2);
+  const SoftSums sums = body_.move(scene().gravity_m_s2, plan().substep_s, team_);
   report.gravity += sums.gravityImpulse;
   report.onWalls += sums.pinImpulse;
   report.totals = {.kinetic_J = sums.kinetic_J,

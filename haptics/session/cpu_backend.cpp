@@ -25,7 +25,7 @@ class CpuBackend final : public BackendKind {
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
-    if (config.matter) return matterTouch(request);
+    if (config.matter && !request.source) return matterTouch(request);
     return std::make_unique<CpuTouch>(request.model.cloud,
                                       CpuTouchOptions{.radius = request.surface.radius,
                                                       .cell = cellFor(request.model, config.index),
