@@ -17,7 +17,7 @@ constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is
 
 SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
                      const SoftTouchOptions& options)
-    : source_(std::move(source)), surface_(std::move(surface)), answers_(options.tools.size()) {
+    : source_(std::move(source)), surface_(std::move(surface)), bodyMachine_(options.bodyMachine), answers_(options.tools.size()) {
   question_.friction = options.friction;
   for (const ProbeGroup& probes : makeProbeGroups(options.tools))
     hands_.push_back({.probes = probes, .spring = {}, .points = {probes.points().begin(), probes.points().end()}});

@@ -15,6 +15,7 @@ namespace palpate {
 struct SoftTouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one for each hand, model units
   double friction = 0;                                       ///< of the surface that is felt
+  std::string bodyMachine;                                   ///< that moves the body, where it is another one
 };
 
 /// Stands before the back end that feels the points of a SoftSource: it tells the source where hands were and are, so that
@@ -47,7 +48,9 @@ class SoftTouch final : public TouchBackend {
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
 
-  std::string machine() const override { return surface_->machine(); }
+  std::string machine() const override {
+    return bodyMachine_.empty() ? surface_->machine() : surface_->machine() + "; the body on " + bodyMachine_;
+  }
   double buildTime_us() const override { return surface_->buildTime_us(); }
   const std::vector<double>& editTimes_us() const override { return surface_->editTimes_us(); }
   std::span<const double> bridgeTimes_us() const override { return surface_->bridgeTimes_us(); }
@@ -77,6 +80,7 @@ class SoftTouch final : public TouchBackend {
 
   std::unique_ptr<SoftSource> source_;
   std::unique_ptr<TouchBackend> surface_;  // goes before the source that it feels
+  std::string bodyMachine_;
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
   SurfaceQuestion question_;

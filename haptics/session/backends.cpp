@@ -86,7 +86,10 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   options.soft = request.model.soft;
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
-  auto source = std::make_unique<SoftSource>(simulate(*request.config.matter, options),
+  // Where this back end feels points alone, the CPU moves them.
+  const std::unique_ptr<BackendKind> cpu = capabilities().movesSoftBodies ? nullptr : cpuBackend();
+  auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
+  auto source = std::make_unique<SoftSource>(std::move(world),
                                              SoftSourceOptions{.points = request.model.cloud.size(),
                                                                .radius = request.surface.radius,
                                                                .toolReach = reach,
@@ -96,7 +99,9 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   auto surface = make(felt);
   return std::make_unique<SoftTouch>(
       std::move(source), std::move(surface),
-      SoftTouchOptions{.tools = request.tools, .friction = request.config.surface.friction});
+      SoftTouchOptions{.tools = request.tools,
+                       .friction = request.config.surface.friction,
+                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

@@ -8,7 +8,6 @@
 #include "engine/core/named_values.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/matter/gpu_matter_world.hpp"
-#include "engine/matter/soft_world.hpp"
 #include "engine/touch/touch_side.hpp"
 
 namespace palpate {
@@ -30,8 +29,7 @@ class VulkanBackend final : public BackendKind {
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    // The CPU moves a soft body, whose points are felt here.
-    if (scene.matter == Matter::soft) return std::make_unique<SoftWorld>(scene, options);
+    if (scene.matter == Matter::soft) throw ConfigError("backend.name", "{} moves no soft bodies; take cpu", name());
     MatterOptions there = options;
     there.memory_bytes = std::max(options.memory_bytes, device_().ownMemory() / 2);
     return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);
