@@ -18,12 +18,15 @@ constexpr int kPassSteps = 20;  // in which passes are timed one by one
 
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
+  double depth_mm = 0;  // of what fills the tank; 0: as deep as wide
   bool passes = false;
 };
 
 // A tank as wide as it is filled, with room for a ball above that weighs what it displaces.
-MatterScene sceneOf(Matter matter, std::size_t particles) {
-  const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(particles))));
+MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
+  const auto count = static_cast<double>(particles);
+  const double wanted = depth_mm > 0 ? std::sqrt(count * kSpacing_mm / depth_mm) : std::cbrt(count);
+  const double side = std::max(2 * kBall_spacings + 1, std::round(wanted));
   const double layers = std::max(1.0, std::round(static_cast<double>(particles) / (side * side)));
   const double radius_m = kBall_spacings * kSpacing_mm * 1e-3, density_kg_m3 = matter == Matter::sand ? 1600 : 1000;
   MatterScene scene{.matter = matter,
@@ -87,7 +90,7 @@ std::vector<double> eachOf(std::vector<double> times, std::uint32_t substeps) {
 
 Json measure(Context& context, Matter matter, std::size_t particles, const std::string& backend,
              const MatterBenchOptions& options) {
-  const MatterScene scene = sceneOf(matter, particles);
+  const MatterScene scene = sceneOf(matter, particles, options.depth_mm);
   Stirred stirred(context, backend, scene, false);
   std::vector<double> gpu_us, wall_us;
   repeatMeasurement(options, [&](std::int64_t) {
@@ -100,6 +103,7 @@ Json measure(Context& context, Matter matter, std::size_t particles, const std::
   return {{"matter", nameOf(kMatters, matter)},
           {"backend", backend},
           {"particles", stirred.world().particles()},
+          {"depth_mm", scene.fill_mm.y},
           {"substeps", substeps},
           {"step", {{"gpu_us", summaryOf(summarize(gpu_us))}, {"wall_us", summaryOf(summarize(wall_us))}}},
           {"substep",
@@ -115,14 +119,15 @@ std::string said(const Json& summary) {
 }
 
 void print(std::FILE* out, const Json& records) {
-  fmt::print(out, "\nmatter that a ball stirs: us, median / p99.9\n{:<8}{:<9}{:>11}{:>10}", "", "", "particles",
-             "substeps");
+  fmt::print(out, "\nmatter that a ball stirs: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "", "particles",
+             "depth, mm", "substeps");
   for (const char* column : {"step, on the GPU", "in all", "substep, on the GPU", "in all"})
     fmt::print(out, "{:>24}", column);
   fmt::print(out, "\n");
   for (const Json& record : records) {
-    fmt::print(out, "{:<8}{:<9}{:>11}{:>10}", record["matter"].get<std::string>(), record["backend"].get<std::string>(),
-               record["particles"].get<std::size_t>(), record["substeps"].get<std::size_t>());
+    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(), record["backend"].get<std::string>(),
+               record["particles"].get<std::size_t>(), record["depth_mm"].get<double>(),
+               record["substeps"].get<std::size_t>());
     for (const char* span : {"step", "substep"})
       for (const char* clock : {"gpu_us", "wall_us"}) fmt::print(out, "{:>24}", said(record[span][clock]));
     fmt::print(out, "\n");
@@ -155,6 +160,9 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
       .check(wholeBetween(1, 1e8))
       .typeName("N...");
   addListOption(sub, "--matter", options->matters, "what is stirred");
+  sub.add("--depth", options->depth_mm, "how deep it lies, and so how many substeps it needs (default: as deep as wide)")
+      .check(between(10, 1e5))
+      .typeName("MM");
   addBackendsOption(sub, *options, matterBackends());
   sub.addFlag("--passes", options->passes, "time each pass by itself, too, in further steps");
   addRepeatOptions(sub, *options);

@@ -17,10 +17,14 @@ namespace {
 
 constexpr std::uint32_t kMostListedInWater = 128, kMostListedInSand = 64;
 constexpr const char* kStep = "step";
+constexpr std::uint32_t kSwiftSteps = 16;  // that follow the beginning, and a step which needed lists at least twice
 
 float listed_m(const MatterScene& scene, const MatterPlan& plan) {
   return (reachOf(scene.matter).neighbour_spacings + kListedFarther_spacings) * static_cast<float>(plan.spacing_m);
 }
+
+// So far a particle may go until it is listed again.
+float allowed_m(const MatterPlan& plan) { return kListedFarther_spacings * static_cast<float>(plan.spacing_m) / 2; }
 
 shared::MatterCells particleCells(const MatterScene& scene, const MatterPlan& plan) {
   return cellsOf({.size = scene.box_mm * 1e-3, .periodic = scene.periodic}, listed_m(scene, plan));
@@ -58,7 +62,7 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
           .fall = scene.gravity_m_s2 * plan.substep_s,
           .bodySupport = support,
           .listed = listed_m(scene, plan),
-          .allowed = kListedFarther_spacings * spacing / 2,
+          .allowed = allowed_m(plan),
           .nearest = reachOf(scene.matter).wall_spacings * spacing,
           .step = static_cast<float>(plan.substep_s),
           .mass = static_cast<float>(plan.mass_kg),
@@ -71,6 +75,10 @@ std::vector<Vec4> widened(const std::vector<Vec3>& values) {
   std::vector<Vec4> wide;
   for (const Vec3& value : values) wide.emplace_back(value, 0);
   return wide;
+}
+
+CommandList::Timing timingOf(const MatterOptions& options) {
+  return options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections;
 }
 
 template <class T>
@@ -92,20 +100,25 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       sizes_(sizesOf(*this, ball_, tools())),
       memory_(device, sizes_),
       passes_(device, scene.matter),
-      step_(device, queue, "matter",
-            options.timesPasses ? CommandList::Timing::passes : CommandList::Timing::sections) {
+      calm_(device, queue, "calm matter", timingOf(options)),
+      swift_(device, queue, "swift matter", timingOf(options)) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
   upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
-  step_.begin();
-  {
-    const auto section = step_.section(kStep);
-    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
-      passes_.record(step_, memory_, sizes_, substep);
-    step_.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
-  }
-  step_.end();
+  record(calm_, false);
+  record(swift_, true);
   reset();
+}
+
+void GpuMatterWorld::record(CommandList& step, bool swift) {
+  step.begin();
+  {
+    const auto section = step.section(kStep);
+    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep)
+      passes_.record(step, memory_, sizes_, substep, swift ? 1 : substep == 0 ? sizes_.substeps : 0);
+    step.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
+  }
+  step.end();
 }
 
 void GpuMatterWorld::begin() {
@@ -123,6 +136,7 @@ void GpuMatterWorld::begin() {
   clear.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
   clear.end();
   queue_.run(clear);
+  swiftSteps_ = kSwiftSteps;
 }
 
 void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
@@ -148,7 +162,10 @@ void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const 
 
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   writeHands(from, to);
-  queue_.wait(queue_.submit(step_), device_.defaultWait());
+  const shared::MatterControl before = control();
+  ran_ = swiftSteps_ > 0 || areSwift(from, to) ? &swift_ : &calm_;
+  queue_.wait(queue_.submit(*ran_), device_.defaultWait());
+  choose(before);
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(
       memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kSums).data());
   StepReport report{.state = static_cast<MatterState>(control().state),
@@ -159,6 +176,22 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
                                .maxCompression = static_cast<double>(sums.mostCompression)}};
   for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(tool, to[tool]));
   return report;
+}
+
+// Whether a hand takes matter with it in a step as far as lists allow.
+bool GpuMatterWorld::areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const {
+  for (std::size_t tool = 0; tool < tools(); ++tool)
+    if (glm::length(to[tool].place_m - from[tool].place_m) > allowed_m(plan())) return true;
+  return false;
+}
+
+// How the next step goes, from what this one came to: the same for the same scene and hands.
+void GpuMatterWorld::choose(const shared::MatterControl& before) {
+  if (control().late != before.late || control().lists - before.lists > 1) {
+    swiftSteps_ = kSwiftSteps;
+  } else if (swiftSteps_ > 0) {
+    --swiftSteps_;
+  }
 }
 
 ToolReport GpuMatterWorld::reportOf(std::size_t tool, const HandPose& hand) const {
@@ -173,7 +206,7 @@ ToolReport GpuMatterWorld::reportOf(std::size_t tool, const HandPose& hand) cons
 }
 
 std::optional<double> GpuMatterWorld::gpuTime_us() const {
-  const double time_us = step_.sectionTime_us(kStep);
+  const double time_us = ran_->sectionTime_us(kStep);
   return time_us > 0 ? std::optional(time_us) : std::nullopt;
 }
 

@@ -22,11 +22,15 @@ class GpuMatterWorld final : public MatterSimulation {
                  std::vector<Vec3> places);
 
   std::optional<double> gpuTime_us() const override;
-  std::vector<PassRecord> passes() const override { return step_.passes(); }
+  std::vector<PassRecord> passes() const override { return ran_->passes(); }
   std::vector<Vec3> positionsById() const override;
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
 
+  /// Substeps since the beginning in which a particle had gone farther than lists allow, and which could make none: two
+  /// that have come near in them meet when the next step begins, by weights that begin at 0. The steps that follow one
+  /// such can make lists in each substep.
+  std::uint32_t lateSubsteps() const { return control().late; }
   /// How often lists were made since the beginning.
   std::uint32_t listsMade() const { return control().lists; }
   /// On the GPU.
@@ -39,6 +43,9 @@ class GpuMatterWorld final : public MatterSimulation {
   std::vector<Vec4> pressedPlaces() const override;
 
   void writeHands(std::span<const HandPose> from, std::span<const HandPose> to);
+  void record(CommandList& step, bool swift);
+  bool areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const;
+  void choose(const shared::MatterControl& before);
   ToolReport reportOf(std::size_t tool, const HandPose& hand) const;
   std::vector<Vec3> byId(const Buffer& slots, std::uint64_t firstSlot) const;
   const shared::MatterControl& control() const { return memory_.stateRead.mapped<const shared::MatterControl>()[0]; }
@@ -49,7 +56,9 @@ class GpuMatterWorld final : public MatterSimulation {
   MatterSizes sizes_;
   MatterMemory memory_;
   MatterPasses passes_;
-  CommandList step_;
+  CommandList calm_, swift_;    // a step in which lists are made in the beginning alone; in every substep, if need be
+  const CommandList* ran_ = &calm_;
+  std::uint32_t swiftSteps_ = 0;  // so many more to come
 };
 
 }  // namespace palpate

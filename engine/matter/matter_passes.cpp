@@ -43,18 +43,20 @@ MatterPasses::MatterPasses(Device& device, Matter matter)
 }
 
 void MatterPasses::record(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
-                          std::uint32_t substep) const {
-  recordPrediction(list, memory, sizes, substep);
+                          std::uint32_t substep, std::uint32_t listsFor) const {
+  recordPrediction(list, memory, sizes, substep, std::max(listsFor, 1u) - 1);
   if (sizes.particles > 0) {
-    recordSort(list, memory, sizes);
-    recordLists(list, memory, sizes);
+    if (listsFor > 0) {
+      recordSort(list, memory, sizes);
+      recordLists(list, memory, sizes);
+    }
     matter_ == Matter::sand ? recordSand(list, memory, sizes) : recordWater(list, memory, sizes);
   }
-  recordFinish(list, memory, sizes, substep);
+  recordFinish(list, memory, sizes, substep, listsFor > 0);
 }
 
 void MatterPasses::recordPrediction(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
-                                    std::uint32_t substep) const {
+                                    std::uint32_t substep, std::uint32_t ahead) const {
   const std::uint32_t threads = threadsOf(sizes);
   list.dispatch(predict_, threads,
                 shared::MatterPredictArgs{.control = control(memory),
@@ -71,7 +73,7 @@ void MatterPasses::recordPrediction(CommandList& list, const MatterMemory& memor
                                           .threads = threads,
                                           .toolCount = sizes.tools,
                                           .substep = substep,
-                                          .unused = 0});
+                                          .ahead = ahead});
 }
 
 void MatterPasses::recordSort(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes) const {
@@ -196,7 +198,7 @@ void MatterPasses::recordSand(CommandList& list, const MatterMemory& memory, con
 }
 
 void MatterPasses::recordFinish(CommandList& list, const MatterMemory& memory, const MatterSizes& sizes,
-                                std::uint32_t substep) const {
+                                std::uint32_t substep, bool makesLists) const {
   list.dispatch(finish_, shared::kMatterBlock,
                 shared::MatterFinishArgs{.control = control(memory),
                                          .setting = memory.setting.address(),
@@ -206,7 +208,7 @@ void MatterPasses::recordFinish(CommandList& list, const MatterMemory& memory, c
                                          .blocks = sizes.blocks,
                                          .toolCount = sizes.tools,
                                          .substep = substep,
-                                         .unused = 0});
+                                         .makesLists = makesLists});
 }
 
 }  // namespace palpate

@@ -9,7 +9,7 @@ namespace palpate {
 /// Radius of the weights.
 inline constexpr double kSupport_spacings = 2.0;
 /// Neighbours are listed so much farther than they are met, so that a list is good for some substeps.
-inline constexpr float kListedFarther_spacings = 0.3f;
+inline constexpr float kListedFarther_spacings = 0.2f;
 inline constexpr double kReach_spacings = kSupport_spacings + kListedFarther_spacings;
 /// Speed of sound in spacings a substep. One Jacobi iteration overshoots where dt c max |gradient of C in a wave| is
 /// above sqrt(4 / 3), which is at 0.98 for weights of this radius.

@@ -11,11 +11,11 @@ bool isRunning() {
          args.control.now.crowdedCell == 0 && args.control.now.crowdedList == 0;
 }
 
-// Whether lists are to be made, for passes before the lists are.
+// Whether lists are to be made, for passes before the lists are, and in substeps that make some.
 bool needsLists() {
   const float allowed = SETTING.allowed;
   return args.control.now.state == kMatterRunning && args.control.now.farthest < kNotFinite &&
-         (args.control.now.listed == 0 || !(uintBitsToFloat(args.control.now.farthest) < allowed * allowed));
+         (args.control.now.lists == 0 || !(uintBitsToFloat(args.control.now.farthest) < allowed * allowed));
 }
 
 MatterCells particleCells() {

@@ -24,10 +24,11 @@ void main() {
   float sum = 1;  // the particle itself
   for (uint first = 0; first < count; first += kListedAtOnce) {
     const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
+    vec3 others[kListedAtOnce];  // all of them are asked for before the first one is waited for
+    [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) others[k] = args.places.at[slotOf(four[k])].xyz;
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) {
-      if (first + k >= count) break;
-      const vec3 offset = offsetFrom(four[k], args.places.at[slotOf(four[k])].xyz, place, size);
-      sum += wendland(min(length(offset) * perSupport, 1));
+      const float r = length(offsetFrom(four[k], others[k], place, size)) * perSupport;
+      sum += first + k < count ? wendland(min(r, 1)) : 0;
     }
   }
   for (uint tool = 0; tool < args.toolCount; ++tool) {

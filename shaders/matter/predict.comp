@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Where particles, and the balls of tools, go by themselves in a substep.
+// Where particles, and the balls of tools, go by themselves in a substep, and how far particles will have gone from where
+// they were listed once lists can be made again, as far as can be seen now.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/matter_passes.h"
 
@@ -42,7 +43,8 @@ void main() {
     const vec3 velocity = args.velocities.at[args.control.now.parity * args.particles + i].xyz + SETTING.fall;
     const vec3 place = args.positions.at[i].xyz + SETTING.step * velocity;
     args.places.at[i] = vec4(place, 0);
-    const vec3 gone = place - args.listedAt.at[i].xyz;
+    const vec3 moved = place + (args.ahead * SETTING.step) * velocity - args.listedAt.at[i].xyz;
+    const vec3 gone = args.ahead > 0 ? kForesight * moved : moved;
     atomicMax(farthest, floatBitsToUint(dot(gone, gone)));  // bits grow as floats do that are not below 0
   }
   barrier();

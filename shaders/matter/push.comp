@@ -24,15 +24,16 @@ vec3 changeByNeighbours(uint slot) {
   vec3 change = vec3(0);
   for (uint first = 0; first < count; first += kListedAtOnce) {
     const uvec4 four = args.lists.at[first / kListedAtOnce * args.stride + slot];
+    vec4 others[kListedAtOnce];  // all of them are asked for before the first one is waited for
+    vec3 relative[kListedAtOnce];
+    [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) others[k] = args.pressed.at[slotOf(four[k])];
+    [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k)
+      relative[k] = args.velocities.at[before + slotOf(four[k])].xyz + fall - velocity;
     [[unroll]] for (uint k = 0; k < kListedAtOnce; ++k) {
-      if (first + k >= count) break;
-      const uint other = slotOf(four[k]);
-      const vec4 at = args.pressed.at[other];
-      const vec3 offset = offsetFrom(four[k], at.xyz, place.xyz, size);
+      const vec3 offset = offsetFrom(four[k], others[k].xyz, place.xyz, size);
       const float r = length(offset) * perSupport;
-      if (!(r < 1)) continue;
-      const vec3 relative = args.velocities.at[before + other].xyz + fall - velocity;
-      change += changeByNeighbour(rules, offset, wendlandPull(r), place.w + at.w, relative);
+      if (first + k < count && r < 1)
+        change += changeByNeighbour(rules, offset, wendlandPull(r), place.w + others[k].w, relative[k]);
     }
   }
   return change;

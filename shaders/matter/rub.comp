@@ -18,13 +18,16 @@ GrainRules rules;
 vec3 place, velocity;
 float mostOverlap;
 uint before, countBefore;  // contacts of the last substep
+uint expected;             // the next of those, as they mostly come in the order in which they came then
 uint after, countAfter;    // and those of this one
 
 // Whether a contact was there in the last substep, and what that left of it.
 bool wasThere(uint other, out vec3 left) {
   for (uint k = 0; k < countBefore; ++k) {
-    if (args.contacts.at[before + k].w != other) continue;
-    left = uintBitsToFloat(args.contacts.at[before + k].xyz);
+    const uvec4 contact = args.contacts.at[before + expected];
+    expected = expected + 1 < countBefore ? expected + 1 : 0;
+    if (contact.w != other) continue;
+    left = uintBitsToFloat(contact.xyz);
     return true;
   }
   return false;
@@ -98,7 +101,7 @@ void main() {
     before = (parity * args.particles + id) * kMostContacts;
     countBefore = args.contactCounts.at[parity * args.particles + id];
     after = ((1 - parity) * args.particles + id) * kMostContacts;
-    countAfter = 0;
+    expected = countAfter = 0;
     change = meetNeighbours(slot);
     byWalls = meetWalls();
   }

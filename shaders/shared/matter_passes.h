@@ -21,7 +21,7 @@ struct MatterPredictArgs {
   uint threads;
   uint toolCount;
   uint substep;  // in its step
-  uint unused;
+  uint ahead;    // substeps beyond this one for which lists are to be good
 };
 PALPATE_SIZE(MatterPredictArgs, 96);
 
@@ -170,7 +170,7 @@ struct MatterFinishArgs {
   uint blocks;
   uint toolCount;
   uint substep;
-  uint unused;
+  uint makesLists;  // whether they could be made in this one
 };
 PALPATE_SIZE(MatterFinishArgs, 56);
 

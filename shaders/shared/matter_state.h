@@ -18,6 +18,9 @@ const uint kSlotBits = 27u;
 // Particles of a cell that can be put in order. A cell is no wider than lists reach, so that an eighth of it with more than
 // the longest list in it is crowded for sure.
 const uint kMostInCell = 1040u;
+// Lists that are to be good for some substeps are made as if particles went so much farther in them than they will at
+// their present velocities: these change.
+const float kForesight = 1.25f;
 // Cells that an invocation empties at the most.
 const uint kEmptiedAtOnce = 4u;
 
@@ -33,9 +36,9 @@ const uint kNotFinite = 0x7f800000u;
 struct MatterControl {
   uint state;
   uint parity;       // half of velocities and contacts that is read in this substep, while the other one is written
-  uint listed;       // whether there are lists
+  uint late;         // substeps in which lists could not be made and should have been
   uint lists;        // how often they were made
-  uint farthest;     // bits of the square of what a particle has gone at most since they were made, m^2
+  uint farthest;     // bits of the square of what a particle will have gone at most since they were made, m^2
   uint crowdedCell;  // whether one holds more than can be put in order
   uint crowdedList;  // whether one has no room
   uint substeps;     // of this step that were run

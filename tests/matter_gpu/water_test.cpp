@@ -1,7 +1,19 @@
 // Water on the GPU: against what water has to be, and against the CPU after many steps.
+#include <algorithm>
+
 #include "tests/matter_gpu/gpu_matter.hpp"
 
 namespace palpate {
+
+namespace {
+
+// Substeps of the last step that could make lists.
+std::int64_t listPasses(const GpuMatterWorld& world) {
+  const std::vector<PassRecord> passes = world.passes();
+  return std::ranges::count(passes, "matter_list", &PassRecord::name);
+}
+
+}  // namespace
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water at rest presses and weighs as it does on the CPU") {
   checkWaterAtRest(onGpu(device), 200, 80);
@@ -41,13 +53,41 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU lists are made when they have to b
   GpuMatterWorld world(device, device.latencyQueue(), scene);
   run(world, 100);
   CHECK(world.listsMade() >= 1);
-  CHECK(world.listsMade() < 10);
+  CHECK(world.listsMade() < 15);
+  CHECK(world.lateSubsteps() == 0);
+  CHECK(listPasses(world) == 1);  // water at rest: passes that end at once take their time, too
   std::vector<Vec3> velocities(world.particles(), Vec3(0, 1, 0));
   world.setVelocities(velocities);
   const std::uint32_t before = world.listsMade();
-  run(world, 30);  // 30 mm up, of which lists allow 1.5
+  run(world, 1);
+  CHECK(world.lateSubsteps() == 0);  // it was foreseen by the velocities
+  run(world, 29);                    // 30 mm up, of which lists allow 1
+  CHECK(world.lateSubsteps() <= 1);
   CHECK(world.listsMade() >= before + 10);
   CHECK(world.listsMade() < before + 30 * world.plan().substeps);
+}
+
+TEST_CASE_FIXTURE(CoreGpuFixture, "what becomes swift at once is listed in each substep from then on") {
+  MatterScene scene = tank({8, 16, 8}, 12);
+  scene.tool = {.radius_mm = 20, .mass_kg = 0.05};
+  GpuMatterWorld world(device, device.latencyQueue(), scene, {.tools = 1});
+  HandPose hand{.place_m = {0.04, 0.16, 0.04}};
+  const auto holdFor = [&](int steps) {
+    for (int k = 0; k < steps; ++k) world.step({&hand, 1});
+  };
+  holdFor(40);
+  CHECK(listPasses(world) == 1);
+  for (int k = 0; k < 20; ++k) {  // 2 m/s, twice as far in a step as lists allow
+    hand.place_m.y -= 2e-3;
+    world.step({&hand, 1});
+    CHECK(listPasses(world) == world.plan().substeps);
+  }
+  CHECK(world.lateSubsteps() == 0);
+  world.reset();
+  hand.place_m.y = 0.16;
+  holdFor(1);
+  CHECK(listPasses(world) == world.plan().substeps);
+  CHECK(world.state() == MatterState::running);
 }
 
 }  // namespace palpate
