@@ -1,4 +1,4 @@
-// What a millisecond of matter costs that a hand stirs.
+// What a millisecond of matter costs that a hand stirs, or presses.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -6,6 +6,8 @@
 
 #include "apps/bench/bench.hpp"
 #include "apps/cli/matter_backend.hpp"
+#include "engine/matter/soft_model.hpp"
+#include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
 
@@ -18,6 +20,7 @@ constexpr int kPassSteps = 20;  // in which passes are timed one by one
 
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
+  std::int64_t points = 0;  // that a soft body carries; 0: its skin
   double depth_mm = 0;  // of what fills the tank; 0: as deep as wide
   bool passes = false;
 };
@@ -39,21 +42,74 @@ MatterScene sceneOf(Matter matter, std::size_t particles, double depth_mm) {
   return scene;
 }
 
-// Comes down from above until the ball is half in, and goes around there.
-HandPose stirring(const MatterScene& scene, std::int64_t step) {
-  constexpr double kSpeed_m_s = 0.2, kDown_m_s = 0.4;
-  const double around_m = scene.fill_mm.x * 1e-3 / 2, far_m = std::max(around_m / 2, 1e-3);
-  const double angle = kSpeed_m_s * kMatterStep_s * static_cast<double>(step) / far_m;
-  const double above_m = scene.tool.radius_mm * 1e-3 - kDown_m_s * kMatterStep_s * static_cast<double>(step);
-  return {.place_m = {around_m + far_m * std::cos(angle), scene.fill_mm.y * 1e-3 + std::max(above_m, 0.0),
-                      around_m + far_m * std::sin(angle)}};
+// A cube with so many nodes, or a block where they are few, on the floor of a box that it does not fill.
+MatterScene softScene(std::size_t nodes) {
+  const double side = std::max(2 * kBall_spacings + 1, std::round(std::cbrt(static_cast<double>(nodes))) - 1);
+  const double layers =
+      std::max(1.0, std::round(static_cast<double>(nodes) / ((side + 1) * (side + 1))) - 1);
+  MatterScene scene = sceneOf(Matter::water, 0, 0);
+  scene.matter = Matter::soft;
+  scene.viscosity_Pa_s = kSoftViscosity_Pa_s;
+  scene.fill_mm = DVec3(side, layers, side) * kSpacing_mm;
+  scene.box_mm = scene.fill_mm + DVec3(8, 2 * kBall_spacings + 4, 8) * kSpacing_mm;
+  return scene;
 }
 
-// Steps with a hand, from where the last one ended.
+// Points on the faces of that body, row by row as a scanner has them, and so many at the least.
+std::vector<SurfacePlace> pointsOn(const MatterScene& scene, std::int64_t count) {
+  const auto [low, high] = standOf(scene);
+  const DVec3 sides = high - low;
+  const double area = 2 * (sides.x * sides.y + sides.y * sides.z + sides.z * sides.x);
+  const double apart = std::sqrt(area / static_cast<double>(count));
+  std::vector<SurfacePlace> points;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const double side : {0.0, 1.0}) {
+      const int across = (axis + 1) % 3, along = (axis + 2) % 3;
+      DVec3 normal(0), share(0);
+      normal[axis] = side > 0 ? 1 : -1;
+      share[axis] = side;
+      const double rows = std::ceil(sides[across] / apart), columns = std::ceil(sides[along] / apart);
+      for (double row = 0; row < rows; ++row)
+        for (double column = 0; column < columns; ++column) {
+          share[across] = (row + 0.5) / rows;
+          share[along] = (column + 0.5) / columns;
+          points.push_back({.rest = low + share * sides, .normal = normal});
+        }
+    }
+  return points;
+}
+
+// Comes down from above until the ball is half in, or presses on what is soft, and goes around there.
+HandPose stirring(const MatterScene& scene, std::int64_t step) {
+  constexpr double kSpeed_m_s = 0.2, kDown_m_s = 0.4, kPressed_radii = 0.3;
+  const double middle_m = scene.box_mm.x * 1e-3 / 2, far_m = std::max(scene.fill_mm.x * 1e-3 / 4, 1e-3);
+  const double angle = kSpeed_m_s * kMatterStep_s * static_cast<double>(step) / far_m;
+  const double radius_m = scene.tool.radius_mm * 1e-3;
+  const double above_m = radius_m - kDown_m_s * kMatterStep_s * static_cast<double>(step);
+  const double least_m = scene.matter == Matter::soft ? (1 - kPressed_radii) * radius_m : 0;
+  return {.place_m = {middle_m + far_m * std::cos(angle), scene.fill_mm.y * 1e-3 + std::max(above_m, least_m),
+                      middle_m + far_m * std::sin(angle)}};
+}
+
+// What is measured: a scene on a back end.
+struct MatterCase {
+  MatterScene scene;
+  std::string backend;
+  std::int64_t points = 0;
+};
+
+std::unique_ptr<MatterSimulation> start(Context& context, const MatterCase& one, bool timesPasses) {
+  MatterOptions options{.threads = context.threads(), .tools = 1, .timesPasses = timesPasses};
+  if (one.scene.matter != Matter::soft || one.points == 0)
+    return startMatter(context, one.backend, one.scene, options);
+  return startSoft(context, one.backend, one.scene, options, solidOf(one.scene), pointsOn(one.scene, one.points));
+}
+
+// Steps with a hand, from where the last one ended, and frames of points.
 class Stirred {
  public:
-  Stirred(Context& context, const std::string& backend, const MatterScene& scene, bool timesPasses)
-      : world_(startMatter(context, backend, scene, {.tools = 1, .timesPasses = timesPasses})) {
+  Stirred(Context& context, const MatterCase& one, bool timesPasses)
+      : world_(start(context, one, timesPasses)) {
     for (int k = 0; k < kWarmUp; ++k) step();
   }
   void step() {
@@ -61,19 +117,30 @@ class Stirred {
     world_->step({&hand, 1});
     if (world_->state() != MatterState::running) throw Error("the simulation failed after {} steps", steps_);
   }
+  /// Of a soft body, where it is simulated.
+  void frame() {
+    if (!world_->makeFrameThere()) world_->makeFrame(frame_);
+  }
+  /// The same on the host.
+  std::size_t fetchFrame() {
+    world_->makeFrame(frame_);
+    return frame_.size();
+  }
   const MatterSimulation& world() const { return *world_; }
 
  private:
   std::unique_ptr<MatterSimulation> world_;
+  CloudFrame frame_;
   std::int64_t steps_ = 0;
 };
 
 // By pass, each time that it ran, us.
-Json passTimes(Context& context, const std::string& backend, const MatterScene& scene) {
-  Stirred stirred(context, backend, scene, true);
+Json passTimes(Context& context, const MatterCase& one) {
+  Stirred stirred(context, one, true);
   std::map<std::string, std::vector<double>> times;
   for (int k = 0; k < kPassSteps; ++k) {
     stirred.step();
+    if (one.scene.matter == Matter::soft) stirred.frame();
     for (const PassRecord& pass : stirred.world().passes())
       if (pass.gpu_us > 0) times[pass.name].push_back(pass.gpu_us);
   }
@@ -88,10 +155,31 @@ std::vector<double> eachOf(std::vector<double> times, std::uint32_t substeps) {
   return times;
 }
 
-Json measure(Context& context, Matter matter, std::size_t particles, const std::string& backend,
-             const MatterBenchOptions& options) {
-  const MatterScene scene = sceneOf(matter, particles, options.depth_mm);
-  Stirred stirred(context, backend, scene, false);
+// Each after a step of its own: where a soft body is simulated, and on the host.
+Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
+  std::vector<double> gpu_us, wall_us, fetched_us;
+  repeatMeasurement(options, [&](std::int64_t) {
+    stirred.step();
+    const Stopwatch watch;
+    stirred.frame();
+    wall_us.push_back(watch.elapsed_us());
+    if (const auto time_us = stirred.world().frameTime_us()) gpu_us.push_back(*time_us);
+  });
+  std::size_t points = 0;
+  repeatMeasurement(options, [&](std::int64_t) {
+    stirred.step();
+    const Stopwatch watch;
+    points = stirred.fetchFrame();
+    fetched_us.push_back(watch.elapsed_us());
+  });
+  return {{"points", points},
+          {"gpu_us", summaryOf(summarize(gpu_us))},
+          {"wall_us", summaryOf(summarize(wall_us))},
+          {"fetched_us", summaryOf(summarize(fetched_us))}};
+}
+
+Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& options) {
+  Stirred stirred(context, one, false);
   std::vector<double> gpu_us, wall_us;
   repeatMeasurement(options, [&](std::int64_t) {
     const Stopwatch watch;
@@ -100,16 +188,17 @@ Json measure(Context& context, Matter matter, std::size_t particles, const std::
     if (const auto time_us = stirred.world().gpuTime_us()) gpu_us.push_back(*time_us);
   });
   const std::uint32_t substeps = stirred.world().plan().substeps;
-  return {{"matter", nameOf(kMatters, matter)},
-          {"backend", backend},
+  return {{"matter", nameOf(kMatters, one.scene.matter)},
+          {"backend", one.backend},
           {"particles", stirred.world().particles()},
-          {"depth_mm", scene.fill_mm.y},
+          {"depth_mm", one.scene.fill_mm.y},
           {"substeps", substeps},
           {"step", {{"gpu_us", summaryOf(summarize(gpu_us))}, {"wall_us", summaryOf(summarize(wall_us))}}},
           {"substep",
            {{"gpu_us", summaryOf(summarize(eachOf(gpu_us, substeps)))},
             {"wall_us", summaryOf(summarize(eachOf(wall_us, substeps)))}}},
-          {"passes_us", options.passes ? passTimes(context, backend, scene) : Json::object()}};
+          {"frame", one.scene.matter == Matter::soft ? frameTimes(options, stirred) : Json(nullptr)},
+          {"passes_us", options.passes ? passTimes(context, one) : Json::object()}};
 }
 
 std::string said(const Json& summary) {
@@ -119,18 +208,23 @@ std::string said(const Json& summary) {
 }
 
 void print(std::FILE* out, const Json& records) {
-  fmt::print(out, "\nmatter that a ball stirs: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "", "particles",
-             "depth, mm", "substeps");
+  fmt::print(out, "\nmatter that a ball stirs or presses: us, median / p99.9\n{:<8}{:<9}{:>11}{:>11}{:>10}", "", "",
+             "particles", "depth, mm", "substeps");
   for (const char* column : {"step, on the GPU", "in all", "substep, on the GPU", "in all"})
     fmt::print(out, "{:>24}", column);
   fmt::print(out, "\n");
   for (const Json& record : records) {
-    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(), record["backend"].get<std::string>(),
+    fmt::print(out, "{:<8}{:<9}{:>11}{:>11.0f}{:>10}", record["matter"].get<std::string>(),
+               record["backend"].get<std::string>(),
                record["particles"].get<std::size_t>(), record["depth_mm"].get<double>(),
                record["substeps"].get<std::size_t>());
     for (const char* span : {"step", "substep"})
       for (const char* clock : {"gpu_us", "wall_us"}) fmt::print(out, "{:>24}", said(record[span][clock]));
     fmt::print(out, "\n");
+    if (const Json& frame = record["frame"]; !frame.is_null())
+      fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n",
+                 frame["points"].get<std::size_t>(), said(frame["gpu_us"]), said(frame["wall_us"]),
+                 said(frame["fetched_us"]));
     for (const auto& [name, times] : record["passes_us"].items())
       fmt::print(out, "  {:<24}{:>24}\n", name, said(times));
   }
@@ -144,8 +238,11 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
     for (const std::int64_t size : sizes)
       for (const std::string& backend : options.backends) {
         context.log().say("matter: {} particles of {}, {}", size, name, backend);
-        records.push_back(
-            measure(context, *valueNamed(kMatters, name), static_cast<std::size_t>(size), backend, options));
+        const Matter matter = *valueNamed(kMatters, name);
+        const auto particles = static_cast<std::size_t>(size);
+        const MatterScene scene =
+            matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
+        records.push_back(measure(context, {.scene = scene, .backend = backend, .points = options.points}, options));
       }
   print(context.tables(), records);
   return records;
@@ -154,13 +251,23 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
 }  // namespace
 
 void addMatterBench(Options& bench, Context& context, Command& command) {
-  Options& sub = bench.addSubcommand("matter", "a millisecond of water or sand that a hand stirs");
+  Options& sub =
+      bench.addSubcommand("matter", "a millisecond of water, sand or a soft body that a hand stirs or presses");
   const auto options = std::make_shared<MatterBenchOptions>();
-  sub.add("--sizes", options->sizes, "numbers of particles, about; a tank is filled for each (default 100000)")
+  sub.add("--sizes", options->sizes,
+          "numbers of particles, or of nodes, about; a tank is filled for each, or a cube made (default 100000)")
       .check(wholeBetween(1, 1e8))
       .typeName("N...");
-  addListOption(sub, "--matter", options->matters, "what is stirred");
-  sub.add("--depth", options->depth_mm, "how deep it lies, and so how many substeps it needs (default: as deep as wide)")
+  sub.add("--matter", options->matters, "what is stirred, or pressed where it is soft: water, sand, soft")
+      .check(oneOf(namesOf(kMatters)))
+      .separatedBy(',')
+      .showDefault();
+  sub.add("--points", options->points,
+          "points that a soft body carries, about; 0: a place of each half spacing of its skin")
+      .check(wholeBetween(0, 1e8))
+      .showDefault();
+  sub.add("--depth", options->depth_mm,
+          "how deep water and sand lie, and so how many substeps they need (default: as deep as wide)")
       .check(between(10, 1e5))
       .typeName("MM");
   addBackendsOption(sub, *options, matterBackends());
@@ -168,7 +275,8 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
   addRepeatOptions(sub, *options);
   sub.footer(
       "Time of a step of a millisecond and its share for each substep, on the GPU's clock and with all that the host "
-      "does, while a ball goes through the matter.\n");
+      "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a "
+      "frame of the points that it carries: where they are carried, and until they are on the host.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "matter", [&] { return benchMatter(context, *options); });

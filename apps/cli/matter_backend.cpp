@@ -1,40 +1,58 @@
 #include "apps/cli/matter_backend.hpp"
 
+#include <algorithm>
+
 #include "engine/core/clock.hpp"
+#include "engine/gpu/device.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/matter/gpu_soft_world.hpp"
 #include "engine/matter/soft_model.hpp"
+#include "engine/matter/soft_world.hpp"
 #include "haptics/session/backends.hpp"
 
 namespace palpate {
 
 std::vector<std::string> matterBackends() { return {"vulkan", "cpu"}; }
 
-std::string chooseMatterBackend(const Context& context, const std::string& name, Matter matter) {
+std::string chooseMatterBackend(const Context& context, const std::string& name) {
   if (name != "auto") return name;
-  if (matter == Matter::soft) return "cpu";
   return context.hasRealGpu() ? "vulkan" : "cpu";
 }
 
 namespace {
 
-// The scene's file is read, placed and filled.
-std::shared_ptr<const SoftModel> softScan(Context& context, const MatterScene& scene, const MatterOptions& options) {
+// The scene's shape, or its file, which is read, placed and filled.
+std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& backend, const MatterScene& scene,
+                                           const MatterOptions& options) {
+  if (scene.model.empty()) {
+    const auto model = softModelFor(scene, options);
+    return startSoft(context, backend, scene, options, model->solid, model->points);
+  }
   planOf(scene, options.memory_bytes);  // before the file is read
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
   const Stopwatch watch;
-  auto model = softModelOf(scene, std::move(cloud), options.threads);
+  const auto model = softModelOf(scene, std::move(cloud), options.threads);
   context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, model->points.size(),
                     model->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  return model;
+  return startSoft(context, backend, scene, options, model->solid, model->points);
 }
 
 }  // namespace
 
+std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string& backend, const MatterScene& scene,
+                                            const MatterOptions& options, SoftSolid solid,
+                                            std::span<const SurfacePlace> points) {
+  if (backend == "cpu") return std::make_unique<SoftWorld>(scene, options, std::move(solid), points);
+  Device& device = context.device();
+  return std::make_unique<GpuSoftWorld>(device, device.latencyQueue(), scene, options, solid, points);
+}
+
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
-  if (!scene.model.empty()) options.soft = softScan(context, scene, options);
-  return context.backends().named(backend).simulate(scene, options);
+  if (scene.matter != Matter::soft) return context.backends().named(backend).simulate(scene, options);
+  if (backend == "vulkan") options.memory_bytes = std::max(options.memory_bytes, context.device().ownMemory() / 2);
+  return softBody(context, backend, scene, options);
 }
 
 }  // namespace palpate

@@ -60,7 +60,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = sceneOf(options);
-  const std::string backend = chooseMatterBackend(context, options.backend, scene.matter);
+  const std::string backend = chooseMatterBackend(context, options.backend);
   const auto simulation = startMatter(context, backend, scene);
   MatterSimulation& world = *simulation;
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
@@ -111,8 +111,8 @@ void addSimulate(Options& app, Context& context, Command& command) {
   std::vector<std::string> backends = matterBackends();
   backends.insert(backends.begin(), "auto");
   sub.add("--backend", options->backend,
-          "what moves it: vulkan, a GPU (water and sand); cpu; auto, vulkan where there is a GPU that can, and otherwise cpu; "
-          "times are a GPU's own where it keeps any")
+          "what moves it: vulkan, a GPU; cpu; auto, vulkan where there is a GPU, and otherwise cpu; times are a GPU's "
+          "own where it keeps any")
       .check(oneOf(std::move(backends)))
       .showDefault();
   sub.add("--model", options->model, "a closed cloud that is the surface of a soft scene, in place of the scene's own")

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <glm/gtc/quaternion.hpp>
 #include <numeric>
 
 #include "engine/core/check.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
+#include "engine/matter/gpu_tools.hpp"
+#include "engine/matter/matter_particles.hpp"
 #include "engine/matter/matter_rules.hpp"
-#include "engine/matter/tool_body.hpp"
 
 namespace palpate {
 
@@ -48,15 +48,11 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
   const MatterPlan& plan = world.plan();
   const auto spacing = static_cast<float>(plan.spacing_m);
   const auto support = static_cast<float>(kSupport_spacings * plan.spacing_m);
-  const shared::ToolSpringOf<double> spring = toolSpring(scene.tool, plan.substep_s);
   return {.cells = particleCells(scene, plan),
           .bodyCells = ball.grid().cells(),
           .water = waterRules(scene, plan),
           .grains = grainRules(scene, plan),
-          .spring = {.mass = static_cast<float>(spring.mass),
-                     .stiffness = static_cast<float>(spring.stiffness),
-                     .damping = static_cast<float>(spring.damping),
-                     .step = static_cast<float>(spring.step)},
+          .spring = springOnGpu(scene, plan),
           .bodyMiddle = ball.middle(),
           .bodyReach = ball.extent() + support,
           .fall = scene.gravity_m_s2 * plan.substep_s,
@@ -141,27 +137,8 @@ void GpuMatterWorld::begin() {
 
 void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
 
-void GpuMatterWorld::writeHands(std::span<const HandPose> from, std::span<const HandPose> to) {
-  const std::span<shared::HandStep> steps = memory_.hands.mapped<shared::HandStep>();
-  for (std::size_t tool = 0; tool < tools(); ++tool) {
-    HandPose before = from[tool];
-    for (std::uint32_t substep = 0; substep < sizes_.substeps; ++substep) {
-      const HandPose now = between(from[tool], to[tool], (substep + 1.0) / sizes_.substeps);
-      const glm::mat3 turn(glm::mat3_cast(glm::normalize(now.orientation)));
-      steps[substep * tools() + tool] = {.place = now.place_m,
-                                         .move = now.place_m - before.place_m,
-                                         .spin = spinBetween(before.orientation, now.orientation, plan().substep_s),
-                                         .x = turn[0],
-                                         .y = turn[1],
-                                         .z = turn[2],
-                                         .unused = 0};
-      before = now;
-    }
-  }
-}
-
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
-  writeHands(from, to);
+  writeHandSteps(from, to, plan().substep_s, memory_.hands.mapped<shared::HandStep>());
   const shared::MatterControl before = control();
   ran_ = swiftSteps_ > 0 || areSwift(from, to) ? &swift_ : &calm_;
   queue_.wait(queue_.submit(*ran_), device_.defaultWait());
@@ -174,7 +151,9 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
                     .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
                                .momentum = sums.momentum,
                                .maxCompression = static_cast<double>(sums.mostCompression)}};
-  for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(tool, to[tool]));
+  const auto* balls = reinterpret_cast<const shared::ToolState*>(
+      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kTools).data());
+  for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(balls[tool], to[tool]));
   return report;
 }
 
@@ -192,17 +171,6 @@ void GpuMatterWorld::choose(const shared::MatterControl& before) {
   } else if (swiftSteps_ > 0) {
     --swiftSteps_;
   }
-}
-
-ToolReport GpuMatterWorld::reportOf(std::size_t tool, const HandPose& hand) const {
-  const auto& state = reinterpret_cast<const shared::ToolState*>(
-      memory_.stateRead.mapped<const std::byte>().subspan(MatterMemory::kTools).data())[tool];
-  return {.springImpulse = state.springImpulse,
-          .impulse = state.impulse,
-          .angular = state.angular,
-          .portWork_J = static_cast<double>(state.portWork),
-          .place_m = hand.place_m + DVec3(state.lag),
-          .velocity_m_s = state.velocity};
 }
 
 std::optional<double> GpuMatterWorld::gpuTime_us() const {

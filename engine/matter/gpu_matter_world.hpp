@@ -42,11 +42,9 @@ class GpuMatterWorld final : public MatterSimulation {
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override;
 
-  void writeHands(std::span<const HandPose> from, std::span<const HandPose> to);
   void record(CommandList& step, bool swift);
   bool areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const;
   void choose(const shared::MatterControl& before);
-  ToolReport reportOf(std::size_t tool, const HandPose& hand) const;
   std::vector<Vec3> byId(const Buffer& slots, std::uint64_t firstSlot) const;
   const shared::MatterControl& control() const { return memory_.stateRead.mapped<const shared::MatterControl>()[0]; }
 

@@ -124,6 +124,10 @@ class MatterSimulation {
   /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry, and
   /// unit normals where these have some.
   virtual void makeFrame(CloudFrame& frame);
+  /// Does the same but for the way to the host. False where there is no such way, and nothing was done.
+  virtual bool makeFrameThere() { return false; }
+  /// Time of the last frame on a GPU's own clock, without the way to the host; nothing where none made one.
+  virtual std::optional<double> frameTime_us() const { return std::nullopt; }
   /// In the order of the ids, m.
   virtual std::vector<Vec3> positionsById() const = 0;
   virtual std::vector<Vec3> velocitiesById() const = 0;  ///< m/s

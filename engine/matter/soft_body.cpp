@@ -26,19 +26,26 @@ shared::SoftRulesOf<Real> rulesIn(const shared::SoftRules& rules) {
 
 }  // namespace
 
+std::vector<float> nodeMasses(const SoftLattice& lattice, double mass_kg) {
+  std::vector<float> masses;
+  for (const double share : lattice.nodeShares()) masses.push_back(static_cast<float>(mass_kg * share));
+  return masses;
+}
+
+std::vector<char> nodesWithin(const SoftLattice& lattice, std::span<const PlaceBox> boxes) {
+  std::vector<char> within;
+  for (const Vec3& rest : lattice.rest())
+    within.push_back(std::ranges::any_of(boxes, [&](const PlaceBox& box) { return box.holds(DVec3(rest)); }) ? 1 : 0);
+  return within;
+}
+
 SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned)
     : lattice_(lattice),
       rules_(softRules(material, lattice.spacing_m())),
-      mass_kg_(material.density_kg_m3 * lattice.volume_m3()) {
-  for (const double share : lattice.nodeShares()) masses_.push_back(static_cast<float>(mass_kg_ * share));
-  for (const Vec3& rest : lattice.rest())
-    pinned_.push_back(std::ranges::any_of(pinned, [&](const PlaceBox& box) { return box.holds(rest); }) ? 1 : 0);
-  Incident none;
-  none.fill(static_cast<std::uint32_t>(8 * lattice.cells()));
-  incident_.assign(lattice.nodes(), none);
-  for (std::size_t c = 0; c < lattice.cells(); ++c)
-    for (std::size_t k = 0; k < 8; ++k)
-      incident_[lattice.corners()[c][k]][7 - k] = static_cast<std::uint32_t>(8 * c + k);
+      mass_kg_(material.density_kg_m3 * lattice.volume_m3()),
+      masses_(nodeMasses(lattice, mass_kg_)),
+      pinned_(nodesWithin(lattice, pinned)),
+      incident_(lattice.incident()) {
   filled_.resize(blocksIn(lattice.cells(), Lanes::kCount));
   for (std::size_t group = 0; group < filled_.size(); ++group) {
     std::array<float, Lanes::kCount> filled{};

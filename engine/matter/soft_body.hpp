@@ -20,6 +20,11 @@ struct PlaceBox {
   }
 };
 
+/// Mass of each node of a body that weighs so much, kg.
+std::vector<float> nodeMasses(const SoftLattice& lattice, double mass_kg);
+/// Of each node whether it is at rest within one of the boxes.
+std::vector<char> nodesWithin(const SoftLattice& lattice, std::span<const PlaceBox> boxes);
+
 /// What a body has come to in a substep.
 struct SoftSums {
   DVec3 momentum{0};  ///< kg m/s
@@ -73,7 +78,6 @@ class SoftBody {
   void gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const;
 
  private:
-  using Incident = std::array<std::uint32_t, 8>;  // of a node: 8 times the cell, and which corner of it the node is
   using LanesOfCorners = shared::CornersOf<Lanes>;
 
   void pushCells(std::size_t block);
@@ -87,7 +91,7 @@ class SoftBody {
   double mass_kg_;
   std::vector<float> masses_;
   std::vector<char> pinned_;
-  std::vector<Incident> incident_;
+  std::vector<SoftLattice::Corners> incident_;
   std::vector<Vec3> moved_, velocities_, loads_;
   std::vector<Lanes> filled_;                 // of each group of Lanes::kCount cells
   std::vector<LanesOfCorners> cornerForces_;  // of each group, and of one more cell, which is none

@@ -9,59 +9,56 @@ namespace {
 
 constexpr std::size_t kPlacesOfBlock = 256;  // that one thread works on at a time
 
-}  // namespace
-
 template <class Visit>
-void SoftContact::forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const {
-  const SoftLattice::Corners& nodes = body.lattice().corners()[place.at.cell];
+void forEachCorner(const SoftLattice& lattice, const SkinPlace& place, Visit&& visit) {
+  const SoftLattice::Corners& nodes = lattice.corners()[place.at.cell];
   for (int k = 0; k < 8; ++k) visit(nodes[static_cast<std::size_t>(k)], shared::cornerShare(place.at.share, k));
 }
 
-template <class Visit>
-void SoftContact::forEachWallIn(const Moved& moved, Visit&& visit) const {
-  for (int axis = 0; axis < 3; ++axis) {
-    const float low = -moved.place[axis], high = moved.place[axis] - static_cast<float>(config_.box_m[axis]);
-    const float depth = std::max(low, high);
-    if (depth > 0) visit(axis, low > high ? 1.0f : -1.0f, depth);
-  }
-}
+}  // namespace
 
-SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config)
-    : config_(config), reach_m_(static_cast<float>(body.lattice().spacing_m() / 2)) {
-  const SoftLattice& lattice = body.lattice();
+std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float> masses,
+                              std::span<const SurfacePlace> surface, double frequency_rad_s) {
+  std::vector<SkinPlace> places;
+  places.reserve(surface.size());
   std::vector<float> sharesOfNode(lattice.nodes(), 0);
   for (const SurfacePlace& at : surface) {
-    Place& place = places_.emplace_back(Place{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
-    forEachNode(body, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
+    const SkinPlace& place = places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
+    forEachCorner(lattice, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
-  // As stiff as may be while all springs together have no higher frequency than that, whatever the nodes do (by
-  // Cauchy's and Schwarz's inequality, each place's share of a node against all places' shares of it).
-  const double square = config.frequency_rad_s * config.frequency_rad_s;
-  for (Place& place : places_) {
+  // By Cauchy's and Schwarz's inequality: each place's share of a node against all places' shares of it.
+  const double square = frequency_rad_s * frequency_rad_s;
+  for (SkinPlace& place : places) {
     double perMass = 0;
-    forEachNode(body, place, [&](std::uint32_t node, float share) {
-      perMass += static_cast<double>(share * sharesOfNode[node] / body.masses()[node]);
+    forEachCorner(lattice, place, [&](std::uint32_t node, float share) {
+      perMass += static_cast<double>(share * sharesOfNode[node] / masses[node]);
     });
     place.stiffness = static_cast<float>(square / perMass);
   }
+  return places;
 }
 
-SoftContact::Moved SoftContact::now(const SoftBody& body, const Place& place) const {
+SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config)
+    : config_(config),
+      reach_m_(static_cast<float>(body.lattice().spacing_m() / 2)),
+      places_(skinOf(body.lattice(), body.masses(), surface, config.frequency_rad_s)) {}
+
+SoftContact::Moved SoftContact::now(const SoftBody& body, const SkinPlace& place) const {
   Vec3 moved(0), velocity(0);
-  forEachNode(body, place, [&](std::uint32_t node, float share) {
+  forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) {
     moved += share * body.displacements()[node];
     velocity += share * body.velocities()[node];
   });
   return {.place = place.rest + moved, .velocity = velocity};
 }
 
-shared::SoftTouch SoftContact::touchOf(const Place& place) const {
+shared::SoftTouch SoftContact::touchOf(const SkinPlace& place) const {
   return {.stiffness = place.stiffness,
           .damping = static_cast<float>(kTouchDamping / config_.frequency_rad_s) * place.stiffness,
           .friction = static_cast<float>(config_.friction)};
 }
 
-bool SoftContact::isNear(const SoftBody& body, const Place& place, std::span<const BodyMotion> balls,
+bool SoftContact::isNear(const SoftBody& body, const SkinPlace& place, std::span<const BodyMotion> balls,
                          double duration_s) const {
   const Moved moved = now(body, place);
   const float wallReach = reach_m_ + static_cast<float>(duration_s) * glm::length(moved.velocity);
@@ -86,35 +83,23 @@ void SoftContact::list(const SoftBody& body, std::span<const BodyMotion> balls, 
     if (isNear_[i] != 0) near_.push_back(i);
 }
 
-Vec3 SoftContact::forceOfWalls(const Place& place, const Moved& moved) const {
-  Vec3 force(0);
-  forEachWallIn(moved, [&](int axis, float sign, float depth) {
-    Vec3 normal(0);
-    normal[axis] = sign;
-    force += shared::touchForce(touchOf(place), normal, depth, moved.velocity);
-  });
-  return force;
-}
-
 void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
                         std::span<Exchange> exchanges) {
   const auto radius = static_cast<float>(config_.ball_m);
   for (const std::uint32_t i : near_) {
-    const Place& place = places_[i];
+    const SkinPlace& place = places_[i];
     const Moved moved = now(body, place);
-    Vec3 force = forceOfWalls(place, moved);
+    Vec3 force = shared::wallsForce(touchOf(place), Vec3(config_.box_m), moved.place, moved.velocity);
     wallImpulse -= step_s * DVec3(force);
     for (std::size_t b = 0; b < balls.size(); ++b) {
       const Vec3 offset(DVec3(moved.place) - balls[b].place);
-      const float away = glm::length(offset);
-      if (!(away < radius && away > 0)) continue;
       const Vec3 ofBall(balls[b].velocity + glm::cross(balls[b].spin, DVec3(offset)));
-      const Vec3 part = shared::touchForce(touchOf(place), offset / away, radius - away, moved.velocity - ofBall);
+      const Vec3 part = shared::ballForce(touchOf(place), radius, offset, moved.velocity - ofBall);
       exchanges[b].add(-step_s * DVec3(part), DVec3(offset));
       force += part;
     }
     if (force == Vec3(0)) continue;
-    forEachNode(body, place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
+    forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
   }
 }
 
@@ -131,7 +116,7 @@ std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_
   }
   if (within.empty()) within.push_back(nearest);
   for (const std::size_t i : within)
-    forEachNode(body, places_[i], [&](std::uint32_t node, float share) {
+    forEachCorner(body.lattice(), places_[i], [&](std::uint32_t node, float share) {
       forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
     });
   return forces;
@@ -140,15 +125,17 @@ std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_
 void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> changes,
                                    std::span<DVec3> forces) const {
   for (const std::uint32_t i : near_) {
-    const Place& place = places_[i];
+    const SkinPlace& place = places_[i];
     DVec3 change(0);
-    forEachNode(body, place,
+    forEachCorner(body.lattice(), place,
                 [&](std::uint32_t node, float share) { change += static_cast<double>(share) * changes[node]; });
-    forEachWallIn(now(body, place), [&](int axis, float, float) {
-      forEachNode(body, place, [&](std::uint32_t node, float share) {
+    const Vec3 depths = shared::depthsInWalls(now(body, place).place, Vec3(config_.box_m));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (depths[axis] == 0) continue;
+      forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) {
         forces[node][axis] += static_cast<double>(share * place.stiffness) * change[axis];
       });
-    });
+    }
   }
 }
 

@@ -10,6 +10,18 @@
 
 namespace palpate {
 
+/// A place of the surface, and how stiff it is to what presses on it.
+struct SkinPlace {
+  EmbeddedPlace at;
+  Vec3 rest{0};
+  float stiffness = 0;  ///< N/m
+};
+
+/// As stiff as may be while all springs together have no higher frequency than that (rad/s), whatever the nodes of
+/// those masses (kg) do.
+std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float> masses,
+                              std::span<const SurfacePlace> surface, double frequency_rad_s);
+
 /// Each place of the surface is a spring and a damper to what presses on it (shaders/shared/soft.h); its force goes to
 /// the nodes of its cell by its share of them, so that nothing is lost between them, and the energy of the spring is
 /// one of the nodes' places. No place pulls, and what is beyond the surface altogether is not felt: a ball of less than
@@ -38,26 +50,16 @@ class SoftContact {
   void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;
 
  private:
-  struct Place {
-    EmbeddedPlace at;
-    Vec3 rest{0};
-    float stiffness = 0;  // N/m
-  };
   struct Moved {
     Vec3 place{0}, velocity{0};
   };
-  bool isNear(const SoftBody& body, const Place& place, std::span<const BodyMotion> balls, double duration_s) const;
-  Moved now(const SoftBody& body, const Place& place) const;
-  template <class Visit>
-  void forEachNode(const SoftBody& body, const Place& place, Visit&& visit) const;
-  template <class Visit>
-  void forEachWallIn(const Moved& moved, Visit&& visit) const;
-  Vec3 forceOfWalls(const Place& place, const Moved& moved) const;
-  shared::SoftTouch touchOf(const Place& place) const;
+  bool isNear(const SoftBody& body, const SkinPlace& place, std::span<const BodyMotion> balls, double duration_s) const;
+  Moved now(const SoftBody& body, const SkinPlace& place) const;
+  shared::SoftTouch touchOf(const SkinPlace& place) const;
 
   Config config_;
   float reach_m_;  // so far beside what may be met within no time at all places are listed
-  std::vector<Place> places_;
+  std::vector<SkinPlace> places_;
   std::vector<char> isNear_;         // of each place
   std::vector<std::uint32_t> near_;  // the places that are, ascending
 };

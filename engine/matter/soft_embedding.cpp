@@ -34,12 +34,9 @@ void SoftEmbedding::carry(const SoftBody& body, CloudFrame& frame, WorkerTeam& t
         velocity += share * body.velocities()[node];
         gradient += share * gradients_[node];
       }
-      const Vec3 normal = shared::carriedNormal(gradient + glm::mat3(1), rest_[i].normal);
-      const float length = glm::length(normal);
       frame.positions[i] = rest_[i].rest + moved;
       frame.velocities[i] = velocity;
-      // A cell that is crushed flat has no normal of its own.
-      frame.normals[i] = gradient == glm::mat3(0) || !(length > 0) ? rest_[i].normal : normal / length;
+      frame.normals[i] = shared::unitNormalCarried(gradient, rest_[i].normal);
     }
   });
 }

@@ -72,6 +72,15 @@ SoftLattice::SoftLattice(LatticeBox box, std::span<const std::size_t> kept) : bo
   }
 }
 
+std::vector<SoftLattice::Corners> SoftLattice::incident() const {
+  Corners none;
+  none.fill(static_cast<std::uint32_t>(8 * cells()));
+  std::vector<Corners> incident(nodes(), none);
+  for (std::size_t c = 0; c < cells(); ++c)
+    for (std::size_t k = 0; k < 8; ++k) incident[corners_[c][k]][7 - k] = static_cast<std::uint32_t>(8 * c + k);
+  return incident;
+}
+
 std::vector<double> SoftLattice::nodeShares() const {
   double all = 0;
   for (const float filled : filled_) all += static_cast<double>(filled);

@@ -65,6 +65,9 @@ class SoftLattice {
   }                                                          ///< of each cell, numbered as shaders/shared/soft.h does
   std::span<const float> filled() const { return filled_; }  ///< of each cell, 1
   double volume_m3() const { return volume_m3_; }            ///< of the body
+  /// Of each node the eight cells about it: 8 times the cell, and which corner of it the node is, those on the low
+  /// sides first; 8 times cells() where there is none.
+  std::vector<Corners> incident() const;
   /// Share of the body's volume that each node stands for.
   std::vector<double> nodeShares() const;
   /// The cell that holds a place at rest, or the nearest of the body; the place must be near it.

@@ -52,6 +52,16 @@ std::shared_ptr<const SoftModel> softModelOf(const MatterScene& scene, PointClou
   return std::make_shared<const SoftModel>(boxModel(scene));
 }
 
+std::shared_ptr<const SoftModel> softModelFor(const MatterScene& scene, const MatterOptions& options) {
+  if (options.soft) return options.soft;
+  planOf(scene, options.memory_bytes);
+  return softModelOf(scene, {}, options.threads);
+}
+
+SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes) {
+  return softModelFor(scene, {.memory_bytes = memory_bytes})->solid;
+}
+
 PointCloud cloudOf(const SoftModel& model, const MatterScene& scene) {
   PointCloud cloud;
   cloud.positions.reserve(model.points.size());

@@ -89,4 +89,25 @@ SoftBall ballOf(const MatterScene& scene) {
   return {.middle = {low.x + size.x / 2, radius, low.z + size.z / 2}, .radius = radius};
 }
 
+std::vector<PlaceBox> pinsOf(const MatterScene& scene) {
+  if (!scene.pinned_mm) return {};
+  const double slack_m = 1e-6 * scene.spacing_mm;
+  return {{.low = (*scene.pinned_mm)[0] * 1e-3 - slack_m, .high = (*scene.pinned_mm)[1] * 1e-3 + slack_m}};
+}
+
+double mostSoftKinetic_J(const MatterScene& scene, const MatterPlan& plan, double mass_kg) {
+  const double fall_m2_s2 = 2 * glm::length(scene.gravity_m_s2) * glm::length(scene.box_mm) * 1e-3;
+  return mass_kg * (plan.speedOfSound_m_s * plan.speedOfSound_m_s + fall_m2_s2);
+}
+
+void seeNodes(MatterObservation& seen, const MatterScene& scene, std::span<const Vec3> rest,
+              std::span<const Vec3> displacements, std::span<const float> masses) {
+  seen.particles = rest.size();
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const DVec3 place = DVec3(rest[i]) + DVec3(displacements[i]);
+    seen.potential_J -= static_cast<double>(masses[i]) * glm::dot(scene.gravity_m_s2, place);
+    seen.front_m = std::max(seen.front_m, place.x);
+  }
+}
+
 }  // namespace palpate

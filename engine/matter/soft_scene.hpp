@@ -1,7 +1,7 @@
 // What a scene of a soft body comes to.
 #pragma once
 
-#include "engine/matter/matter_scene.hpp"
+#include "engine/matter/matter_simulation.hpp"
 #include "engine/matter/soft_body.hpp"
 
 namespace palpate {
@@ -21,5 +21,15 @@ struct SoftBall {
   double radius = 0;
 };
 SoftBall ballOf(const MatterScene& scene);
+
+/// Where nodes are pinned; a hair wider than the scene says, for those on its faces.
+std::vector<PlaceBox> pinsOf(const MatterScene& scene);
+
+/// A body of that mass may move with its sound as a whole, and with what it has from falling through the box, J.
+double mostSoftKinetic_J(const MatterScene& scene, const MatterPlan& plan, double mass_kg);
+
+/// Adds to what is seen of a scene's body where its nodes are: at rest (m), how far from there (m), and their masses.
+void seeNodes(MatterObservation& seen, const MatterScene& scene, std::span<const Vec3> rest,
+              std::span<const Vec3> displacements, std::span<const float> masses);
 
 }  // namespace palpate

@@ -10,17 +10,11 @@ namespace palpate {
 
 namespace {
 
-std::vector<PlaceBox> pinsOf(const MatterScene& scene) {
-  if (!scene.pinned_mm) return {};
-  const double slack_m = 1e-6 * scene.spacing_mm;
-  return {{.low = (*scene.pinned_mm)[0] * 1e-3 - slack_m, .high = (*scene.pinned_mm)[1] * 1e-3 + slack_m}};
-}
-
-// Nothing is filled before the scene is known to be one.
-std::shared_ptr<const SoftModel> plannedModel(const MatterScene& scene, const MatterOptions& options) {
-  if (options.soft) return options.soft;
-  planOf(scene, options.memory_bytes);
-  return softModelOf(scene, {}, options.threads);
+// Without points it carries its skin.
+std::shared_ptr<const SoftModel> carrying(SoftSolid solid, std::span<const SurfacePlace> points) {
+  std::vector<SurfacePlace> carried(points.begin(), points.end());
+  if (carried.empty()) carried = solid.surface;
+  return std::make_shared<const SoftModel>(SoftModel{.solid = std::move(solid), .points = std::move(carried)});
 }
 
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
@@ -44,13 +38,11 @@ double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
-    : SoftWorld(scene, options, plannedModel(scene, options)) {}
+    : SoftWorld(scene, options, softModelFor(scene, options)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)
-    : SoftWorld(scene, options,
-                std::make_shared<const SoftModel>(
-                    SoftModel{.solid = std::move(solid), .points = {points.begin(), points.end()}})) {}
+    : SoftWorld(scene, options, carrying(std::move(solid), points)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
     : MatterSimulation(scene, options, restOf(model->solid)),
@@ -111,14 +103,7 @@ void SoftWorld::substep(std::span<const HandPose> hands, double share, StepRepor
                    .momentum = sums.momentum,
                    .maxCompression = 1 - static_cast<double>(sums.leastVolume)};
   for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].react(exchanges[k]);
-  if (!isSane(sums.kinetic_J)) report.state = MatterState::diverged;
-}
-
-// As a whole it may move with its sound, and with what it has from falling through the box.
-bool SoftWorld::isSane(double kinetic_J) const {
-  const double fall_m2_s2 = 2 * glm::length(scene().gravity_m_s2) * glm::length(scene().box_mm) * 1e-3;
-  const double most_J = body_.mass_kg() * (plan().speedOfSound_m_s * plan().speedOfSound_m_s + fall_m2_s2);
-  return kinetic_J <= most_J;
+  if (!(sums.kinetic_J <= mostSoftKinetic_J(scene(), plan(), body_.mass_kg()))) report.state = MatterState::diverged;
 }
 
 std::vector<Vec3> SoftWorld::positionsById() const {
@@ -131,17 +116,15 @@ std::vector<Vec3> SoftWorld::velocitiesById() const {
   return {body_.velocities().begin(), body_.velocities().end()};
 }
 
-void SoftWorld::setVelocities(std::span<const Vec3> byId) { std::ranges::copy(byId, body_.velocities().begin()); }
+void SoftWorld::setVelocities(std::span<const Vec3> byId) {
+  PALPATE_CHECK_EQ(byId.size(), body_.size());
+  for (std::size_t i = 0; i < byId.size(); ++i) body_.velocities()[i] = body_.isPinned(i) ? Vec3(0) : byId[i];
+}
 
 MatterObservation SoftWorld::observe() const {
   MatterObservation seen{totals()};
   seen.time_s = time_s();
-  seen.particles = body_.size();
-  for (std::size_t i = 0; i < body_.size(); ++i) {
-    const DVec3 place = DVec3(body_.lattice().rest()[i]) + DVec3(body_.displacements()[i]);
-    seen.potential_J -= static_cast<double>(body_.masses()[i]) * glm::dot(scene().gravity_m_s2, place);
-    seen.front_m = std::max(seen.front_m, place.x);
-  }
+  seeNodes(seen, scene(), body_.lattice().rest(), body_.displacements(), body_.masses());
   return seen;
 }
 

@@ -57,7 +57,6 @@ class SoftWorld final : public MatterSimulation {
 
   /// At whose end `share` of the step is over.
   void substep(std::span<const HandPose> hands, double share, StepReport& report);
-  bool isSane(double kinetic_J) const;
 
   WorkerTeam team_;
   std::shared_ptr<const SoftModel> model_;  // whose lattice the body looks at

@@ -2,8 +2,10 @@
 // momentum and the most compression; then for each tool the impulse it got, and the angular one.
 #ifndef PALPATE_LIB_MATTER_SUMS_GLSL
 #define PALPATE_LIB_MATTER_SUMS_GLSL
+#extension GL_EXT_control_flow_attributes : require
 
 const uint kRowsOfAll = 2;
+const uint kSummedAtOnce = 8;
 
 shared vec4 summed[2 * kMatterBlock];
 
@@ -41,6 +43,25 @@ void addUp(inout vec4 a, inout vec4 b, bool keepsLargest) {
   a = lastOf(0, false);
   b = lastOf(kMatterBlock, keepsLargest);
   barrier();
+}
+
+// Of the row `row` and the next one, of `width` blocks, the first ones summed up, for all invocations of a workgroup.
+void sumRows(Vec4s sums, uint row, uint width, uint blocks, bool keepsLargest, out vec4 a, out vec4 b) {
+  a = b = vec4(0);
+  for (uint begin = gl_LocalInvocationIndex; begin < blocks; begin += kSummedAtOnce * kMatterBlock) {
+    vec4 as[kSummedAtOnce], bs[kSummedAtOnce];  // all of them are asked for before the first one is waited for
+    [[unroll]] for (uint k = 0; k < kSummedAtOnce; ++k) {
+      const uint block = min(begin + k * kMatterBlock, blocks - 1);
+      as[k] = sums.at[row * width + block];
+      bs[k] = sums.at[(row + 1) * width + block];
+    }
+    [[unroll]] for (uint k = 0; k < kSummedAtOnce; ++k) {
+      if (begin + k * kMatterBlock >= blocks) continue;
+      a = combined(a, as[k], false);
+      b = combined(b, bs[k], keepsLargest);
+    }
+  }
+  addUp(a, b, keepsLargest);
 }
 
 #endif

@@ -164,10 +164,48 @@ PALPATE_FORMULA PALPATE_VEC3 touchForce(PALPATE_OF(SoftTouch) touch, PALPATE_VEC
   return press * normal - (speed > Real(0.0) ? rub / speed : Real(0.0)) * slide;
 }
 
+// How deep a place is in the walls of a box from 0 to `size`, along each axis; below 0 in the far ones.
+PALPATE_FORMULA PALPATE_VEC3 depthsInWalls(PALPATE_VEC3 place, PALPATE_VEC3 size) {
+  return max(-place, PALPATE_VEC3(Real(0.0))) - max(place - size, PALPATE_VEC3(Real(0.0)));
+}
+
+// Of a wall across an axis on the skin, N; `depth` as depthsInWalls() has it.
+PALPATE_FORMULA PALPATE_VEC3 wallForce(PALPATE_OF(SoftTouch) touch, int axis, Real depth, PALPATE_VEC3 velocity) {
+  if (depth == Real(0.0)) return PALPATE_VEC3(Real(0.0));
+  PALPATE_VEC3 normal = PALPATE_VEC3(Real(0.0));
+  normal[axis] = depth > Real(0.0) ? Real(1.0) : Real(-1.0);
+  return touchForce(touch, normal, abs(depth), velocity);
+}
+
+// Of all walls of the box on a place of the skin, N.
+PALPATE_FORMULA PALPATE_VEC3 wallsForce(PALPATE_OF(SoftTouch) touch, PALPATE_VEC3 size, PALPATE_VEC3 place,
+                                        PALPATE_VEC3 velocity) {
+  const PALPATE_VEC3 depths = depthsInWalls(place, size);
+  return wallForce(touch, 0, depths.x, velocity) + wallForce(touch, 1, depths.y, velocity) +
+         wallForce(touch, 2, depths.z, velocity);
+}
+
+// Of a ball on a place of the skin, N. `offset`: of the place from the middle of the ball; `relative`: the velocity of
+// the skin less that of the ball there.
+PALPATE_FORMULA PALPATE_VEC3 ballForce(PALPATE_OF(SoftTouch) touch, Real radius, PALPATE_VEC3 offset,
+                                       PALPATE_VEC3 relative) {
+  const Real away = length(offset);
+  if (!(away < radius && away > Real(0.0))) return PALPATE_VEC3(Real(0.0));
+  return touchForce(touch, offset / away, radius - away, relative);
+}
+
 // Normal of a surface that is carried by the deformation gradient: F^-T n, without its length; the cofactors need no
 // inverse.
 PALPATE_FORMULA PALPATE_VEC3 carriedNormal(PALPATE_MAT3 f, PALPATE_VEC3 normal) {
   return normal.x * cross(f[1], f[2]) + normal.y * cross(f[2], f[0]) + normal.z * cross(f[0], f[1]);
+}
+
+// The same of unit length, from the change of displacements; where that is none the normal keeps its bits. What is
+// crushed flat has no normal of its own.
+PALPATE_FORMULA PALPATE_VEC3 unitNormalCarried(PALPATE_MAT3 change, PALPATE_VEC3 normal) {
+  const PALPATE_VEC3 carried = carriedNormal(change + PALPATE_MAT3(Real(1.0)), normal);
+  const Real size = length(carried);
+  return change == PALPATE_MAT3(Real(0.0)) || !(size > Real(0.0)) ? normal : carried / size;
 }
 
 PALPATE_SHARED_END

@@ -350,7 +350,22 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     CHECK(record["step"]["gpu_us"].is_null() == !onGpu);
     CHECK(record["passes_us"].contains("matter_list") == onGpu);
   }
+  works("bench matter --matter soft --sizes 700 --points 500 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  const auto soft = jsonOf(json)["matter"];
+  REQUIRE(soft.size() == 2);
+  for (const auto& record : soft) {
+    const bool onGpu = record["backend"] == "vulkan";
+    CHECK(record["particles"] > 600);
+    CHECK(record["particles"] < 900);
+    CHECK(record["frame"]["points"] >= 500);
+    CHECK(record["frame"]["points"] < 700);
+    CHECK(record["frame"]["gpu_us"].is_null() == !onGpu);
+    CHECK(record["frame"]["fetched_us"]["n"] == 5);
+    CHECK(record["passes_us"].contains("matter_soft_cells") == onGpu);
+    CHECK(record["passes_us"].contains("matter_soft_carry") == onGpu);
+  }
   CHECK(palpate("bench matter --matter lava").code == 2);
+  CHECK(palpate("bench matter --points -1").code == 2);
 }
 
 }  // namespace palpate

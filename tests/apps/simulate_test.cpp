@@ -91,6 +91,19 @@ TEST_CASE("a scan that is closed is soft: its points fall and bend, and keep the
         std::max(most, glm::length(DVec3(after.positions[i]) - scale * DVec3(before.positions[i]) - DVec3(50, 30, 50)));
   CHECK(most > 0.1);
   CHECK(most < 10);
+  // On a GPU they are where they are on the CPU.
+  const auto there = [&](const std::string& backend) {
+    const std::string file = (folder / (backend + ".ply")).string();
+    works("simulate " + scene + " --duration 0.005 --backend " + backend + " --save " + file + " --json " + json);
+    CHECK(jsonOf(json)["backend"] == backend);
+    return readPly(file);
+  };
+  const PointCloud onGpu = there("vulkan"), onCpu = there("cpu");
+  REQUIRE(onGpu.size() == onCpu.size());
+  for (std::size_t i = 0; i < onGpu.size(); ++i) {
+    REQUIRE(glm::length(onGpu.positions[i] - onCpu.positions[i]) < 1e-3f);
+    REQUIRE(glm::length(onGpu.normals[i] - onCpu.normals[i]) < 1e-3f);
+  }
   CHECK(palpate("simulate water --model " + (folder / "ball.ply").string()).code == 2);
   works("make plane -n 5000 -o " + (folder / "plane.ply").string());
   CHECK(says(palpate("simulate jelly --model " + (folder / "plane.ply").string()).text, "model: "));

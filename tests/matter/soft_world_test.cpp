@@ -1,43 +1,15 @@
 // A soft body in its box, with hands.
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <random>
 
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
-#include "tests/matter/matter_scenes.hpp"
+#include "tests/matter/soft_truths.hpp"
 
 namespace palpate {
 
-namespace {
-
-MatterScene jelly() {
-  return {.matter = Matter::soft,
-          .box_mm = {100, 120, 100},
-          .fill_mm = {50, 40, 50},
-          .spacing_mm = 5,
-          .viscosity_Pa_s = 3,
-          .young_Pa = 3e4,
-          .tool = {.radius_mm = 12, .mass_kg = 0.02}};
-}
-
-void run(SoftWorld& world, int steps) {
-  for (int k = 0; k < steps; ++k) world.step();
-  REQUIRE(world.state() == MatterState::running);
-}
-
-bool sameBytes(const SoftWorld& a, const SoftWorld& b) {
-  const auto same = [](std::span<const Vec3> x, std::span<const Vec3> y) {
-    return x.size() == y.size() && std::memcmp(x.data(), y.data(), x.size_bytes()) == 0;
-  };
-  return same(a.body().displacements(), b.body().displacements()) && same(a.body().velocities(), b.body().velocities());
-}
-
-}  // namespace
-
 TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, and sinks by its own weight alone") {
-  SoftWorld world(jelly());
+  SoftWorld world(softBlock());
   run(world, 1500);
   const DVec3 before = world.impulses().onWalls;
   run(world, 200);
@@ -59,7 +31,7 @@ TEST_CASE("a block that lies on the floor weighs what it weighs, comes to rest, 
 
 TEST_CASE("a block on a slope stays where friction holds it, and otherwise slides as Coulomb says") {
   for (const double friction : {0.3, 0.8}) {
-    MatterScene scene = jelly();
+    MatterScene scene = softBlock();
     scene.box_mm.x = 600;
     scene.young_Pa = 1e5;
     scene.viscosity_Pa_s = 20;
@@ -75,95 +47,32 @@ TEST_CASE("a block on a slope stays where friction holds it, and otherwise slide
   }
 }
 
-TEST_CASE("what is pushed and let go returns to where it was") {
-  MatterScene scene = jelly();
-  scene.gravity_m_s2 = DVec3(0);
-  scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
-  SoftWorld world(scene, {.tools = 1});
-  const DVec3 above(0.05, 0.06, 0.05);
-  double deepest = 0;
-  for (int k = 0; k < 3000; ++k) {
-    const double down = k < 500 ? 2.4e-2 * std::sin(3.1416 * k / 500) : 0;
-    const HandPose hand{.place_m = above - DVec3(0, down, 0)};
-    world.step({&hand, 1});
-    deepest = std::max(deepest, world.observe().maxCompression);
-  }
-  REQUIRE(world.state() == MatterState::running);
-  CHECK(deepest > 0.05);
-  const MatterImpulses& given = world.impulses();
-  CHECK(given.onTools.y > 0.01);
-  CHECK(glm::length(world.observe().momentum + given.onWalls + given.onTools) <= 1e-5 * glm::length(given.onTools));
-  for (const Vec3& moved : std::as_const(world).body().displacements()) REQUIRE(glm::length(moved) < 1e-6f);
-}
+TEST_CASE("what is pushed and let go returns to where it was") { checkReturn(softOnCpu(), 500, 2500); }
 
-TEST_CASE("a fallen body bounces, and its momentum is what gravity gave less what the walls took") {
-  MatterScene scene = jelly();
-  scene.shape = SoftShape::ball;
-  scene.viscosity_Pa_s = 0.5;
-  SoftWorld world(scene);
-  for (Vec3& velocity : world.body().velocities()) velocity = {0.6f, 0.8f, 0};
-  const double mass = world.body().mass_kg();
-  const DVec3 before = mass * DVec3(Vec3(0.6f, 0.8f, 0));
-  for (int k = 0; k < 500; ++k) {
-    run(world, 1);
-    const MatterImpulses& given = world.impulses();
-    const DVec3 missing = world.observe().momentum - (before + given.gravity - given.onWalls);
-    REQUIRE(glm::length(missing) <= 1e-5 * (glm::length(before) + glm::length(given.gravity)));
-  }
-  CHECK(world.impulses().onWalls.y < -0.1 * mass);
-  CHECK(world.impulses().onWalls.x > 0.1 * mass);
-  CHECK(isWithin(0.01, mass, 4.18879 * std::pow(0.02, 3) * 1000));
+TEST_CASE("a fallen body bounces, and momentum is what gravity gave less what walls, pins and tools took") {
+  checkSoftMomentum(softOnCpu(), 500);
 }
 
 TEST_CASE("what a ball got is what the body lost, and the hand feels that") {
-  SoftWorld world(jelly(), {.tools = 2});
-  std::array<HandPose, 2> hands{HandPose{.place_m = {0.035, 0.055, 0.05}}, HandPose{.place_m = {0.07, 0.055, 0.05}}};
-  DVec3 reactions(0);
-  for (int k = 0; k < 600; ++k) {
-    for (HandPose& hand : hands) hand.place_m.y -= k < 200 ? 4e-5 : 0;
-    world.step(hands);
-    reactions += kMatterStep_s * (world.answers()[0].reaction_N + world.answers()[1].reaction_N);
-  }
-  REQUIRE(world.state() == MatterState::running);
-  const MatterImpulses& given = world.impulses();
-  CHECK(given.onTools.y > 0.01);
-  CHECK(glm::length(given.onTools - reactions) <= 1e-9 * glm::length(reactions));
-  const DVec3 missing = world.observe().momentum - (given.gravity - given.onWalls - given.onTools);
-  CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
-  for (const ToolAnswer& answer : world.answers()) {
-    CHECK(answer.reaction_N.y > 0.01);
-    CHECK(isWithin(0.02, answer.force_N.y, answer.reaction_N.y));
-  }
+  checkSoftReactions(softOnCpu(), 200, 400);
 }
 
-TEST_CASE("random hands get no energy out of a soft body") {
-  std::mt19937 random(7);
-  std::normal_distribution<double> push;
-  for (int hands = 0; hands < 3; ++hands) {
-    MatterScene scene = jelly();
-    scene.viscosity_Pa_s = hands == 0 ? 0 : 3;
-    SoftWorld world(scene, {.tools = 1});
-    HandPose hand{.place_m = {0.05, 0.056, 0.05}};
-    DVec3 speed(0);
-    double least_J = 0, most_N = 0;
-    for (int k = 0; k < 1200; ++k) {
-      speed = 0.98 * speed - DVec3(0, 4e-3, 0);
-      for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
-      hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03, 0.03, 0.03), DVec3(0.07, 0.08, 0.07));
-      world.step({&hand, 1});
-      least_J = std::min(least_J, world.portEnergy_J(0));
-      most_N = std::max(most_N, glm::length(world.answers()[0].reaction_N));
-    }
-    REQUIRE(world.state() == MatterState::running);
-    CHECK(least_J >= -1e-3);
-    CHECK(most_N > 0.3);
-  }
+TEST_CASE("random hands get no energy out of a soft body") { checkSoftPortEnergy(softOnCpu(), 3, 1200); }
+
+TEST_CASE("what is pinned stays, and has no velocity") { checkPinsHold(softOnCpu(), 20); }
+
+TEST_CASE("a bar hangs and bends by its own weight, and swings, as it should") {
+  checkHangingBar(softOnCpu(), {16, 3, 3}, 0.3);
+  checkCantilever(softOnCpu(), {12, 2, 2});
+  checkStretchFrequency(softOnCpu(), {16, 2, 2}, 3);
 }
+
+TEST_CASE("a turn makes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
 
 TEST_CASE("a body is as stiff with more substeps") {
   // Force over the depth to the power of Hertz: what holds the ball gives way by the substep (tool_body.cpp).
   const auto stiffnessOf = [](std::uint32_t substeps) {
-    MatterScene scene = jelly();
+    MatterScene scene = softBlock();
     scene.substeps = substeps;
     scene.gravity_m_s2 = DVec3(0);
     scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
@@ -179,12 +88,12 @@ TEST_CASE("a body is as stiff with more substeps") {
     return answer.reaction_N.y / std::pow(0.04 + 0.012 - answer.place_m.y, 1.5);
   };
   const double needed = stiffnessOf(0);
-  CHECK(isWithin(2e-3, stiffnessOf(2 * planOf(jelly()).substeps), needed));
-  CHECK(isWithin(2e-3, stiffnessOf(5 * planOf(jelly()).substeps), needed));
+  CHECK(isWithin(2e-3, stiffnessOf(2 * planOf(softBlock()).substeps), needed));
+  CHECK(isWithin(2e-3, stiffnessOf(5 * planOf(softBlock()).substeps), needed));
 }
 
 TEST_CASE("how a surface gives way is that of a half-space, and that of the mass where nothing holds it") {
-  MatterScene scene = jelly();
+  MatterScene scene = softBlock();
   scene.box_mm = {200, 200, 200};
   scene.fill_mm = {130, 100, 130};
   scene.pinned_mm = {DVec3(0), DVec3(200, 0.1, 200)};
@@ -197,80 +106,36 @@ TEST_CASE("how a surface gives way is that of a half-space, and that of the mass
       16 * (1 - 0.3 * 0.3) / (3 * 9.8696 * 3e4 * kRadius_m) - (1 + 0.3) * (3 - 2 * 0.3) / (2 * 3.1416 * 3e4 * 0.1);
   CHECK(isWithin(0.05, deep.localCompliance_m_N({0.1, 0.1, 0.1}, kRadius_m, {0, -1, 0}), expected));
   CHECK(sameBytes(deep, SoftWorld(scene)));
-  MatterScene free = jelly();
+  MatterScene free = softBlock();
   free.gravity_m_s2 = DVec3(0);
   SoftWorld floating(free);
   const double byMass = 1 / (16 * floating.body().mass_kg());
   CHECK(isWithin(0.03, floating.localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}), byMass));
-  SoftWorld standing(jelly());
+  SoftWorld standing(softBlock());
   run(standing, 300);
   CHECK(standing.localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}) < 0.05 * byMass);
 }
 
 TEST_CASE("a world of a soft body has the same bytes with one thread and with three, and after it was begun again") {
-  SoftWorld one(jelly(), {.threads = 1, .tools = 1}), three(jelly(), {.threads = 3, .tools = 1});
-  const auto press = [](SoftWorld& world) {
-    HandPose hand{.place_m = {0.05, 0.053, 0.05}};
-    for (int k = 0; k < 150; ++k) {
-      hand.place_m.y -= 5e-5;
-      world.step({&hand, 1});
-    }
-  };
-  press(one);
-  press(three);
-  CHECK(sameBytes(one, three));
-  CHECK(one.answers()[0].force_N == three.answers()[0].force_N);
-  CHECK(one.observe().momentum == three.observe().momentum);
-  CloudFrame a, b;
-  one.makeFrame(a);
-  three.makeFrame(b);
-  CHECK(a.positions == b.positions);
-  CHECK(a.normals == b.normals);
-  one.reset();
-  press(one);
-  CHECK(sameBytes(one, three));
+  checkSameSoftBytes(softOnCpu(1), softOnCpu(3), 150);
 }
 
 TEST_CASE("a soft body that diverges says so, has no force from then on, and can be begun again") {
-  for (const float velocity : {1e6f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    SoftWorld world(jelly(), {.tools = 1});
-    const HandPose hand{.place_m = {0.05, 0.045, 0.05}};
-    for (int k = 0; k < 10; ++k) world.step({&hand, 1});
-    CHECK(world.answers()[0].force_N.y > 0);
-    for (Vec3& v : world.body().velocities()) v.x = velocity;
-    world.step({&hand, 1});
-    CHECK(world.state() == MatterState::diverged);
-    CHECK(world.answers()[0].force_N == DVec3(0));
-    CHECK(world.answers()[0].reaction_N == DVec3(0));
-    world.reset();
-    CHECK(world.state() == MatterState::running);
-    SoftWorld fresh(jelly(), {.tools = 1});
-    for (int k = 0; k < 5; ++k) {
-      world.step({&hand, 1});
-      fresh.step({&hand, 1});
-    }
-    CHECK(sameBytes(world, fresh));
-  }
+  checkSoftDivergence(softOnCpu());
 }
 
 TEST_CASE("a hand that jumps across the box gives a bounded force or ends the simulation, never what is no number") {
-  SoftWorld world(jelly(), {.tools = 1});
-  for (int k = 0; k < 200; ++k) {
-    const HandPose hand{.place_m = {0.05, k % 20 == 10 ? 1e3 : 0.05, 0.05}};
-    world.step({&hand, 1});
-    REQUIRE(isFinite(world.answers()[0].force_N));
-    REQUIRE(isFinite(world.answers()[0].reaction_N));
-  }
+  checkSoftJump(softOnCpu(), 200);
 }
 
 TEST_CASE("a scene of a soft body that cannot be simulated is refused with its field") {
   const auto with = [](auto change) {
-    MatterScene scene = jelly();
+    MatterScene scene = softBlock();
     change(scene);
     return refusal(scene);
   };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  CHECK(refusal(jelly()) == "taken");
+  CHECK(refusal(softBlock()) == "taken");
   const auto begins = [](const std::string& text, const std::string& field) { return text.starts_with(field); };
   CHECK(begins(with([](MatterScene& s) { s.young_Pa = -1; }), "young_Pa: is -1;"));
   CHECK(begins(with([](MatterScene& s) { s.young_Pa = kNaN; }), "young_Pa: is nan;"));

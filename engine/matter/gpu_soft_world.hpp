@@ -1,0 +1,98 @@
+// Soft bodies on a GPU.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "engine/gpu/command_list.hpp"
+#include "engine/gpu/queue.hpp"
+#include "engine/matter/matter_simulation.hpp"
+#include "engine/matter/soft_passes.hpp"
+
+namespace palpate {
+
+/// The same as SoftWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same bytes
+/// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
+class GpuSoftWorld final : public MatterSimulation {
+ public:
+  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread alone. Throws Error as
+  /// planOf() does, and OutOfGpuMemory.
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options = {});
+  /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
+  /// order, or, where there are none, its skin.
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               const SoftSolid& solid, std::span<const SurfacePlace> points);
+
+  std::size_t nodes() const { return sizes_.nodes; }
+  std::size_t points() const { return sizes_.points; }
+  /// Compression is that of the cell which has least of its volume.
+  MatterObservation observe() const override;
+  /// Of the points that it carries, by way of the host.
+  void makeFrame(CloudFrame& frame) override;
+  /// The same into memory of the GPU, for who stays there; m, m/s. Waits; stands until the next call.
+  CarriedPoints carry();
+  bool makeFrameThere() override {
+    carry();
+    return true;
+  }
+  std::optional<double> frameTime_us() const override;
+  /// Records how the points are carried to where they are asked for, such as the points from which an index is built.
+  /// May be submitted again and again, to any queue, but not while this or another such list runs, nor a step.
+  void recordFrame(CommandList& list, const CarriedPoints& to) const {
+    passes_.recordFrame(list, memory_, sizes_, to);
+  }
+
+  std::optional<double> gpuTime_us() const override;
+  std::vector<PassRecord> passes() const override;  ///< and of the last frame
+  std::vector<Vec3> positionsById() const override;
+  std::vector<Vec3> velocitiesById() const override;
+  void setVelocities(std::span<const Vec3> byId) override;
+  /// How far each node is from rest, m; those that are pinned stay there.
+  std::vector<Vec3> displacements() const { return ofNodes(0); }
+  void setDisplacements(std::span<const Vec3> byId);
+
+  double mass_kg() const { return mass_kg_; }
+  /// On the GPU.
+  std::uint64_t bytes() const;
+
+ private:
+  // Of the points in m, and what brings them there.
+  struct Frames {
+    Frames(GpuSoftWorld& world);
+    CarriedPoints points() const;
+
+    Buffer positions, normals, velocities;
+    CommandList list;
+  };
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               const SoftModel& model);
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               const SoftSolid& solid, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  void begin() override;
+  void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
+  StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
+  std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
+
+  void uploadBody(const SoftLayout& layout);
+  void uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  void recordStep();
+  std::vector<Vec3> ofNodes(std::size_t vec4) const;
+  void setNodes(std::size_t vec4, std::span<const Vec3> byId);
+  Frames& frames();
+
+  Device& device_;
+  Queue& queue_;
+  std::vector<Vec3> rest_;
+  std::vector<float> masses_;
+  std::vector<char> pinned_;
+  double mass_kg_;
+  DVec3 gravityOfSubstep_{0};  // on the free nodes, kg m/s
+  SoftSizes sizes_;
+  SoftMemory memory_;
+  SoftPasses passes_;
+  bool timesPasses_;
+  CommandList step_;
+  std::unique_ptr<Frames> frames_;  // where frames are asked for
+};
+
+}  // namespace palpate

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "engine/gpu/buffer.hpp"
+#include "engine/gpu/command_list.hpp"
+#include "engine/matter/soft_layout.hpp"
+
+namespace palpate {
+
+/// How much of everything a soft body on a GPU has.
+struct SoftSizes {
+  std::uint32_t nodes = 0;
+  std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< SoftLayout's
+  std::uint32_t skin = 0;                                              ///< places
+  std::uint32_t points = 0;                                       ///< that it carries
+  std::uint32_t tools = 0;
+  std::uint32_t substeps = 1;  ///< in a step
+  bool hasPins = false;
+
+  std::uint32_t cellBlocks() const;  ///< of slots
+  std::uint32_t nodeBlocks() const;
+};
+
+/// What the passes of a soft body work on: shaders/shared/soft_passes.h says what stands in each. Throws
+/// OutOfGpuMemory.
+struct SoftMemory {
+  SoftMemory(Device& device, const SoftSizes& sizes);
+
+  /// Parts of `state`, which is copied to the host as a whole.
+  static constexpr std::uint64_t kSums = 0, kTools = 32;
+  std::uint64_t bytes() const;
+
+  Buffer setting, hands;
+  Buffer state, stateRead;
+  Buffer nodes, corners, volumes, incident;
+  Buffer skinCells, skin;
+  Buffer forces, cellSums, nodeSums;
+  struct Points {
+    Buffer rests, shares, normalRests;
+  } points;
+  Buffer gradients, nodeGradients;
+};
+
+/// Where the points that a body carries are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in
+/// the order of the ids. Units are those of who reads.
+struct CarriedPoints {
+  DeviceAddress positions = 0;   ///< and the bits of the id
+  DeviceAddress normals = 0;     ///< unit, and 0
+  DeviceAddress velocities = 0;  ///< and 0
+  double unitsPerMetre = 1;
+  DVec3 origin{0};  ///< that positions are from, in those units
+};
+
+/// The passes of a soft body on a GPU. A substep is two: cells, with what presses on their skin, then nodes, with the
+/// tools. All are gathers, and sums have one order.
+class SoftPasses {
+ public:
+  explicit SoftPasses(Device& device);
+
+  /// A step of all substeps; its report stands in SoftMemory::state.
+  void recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes) const;
+  /// The points as the nodes are. Reads what a step writes, and writes none of it.
+  void recordFrame(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const CarriedPoints& to) const;
+
+ private:
+  void recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, std::uint32_t substep) const;
+  void recordNodes(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, std::uint32_t substep) const;
+
+  ComputePipeline predict_, cells_, nodes_, finish_, strain_, blend_, carry_;
+};
+
+}  // namespace palpate

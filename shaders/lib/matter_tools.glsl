@@ -1,0 +1,20 @@
+// The balls of tools. Whoever includes this has `args` with setting and tools.
+#ifndef PALPATE_LIB_MATTER_TOOLS_GLSL
+#define PALPATE_LIB_MATTER_TOOLS_GLSL
+
+ToolSpring toolSpring() {
+  return ToolSpring(args.setting.now.spring.mass, args.setting.now.spring.stiffness, args.setting.now.spring.damping,
+                    args.setting.now.spring.step);
+}
+
+// What the matter has done to it meanwhile.
+void reactTool(uint t, vec3 impulse, vec3 angular) {
+  const ToolSpring spring = toolSpring();
+  const vec3 change = impulse / spring.mass;
+  args.tools.at[t].velocity += change;
+  args.tools.at[t].lag += spring.step * change;
+  args.tools.at[t].impulse += impulse;
+  args.tools.at[t].angular += angular;
+}
+
+#endif

@@ -1,0 +1,153 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// What cells of a soft body do to their nodes. Of the cells with a place of the skin, those that may meet a wall or a
+// ball look at their places; what acts on these goes to the corners with the rest, so that nobody needs atomics.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/soft_passes.h"
+
+layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
+
+#include "shaders/lib/matter_sums.glsl"
+#include "shaders/lib/soft_cells.glsl"
+
+Corners moved, velocity, forces;
+
+void readNodes(uint slot) {
+  const uvec4 corners = args.corners.at[slot];
+  [[unroll]] for (uint k = 0; k < 8; ++k) {
+    const uint node = nodeAt(corners, k);
+    moved.at[k] = args.nodes.at[kNodeVec4s * node].xyz;
+    velocity.at[k] = args.nodes.at[kNodeVec4s * node + 1].xyz;
+  }
+}
+
+// Whether a place of the skin in the cell may be in a wall or a ball: all are between the corners.
+bool mayMeet(uint slot) {
+  const vec3 corner = args.skinCells.at[slot].corner;
+  const float spacing = SETTING.spacing, beyond = SETTING.beyond, ball = SETTING.ball;
+  vec3 low = corner + moved.at[0], high = low;
+  [[unroll]] for (uint k = 1; k < 8; ++k) {
+    const vec3 place = corner + spacing * vec3(k & 1, k / 2 & 1, k / 4) + moved.at[k];
+    low = min(low, place);
+    high = max(high, place);
+  }
+  const vec3 over = beyond * (high - low);
+  low -= over;
+  high += over;
+  if (any(lessThan(low, vec3(0))) || any(greaterThan(high, SETTING.box))) return true;
+  for (uint tool = 0; tool < args.toolCount; ++tool) {
+    const vec3 middle = args.tools.at[tool].place;
+    const vec3 away = max(max(low - middle, middle - high), vec3(0));
+    if (dot(away, away) < ball * ball) return true;
+  }
+  return false;
+}
+
+struct SkinNow {
+  vec3 share;
+  vec3 place;
+  vec3 velocity;
+  SoftTouch touch;
+};
+
+SkinNow skinAt(uint slot, uint at) {
+  const vec4 share = args.skin.at[kSkinVec4s * at];
+  const uvec4 corners = args.corners.at[slot];
+  SkinNow now;
+  now.share = share.xyz;
+  now.touch = SoftTouch(share.w, SETTING.damping * share.w, SETTING.friction);
+  vec3 moved = vec3(0);
+  now.velocity = vec3(0);
+  for (uint k = 0; k < 8; ++k) {
+    const uint node = nodeAt(corners, k);
+    const float part = cornerShare(now.share, int(k));
+    moved += part * args.nodes.at[kNodeVec4s * node].xyz;
+    now.velocity += part * args.nodes.at[kNodeVec4s * node + 1].xyz;
+  }
+  now.place = args.skin.at[kSkinVec4s * at + 1].xyz + moved;
+  return now;
+}
+
+void handToCorners(vec3 share, vec3 force) {
+  [[unroll]] for (int k = 0; k < 8; ++k) forces.at[k] += cornerShare(share, k) * force;
+}
+
+// Returns the impulse on the walls.
+vec3 pressOnWalls(uint slot) {
+  const vec3 box = SETTING.box;
+  vec3 sum = vec3(0);
+  for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
+    const SkinNow now = skinAt(slot, at);
+    const vec3 force = wallsForce(now.touch, box, now.place, now.velocity);
+    if (force == vec3(0)) continue;
+    handToCorners(now.share, force);
+    sum -= force;
+  }
+  return SETTING.step * sum;
+}
+
+// The impulses on the ball of a tool.
+void pressOnTool(uint slot, uint tool, inout vec3 impulse, inout vec3 angular) {
+  const vec3 middle = args.tools.at[tool].place, speed = args.tools.at[tool].velocity, spin = args.tools.at[tool].spin;
+  const float radius = SETTING.ball, step = SETTING.step;
+  for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
+    const SkinNow now = skinAt(slot, at);
+    const vec3 offset = now.place - middle;
+    const vec3 force = ballForce(now.touch, radius, offset, now.velocity - (speed + cross(spin, offset)));
+    if (force == vec3(0)) continue;
+    handToCorners(now.share, force);
+    impulse -= step * force;
+    angular -= step * cross(offset, force);
+  }
+}
+
+// Both rows of what the block has come to.
+void keepSums(uint row, vec4 a, vec4 b) {
+  if (gl_LocalInvocationIndex != 0) return;
+  args.sums.at[row * args.blocks + workgroupIndex()] = a;
+  args.sums.at[(row + 1) * args.blocks + workgroupIndex()] = b;
+}
+
+// All invocations of the workgroup together.
+void meetTools(uint slot, bool meets) {
+  for (uint tool = 0; tool < args.toolCount; ++tool) {
+    vec3 impulse = vec3(0), angular = vec3(0);
+    if (meets) pressOnTool(slot, tool, impulse, angular);
+    vec4 a = vec4(impulse, 0), b = vec4(angular, 0);
+    addUp(a, b, false);
+    keepSums(kSoftRowsOfAll + 2 * tool, a, b);
+  }
+}
+
+void main() {
+  const uint slot = threadIndex();
+  const bool isCell = holdsCell(slot), hasSkin = workgroupIndex() * kMatterBlock < args.firstInner;
+  bool meets = false;
+  float compression = 0;
+  if (isCell) {
+    readNodes(slot);
+    meets = hasSkin && mayMeet(slot);
+    takeModes(moved);
+    takeModes(velocity);
+    const SoftRules rules = softRules();
+    compression = 1 - volumeShare(gradientOf(rules, moved) + mat3(1));
+    forces = cellForces(rules, args.volumes.at[slot], moved, velocity);
+  }
+  vec4 onWalls = vec4(0), compressed = vec4(0, 0, 0, max(compression, 0));
+  if (hasSkin) {
+    if (meets) onWalls.xyz = pressOnWalls(slot);
+    meetTools(slot, meets);
+  }
+  if (hasSkin || args.ends != 0) {
+    addUp(onWalls, compressed, true);
+    if (hasSkin && args.begins == 0) onWalls += args.sums.at[workgroupIndex()];
+    keepSums(0, onWalls, compressed);
+  }
+  if (!isCell) return;
+  [[unroll]] for (uint k = 0; k < 8; ++k) {
+    const uint word = 3 * k * args.stride + slot;
+    args.forces.at[word] = forces.at[k].x;
+    args.forces.at[word + args.stride] = forces.at[k].y;
+    args.forces.at[word + 2 * args.stride] = forces.at[k].z;
+  }
+}

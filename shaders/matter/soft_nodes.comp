@@ -1,0 +1,67 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Where nodes of a soft body go, by what the cells about them do (symplectic Euler). The first workgroup has, if there
+// are tools, what the cells did to them, and where they go in the next substep.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/soft_passes.h"
+
+layout(push_constant, scalar) uniform Push { SoftNodesArgs args; };
+
+#include "shaders/lib/matter_hands.glsl"
+#include "shaders/lib/matter_sums.glsl"
+
+void moveTools() {
+  for (uint tool = 0; tool < args.toolCount; ++tool) {
+    vec4 impulse, angular;
+    sumRows(args.cellSums, kSoftRowsOfAll + 2 * tool, args.cellBlocks, args.skinBlocks, false, impulse, angular);
+    if (gl_LocalInvocationIndex != 0) continue;
+    reactTool(tool, impulse.xyz, angular.xyz);
+    if (args.ends == 0) predictTool(tool, args.substep + 1);
+  }
+}
+
+vec3 forceOn(uint node) {
+  const uvec4 low = args.incident.at[kIncidentUVec4s * node], high = args.incident.at[kIncidentUVec4s * node + 1];
+  vec3 force = vec3(0);
+  for (uint k = 0; k < 8; ++k) {
+    const uint word = k < 4 ? low[k] : high[k - 4];
+    force += vec3(args.forces.at[word], args.forces.at[word + args.stride], args.forces.at[word + 2 * args.stride]);
+  }
+  return force;
+}
+
+// Their sums, for all invocations of a workgroup.
+void keepSums(uint block, vec3 onPins, vec3 momentum, float kinetic) {
+  vec4 a = vec4(onPins, kinetic), b = vec4(momentum, 0);
+  addUp(a, b, false);
+  if (gl_LocalInvocationIndex != 0) return;
+  if (args.substep != 0 && args.hasPins != 0) a.xyz += args.sums.at[block].xyz;
+  args.sums.at[block] = a;
+  args.sums.at[args.blocks + block] = b;
+}
+
+void main() {
+  const uint ahead = args.toolCount > 0 ? 1 : 0;
+  if (workgroupIndex() < ahead) {
+    moveTools();
+    return;
+  }
+  const uint block = workgroupIndex() - ahead, node = block * kMatterBlock + gl_LocalInvocationIndex;
+  const float step = args.setting.now.step;
+  vec3 onPins = vec3(0), momentum = vec3(0);
+  float kinetic = 0;
+  if (node < args.nodeCount) {
+    const vec4 moved = args.nodes.at[kNodeVec4s * node], before = args.nodes.at[kNodeVec4s * node + 1];
+    const vec3 force = forceOn(node);
+    if (before.w != 0) {
+      const vec3 velocity = before.xyz + (step / moved.w * force + args.setting.now.fall);
+      args.nodes.at[kNodeVec4s * node] = vec4(moved.xyz + step * velocity, moved.w);
+      args.nodes.at[kNodeVec4s * node + 1] = vec4(velocity, before.w);
+      momentum = moved.w * velocity;
+      kinetic = moved.w / 2 * dot(velocity, velocity);
+    } else {
+      onPins = step * force;
+    }
+  }
+  if (args.hasPins != 0 || args.ends != 0) keepSums(block, onPins, momentum, kinetic);
+}

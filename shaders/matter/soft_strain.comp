@@ -1,0 +1,20 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Change of displacements over each cell of a soft body, by what it holds.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/soft_passes.h"
+
+layout(push_constant, scalar) uniform Push { SoftStrainArgs args; };
+
+#include "shaders/lib/soft_cells.glsl"
+
+void main() {
+  const uint slot = threadIndex();
+  if (!holdsCell(slot)) return;
+  const uvec4 corners = args.corners.at[slot];
+  Corners modes;
+  [[unroll]] for (uint k = 0; k < 8; ++k) modes.at[k] = args.nodes.at[kNodeVec4s * nodeAt(corners, k)].xyz;
+  takeModes(modes);
+  const mat3 gradient = args.volumes.at[slot] * gradientOf(softRules(), modes);
+  for (uint k = 0; k < kGradientPlanes; ++k) args.gradients.at[k * args.stride + slot] = gradient[k / 3][k % 3];
+}

@@ -1,0 +1,349 @@
+#include "tests/matter/soft_truths.hpp"
+
+#include <array>
+#include <glm/gtc/quaternion.hpp>
+#include <limits>
+#include <random>
+
+#include "engine/matter/soft_world.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kSpacing_m = 0.005, kYoung_Pa = 5e4;
+
+// Momentum that nobody has given, of all that was given.
+double missingShare(const MatterSimulation& world, const DVec3& before) {
+  const MatterImpulses& given = world.impulses();
+  const DVec3 missing = world.totals().momentum - (before + given.gravity - given.onWalls - given.onTools);
+  return glm::length(missing) / (glm::length(before) + glm::length(given.gravity) + glm::length(given.onTools));
+}
+
+// Comes to rest, damped as the slowest motion, of that angular frequency, is critically.
+void relax(MatterSimulation& world, double slowest_rad_s) {
+  const double perStep = slowest_rad_s * kMatterStep_s;
+  const auto kept = static_cast<float>(std::exp(-2 * perStep));
+  for (int k = 0; k < 10 / perStep; ++k) {
+    world.step();
+    std::vector<Vec3> velocities = world.velocitiesById();
+    for (Vec3& velocity : velocities) velocity *= kept;
+    world.setVelocities(velocities);
+  }
+  REQUIRE(world.state() == MatterState::running);
+}
+
+// The nodes farthest along x, and how far they have gone since they were at `rest`.
+std::vector<std::size_t> endOf(const std::vector<Vec3>& rest) {
+  float far = 0;
+  for (const Vec3& place : rest) far = std::max(far, place.x);
+  std::vector<std::size_t> end;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if (rest[i].x > far - 1e-6f) end.push_back(i);
+  return end;
+}
+
+DVec3 meanMove(const MatterSimulation& world, const std::vector<Vec3>& rest) {
+  const std::vector<Vec3> now = world.positionsById();
+  const std::vector<std::size_t> end = endOf(rest);
+  DVec3 sum(0);
+  for (const std::size_t i : end) sum += DVec3(now[i]) - DVec3(rest[i]);
+  return sum / static_cast<double>(end.size());
+}
+
+}  // namespace
+
+SoftMaker softOnCpu(unsigned threads) {
+  return [threads](const MatterScene& scene, std::size_t tools, const SoftSolid* solid,
+                   std::span<const SurfacePlace> points) -> std::unique_ptr<MatterSimulation> {
+    const MatterOptions options{.threads = threads, .tools = tools};
+    if (solid == nullptr) return std::make_unique<SoftWorld>(scene, options);
+    return std::make_unique<SoftWorld>(scene, options, *solid, points);
+  };
+}
+
+SoftBend bendOnCpu() {
+  return [](MatterSimulation& world, std::span<const Vec3> displacements) {
+    std::ranges::copy(displacements, dynamic_cast<SoftWorld&>(world).body().displacements().begin());
+  };
+}
+
+MatterScene softBlock() {
+  return {.matter = Matter::soft,
+          .box_mm = {100, 120, 100},
+          .fill_mm = {50, 40, 50},
+          .spacing_mm = 5,
+          .viscosity_Pa_s = 3,
+          .young_Pa = 3e4,
+          .tool = {.radius_mm = 12, .mass_kg = 0.02}};
+}
+
+MatterScene softBar(const DVec3& spacings) {
+  // It stands in the middle of its box, on the floor, which does nothing to what does not sink into it.
+  const DVec3 fill_mm = spacings * kSpacing_m * 1e3;
+  return {.matter = Matter::soft,
+          .box_mm = {2 * fill_mm.x, 1000, 1000},
+          .fill_mm = fill_mm,
+          .spacing_mm = kSpacing_m * 1e3,
+          .viscosity_Pa_s = 0,
+          .young_Pa = kYoung_Pa,
+          .poisson = 0,
+          .pinned_mm = std::array{DVec3(0), DVec3(fill_mm.x / 2 + 0.01, 1000, 1000)},
+          .gravity_m_s2 = DVec3(0)};
+}
+
+void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisson) {
+  MatterScene scene = softBar(spacings);
+  scene.poisson = poisson;
+  const double length = spacings.x * kSpacing_m, strain = 0.004;
+  // Along x it is weighed, sideways it is not.
+  scene.gravity_m_s2 = {2 * strain * kYoung_Pa / (1000 * length), 0, 0};
+  const auto world = make(scene, 0, nullptr, {});
+  const std::vector<Vec3> rest = world->positionsById();
+  relax(*world, 1.571 * std::sqrt(kYoung_Pa / 1000) / length);
+  CHECK(isWithin(0.02, meanMove(*world, rest).x, strain * length));
+}
+
+void checkCantilever(const SoftMaker& make, const DVec3& spacings) {
+  MatterScene scene = softBar(spacings);
+  const double length = spacings.x * kSpacing_m, height = spacings.y * kSpacing_m, width = spacings.z * kSpacing_m;
+  const double inertia = width * std::pow(height, 3) / 12, area = width * height;
+  const double shear = kYoung_Pa / 2, factor = 10.0 / 12;  // Cowper 1966, for a Poisson's ratio of 0
+  const double perLoad =
+      std::pow(length, 4) / (8 * kYoung_Pa * inertia) + length * length / (2 * factor * shear * area);
+  // Upwards, away from the floor.
+  const double load_N_m = 0.02 * length / perLoad;
+  scene.gravity_m_s2 = {0, load_N_m / (1000 * area), 0};
+  const auto world = make(scene, 0, nullptr, {});
+  const std::vector<Vec3> rest = world->positionsById();
+  relax(*world, 3.516 * std::sqrt(kYoung_Pa / 12000) * height / (length * length));
+  CHECK(isWithin(0.04, meanMove(*world, rest).y, load_N_m * perLoad));
+}
+
+void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rounds) {
+  const double length = spacings.x * kSpacing_m;
+  const auto world = make(softBar(spacings), 0, nullptr, {});
+  const std::vector<Vec3> rest = world->positionsById();
+  const std::size_t end = endOf(rest).front();
+  std::vector<Vec3> velocities;
+  for (const Vec3& place : rest) {
+    const double along = static_cast<double>(place.x) / length - 0.5;  // the body is in the middle of its box
+    velocities.emplace_back(0.01 * std::sin(1.5708 * along), 0, 0);
+  }
+  world->setVelocities(velocities);
+  // The times at which the end goes through its rest upwards, between two steps by where it is.
+  double before = 0, first = 0, last = 0;
+  int done = -1;
+  for (int k = 1; done < rounds; ++k) {
+    REQUIRE(k < 100000);
+    world->step();
+    const double now = static_cast<double>(world->positionsById()[end].x) - static_cast<double>(rest[end].x);
+    if (before < 0 && now >= 0) {
+      last = kMatterStep_s * (k - now / (now - before));
+      if (++done == 0) first = last;
+    }
+    before = now;
+  }
+  CHECK(isWithin(0.01, done / (last - first), std::sqrt(kYoung_Pa / 1000) / (4 * length)));
+}
+
+void checkTurned(const SoftMaker& make, const SoftBend& bend) {
+  MatterScene scene = softBlock();
+  scene.box_mm = {1000, 1000, 1000};
+  scene.fill_mm = {30, 25, 20};
+  scene.viscosity_Pa_s = 20;
+  scene.gravity_m_s2 = DVec3(0);
+  const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5));
+  for (const double angle : {0.3, 1.6, 3.1}) {
+    CAPTURE(angle);
+    const auto world = make(scene, 0, nullptr, {});
+    const DQuat turn = glm::angleAxis(angle, axis);
+    std::vector<Vec3> displacements;
+    for (const Vec3& rest : world->positionsById()) {
+      const DVec3 arm = DVec3(rest) - DVec3(0.5, 0.0125, 0.5);
+      displacements.emplace_back(turn * arm - arm + DVec3(0, 0.03, 0));  // off the floor
+    }
+    bend(*world, displacements);
+    world->step();
+    // In unit of the speed that the stress of a strain of 1 would give in that time to a node at a corner.
+    const double unit = 3e4 * kSpacing_m * kSpacing_m / (1000 * std::pow(kSpacing_m, 3) / 8) * kMatterStep_s;
+    for (const Vec3& velocity : world->velocitiesById()) REQUIRE(double(glm::length(velocity)) <= 1e-5 * unit);
+  }
+}
+
+void checkSoftMomentum(const SoftMaker& make, int steps) {
+  MatterScene scene = softBlock();
+  scene.shape = SoftShape::ball;
+  scene.viscosity_Pa_s = 0.5;
+  const auto world = make(scene, 0, nullptr, {});
+  world->setVelocities(std::vector<Vec3>(world->particles(), Vec3(0.6f, -0.8f, 0)));
+  const double mass = 4.18879 * std::pow(0.02, 3) * 1000;
+  const DVec3 before = mass * DVec3(Vec3(0.6f, -0.8f, 0));
+  for (int k = 0; k < steps; ++k) {
+    run(*world, 1);
+    const MatterImpulses& given = world->impulses();
+    // The ball is not to the last digit as large as it should be: its weight says what it weighs.
+    const double weighs = glm::length(given.gravity) / (kGravity_m_s2 * kMatterStep_s * (k + 1));
+    CHECK(isWithin(0.01, weighs, mass));
+    REQUIRE(missingShare(*world, before * (weighs / mass)) <= 1e-5);
+  }
+  CHECK(world->impulses().onWalls.y < -0.1 * mass);
+  MatterScene held = softBlock();
+  held.pinned_mm = {DVec3(0, 30, 0), DVec3(100, 45, 100)};
+  held.gravity_m_s2 = {2, -9, 3};
+  const auto pinned = make(held, 1, nullptr, {});
+  const HandPose hand{.place_m = {0.05, 0.045, 0.05}};
+  for (int k = 0; k < steps; ++k) {
+    pinned->step({&hand, 1});
+    REQUIRE(missingShare(*pinned, DVec3(0)) <= 1e-5);
+  }
+  CHECK(pinned->impulses().onTools.y > 0.001);
+  CHECK(std::abs(pinned->impulses().onWalls.y) > 0.001);
+}
+
+void checkSoftReactions(const SoftMaker& make, int down, int staying) {
+  const auto world = make(softBlock(), 2, nullptr, {});
+  std::array<HandPose, 2> hands{HandPose{.place_m = {0.035, 0.055, 0.05}}, HandPose{.place_m = {0.07, 0.055, 0.05}}};
+  DVec3 reactions(0);
+  for (int k = 0; k < down + staying; ++k) {
+    for (HandPose& hand : hands) hand.place_m.y -= k < down ? 0.008 / down : 0;
+    world->step(hands);
+    reactions += kMatterStep_s * (world->answers()[0].reaction_N + world->answers()[1].reaction_N);
+  }
+  REQUIRE(world->state() == MatterState::running);
+  const MatterImpulses& given = world->impulses();
+  CHECK(given.onTools.y > 0.01);
+  CHECK(glm::length(given.onTools - reactions) <= 1e-9 * glm::length(reactions));
+  CHECK(missingShare(*world, DVec3(0)) <= 1e-5);
+  for (const ToolAnswer& answer : world->answers()) {
+    CHECK(answer.reaction_N.y > 0.01);
+    CHECK(isWithin(0.02, answer.force_N.y, answer.reaction_N.y));
+  }
+}
+
+void checkReturn(const SoftMaker& make, int pressed, int free) {
+  MatterScene scene = softBlock();
+  scene.gravity_m_s2 = DVec3(0);
+  scene.pinned_mm = {DVec3(0), DVec3(100, 0.1, 100)};
+  const auto world = make(scene, 1, nullptr, {});
+  const std::vector<Vec3> rest = world->positionsById();
+  double deepest = 0;
+  for (int k = 0; k < pressed + free; ++k) {
+    const double down = k < pressed ? 2.4e-2 * std::sin(3.1416 * k / pressed) : 0;
+    const HandPose hand{.place_m = DVec3(0.05, 0.06 - down, 0.05)};
+    world->step({&hand, 1});
+    deepest = std::max(deepest, world->totals().maxCompression);
+  }
+  REQUIRE(world->state() == MatterState::running);
+  CHECK(deepest > 0.05);
+  const MatterImpulses& given = world->impulses();
+  CHECK(given.onTools.y > 0.01);
+  CHECK(glm::length(world->totals().momentum + given.onWalls + given.onTools) <= 1e-5 * glm::length(given.onTools));
+  const std::vector<Vec3> now = world->positionsById();
+  for (std::size_t i = 0; i < now.size(); ++i) REQUIRE(glm::length(now[i] - rest[i]) < 1e-6f);
+}
+
+void checkSoftPortEnergy(const SoftMaker& make, int hands, int steps) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> push;
+  for (int each = 0; each < hands; ++each) {
+    MatterScene scene = softBlock();
+    scene.viscosity_Pa_s = each == 0 ? 0 : 3;
+    const auto world = make(scene, 1, nullptr, {});
+    HandPose hand{.place_m = {0.05, 0.056, 0.05}};
+    DVec3 speed(0);
+    double least_J = 0, most_N = 0;
+    for (int k = 0; k < steps; ++k) {
+      speed = 0.98 * speed - DVec3(0, 4e-3, 0);
+      for (int axis = 0; axis < 3; ++axis) speed[axis] += 0.05 * push(random);
+      hand.place_m = glm::clamp(hand.place_m + kMatterStep_s * speed, DVec3(0.03, 0.03, 0.03), DVec3(0.07, 0.08, 0.07));
+      world->step({&hand, 1});
+      least_J = std::min(least_J, world->portEnergy_J(0));
+      most_N = std::max(most_N, glm::length(world->answers()[0].reaction_N));
+    }
+    REQUIRE(world->state() == MatterState::running);
+    CHECK(least_J >= -1e-3);
+    CHECK(most_N > 0.3);
+  }
+}
+
+void checkSameSoftBytes(const SoftMaker& one, const SoftMaker& other, int steps) {
+  const auto a = one(softBlock(), 1, nullptr, {}), b = other(softBlock(), 1, nullptr, {});
+  const auto press = [&](MatterSimulation& world) {
+    HandPose hand{.place_m = {0.05, 0.053, 0.05}};
+    for (int k = 0; k < steps; ++k) {
+      hand.place_m.y -= 0.0075 / steps;
+      world.step({&hand, 1});
+    }
+    REQUIRE(world.state() == MatterState::running);
+    CHECK(world.answers()[0].reaction_N.y > 0.01);
+  };
+  press(*a);
+  press(*b);
+  CHECK(sameBytes(*a, *b));
+  CHECK(a->answers()[0].force_N == b->answers()[0].force_N);
+  CHECK(a->observe().momentum == b->observe().momentum);
+  CloudFrame x, y;
+  a->makeFrame(x);
+  b->makeFrame(y);
+  CHECK(x.positions == y.positions);
+  CHECK(x.normals == y.normals);
+  CHECK(x.velocities == y.velocities);
+  a->reset();
+  press(*a);
+  CHECK(sameBytes(*a, *b));
+}
+
+void checkSoftDivergence(const SoftMaker& make) {
+  for (const float velocity : {1e6f, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    const auto world = make(softBlock(), 1, nullptr, {});
+    const HandPose hand{.place_m = {0.05, 0.045, 0.05}};
+    for (int k = 0; k < 10; ++k) world->step({&hand, 1});
+    CHECK(world->answers()[0].force_N.y > 0);
+    world->setVelocities(std::vector<Vec3>(world->particles(), Vec3(velocity, 0, 0)));
+    world->step({&hand, 1});
+    for (int k = 0; k < 2; ++k, world->step({&hand, 1})) {
+      CHECK(world->state() == MatterState::diverged);
+      CHECK(world->answers()[0].force_N == DVec3(0));
+      CHECK(world->answers()[0].reaction_N == DVec3(0));
+    }
+    world->reset();
+    CHECK(world->state() == MatterState::running);
+    const auto fresh = make(softBlock(), 1, nullptr, {});
+    for (int k = 0; k < 5; ++k) {
+      world->step({&hand, 1});
+      fresh->step({&hand, 1});
+    }
+    CHECK(sameBytes(*world, *fresh));
+  }
+}
+
+void checkSoftJump(const SoftMaker& make, int steps) {
+  const auto world = make(softBlock(), 1, nullptr, {});
+  for (int k = 0; k < steps; ++k) {
+    const HandPose hand{.place_m = {0.05, k % 20 == 10 ? 1e3 : 0.05, 0.05}};
+    world->step({&hand, 1});
+    REQUIRE(isFinite(world->answers()[0].force_N));
+    REQUIRE(isFinite(world->answers()[0].reaction_N));
+  }
+}
+
+void checkPinsHold(const SoftMaker& make, int steps) {
+  MatterScene scene = softBlock();
+  scene.pinned_mm = {DVec3(0), DVec3(51, 100, 100)};
+  const auto world = make(scene, 0, nullptr, {});
+  const std::vector<Vec3> rest = world->positionsById();
+  world->setVelocities(std::vector<Vec3>(rest.size(), Vec3(0, 0, 0.2f)));
+  run(*world, steps);
+  const std::vector<Vec3> now = world->positionsById(), velocities = world->velocitiesById();
+  int held = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const bool isPinned = rest[i].x < 0.051f;
+    held += isPinned ? 1 : 0;
+    REQUIRE((now[i] == rest[i]) == isPinned);
+    REQUIRE((velocities[i] == Vec3(0)) == isPinned);
+  }
+  CHECK(held == 6 * 9 * 11);
+}
+
+}  // namespace palpate
