@@ -224,7 +224,16 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .fill_mm = {80, 60, 80},
         .spacing_mm = 6,
         .viscosity_Pa_s = kSoftViscosity_Pa_s,
-        .tool = {.radius_mm = 15, .mass_kg = 0.05}}}};
+        .tool = {.radius_mm = 15, .mass_kg = 0.05}}},
+      {"soft statue",
+       {.matter = Matter::soft,
+        .box_mm = {200, 160, 200},
+        .fill_mm = {120, 120, 120},
+        .spacing_mm = 4,
+        .viscosity_Pa_s = 10,
+        .young_Pa = 1e5,
+        .poisson = 0.3,
+        .shape = SoftShape::sculpture}}};
   return scenes;
 }
 

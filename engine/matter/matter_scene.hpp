@@ -18,9 +18,13 @@ inline constexpr std::array<std::pair<std::string_view, Matter>, 3> kMatters{
     {{"water", Matter::water}, {"sand", Matter::sand}, {"soft", Matter::soft}}};
 
 /// What a soft body is that has no model.
-enum class SoftShape { box, ball };
-inline constexpr std::array<std::pair<std::string_view, SoftShape>, 2> kSoftShapes{
-    {{"box", SoftShape::box}, {"ball", SoftShape::ball}}};
+enum class SoftShape {
+  box,
+  ball,
+  sculpture  ///< that of makeShape(), filled as a scan is
+};
+inline constexpr std::array<std::pair<std::string_view, SoftShape>, 3> kSoftShapes{
+    {{"box", SoftShape::box}, {"ball", SoftShape::ball}, {"sculpture", SoftShape::sculpture}}};
 
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {

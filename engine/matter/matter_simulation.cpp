@@ -74,6 +74,8 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
   ++steps_;
 }
 
+void MatterSimulation::press(std::span<const SurfacePress> presses) { PALPATE_CHECK(presses.empty()); }
+
 void MatterSimulation::take(const StepReport& report) {
   state_ = report.state;
   totals_ = report.totals;
@@ -81,6 +83,7 @@ void MatterSimulation::take(const StepReport& report) {
   impulses_.onWalls += report.onWalls;
   impulses_.onModel += report.onModel;
   onModel_ = {.force_N = report.onModel / kMatterStep_s, .torque_Nm = report.turnOfModel / kMatterStep_s};
+  impulses_.onTools += report.onPresses;
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
     impulses_.onTools += tool.impulse;

@@ -13,8 +13,11 @@
 #include "engine/matter/hand_pose.hpp"
 #include "engine/matter/matter_model.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/matter/surface_press.hpp"
 
 namespace palpate {
+
+struct SoftModel;
 
 /// How a simulation is. Anything but running stays so until it is reset; forces are zero then, and nothing moves.
 enum class MatterState {
@@ -40,7 +43,8 @@ struct MatterObservation : MatterTotals {
 
 /// What has gone between matter and all else since the beginning, kg m/s; the momentum is their sum.
 struct MatterImpulses {
-  DVec3 gravity{0}, onWalls{0}, onTools{0}, onModel{0};
+  DVec3 gravity{0}, onWalls{0}, onModel{0};
+  DVec3 onTools{0};  ///< and on hands that press on a surface
 };
 
 /// What matter does to the model that stands in it, means over a step; 0 where there is none.
@@ -75,6 +79,8 @@ struct MatterOptions {
   /// Of a scene of water or sand whose model is a file; others are made from the scene.
   std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
+  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no file.
+  std::shared_ptr<const SoftModel> soft;
 };
 
 /// For one thread at a time. The same scene and the same hands give the same bytes, on the same machine.
@@ -92,6 +98,18 @@ class MatterSimulation {
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
+  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand stand
+  /// together. Only where hasSurface() says so.
+  virtual void press(std::span<const SurfacePress> presses);
+  /// What came of them in that step, one for each.
+  virtual std::span<const PressReport> pressed() const { return {}; }
+  /// Whether it has a surface that can be pressed: soft bodies have one.
+  virtual bool hasSurface() const { return false; }
+  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on it,
+  /// m/N: what a servo loop may go on with until the next step. Changes nothing.
+  virtual double localCompliance_m_N(const DVec3& /*place_m*/, double /*radius_m*/, const DVec3& /*direction*/) {
+    return 0;
+  }
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
@@ -144,6 +162,7 @@ class MatterSimulation {
     MatterState state = MatterState::running;
     DVec3 gravity{0}, onWalls{0};     ///< kg m/s
     DVec3 onModel{0}, turnOfModel{0};  ///< kg m/s, kg m^2/s about its middle
+    DVec3 onPresses{0};                ///< kg m/s
     MatterTotals totals;
     std::vector<ToolReport> tools;
   };
