@@ -27,7 +27,7 @@ struct MatterMemory {
   MatterMemory(Device& device, const MatterSizes& sizes);
 
   /// Parts of `state`, which is copied to the host as a whole.
-  static constexpr std::uint64_t kControl = 0, kSums = 32, kTools = 88;
+  static constexpr std::uint64_t kControl = 0, kSums = 32, kTools = 92;
   std::uint64_t bytes() const;
 
   Buffer setting, hands;

@@ -54,8 +54,9 @@ struct MatterSums {
   float mostCompression;
   vec3 onModel;      // kg m/s
   vec3 turnOfModel;  // about the middle of its volume, kg m^2/s
+  uint unused;       // validation takes what is written to a vec3 for 16 bytes, which have to be there
 };
-PALPATE_SIZE(MatterSums, 56);
+PALPATE_SIZE(MatterSums, 60);
 
 // What is the same in all substeps, in memory.
 struct MatterSetting {
