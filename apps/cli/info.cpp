@@ -7,6 +7,7 @@
 #include "engine/core/units.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/touch/memory.hpp"
 
 namespace palpate {
@@ -118,8 +119,47 @@ void infoOfFrames(Context& context, const std::string& file, const StreamOptions
                        {"cy", camera.cy}}}});
 }
 
+Json sceneJson(const MatterScene& scene, const MatterPlan& plan) {
+  const auto& box = scene.box_mm;
+  return {{"matter", nameOf(kMatters, scene.matter)},
+          {"particles", plan.particles},
+          {"substeps", plan.substeps},
+          {"spacing_mm", scene.spacing_mm},
+          {"box_mm", {box.x, box.y, box.z}},
+          {"mass_kg", plan.mass_kg * static_cast<double>(plan.particles)},
+          {"bytes", plan.bytes},
+          {"gain", scene.gain}};
+}
+
+/// Of a scene of a soft body, which is filled for that: a scan has fewer nodes than the box about it.
+void infoOfSoftBody(Context& context, const std::string& name, const MatterScene& scene) {
+  const MatterPlan plan = planOf(scene);
+  SessionConfig config{.model = {.file = name}};
+  config.matter = scene;
+  const Model model = loadModel(config, {.log = context.log(), .threads = context.threads()});
+  const SoftLattice& lattice = model.soft->solid.lattice;
+  const double mass_kg = scene.density_kg_m3 * lattice.volume_m3();
+  const auto& box = scene.box_mm;
+  std::FILE* out = context.tables();
+  fmt::print(out, "{}: a soft body of {} nodes, {:g} mm apart, with {} points, in a box of {:g} x {:g} x {:g} mm\n", name,
+             lattice.nodes(), scene.spacing_mm, model.cloud.size(), box.x, box.y, box.z);
+  fmt::print(out, "  Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s, {:.3g} kg\n", scene.young_Pa,
+             scene.poisson, scene.viscosity_Pa_s, mass_kg);
+  fmt::print(out, "  {} substeps in a millisecond; its surface is felt, and pressed; the force is {:g} times the real one\n",
+             plan.substeps, scene.gain);
+  Json json = sceneJson(scene, plan);
+  json["particles"] = lattice.nodes();
+  json["mass_kg"] = mass_kg;
+  json["points"] = model.cloud.size();
+  json["young_Pa"] = scene.young_Pa;
+  json["poisson"] = scene.poisson;
+  json["viscosity_Pa_s"] = scene.viscosity_Pa_s;
+  context.writeJson(json);
+}
+
 /// Of a scene of matter.
 void infoOfMatter(Context& context, const std::string& name, const MatterScene& scene) {
+  if (scene.matter == Matter::soft) return infoOfSoftBody(context, name, scene);
   const MatterPlan plan = planOf(scene);
   const auto& box = scene.box_mm;
   std::FILE* out = context.tables();
@@ -129,15 +169,9 @@ void infoOfMatter(Context& context, const std::string& name, const MatterScene& 
              plan.mass_kg * static_cast<double>(plan.particles), mib(plan.bytes));
   fmt::print(out, "  a hand holds a ball of {:g} mm radius and {:.3g} kg; the force is {:g} times the real one\n",
              scene.tool.radius_mm, scene.tool.mass_kg, scene.gain);
-  context.writeJson({{"matter", nameOf(kMatters, scene.matter)},
-                     {"particles", plan.particles},
-                     {"substeps", plan.substeps},
-                     {"spacing_mm", scene.spacing_mm},
-                     {"box_mm", {box.x, box.y, box.z}},
-                     {"mass_kg", plan.mass_kg * static_cast<double>(plan.particles)},
-                     {"bytes", plan.bytes},
-                     {"tool", {{"radius_mm", scene.tool.radius_mm}, {"mass_kg", scene.tool.mass_kg}}},
-                     {"gain", scene.gain}});
+  Json json = sceneJson(scene, plan);
+  json["tool"] = {{"radius_mm", scene.tool.radius_mm}, {"mass_kg", scene.tool.mass_kg}};
+  context.writeJson(json);
 }
 
 }  // namespace

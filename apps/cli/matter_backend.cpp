@@ -6,8 +6,7 @@
 #include "engine/gpu/device.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/matter/gpu_soft_world.hpp"
-#include "engine/matter/soft_scan.hpp"
-#include "engine/matter/soft_scene.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "haptics/session/backends.hpp"
 
@@ -25,17 +24,32 @@ namespace {
 // The scene's shape, or its file, which is read, placed and filled.
 std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& backend, const MatterScene& scene,
                                            const MatterOptions& options) {
-  if (scene.model.empty())
-    return startSoft(context, backend, scene, options, solidOf(scene, options.memory_bytes), {});
+  if (scene.model.empty()) {
+    const auto model = softModelFor(scene, options);
+    return startSoft(context, backend, scene, options, model->solid, model->points);
+  }
   planOf(scene, options.memory_bytes);  // before the file is read
   PointCloud cloud = readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
-  const std::vector<SurfacePlace> points = placeScan(std::move(cloud), scene, options.threads);
-  WorkerTeam team(options.threads);
   const Stopwatch watch;
-  SoftSolid solid = scanSolid(points, scene.spacing_mm * 1e-3, scene.hole_mm * 1e-3, team);
-  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, points.size(),
-                    solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
-  return startSoft(context, backend, scene, options, std::move(solid), points);
+  const auto model = softModelOf(scene, std::move(cloud), options.threads);
+  context.log().say("{}: {} points are filled with {} nodes: {:.0f} ms", scene.model, model->points.size(),
+                    model->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  return startSoft(context, backend, scene, options, model->solid, model->points);
+}
+
+// What stands in water or sand: its file, or its shape, becomes a field.
+std::shared_ptr<const MatterModel> standingModel(Context& context, const MatterScene& scene,
+                                                 const MatterOptions& options) {
+  planOf(scene, options.memory_bytes);  // before the file is read
+  const Stopwatch watch;
+  PointCloud cloud = isBuiltInModel(scene.model)
+                         ? builtInModel(scene, options.threads)
+                         : readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
+  const std::size_t points = cloud.size();
+  auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, options.threads);
+  context.log().say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
+                    watch.elapsed_us() * 1e-3);
+  return model;
 }
 
 }  // namespace
@@ -51,7 +65,10 @@ std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string&
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options) {
   options.threads = context.threads();
-  if (scene.matter != Matter::soft) return context.backends().named(backend).simulate(scene, options);
+  if (scene.matter != Matter::soft) {
+    if (!scene.model.empty()) options.model = standingModel(context, scene, options);
+    return context.backends().named(backend).simulate(scene, options);
+  }
   if (backend == "vulkan") options.memory_bytes = std::max(options.memory_bytes, context.device().ownMemory() / 2);
   return softBody(context, backend, scene, options);
 }

@@ -28,7 +28,7 @@ std::optional<MatterScene> matterScene(const std::string& model) {
   const bool names = isBuiltIn(model) && !std::filesystem::exists(model, ignored);
   if (!names && std::filesystem::path(model).extension() != ".json") return std::nullopt;
   MatterScene scene = readSceneNamed(model);
-  if (scene.tool.radius_mm == 0) scene.tool = usualTool(scene);
+  if (scene.tool.radius_mm == 0 && scene.matter != Matter::soft) scene.tool = usualTool(scene);
   return scene;
 }
 

@@ -51,9 +51,24 @@ void save(const std::string& file, MatterSimulation& world) {
 MatterScene sceneOf(const SimulateOptions& options) {
   MatterScene scene = readSceneNamed(options.scene);
   if (options.model.empty()) return scene;
-  if (scene.matter != Matter::soft) throw UsageError("--model: the scene is of {}", nameOf(kMatters, scene.matter));
   scene.model = options.model;
   return scene;
+}
+
+// What the model has got, if there is one.
+Json sayModel(std::FILE* out, const MatterSimulation& world) {
+  if (world.model() == nullptr) return nullptr;
+  const double volume_cm3 = world.model()->volume_m3() * 1e6;
+  const DVec3 force_N = world.onModel().force_N, impulse = world.impulses().onModel;
+  const std::size_t inside = world.insideModel();
+  fmt::print(out, "  model of {:.1f} cm^3: {} particles left out, {} inside; force {:.3g}, {:.3g}, {:.3g} N\n", volume_cm3,
+             world.leftOut(), inside, force_N.x, force_N.y, force_N.z);
+  return {{"volume_cm3", volume_cm3},
+          {"left_out", world.leftOut()},
+          {"inside", inside},
+          {"force_N", vectorJson(force_N)},
+          {"torque_Nm", vectorJson(world.onModel().torque_Nm)},
+          {"impulse_kg_m_s", vectorJson(impulse)}};
 }
 
 void simulate(Context& context, const SimulateOptions& options) {
@@ -89,6 +104,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);
   if (hasPressure) fmt::print(out, "  pressure at {} mm: {:.1f} Pa\n", options.probe, pressure_Pa);
+  const Json model = sayModel(out, world);
   context.writeJson({{"time_s", seen.time_s},
                      {"backend", backend},
                      {"particles", seen.particles},
@@ -99,7 +115,8 @@ void simulate(Context& context, const SimulateOptions& options) {
                      {"momentum_kg_m_s", vectorJson(seen.momentum)},
                      {"max_compression", mostCompression},
                      {"front_mm", seen.front_m * kMmPerMetre},
-                     {"pressure_Pa", hasPressure ? Json(pressure_Pa) : Json(nullptr)}});
+                     {"pressure_Pa", hasPressure ? Json(pressure_Pa) : Json(nullptr)},
+                     {"model", model}});
 }
 
 }  // namespace
@@ -115,7 +132,9 @@ void addSimulate(Options& app, Context& context, Command& command) {
           "own where it keeps any")
       .check(oneOf(std::move(backends)))
       .showDefault();
-  sub.add("--model", options->model, "a closed cloud that is the surface of a soft scene, in place of the scene's own")
+  sub.add("--model", options->model,
+          "a closed cloud that stands in water or sand, or is the surface of a soft scene, in place of the scene's own; "
+          "builtin:NAME in water and sand: a shape of palpate make")
       .typeName("FILE");
   sub.add("--duration", options->duration_s, "simulated time, s").check(between(0, kLongestDuration_s)).showDefault();
   sub.add("--probe", options->probe, "x,y,z where the pressure of water is asked for at the end, mm");

@@ -71,7 +71,7 @@ void addPathOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--path", options.path,
           "CSV under the header t_s,x,y,z (s, model units; linear in between; # comments), or builtin:press (straight "
           "down, and stays), slide (1 mm deep, 20 mm along), scan (25 taps), orbit (around, without touching); in a scene "
-          "of matter builtin:press (a ball dives) and stir (in circles)")
+          "of water or sand builtin:press (a ball dives) and stir (in circles)")
       .showDefault();
   sub.add("--penetration", options.penetration_mm, "how deep builtin:press goes, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))

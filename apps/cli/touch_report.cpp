@@ -103,7 +103,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
   if (report.matter)
-    row("particles", inWords(*report.matter, report.points));
+    row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
   else
     row("points", fmt::format("{}, spacing {:.3g} mm, noise {:.2f} spacings, support radius {:.3g} mm", report.points,
                               report.spacing_mm, report.noise_spacings, report.radius_mm));

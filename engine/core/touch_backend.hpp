@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/core/brush.hpp"
+#include "engine/core/cloud_frame.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/pass_record.hpp"
@@ -17,7 +18,6 @@
 
 namespace palpate {
 
-struct CloudFrame;
 struct PointCloud;
 class Device;
 class EditLog;
@@ -40,6 +40,13 @@ struct TouchShortfalls {
 struct IndexWork {
   std::uint64_t followed = 0;  ///< edits that it followed, at the cost of what they touched
   std::uint64_t built = 0;     ///< times that all of it was built anew
+};
+
+/// What stands between a hand and a surface that gives way: what it feels is what it does to it.
+struct HandSpring {
+  double stiffness_N_per_unit = 0;  ///< per model unit, as all of this
+  double damping_N_s_per_unit = 0;
+  double most_N = 0;                ///< that the hand bears
 };
 
 /// How many states of points can still wait for those who follow the edits, and how many could in all.
@@ -82,6 +89,11 @@ class TouchBackend : public ContactQuery {
   /// Where a source moves the points: the newest whole frame that was felt. False where none has come since the last
   /// call. For one thread, as takeEdits().
   virtual bool takeFrame(CloudFrame&) { return false; }
+
+  /// Where a source moves the points: when those that were felt last are true.
+  virtual std::optional<PointsTime> pointsTime() const noexcept { return std::nullopt; }
+  /// How hard each hand presses on a surface that gives way, from the next question on. For the thread that asks.
+  virtual void setSprings(std::span<const HandSpring>) {}
 
   /// Of points that move by themselves; null where they do not.
   virtual SimulationControl* simulation() { return nullptr; }

@@ -10,6 +10,7 @@
 #include "engine/core/named_values.hpp"
 #include "engine/io/chunked_file.hpp"
 #include "engine/io/in_quotes.hpp"
+#include "engine/matter/matter_model.hpp"
 
 namespace palpate {
 
@@ -77,6 +78,10 @@ void readModel(const Field&, const Json& value, MatterScene& scene) {
   scene.model = value.get<std::string>();
 }
 
+void readModelPlace(const Field& field, const Json& value, MatterScene& scene) {
+  scene.model_at_mm = vectorOf(field, value);
+}
+
 void readShape(const Field&, const Json& value, MatterScene& scene) {
   const auto shape = value.is_string() ? valueNamed(kSoftShapes, value.get<std::string>()) : std::nullopt;
   if (!shape) throw Error("shape: is {}; there are {}", inQuotes(value.dump()), fmt::join(namesOf(kSoftShapes), ", "));
@@ -106,8 +111,10 @@ constexpr std::array kFields{
     Field{.name = "young_Pa", .read = readNumber<&MatterScene::young_Pa>, .ofWater = false, .ofSand = false},
     Field{.name = "poisson", .read = readNumber<&MatterScene::poisson>, .ofWater = false, .ofSand = false},
     Field{.name = "shape", .read = readShape, .ofWater = false, .ofSand = false},
-    Field{.name = "model", .read = readModel, .ofWater = false, .ofSand = false},
-    Field{.name = "hole_mm", .read = readNumber<&MatterScene::hole_mm>, .ofWater = false, .ofSand = false},
+    Field{.name = "model", .read = readModel},
+    Field{.name = "model_mm", .read = readVector<&MatterScene::model_mm>, .ofSoft = false},
+    Field{.name = "model_at_mm", .read = readModelPlace, .ofSoft = false},
+    Field{.name = "hole_mm", .read = readNumber<&MatterScene::hole_mm>},
     Field{.name = "pinned_mm", .read = readPinned, .ofWater = false, .ofSand = false},
     Field{.name = "gravity_m_s2", .read = readVector<&MatterScene::gravity_m_s2>},
     Field{.name = "substeps", .read = readSubsteps},
@@ -149,7 +156,7 @@ MatterScene readMatterScene(const std::filesystem::path& file) {
   if (bytes.size() > kLongestFile) throw FileError(file, "is too long for a scene of matter");
   try {
     MatterScene scene = parseMatterScene({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-    if (!scene.model.empty()) scene.model = (file.parent_path() / scene.model).string();
+    if (!scene.model.empty() && !isBuiltInModel(scene.model)) scene.model = (file.parent_path() / scene.model).string();
     planOf(scene);
     return scene;
   } catch (const Error& error) {

@@ -16,6 +16,11 @@ constexpr double kPi = 3.14159265358979323846;
 // so much whatever the pressure is: measured on balls of 3, 4 and 5 spacings, whose buoyancy was that of smaller ones.
 constexpr double kNearer_spacings = 0.075;
 
+// So far water comes into a ball by itself, where a hand throws it, before it is pushed out.
+constexpr double kWithin_spacings = 0.5;
+// Of the support radius, in a substep.
+constexpr float kPush_supports = 0.05f;
+
 double ballVolume(double radius) { return radius > 0 ? 4 * kPi / 3 * radius * radius * radius : 0; }
 
 // Points of equal area on a sphere, along a spiral by the golden angle (Vogel 1979).
@@ -50,8 +55,9 @@ std::vector<BoundaryPoint> ballPoints(double radius_m, double spacing_m, double 
   return points;
 }
 
-BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support)
+BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support, float kept)
     : support_(support),
+      kept_(kept),
       grid_(cellsOf({.size = 2.0f * extentOf(points) + support}, support)),
       middle_(extentOf(points) + 0.5f * support) {
   std::vector<Vec4> places;
@@ -66,14 +72,20 @@ BoundaryBody::BoundaryBody(std::span<const BoundaryPoint> points, float support)
 
 BoundaryBody ballBody(const MatterScene& scene, const MatterPlan& plan) {
   const double support_m = kSupport_spacings * plan.spacing_m;
-  return {ballPoints(scene.tool.radius_mm * 1e-3, plan.spacing_m, support_m), static_cast<float>(support_m)};
+  const double radius_m = scene.tool.radius_mm * 1e-3;
+  const double within_m = scene.matter == Matter::sand ? 0 : kWithin_spacings * plan.spacing_m;
+  return {ballPoints(radius_m, plan.spacing_m, support_m), static_cast<float>(support_m),
+          static_cast<float>(std::max(radius_m - within_m, 0.0))};
 }
 
-void BoundaryBody::moveTo(const BodyMotion& motion) {
+float BoundaryBody::push() const { return kPush_supports * support_; }
+
+void BoundaryBody::moveTo(const BodyMotion& motion, double grown_m) {
   pose_ = {.place = motion.place,
            .velocity = motion.velocity,
            .spin = motion.spin,
-           .turn = glm::mat3(glm::mat3_cast(glm::normalize(motion.orientation)))};
+           .turn = glm::mat3(glm::mat3_cast(glm::normalize(motion.orientation))),
+           .grown = static_cast<float>(grown_m)};
 }
 
 }  // namespace palpate

@@ -36,10 +36,20 @@ struct BoundaryMeeting : shared::BodyMeeting {
 /// A body as matter meets it: rigid, its points in cells of their own, which never change.
 class BoundaryBody {
  public:
-  /// `support`: radius of the weights, m. Throws nothing; without points it is nowhere.
-  BoundaryBody(std::span<const BoundaryPoint> points, float support);
+  /// `support`: radius of the weights, m. `kept`: what is nearer to the middle is pushed out, m; 0: nothing is. Throws
+  /// nothing; without points it is nowhere.
+  BoundaryBody(std::span<const BoundaryPoint> points, float support, float kept);
 
-  void moveTo(const BodyMotion& motion);
+  /// `grown_m`: so far from its middle the body is there.
+  void moveTo(const BodyMotion& motion, double grown_m);
+  /// How the velocity of what is within changes, so that it goes out, m/s.
+  Vec3 pushedOut(const Vec3& place, float step_s) const {
+    return shared::pushedOut<float>(pose_, place, kept_, push(), step_s);
+  }
+  /// So far it goes in a substep at the most, m.
+  float push() const;
+  float kept() const { return kept_; }
+  const Vec3& place() const { return pose_.place; }  ///< of the middle, m
   std::uint32_t size() const { return static_cast<std::uint32_t>(points_.size()); }
 
   /// Calls meet(BoundaryMeeting) for each point within the support radius of `place`, always in the same order.
@@ -53,7 +63,7 @@ class BoundaryBody {
   float extent() const { return extent_; }        ///< of the points from the middle, m
 
  private:
-  float support_;
+  float support_, kept_;
   float extent_ = 0;
   CellGrid grid_;
   std::vector<Vec4> points_;

@@ -38,6 +38,7 @@ MatterSizes sizesOf(const MatterSimulation& world, const BoundaryBody& ball, std
           .tools = static_cast<std::uint32_t>(tools),
           .bodyPoints = ball.size(),
           .bodyCells = static_cast<std::uint32_t>(countOf(ball.grid().cells())),
+          .modelNodes = world.model() != nullptr ? static_cast<std::uint32_t>(world.model()->nodes().size()) : 0,
           .substeps = world.plan().substeps,
           .mostListed = world.scene().matter == Matter::sand ? kMostListedInSand : kMostListedInWater,
           .remembers = world.scene().matter == Matter::sand};
@@ -53,10 +54,14 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
           .water = waterRules(scene, plan),
           .grains = grainRules(scene, plan),
           .spring = springOnGpu(scene, plan),
+          .model = world.model() != nullptr ? world.model()->field() : shared::ModelField{},
+          .modelMiddle = world.model() != nullptr ? Vec3(world.model()->middle()) : Vec3(0),
           .bodyMiddle = ball.middle(),
           .bodyReach = ball.extent() + support,
           .fall = scene.gravity_m_s2 * plan.substep_s,
           .bodySupport = support,
+          .bodyKept = ball.kept(),
+          .bodyPush = ball.push(),
           .listed = listed_m(scene, plan),
           .allowed = allowed_m(plan),
           .nearest = reachOf(scene.matter).wall_spacings * spacing,
@@ -99,7 +104,9 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       calm_(device, queue, "calm matter", timingOf(options)),
       swift_(device, queue, "swift matter", timingOf(options)) {
   memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
-  upload(device_, queue_, memory_.bodyPoints, copyOf(ball_.points()));
+  std::vector<Vec4> bodyPoints = copyOf(ball_.points());
+  if (model() != nullptr) bodyPoints.insert(bodyPoints.end(), model()->nodes().begin(), model()->nodes().end());
+  upload(device_, queue_, memory_.bodyPoints, bodyPoints);
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
   record(calm_, false);
   record(swift_, true);
@@ -138,7 +145,10 @@ void GpuMatterWorld::begin() {
 void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
 
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
-  writeHandSteps(from, to, plan().substep_s, memory_.hands.mapped<shared::HandStep>());
+  const std::span<shared::HandStep> hands = memory_.hands.mapped<shared::HandStep>();
+  writeHandSteps(from, to, plan().substep_s, hands);
+  for (std::size_t k = 0; k < hands.size() && tools() > 0; ++k)
+    hands[k].grown = static_cast<float>(grown_m(k % tools()));
   const shared::MatterControl before = control();
   ran_ = swiftSteps_ > 0 || areSwift(from, to) ? &swift_ : &calm_;
   queue_.wait(queue_.submit(*ran_), device_.defaultWait());
@@ -148,6 +158,8 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
   StepReport report{.state = static_cast<MatterState>(control().state),
                     .gravity = gravityOf(control().substeps),
                     .onWalls = sums.onWalls,
+                    .onModel = sums.onModel,
+                    .turnOfModel = sums.turnOfModel,
                     .totals = {.kinetic_J = static_cast<double>(sums.kinetic),
                                .momentum = sums.momentum,
                                .maxCompression = static_cast<double>(sums.mostCompression)}};
@@ -160,7 +172,7 @@ MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from,
 // Whether a hand takes matter with it in a step as far as lists allow.
 bool GpuMatterWorld::areSwift(std::span<const HandPose> from, std::span<const HandPose> to) const {
   for (std::size_t tool = 0; tool < tools(); ++tool)
-    if (glm::length(to[tool].place_m - from[tool].place_m) > allowed_m(plan())) return true;
+    if (growsBall(tool) || glm::length(to[tool].place_m - from[tool].place_m) > allowed_m(plan())) return true;
   return false;
 }
 

@@ -8,6 +8,7 @@
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/matter/gpu_tools.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_scene.hpp"
 
 namespace palpate {
@@ -78,7 +79,11 @@ CarriedPoints GpuSoftWorld::Frames::points() const {
 }
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options)
-    : GpuSoftWorld(device, queue, scene, options, solidOf(scene, options.memory_bytes), {}) {}
+    : GpuSoftWorld(device, queue, scene, options, *softModelFor(scene, options)) {}
+
+GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+                           const SoftModel& model)
+    : GpuSoftWorld(device, queue, scene, options, model.solid, model.points) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                            const SoftSolid& solid, std::span<const SurfacePlace> points)

@@ -15,7 +15,7 @@ namespace palpate {
 /// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
 class GpuSoftWorld final : public MatterSimulation {
  public:
-  /// The body of a scene without a model. `queue`: of the device, and used by this thread alone. Throws Error as
+  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread alone. Throws Error as
   /// planOf() does, and OutOfGpuMemory.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options = {});
   /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
@@ -64,6 +64,8 @@ class GpuSoftWorld final : public MatterSimulation {
     Buffer positions, normals, velocities;
     CommandList list;
   };
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               const SoftModel& model);
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points, const SoftLayout& layout);
   void begin() override;

@@ -23,7 +23,7 @@ void writeHandSteps(std::span<const HandPose> from, std::span<const HandPose> to
                                        .x = turn[0],
                                        .y = turn[1],
                                        .z = turn[2],
-                                       .unused = 0};
+                                       .grown = 0};
       before = now;
     }
   }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -19,13 +21,34 @@ class Lanes {
   explicit Lanes(Number all) : values_(Vector{} + static_cast<float>(all)) {}
   explicit Lanes(const std::array<float, kCount>& values) : values_{values[0], values[1], values[2], values[3]} {}
 
+  /// From and to memory.
+  static Lanes at(const float* values) {
+    Lanes lanes;
+    std::memcpy(&lanes.values_, values, sizeof(Vector));
+    return lanes;
+  }
+  void writeTo(float* values) const { std::memcpy(values, &values_, sizeof(Vector)); }
+
   float operator[](std::size_t lane) const { return values_[lane]; }
+  float sum() const { return (values_[0] + values_[1]) + (values_[2] + values_[3]); }
 
   Lanes operator-() const { return Lanes(-values_); }
   Lanes& operator+=(Lanes b) { return *this = *this + b; }
   Lanes& operator-=(Lanes b) { return *this = *this - b; }
   Lanes& operator*=(Lanes b) { return *this = *this * b; }
   Lanes& operator/=(Lanes b) { return *this = *this / b; }
+  /// Of the eight of two, four.
+  template <int i, int j, int k, int l>
+  static Lanes shuffled(Lanes a, Lanes b) {
+    return Lanes(__builtin_shufflevector(a.values_, b.values_, i, j, k, l));
+  }
+  friend Lanes min(Lanes a, Lanes b) { return Lanes(a.values_ < b.values_ ? a.values_ : b.values_); }
+  friend Lanes max(Lanes a, Lanes b) { return Lanes(a.values_ > b.values_ ? a.values_ : b.values_); }
+  friend Lanes sqrt(Lanes a) {
+    Vector roots;
+    for (std::size_t k = 0; k < kCount; ++k) roots[k] = std::sqrt(a.values_[k]);
+    return Lanes(roots);
+  }
   friend Lanes operator+(Lanes a, Lanes b) { return Lanes(a.values_ + b.values_); }
   friend Lanes operator-(Lanes a, Lanes b) { return Lanes(a.values_ - b.values_); }
   friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.values_ * b.values_); }
@@ -36,6 +59,18 @@ class Lanes {
   explicit Lanes(Vector values) : values_(values) {}
 
   Vector values_;
+};
+
+/// Four of each component, of four vectors: what stands as rows, as columns.
+struct FourVectors {
+  Lanes x, y, z, w;
+
+  static FourVectors of(Lanes a, Lanes b, Lanes c, Lanes d) {
+    const auto low = [](Lanes p, Lanes q) { return Lanes::shuffled<0, 4, 1, 5>(p, q); };
+    const auto high = [](Lanes p, Lanes q) { return Lanes::shuffled<2, 6, 3, 7>(p, q); };
+    const Lanes acLow = low(a, c), acHigh = high(a, c), bdLow = low(b, d), bdHigh = high(b, d);
+    return {low(acLow, bdLow), high(acLow, bdLow), low(acHigh, bdHigh), high(acHigh, bdHigh)};
+  }
 };
 
 }  // namespace palpate

@@ -16,6 +16,11 @@ std::uint64_t stateBytes(const MatterSizes& sizes) {
   return MatterMemory::kTools + sizes.tools * sizeof(shared::ToolState);
 }
 
+// Of all, of each tool, and of the model.
+std::uint64_t rowsOfSums(const MatterSizes& sizes) {
+  return std::uint64_t{2} + 2 * sizes.tools + (sizes.modelNodes > 0 ? 2 : 0);
+}
+
 std::uint64_t contactsOf(const MatterSizes& sizes) {
   return sizes.remembers ? std::uint64_t{2} * sizes.particles * shared::kMostContacts : 0;
 }
@@ -47,8 +52,8 @@ MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
            .cells = onDevice<std::uint32_t>(device, sizes.particles, "cells"),
            .arrivals = onDevice<std::uint32_t>(device, sizes.particles, "arrivals"),
            .order = onDevice<std::uint32_t>(device, sizes.particles, "order")},
-      sums(onDevice<Vec4>(device, std::uint64_t{2 + 2 * sizes.tools} * sizes.blocks, "sums")),
-      bodyPoints(onDevice<Vec4>(device, sizes.bodyPoints, "body points")),
+      sums(onDevice<Vec4>(device, rowsOfSums(sizes) * sizes.blocks, "sums")),
+      bodyPoints(onDevice<Vec4>(device, std::uint64_t{sizes.bodyPoints} + sizes.modelNodes, "body points")),
       bodyFirsts(onDevice<std::uint32_t>(device, std::uint64_t{sizes.bodyCells} + 1, "body firsts")),
       contacts(onDevice<glm::uvec4>(device, contactsOf(sizes), "contacts")),
       contactCounts(

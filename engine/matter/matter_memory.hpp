@@ -13,6 +13,7 @@ struct MatterSizes {
   std::uint32_t tools = 0;
   std::uint32_t bodyPoints = 0;  ///< of a tool's ball
   std::uint32_t bodyCells = 0;
+  std::uint32_t modelNodes = 0;  ///< of the field about a model; 0: there is none
   std::uint32_t substeps = 1;    ///< in a step
   std::uint32_t mostListed = 0;  ///< neighbours in a list
   bool remembers = false;        ///< whether particles have contacts that remember
@@ -26,7 +27,7 @@ struct MatterMemory {
   MatterMemory(Device& device, const MatterSizes& sizes);
 
   /// Parts of `state`, which is copied to the host as a whole.
-  static constexpr std::uint64_t kControl = 0, kSums = 32, kTools = 64;
+  static constexpr std::uint64_t kControl = 0, kSums = 32, kTools = 92;
   std::uint64_t bytes() const;
 
   Buffer setting, hands;

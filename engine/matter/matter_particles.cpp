@@ -28,6 +28,7 @@ MatterParticles::MatterParticles(const Config& config, std::vector<Vec3> places)
   velocities_.resize(size());
   nextVelocities_.resize(size());
   places_.resize(size());
+  pressed_.resize(size());
   ids_.resize(size());
   std::iota(ids_.begin(), ids_.end(), 0u);
   farthest2_.resize(blocksOf(size()));
@@ -39,8 +40,8 @@ bool MatterParticles::predict(const Vec3& change, WorkerTeam& team) {
     const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, size());
     float farthest2 = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      velocities_[i] += change;
-      const Vec3 place = positions_[i] + config_.step_s * velocities_[i];
+      velocities_[i] += Vec4(change, 0);
+      const Vec3 place = positions_[i] + config_.step_s * Vec3(velocities_[i]);
       places_[i] = Vec4(place, 0);
       if (listedAt_.empty()) continue;
       const Vec3 gone = place - listedAt_[i];
@@ -61,11 +62,9 @@ bool MatterParticles::sortAndList(WorkerTeam& team) {
     places_[i] = Vec4(place, 0);
   }
   grid_.sort(places_, order_);
-  std::vector<Vec4> places;
-  std::vector<std::uint32_t> ids;
-  permute(places_, order_, places);
-  permute(ids_, order_, ids);
-  permute(positions_, order_, nextVelocities_);
+  permute(places_, order_, sortedPlaces_);
+  permute(ids_, order_, sortedIds_);
+  permute(positions_, order_, sortedPositions_);
   permute(velocities_, order_, nextVelocities_);
   listedAt_.assign(size(), Vec3(0));
   for (std::size_t i = 0; i < size(); ++i) listedAt_[i] = Vec3(places_[i]);
@@ -81,12 +80,21 @@ shared::StoppingWalls MatterParticles::walls() const {
           .openZ = config_.box.periodic[2]};
 }
 
-void MatterParticles::settle(std::size_t slot, const Vec3& change, BlockSums& sums) {
-  const shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), velocities_[slot], change);
+void MatterParticles::settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums) {
+  shared::Settled settled = shared::settle<float>(walls(), Vec3(places_[slot]), Vec3(velocities_[slot]), change);
   const double mass = config_.mass_kg;
   sums.wallImpulse -= mass * DVec3(settled.stop);
+  if (config_.model != nullptr) {
+    const MatterModel& model = *config_.model;
+    const Vec3 out = keptOut(model.field(), model.at(settled.place)) / config_.step_s;
+    sums.model.add(-mass * DVec3(byModel + out), DVec3(settled.place) - model.middle());
+    if (out != Vec3(0)) {
+      settled = shared::settle<float>(walls(), settled.place, settled.velocity, out);
+      sums.wallImpulse -= mass * DVec3(settled.stop);
+    }
+  }
   positions_[slot] = settled.place;
-  nextVelocities_[slot] = settled.velocity;
+  nextVelocities_[slot] = Vec4(settled.velocity, 0);
   const DVec3 momentum = mass * DVec3(settled.velocity);
   sums.momentum += momentum;
   sums.kinetic_J += 0.5 * glm::dot(momentum, DVec3(settled.velocity));

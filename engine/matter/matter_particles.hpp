@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/core/worker_team.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "engine/matter/neighbour_lists.hpp"
 #include "shaders/shared/matter.h"
 
@@ -30,6 +31,7 @@ struct BlockSums {
   double kinetic_J = 0;
   float mostCompression = 0;     ///< 1
   std::vector<Exchange> bodies;  ///< with each body
+  Exchange model;                ///< with the model that stands in the matter
 };
 
 /// Each array has one entry a particle, in slots. All steps are gathers: a slot writes its own entries.
@@ -42,6 +44,7 @@ class MatterParticles {
     float listed_m = 0;   ///< so far the lists reach
     float mass_kg = 0;    ///< of each
     float step_s = 0;
+    const MatterModel* model = nullptr;  ///< that stands in the matter, where there is one
   };
   MatterParticles(const Config& config, std::vector<Vec3> places);
 
@@ -55,18 +58,22 @@ class MatterParticles {
   /// What predict() changed all velocities by, m/s.
   const Vec3& fall() const { return fall_; }
 
-  /// Of a slot: `change` (m/s) of its velocity, and where it is then, but inside of the walls. Adds to `sums`.
-  void settle(std::size_t slot, const Vec3& change, BlockSums& sums);
+  /// Of a slot: `change` (m/s) of its velocity, of which `byModel` is the model's, and where it is then, but inside of
+  /// the walls and outside of the model. Adds to `sums`.
+  void settle(std::size_t slot, const Vec3& change, const Vec3& byModel, BlockSums& sums);
   /// Behind the last settle() of a substep.
   void flip() { velocities_.swap(nextVelocities_); }
 
   std::span<const Vec3> positions() const { return positions_; }    ///< m
-  std::span<const Vec3> velocities() const { return velocities_; }  ///< m/s
-  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = velocity; }
-  std::span<const Vec4> places() const { return places_; }  ///< predicted, m; the compression in w
-  std::span<Vec4> places() { return places_; }
+  std::span<const Vec4> velocities() const { return velocities_; }  ///< m/s; 0 in w
+  void setVelocity(std::size_t slot, const Vec3& velocity) { velocities_[slot] = Vec4(velocity, 0); }
+  std::span<const Vec4> places() const { return places_; }  ///< predicted, m
+  /// The same with the compression in w, which a law may find.
+  std::span<const Vec4> pressed() const { return pressed_; }
+  std::span<Vec4> pressed() { return pressed_; }
   std::span<const std::uint32_t> ids() const { return ids_; }  ///< for life
   const NeighbourLists& lists() const { return lists_; }
+  bool isPeriodic() const { return grid_.cells().periodic != 0; }
   Vec3 shiftOf(Neighbour neighbour) const { return grid_.shiftOf(neighbour.image); }
 
  private:
@@ -77,10 +84,11 @@ class MatterParticles {
   Vec3 fall_{0};
   CellGrid grid_;
   NeighbourLists lists_;
-  std::vector<Vec3> positions_, velocities_, nextVelocities_;
-  std::vector<Vec4> places_;
+  std::vector<Vec3> positions_, sortedPositions_;
+  std::vector<Vec4> velocities_, nextVelocities_;
+  std::vector<Vec4> places_, sortedPlaces_, pressed_;
   std::vector<Vec3> listedAt_;  // places when the lists were made; empty: they were not
-  std::vector<std::uint32_t> ids_, order_;
+  std::vector<std::uint32_t> ids_, sortedIds_, order_;
   std::vector<float> farthest2_;  // by block: gone since, m^2
 };
 

@@ -13,16 +13,6 @@ double evenSum(double support_spacings) {
   return 2 * kPi / 21 * support_spacings * support_spacings * support_spacings;
 }
 
-// So far, in support radii, the share `wanted` is beyond a plane.
-double distanceOfShare(double wanted) {
-  double low = 0, high = 1;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = (low + high) / 2;
-    (shared::shareBeyond(middle) > wanted ? low : high) = middle;
-  }
-  return (low + high) / 2;
-}
-
 // Square of the speed that the pushes of one iteration come to, before the moment of the weights scales it.
 double pushSpeed2(const Fluid& fluid) {
   const double speed = kStiffness * fluid.spacing_m / fluid.substep_s;
@@ -30,6 +20,16 @@ double pushSpeed2(const Fluid& fluid) {
 }
 
 }  // namespace
+
+double distanceOfShare(double wanted) {
+  double low = -1, high = 1;
+  for (int i = 0; i < 61; ++i) {
+    const double middle = (low + high) / 2;
+    const double share = middle >= 0 ? shared::shareBeyond(middle) : 1 - shared::shareBeyond(-middle);
+    (share > wanted ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
 
 LatticeSums latticeSums(double support_spacings) {
   LatticeSums sums;

@@ -18,6 +18,8 @@ constexpr double kMostBox_mm = 1e6;
 constexpr double kMostCells = 64e6;        // of the grid, whose memory grows with the box
 constexpr double kBytesOfParticle = 1600;  // with its neighbours
 constexpr double kBytesOfCell = 4;
+constexpr double kBytesOfNode = 200;  // of the field about a model, while it is filled
+constexpr double kLeastModel_spacings = 4;
 constexpr std::uint64_t kMostParticles = 1 << 27;  // as neighbours are numbered
 // A particle that falls through the whole box goes so many spacings in a substep at most.
 constexpr double kMostWay_spacings = 0.5;
@@ -57,6 +59,32 @@ void requireTool(const MatterScene& scene) {
     throw Error("tool.mass_kg: is {}; it is at least {:.3g}, half of what the ball displaces", mass, displaced / 2);
 }
 
+// Nodes of the field about a model are half a spacing apart, and reach some spacings beyond it.
+double nodesOfModel(const MatterScene& scene) {
+  if (scene.model.empty()) return 0;
+  const auto [low, high] = modelBox_mm(scene);
+  const DVec3 nodes = 2.0 * (high - low) / scene.spacing_mm + 14.0;
+  return nodes.x * nodes.y * nodes.z;
+}
+
+void requireModel(const MatterScene& scene) {
+  if (scene.model.empty()) {
+    if (scene.model_mm != DVec3(0) || scene.model_at_mm) throw Error("model: is not there, but where it is to stand");
+    return;
+  }
+  requireBetween("hole_mm", scene.hole_mm, 0, 1e6);
+  if (scene.model_mm != DVec3(0)) requireBetween("model_mm", scene.model_mm, scene.spacing_mm, scene.box_mm);
+  const auto [low, high] = modelBox_mm(scene);
+  const DVec3 sides = high - low;
+  if (const double longest = std::max({sides.x, sides.y, sides.z}); longest < kLeastModel_spacings * scene.spacing_mm)
+    throw Error("model_mm: is {:g} on its longest side, which is {:g} spacings at least; take a smaller spacing_mm",
+                longest, kLeastModel_spacings);
+  for (int k = 0; k < 3; ++k)
+    if (!(low[k] >= 0 && high[k] <= scene.box_mm[k] * (1 + 1e-9)))
+      throw Error("model_at_mm: puts the model from {:g} to {:g} along {}, where the box is {:g}", low[k], high[k],
+                  "xyz"[k], scene.box_mm[k]);
+}
+
 // Shortest substep at which the grains at the bottom of the fill overlap by a fiftieth of their diameter, at a contact
 // above and one below.
 double grainSubstep(const MatterScene& scene, double spacing_m) {
@@ -94,6 +122,13 @@ void requireMemory(const MatterPlan& plan, double cells, std::uint64_t memory_by
 
 }  // namespace
 
+std::array<DVec3, 2> modelBox_mm(const MatterScene& scene) {
+  const DVec3 sides = scene.model_mm == DVec3(0) ? scene.box_mm / 2.0 : scene.model_mm;
+  const DVec3 at = scene.model_at_mm.value_or(DVec3(scene.box_mm.x, 0, scene.box_mm.z) / 2.0);
+  const DVec3 low = at - DVec3(sides.x, 0, sides.z) / 2.0;
+  return {low, low + sides};
+}
+
 MatterTool usualTool(const MatterScene& scene) {
   constexpr double kRadius_spacings = 3, kMostOfBox = 0.4;
   const double narrowest_mm = std::min({scene.box_mm.x, scene.box_mm.y, scene.box_mm.z});
@@ -105,6 +140,7 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   requireFields(scene);
   requireTool(scene);
   if (scene.matter == Matter::soft) return softPlanOf(scene, memory_bytes);
+  requireModel(scene);
   MatterPlan plan{.spacing_m = scene.spacing_mm * 1e-3};
   double particles = 1, cells = 1;
   for (int k = 0; k < 3; ++k) {
@@ -118,7 +154,8 @@ MatterPlan planOf(const MatterScene& scene, std::uint64_t memory_bytes) {
                   "xyz"[k], 3 * kReach_spacings);
   }
   plan.particles = static_cast<std::uint64_t>(std::min(particles, 1e18));
-  plan.bytes = static_cast<std::uint64_t>(std::min(particles * kBytesOfParticle + cells * kBytesOfCell, 1e18));
+  plan.bytes = static_cast<std::uint64_t>(std::min(
+      particles * kBytesOfParticle + cells * kBytesOfCell + nodesOfModel(scene) * kBytesOfNode, 1e18));
   requireMemory(plan, cells, memory_bytes);
   const double needed = std::ceil(neededSubsteps(scene, plan.spacing_m) - 1e-9);
   requireSubsteps(scene, needed, "less viscosity or less gravity");
@@ -175,13 +212,28 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .fill_mm = {100, 100, 150},
         .spacing_mm = 10,
         .density_kg_m3 = 1600}},
+      {"statue in water",
+       {.box_mm = {200, 180, 200},
+        .fill_mm = {200, 150, 200},
+        .spacing_mm = 10,
+        .model = "builtin:sculpture",
+        .model_mm = {120, 120, 120}}},
       {"jelly",
        {.matter = Matter::soft,
         .box_mm = {160, 120, 160},
         .fill_mm = {80, 60, 80},
         .spacing_mm = 6,
         .viscosity_Pa_s = kSoftViscosity_Pa_s,
-        .tool = {.radius_mm = 15, .mass_kg = 0.05}}}};
+        .tool = {.radius_mm = 15, .mass_kg = 0.05}}},
+      {"soft statue",
+       {.matter = Matter::soft,
+        .box_mm = {200, 160, 200},
+        .fill_mm = {120, 120, 120},
+        .spacing_mm = 4,
+        .viscosity_Pa_s = 10,
+        .young_Pa = 1e5,
+        .poisson = 0.3,
+        .shape = SoftShape::sculpture}}};
   return scenes;
 }
 

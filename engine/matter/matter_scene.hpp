@@ -18,9 +18,13 @@ inline constexpr std::array<std::pair<std::string_view, Matter>, 3> kMatters{
     {{"water", Matter::water}, {"sand", Matter::sand}, {"soft", Matter::soft}}};
 
 /// What a soft body is that has no model.
-enum class SoftShape { box, ball };
-inline constexpr std::array<std::pair<std::string_view, SoftShape>, 2> kSoftShapes{
-    {{"box", SoftShape::box}, {"ball", SoftShape::ball}}};
+enum class SoftShape {
+  box,
+  ball,
+  sculpture  ///< that of makeShape(), filled as a scan is
+};
+inline constexpr std::array<std::pair<std::string_view, SoftShape>, 3> kSoftShapes{
+    {{"box", SoftShape::box}, {"ball", SoftShape::ball}, {"sculpture", SoftShape::sculpture}}};
 
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {
@@ -45,7 +49,11 @@ struct MatterScene {
   double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
   SoftShape shape = SoftShape::box;
-  std::string model;   ///< file of a closed cloud that is the surface of a soft body; empty: there is the shape
+  /// File of a closed cloud: the surface of a soft body, in place of the shape; or what stands still in water or sand,
+  /// where `builtin:NAME` is an analytic shape, too. Empty: there is none.
+  std::string model;
+  DVec3 model_mm{0};  ///< box that such a model fits into, as large as it can; 0: half of the box, mm
+  std::optional<DVec3> model_at_mm;  ///< middle of the underside of that box; not there: of the floor, mm
   double hole_mm = 0;  ///< widest hole of the model that is closed as by a soap film, mm; 0: of three spacings
   std::optional<std::array<DVec3, 2>> pinned_mm;  ///< corners of a box in which nodes of a soft body never move, mm
   DVec3 gravity_m_s2{0, -9.81, 0};                ///< m/s^2
@@ -56,6 +64,9 @@ struct MatterScene {
 
   bool operator==(const MatterScene&) const = default;
 };
+
+/// The box that the model of a scene of water or sand fits into: its lowest and highest corner, mm.
+std::array<DVec3, 2> modelBox_mm(const MatterScene& scene);
 
 /// For a hand where the scene says no tool: a ball of three spacings' radius, or less in a narrow box, as heavy as what it
 /// displaces.

@@ -3,11 +3,18 @@
 #include <algorithm>
 
 #include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
 #include "engine/matter/matter_pressure.hpp"
+#include "engine/matter/matter_rules.hpp"
 
 namespace palpate {
 
 namespace {
+
+// What begins nearer to a ball is pushed out like what is within.
+constexpr double kBesideBall_spacings = 0.25;
+// Speed at which the surface of a ball grows, in speeds of sound of the matter.
+constexpr double kGrowth_ofSound = 0.01;
 
 std::vector<Vec3> insideOf(std::vector<Vec3> places, const MatterScene& scene, double spacing_m) {
   const Vec3 size(scene.box_mm * 1e-3);
@@ -16,14 +23,27 @@ std::vector<Vec3> insideOf(std::vector<Vec3> places, const MatterScene& scene, d
   return places;
 }
 
+std::shared_ptr<const MatterModel> modelFor(const MatterScene& scene, const MatterOptions& options) {
+  if (scene.matter == Matter::soft || scene.model.empty()) return nullptr;
+  if (options.model) return options.model;
+  if (!isBuiltInModel(scene.model)) throw Error("model: {} is a file that was not read", scene.model);
+  return std::make_shared<const MatterModel>(builtInModel(scene, options.threads), scene, options.threads);
+}
+
 }  // namespace
 
 MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : scene_(scene),
       plan_(planOf(scene, options.memory_bytes)),
+      model_(modelFor(scene, options)),
       beginning_(insideOf(std::move(places), scene, plan_.spacing_m)),
+      balls_(options.tools),
       answers_(options.tools) {
   PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
+  if (model_)
+    leftOut_ = std::erase_if(beginning_, [&](const Vec3& place) {
+      return model_->at(place).distance < model_->field().nearest;
+    });
 }
 
 void MatterSimulation::reset() {
@@ -32,6 +52,7 @@ void MatterSimulation::reset() {
   portEnergies_J_.assign(tools(), 0);
   totals_ = {};
   impulses_ = {};
+  onModel_ = {};
   state_ = MatterState::running;
   steps_ = 0;
   begin();
@@ -41,20 +62,28 @@ void MatterSimulation::step(std::span<const HandPose> hands) {
   PALPATE_CHECK_EQ(hands.size(), tools());
   if (steps_ == 0) {
     hands_.assign(hands.begin(), hands.end());
+    beginBalls(hands);
     placeTools(hands);
   }
+  growBalls();
   if (state_ == MatterState::running) take(run(hands_, hands));
+  if (state_ != MatterState::running) onModel_ = {};
   if (state_ != MatterState::running)
     for (std::size_t k = 0; k < tools(); ++k) answers_[k] = {.place_m = hands[k].place_m};
   hands_.assign(hands.begin(), hands.end());
   ++steps_;
 }
 
+void MatterSimulation::press(std::span<const SurfacePress> presses) { PALPATE_CHECK(presses.empty()); }
+
 void MatterSimulation::take(const StepReport& report) {
   state_ = report.state;
   totals_ = report.totals;
   impulses_.gravity += report.gravity;
   impulses_.onWalls += report.onWalls;
+  impulses_.onModel += report.onModel;
+  onModel_ = {.force_N = report.onModel / kMatterStep_s, .torque_Nm = report.turnOfModel / kMatterStep_s};
+  impulses_.onTools += report.onPresses;
   for (std::size_t k = 0; k < tools(); ++k) {
     const ToolReport& tool = report.tools[k];
     impulses_.onTools += tool.impulse;
@@ -67,9 +96,33 @@ void MatterSimulation::take(const StepReport& report) {
   }
 }
 
+void MatterSimulation::beginBalls(std::span<const HandPose> hands) {
+  const double within_m = scene_.tool.radius_mm * 1e-3 + kBesideBall_spacings * plan_.spacing_m;
+  for (std::size_t k = 0; k < balls_.size(); ++k) {
+    const auto isWithin = [&](const Vec3& place) { return glm::length(DVec3(place) - hands[k].place_m) < within_m; };
+    balls_[k].pushedOut = static_cast<std::size_t>(std::ranges::count_if(beginning_, isWithin));
+    balls_[k].grown_m = balls_[k].pushedOut > 0 ? 0 : wholeBall_m();
+  }
+}
+
+void MatterSimulation::growBalls() {
+  for (Ball& ball : balls_)
+    ball.grown_m = std::min(ball.grown_m + kGrowth_ofSound * plan_.speedOfSound_m_s * kMatterStep_s, wholeBall_m());
+}
+
+double MatterSimulation::wholeBall_m() const {
+  return scene_.tool.radius_mm * 1e-3 + (kSupport_spacings + 2) * plan_.spacing_m;
+}
+
 DVec3 MatterSimulation::gravityOf(std::uint32_t substeps) const {
   const double mass_kg = plan_.mass_kg * static_cast<double>(particles());
   return mass_kg * plan_.substep_s * static_cast<double>(substeps) * scene_.gravity_m_s2;
+}
+
+std::size_t MatterSimulation::insideModel() const {
+  if (!model_) return 0;
+  const std::vector<Vec3> places = positionsById();
+  return static_cast<std::size_t>(std::ranges::count_if(places, [&](const Vec3& place) { return model_->holds(place); }));
 }
 
 MatterObservation MatterSimulation::observe() const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -10,9 +11,13 @@
 #include "engine/core/cloud_frame.hpp"
 #include "engine/core/pass_record.hpp"
 #include "engine/matter/hand_pose.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/matter/surface_press.hpp"
 
 namespace palpate {
+
+struct SoftModel;
 
 /// How a simulation is. Anything but running stays so until it is reset; forces are zero then, and nothing moves.
 enum class MatterState {
@@ -38,7 +43,14 @@ struct MatterObservation : MatterTotals {
 
 /// What has gone between matter and all else since the beginning, kg m/s; the momentum is their sum.
 struct MatterImpulses {
-  DVec3 gravity{0}, onWalls{0}, onTools{0};
+  DVec3 gravity{0}, onWalls{0}, onModel{0};
+  DVec3 onTools{0};  ///< and on hands that press on a surface
+};
+
+/// What matter does to the model that stands in it, means over a step; 0 where there is none.
+struct ModelAnswer {
+  DVec3 force_N{0};
+  DVec3 torque_Nm{0};  ///< about the middle of its volume
 };
 
 /// What a hand is answered, means over a step. Zero where the simulation has failed.
@@ -64,7 +76,11 @@ struct MatterOptions {
   unsigned threads = 0;  ///< of the CPU; 0: one per core; results are the same for any number
   std::size_t tools = 0;
   std::uint64_t memory_bytes = kMostMatterBytes;
+  /// Of a scene of water or sand whose model is a file; others are made from the scene.
+  std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
+  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no file.
+  std::shared_ptr<const SoftModel> soft;
 };
 
 /// For one thread at a time. The same scene and the same hands give the same bytes, on the same machine.
@@ -82,6 +98,18 @@ class MatterSimulation {
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
+  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand stand
+  /// together. Only where hasSurface() says so.
+  virtual void press(std::span<const SurfacePress> presses);
+  /// What came of them in that step, one for each.
+  virtual std::span<const PressReport> pressed() const { return {}; }
+  /// Whether it has a surface that can be pressed: soft bodies have one.
+  virtual bool hasSurface() const { return false; }
+  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on it,
+  /// m/N: what a servo loop may go on with until the next step. Changes nothing.
+  virtual double localCompliance_m_N(const DVec3& /*place_m*/, double /*radius_m*/, const DVec3& /*direction*/) {
+    return 0;
+  }
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
@@ -89,6 +117,16 @@ class MatterSimulation {
   /// Energy that the hand of a tool has put in through its spring and damper, J. Passive where it is never below 0.
   double portEnergy_J(std::size_t tool) const { return portEnergies_J_[tool]; }
   const MatterImpulses& impulses() const { return impulses_; }
+  /// That stands in the matter; nothing where there is none.
+  const MatterModel* model() const { return model_.get(); }
+  const ModelAnswer& onModel() const { return onModel_; }  ///< in the last step
+  /// Particles that began within the ball of a tool: it grows from a point there and pushes them out, within about a
+  /// fifth of a second for a ball of three spacings. 0: the ball is there at once.
+  std::size_t pushedOut(std::size_t tool) const { return balls_[tool].pushedOut; }
+  /// Particles that would have begun within the model, and are left out.
+  std::size_t leftOut() const { return leftOut_; }
+  /// Particles that are within the model now. Looks at all of them.
+  std::size_t insideModel() const;
   const MatterTotals& totals() const { return totals_; }  ///< after the last substep
   /// Time of the last step on a GPU's own clock; nothing where none ran it, or it keeps none.
   virtual std::optional<double> gpuTime_us() const = 0;
@@ -122,12 +160,17 @@ class MatterSimulation {
 
   struct StepReport {
     MatterState state = MatterState::running;
-    DVec3 gravity{0}, onWalls{0};  ///< kg m/s
+    DVec3 gravity{0}, onWalls{0};     ///< kg m/s
+    DVec3 onModel{0}, turnOfModel{0};  ///< kg m/s, kg m^2/s about its middle
+    DVec3 onPresses{0};                ///< kg m/s
     MatterTotals totals;
     std::vector<ToolReport> tools;
   };
   std::size_t tools() const { return answers_.size(); }
   const std::vector<Vec3>& beginning() const { return beginning_; }
+  /// So far from its middle the ball of a tool is there, m.
+  double grown_m(std::size_t tool) const { return balls_[tool].grown_m; }
+  bool growsBall(std::size_t tool) const { return grown_m(tool) < wholeBall_m(); }
   /// What gravity gives to all particles in so many substeps, kg m/s.
   DVec3 gravityOf(std::uint32_t substeps) const;
 
@@ -142,13 +185,26 @@ class MatterSimulation {
   virtual std::vector<Vec4> pressedPlaces() const = 0;
 
   void take(const StepReport& report);
+  void beginBalls(std::span<const HandPose> hands);
+  void growBalls();
+  double wholeBall_m() const;  // grown so far, all of it counts in full
+
+  // Of a tool.
+  struct Ball {
+    double grown_m = 0;
+    std::size_t pushedOut = 0;
+  };
 
   MatterScene scene_;
   MatterPlan plan_;
+  std::shared_ptr<const MatterModel> model_;
+  std::size_t leftOut_ = 0;
   std::vector<Vec3> beginning_;
   std::vector<HandPose> hands_;  // at the end of the last step; empty before the first
+  std::vector<Ball> balls_;
   std::vector<ToolAnswer> answers_;
   std::vector<double> portEnergies_J_;
+  ModelAnswer onModel_;
   MatterTotals totals_;
   MatterImpulses impulses_;
   MatterState state_ = MatterState::running;

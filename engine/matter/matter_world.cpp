@@ -9,7 +9,7 @@ namespace palpate {
 
 namespace {
 
-MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& plan) {
+MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& plan, const MatterModel* model) {
   const auto spacing = static_cast<float>(plan.spacing_m);
   const MatterReach reach = reachOf(scene.matter);
   return {.box = {.size = scene.box_mm * 1e-3, .periodic = scene.periodic},
@@ -17,7 +17,8 @@ MatterParticles::Config particlesOf(const MatterScene& scene, const MatterPlan& 
           .reach_m = reach.neighbour_spacings * spacing,
           .listed_m = (reach.neighbour_spacings + kListedFarther_spacings) * spacing,
           .mass_kg = static_cast<float>(plan.mass_kg),
-          .step_s = static_cast<float>(plan.substep_s)};
+          .step_s = static_cast<float>(plan.substep_s),
+          .model = model};
 }
 
 }  // namespace
@@ -38,7 +39,7 @@ MatterWorld::~MatterWorld() = default;
 
 void MatterWorld::begin() {
   law_ = lawOf(scene(), plan());  // which remembers contacts
-  particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan()), beginning());
+  particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), beginning());
 }
 
 void MatterWorld::placeTools(std::span<const HandPose> hands) {
@@ -50,7 +51,7 @@ MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, st
   for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
     for (std::size_t k = 0; k < tools_.size(); ++k) {
       tools_[k].predict(between(from[k], to[k], (s + 1.0) / plan().substeps));
-      bodies_[k].moveTo(tools_[k].motion());
+      bodies_[k].moveTo(tools_[k].motion(), grown_m(k));
     }
     report.state = substep(report);
   }
@@ -72,6 +73,8 @@ MatterTotals MatterWorld::reactTo(const std::vector<BlockSums>& blocks, StepRepo
   std::vector<Exchange> exchanges(tools_.size());
   for (const BlockSums& sums : blocks) {
     report.onWalls += sums.wallImpulse;
+    report.onModel += sums.model.impulse;
+    report.turnOfModel += sums.model.angular;
     totals.momentum += sums.momentum;
     totals.kinetic_J += sums.kinetic_J;
     totals.maxCompression = std::max(totals.maxCompression, static_cast<double>(sums.mostCompression));
@@ -85,7 +88,7 @@ MatterTotals MatterWorld::reactTo(const std::vector<BlockSums>& blocks, StepRepo
 }
 
 std::vector<Vec4> MatterWorld::pressedPlaces() const {
-  const std::span<const Vec4> places = std::as_const(*particles_).places();
+  const std::span<const Vec4> places = std::as_const(*particles_).pressed();
   return {places.begin(), places.end()};
 }
 
@@ -97,7 +100,7 @@ std::vector<Vec3> MatterWorld::positionsById() const {
 
 std::vector<Vec3> MatterWorld::velocitiesById() const {
   std::vector<Vec3> velocities(particles_->size());
-  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[particles_->ids()[i]] = particles_->velocities()[i];
+  for (std::size_t i = 0; i < velocities.size(); ++i) velocities[particles_->ids()[i]] = Vec3(particles_->velocities()[i]);
   return velocities;
 }
 

@@ -15,6 +15,7 @@ void NeighbourLists::buildBlock(const CellGrid& grid, std::span<const Vec4> plac
   const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, places.size());
   const float reach2 = reach_ * reach_;
   made.first.assign(1, 0);
+  made.counts.clear();
   made.crowded = false;
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -34,6 +35,9 @@ void NeighbourLists::buildBlock(const CellGrid& grid, std::span<const Vec4> plac
       made.crowded |= count > most;
       count = std::min(count, most);
     });
+    made.counts.push_back(static_cast<std::uint32_t>(count - made.first.back()));
+    if (made.neighbours.size() < count + kListedTogether) made.neighbours.resize(2 * (count + kListedTogether));
+    for (; count % kListedTogether != 0; ++count) made.neighbours[count] = made.neighbours[count - 1];
     made.first.push_back(static_cast<std::uint32_t>(count));
   }
 }

@@ -23,6 +23,9 @@ struct Neighbour {
 /// More within the reach of one particle are a state that no simulation comes to which is still one.
 inline constexpr std::size_t kMostNeighbours = 1000;
 
+/// Lists are filled up to a multiple of it, so that so many can be taken at once.
+inline constexpr std::size_t kListedTogether = 4;
+
 class NeighbourLists {
  public:
   /// `reach`: m.
@@ -36,17 +39,24 @@ class NeighbourLists {
   std::span<const Neighbour> of(std::size_t slot) const {
     const Block& block = blocks_[slot / kSlotsOfBlock];
     const std::size_t k = slot % kSlotsOfBlock;
+    return std::span(block.neighbours).subspan(block.first[k], block.counts[k]);
+  }
+  /// The same with copies of the last one behind them, to a whole number of kListedTogether.
+  std::span<const Neighbour> filledUp(std::size_t slot) const {
+    const Block& block = blocks_[slot / kSlotsOfBlock];
+    const std::size_t k = slot % kSlotsOfBlock;
     return std::span(block.neighbours).subspan(block.first[k], block.first[k + 1] - block.first[k]);
   }
   /// Where those of a slot begin among all of its block.
   std::size_t firstOf(std::size_t slot) const { return blocks_[slot / kSlotsOfBlock].first[slot % kSlotsOfBlock]; }
-  /// Neighbours in a block.
+  /// Neighbours in a block, with copies.
   std::size_t inBlock(std::size_t block) const { return blocks_[block].first.back(); }
 
  private:
   struct Block {
     std::vector<Neighbour> neighbours;  // and room for more
     std::vector<std::uint32_t> first;   // of each slot, and their number
+    std::vector<std::uint32_t> counts;  // of each slot, without copies
     bool crowded = false;
   };
   void buildBlock(const CellGrid& grid, std::span<const Vec4> places, std::size_t block);

@@ -93,7 +93,7 @@ class SandLaw final : public MatterLaw {
            {.id = particles.ids()[neighbour.slot],
             .offset = offset,
             .overlap = rules_.diameter - distance,
-            .velocity = particles.velocities()[neighbour.slot],
+            .velocity = Vec3(particles.velocities()[neighbour.slot]),
             .fall = particles.fall()},
            particles.fall());
     }
@@ -122,21 +122,37 @@ class SandLaw final : public MatterLaw {
     return DVec3(grain.change - before);
   }
 
+  // The change of the grain's velocity by the model.
+  Vec3 meetModel(const MatterModel* model, const Vec3& fall, Grain& grain) const {
+    if (model == nullptr) return Vec3(0);
+    const shared::ModelAt at = model->at(grain.place);
+    const float overlap = rules_.diameter / 2 - at.distance;
+    if (!(overlap > 0) || at.outwards == Vec3(0)) return Vec3(0);
+    return meet(grain,
+                {.id = shared::kModelContact,
+                 .offset = at.outwards,
+                 .overlap = overlap,
+                 .velocity = Vec3(0),
+                 .fall = Vec3(0)},
+                fall);
+  }
+
   void touch(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t slot, BlockSums& sums) {
     const std::uint32_t id = particles.ids()[slot];
     Grain grain{.place = Vec3(particles.places()[slot]),
-                .velocity = std::as_const(particles).velocities()[slot],
+                .velocity = Vec3(std::as_const(particles).velocities()[slot]),
                 .before = before_[id],
                 .after = after_[id]};
     grain.after.count = 0;
     const double mass = particles.config().mass_kg;
     meetNeighbours(std::as_const(particles), slot, grain);
     sums.wallImpulse -= mass * meetWalls(particles.config().box, particles.fall(), grain);
+    const Vec3 byModel = meetModel(particles.config().model, particles.fall(), grain);
     std::uint32_t first = shared::kFirstBodyPoint;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       bodies[b].forEachNear(grain.place, [&](const BoundaryMeeting& met) {
         const float distance = glm::length(met.offset);
-        if (!(distance < rules_.diameter && distance > 0)) return;
+        if (!(distance < rules_.diameter && distance > 0 && met.volume > 0)) return;
         const Vec3 part = meet(grain,
                                {.id = first + met.number,
                                 .offset = met.offset,
@@ -146,10 +162,13 @@ class SandLaw final : public MatterLaw {
                                particles.fall());
         sums.bodies[b].add(-mass * DVec3(part), DVec3(met.arm));
       });
+      const Vec3 outwards = bodies[b].pushedOut(grain.place, rules_.step);
+      sums.bodies[b].add(-mass * DVec3(outwards), DVec3(grain.place - bodies[b].place()));
+      grain.change += outwards;
       first += bodies[b].size();
     }
     sums.mostCompression = std::max(sums.mostCompression, grain.mostOverlap / rules_.diameter);
-    particles.settle(slot, grain.change, sums);
+    particles.settle(slot, grain.change, byModel, sums);
   }
 
   shared::GrainRules rules_;

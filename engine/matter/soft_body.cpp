@@ -102,7 +102,7 @@ void SoftBody::pushCells(std::size_t block) {
   leastVolumes_[block] = *std::ranges::min_element(least);
 }
 
-Vec3 SoftBody::forceOn(std::size_t node) const {
+Vec3 SoftBody::ofCells(std::size_t node) const {
   Vec3 force(0);
   for (const std::uint32_t slot : incident_[node]) {
     const std::uint32_t cell = slot / 8, lane = cell % Lanes::kCount;
@@ -116,7 +116,7 @@ void SoftBody::moveNodes(std::size_t block, const Vec3& fall, float step_s, Soft
   const std::size_t begin = block * kNodesOfBlock, end = std::min(begin + kNodesOfBlock, size());
   sums = {};
   for (std::size_t i = begin; i < end; ++i) {
-    const Vec3 force = forceOn(i) + loads_[i];
+    const Vec3 force = forceOn(i);
     loads_[i] = Vec3(0);
     if (isPinned(i)) {
       sums.pinImpulse += static_cast<double>(step_s) * DVec3(force);
@@ -133,7 +133,15 @@ void SoftBody::moveNodes(std::size_t block, const Vec3& fall, float step_s, Soft
 }
 
 SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team) {
+  strain(team);
+  return move(gravity_m_s2, step_s, team);
+}
+
+void SoftBody::strain(WorkerTeam& team) {
   team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+}
+
+SoftSums SoftBody::move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team) {
   const Vec3 fall(gravity_m_s2 * step_s);
   team.forEach(sums_.size(),
                [&](std::size_t block) { moveNodes(block, fall, static_cast<float>(step_s), sums_[block]); });
@@ -149,9 +157,9 @@ SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam&
 }
 
 std::vector<DVec3> SoftBody::forces(WorkerTeam& team) {
-  team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
+  strain(team);
   std::vector<DVec3> forces;
-  for (std::size_t i = 0; i < size(); ++i) forces.emplace_back(forceOn(i));
+  for (std::size_t i = 0; i < size(); ++i) forces.emplace_back(ofCells(i));
   return forces;
 }
 

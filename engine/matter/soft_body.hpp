@@ -57,8 +57,14 @@ class SoftBody {
 
   /// What else acts on each node in the next substep, which forgets it, N.
   std::span<Vec3> loads() { return loads_; }
-  /// Symplectic Euler.
+  /// Symplectic Euler: strain() and move().
   SoftSums substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team);
+  /// Finds what the cells do to the nodes as they are. Loads may depend on it.
+  void strain(WorkerTeam& team);
+  /// Moves the nodes on by what strain() has found and the loads.
+  SoftSums move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& team);
+  /// What strain() has found and the loads do to a node, N.
+  Vec3 forceOn(std::size_t node) const { return ofCells(node) + loads_[node]; }
 
   /// What the cells do to each node as it is, N.
   std::vector<DVec3> forces(WorkerTeam& team);
@@ -76,7 +82,7 @@ class SoftBody {
 
   void pushCells(std::size_t block);
   void moveNodes(std::size_t block, const Vec3& fall, float step_s, SoftSums& sums);
-  Vec3 forceOn(std::size_t node) const;
+  Vec3 ofCells(std::size_t node) const;
   shared::Corners atCorners(std::size_t cell, std::span<const Vec3> values) const;
   LanesOfCorners atCornersOfGroup(std::size_t group, std::span<const Vec3> values) const;
 

@@ -113,27 +113,44 @@ EmbeddedPlace SoftLattice::embed(const DVec3& place_m) const {
   return found;
 }
 
+std::vector<SurfacePlace> boxSurface(const DVec3& low_m, const DVec3& size_m, double spacing_m, int perSpacing) {
+  const IVec3 cells(glm::max(glm::round(size_m / spacing_m), DVec3(1)));
+  std::vector<SurfacePlace> surface;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
+    for (int a = 0; a < perSpacing * cells[first]; ++a)
+      for (int b = 0; b < perSpacing * cells[second]; ++b)
+        for (const int side : {0, cells[axis]}) {
+          DVec3 place;
+          place[axis] = side;
+          place[first] = (a + 0.5) / perSpacing;
+          place[second] = (b + 0.5) / perSpacing;
+          DVec3 normal(0);
+          normal[axis] = side == 0 ? -1 : 1;
+          surface.push_back({.rest = low_m + spacing_m * place, .normal = normal});
+        }
+  }
+  return surface;
+}
+
 SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m) {
   const DVec3 sides = glm::max(glm::round(size_m / spacing_m), DVec3(1));
   LatticeBox box = LatticeBox::about(low_m, low_m + sides * spacing_m, spacing_m);
   box.filled.assign(box.filled.size(), 1);
-  SoftSolid solid{.lattice = SoftLattice(box), .surface = {}};
-  // Four for each face of a cell.
-  for (int axis = 0; axis < 3; ++axis) {
-    const int first = (axis + 1) % 3, second = (axis + 2) % 3;
-    for (int a = 0; a < 2 * box.cells[first]; ++a)
-      for (int b = 0; b < 2 * box.cells[second]; ++b)
-        for (const int side : {0, box.cells[axis]}) {
-          DVec3 place;
-          place[axis] = side;
-          place[first] = (a + 0.5) / 2;
-          place[second] = (b + 0.5) / 2;
-          DVec3 normal(0);
-          normal[axis] = side == 0 ? -1 : 1;
-          solid.surface.push_back({.rest = box.corner + spacing_m * place, .normal = normal});
-        }
+  return {.lattice = SoftLattice(box), .surface = boxSurface(low_m, size_m, spacing_m, kPlacesOfSpacing)};
+}
+
+std::vector<SurfacePlace> ballSurface(const DVec3& middle_m, double radius_m, double spacing_m, int perSpacing) {
+  // Points of equal area along a spiral by the golden angle (Vogel 1979).
+  const double turn = kPi * (3 - std::sqrt(5.0)), apart_m = spacing_m / perSpacing;
+  const auto count = static_cast<int>(std::ceil(4 * kPi * radius_m * radius_m / (apart_m * apart_m)));
+  std::vector<SurfacePlace> surface;
+  for (int k = 0; k < count; ++k) {
+    const double y = 1 - (2 * k + 1.0) / count, across = std::sqrt(1 - y * y);
+    const DVec3 normal(across * std::cos(turn * k), y, across * std::sin(turn * k));
+    surface.push_back({.rest = middle_m + radius_m * normal, .normal = normal});
   }
-  return solid;
+  return surface;
 }
 
 SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
@@ -148,18 +165,10 @@ SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m) {
     }
     box.filled[c] = static_cast<float>(inside) / (kSamples * kSamples * kSamples);
   }
-  // Points of equal area along a spiral by the golden angle (Vogel 1979).
-  const double turn = kPi * (3 - std::sqrt(5.0));
-  const auto count = static_cast<int>(std::ceil(16 * kPi * radius_m * radius_m / (spacing_m * spacing_m)));
-  std::vector<SurfacePlace> surface;
+  std::vector<SurfacePlace> surface = ballSurface(middle_m, radius_m, spacing_m, kPlacesOfSpacing);
   std::vector<std::size_t> kept;
-  for (int k = 0; k < count; ++k) {
-    const double y = 1 - (2 * k + 1.0) / count, across = std::sqrt(1 - y * y);
-    const DVec3 normal(across * std::cos(turn * k), y, across * std::sin(turn * k));
-    const DVec3 place = middle_m + radius_m * normal;
-    surface.push_back({.rest = place, .normal = normal});
-    kept.push_back(box.numberOf(glm::clamp(box.cellAt(place), IVec3(0), box.cells - 1)));
-  }
+  for (const SurfacePlace& place : surface)
+    kept.push_back(box.numberOf(glm::clamp(box.cellAt(DVec3(place.rest)), IVec3(0), box.cells - 1)));
   return {.lattice = SoftLattice(std::move(box), kept), .surface = std::move(surface)};
 }
 

@@ -88,9 +88,15 @@ struct SoftSolid {
   std::vector<SurfacePlace> surface;  ///< evenly spread, about half a spacing apart
 };
 
+/// Places of a soft body's surface for its contact, along a spacing of its cells.
+inline constexpr int kPlacesOfSpacing = 2;
+
 /// A box, with sides of at least half a spacing, which are rounded to whole spacings. m.
 SoftSolid boxSolid(const DVec3& low_m, const DVec3& size_m, double spacing_m);
 /// A ball of at least one spacing's radius. m.
 SoftSolid ballSolid(const DVec3& middle_m, double radius_m, double spacing_m);
+/// The surfaces of those, as many places along a spacing as `perSpacing` says.
+std::vector<SurfacePlace> boxSurface(const DVec3& low_m, const DVec3& size_m, double spacing_m, int perSpacing);
+std::vector<SurfacePlace> ballSurface(const DVec3& middle_m, double radius_m, double spacing_m, int perSpacing);
 
 }  // namespace palpate

@@ -26,7 +26,7 @@ struct SoftMemory {
   SoftMemory(Device& device, const SoftSizes& sizes);
 
   /// Parts of `state`, which is copied to the host as a whole.
-  static constexpr std::uint64_t kSums = 0, kTools = 32;
+  static constexpr std::uint64_t kSums = 0, kTools = 60;
   std::uint64_t bytes() const;
 
   Buffer setting, hands;

@@ -86,7 +86,7 @@ void requireInside(const Filling& filling) {
   const auto [least, most] = std::ranges::minmax(filling.windings);
   if (static_cast<double>(most) > kInside) return;
   if (static_cast<double>(least) < -kInside) throw Error("model: its normals point inwards; turn them round");
-  throw Error("model: encloses nothing that is {:g} mm wide; a soft body needs a closed surface",
+  throw Error("model: encloses nothing that is {:g} mm wide; a body needs a closed surface",
               filling.box.spacing_m * 1e3);
 }
 
@@ -114,7 +114,7 @@ void requireClosed(const Filling& filling) {
   if (widths[widest] <= filling.widestHole_m) return;
   const DVec3 place = places[widest] * 1e3;
   throw Error(
-      "model: is not closed: there is a hole about {:.1f} mm wide at {:.1f}, {:.1f}, {:.1f} mm of the box; a soft body "
+      "model: is not closed: there is a hole about {:.1f} mm wide at {:.1f}, {:.1f}, {:.1f} mm of the box; a body "
       "needs a surface all around; at this spacing and hole_mm, holes of up to {:.1f} mm are closed",
       widths[widest] * 1e3, place.x, place.y, place.z, filling.widestHole_m * 1e3);
 }
@@ -174,7 +174,7 @@ std::vector<SurfacePlace> thinned(std::span<const SurfacePlace> points, const La
 
 std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, unsigned threads) {
   if (cloud.size() < kLeastPoints)
-    throw Error("model: has {} points; a soft body needs a surface of at least {}", cloud.size(), kLeastPoints);
+    throw Error("model: has {} points; a body needs a surface of at least {}", cloud.size(), kLeastPoints);
   if (!cloud.hasNormals()) estimateNormals(cloud, 16, threads);
   const Bounds bounds = boundsOf(cloud);
   const auto [low, high] = standOf(scene);
@@ -191,7 +191,7 @@ std::vector<SurfacePlace> placeScan(PointCloud cloud, const MatterScene& scene, 
   return points;
 }
 
-SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team) {
+FilledScan fillScan(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team) {
   std::vector<Vec3> places;
   for (const SurfacePlace& point : points) places.push_back(point.rest);
   const PointTree tree(places);
@@ -213,8 +213,13 @@ SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, doub
   requireInside(filling);
   requireClosed(filling);
   fill(filling);
-  std::vector<SurfacePlace> surface = thinned(points, filling.box);
-  return {.lattice = SoftLattice(std::move(filling.box), filling.kept), .surface = std::move(surface)};
+  return {.box = std::move(filling.box), .kept = std::move(filling.kept)};
+}
+
+SoftSolid scanSolid(std::span<const SurfacePlace> points, double spacing_m, double widestHole_m, WorkerTeam& team) {
+  FilledScan filled = fillScan(points, spacing_m, widestHole_m, team);
+  std::vector<SurfacePlace> surface = thinned(points, filled.box);
+  return {.lattice = SoftLattice(std::move(filled.box), filled.kept), .surface = std::move(surface)};
 }
 
 }  // namespace palpate

@@ -82,14 +82,11 @@ PlaceBox standOf(const MatterScene& scene) {
   return {.low = low, .high = low + scene.fill_mm * 1e-3};
 }
 
-SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes) {
-  planOf(scene, memory_bytes);
+SoftBall ballOf(const MatterScene& scene) {
   const auto [low, high] = standOf(scene);
   const DVec3 size = high - low;
-  const double spacing = scene.spacing_mm * 1e-3;
-  if (scene.shape == SoftShape::box) return boxSolid(low, size, spacing);
   const double radius = std::min({size.x, size.y, size.z}) / 2;
-  return ballSolid({low.x + size.x / 2, radius, low.z + size.z / 2}, radius, spacing);
+  return {.middle = {low.x + size.x / 2, radius, low.z + size.z / 2}, .radius = radius};
 }
 
 std::vector<PlaceBox> pinsOf(const MatterScene& scene) {

@@ -15,8 +15,12 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);
 /// Where the body stands: a box of the size of the fill, in the middle of the floor, m.
 PlaceBox standOf(const MatterScene& scene);
 
-/// The solid of a scene without a model. Throws Error as planOf() does, before anything is filled.
-SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
+/// A ball that fits there: its middle and radius, m.
+struct SoftBall {
+  DVec3 middle{0};
+  double radius = 0;
+};
+SoftBall ballOf(const MatterScene& scene);
 
 /// Where nodes are pinned; a hair wider than the scene says, for those on its faces.
 std::vector<PlaceBox> pinsOf(const MatterScene& scene);

@@ -10,6 +10,13 @@ namespace palpate {
 
 namespace {
 
+// Without points it carries its skin.
+std::shared_ptr<const SoftModel> carrying(SoftSolid solid, std::span<const SurfacePlace> points) {
+  std::vector<SurfacePlace> carried(points.begin(), points.end());
+  if (carried.empty()) carried = solid.surface;
+  return std::make_shared<const SoftModel>(SoftModel{.solid = std::move(solid), .points = std::move(carried)});
+}
+
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.box_m = scene.box_mm * 1e-3,
           .ball_m = scene.tool.radius_mm * 1e-3,
@@ -31,23 +38,29 @@ double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
 }  // namespace
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
-    : SoftWorld(scene, options, solidOf(scene, options.memory_bytes), {}) {}
+    : SoftWorld(scene, options, softModelFor(scene, options)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)
-    : SoftWorld(scene, options, std::make_unique<const SoftSolid>(std::move(solid)), points) {}
+    : SoftWorld(scene, options, carrying(std::move(solid), points)) {}
 
-SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::unique_ptr<const SoftSolid> solid,
-                     std::span<const SurfacePlace> points)
-    : MatterSimulation(scene, options, restOf(*solid)),
+SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
+    : MatterSimulation(scene, options, restOf(model->solid)),
       team_(options.threads),
-      solid_(std::move(solid)),
-      body_(solid_->lattice, materialOf(scene), pinsOf(scene)),
-      contact_(body_, solid_->surface, contactOf(scene, plan())),
-      embedding_(solid_->lattice, points.empty() ? std::span<const SurfacePlace>(solid_->surface) : points),
+      model_(std::move(model)),
+      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene)),
+      contact_(body_, model_->solid.surface, contactOf(scene, plan())),
+      press_(body_, model_->solid.surface),
+      embedding_(model_->solid.lattice, model_->points),
       tools_(options.tools, ToolBody(toolSpring(scene.tool, plan().substep_s))) {
   PALPATE_CHECK(scene.matter == Matter::soft);
   reset();
+}
+
+void SoftWorld::begin() {
+  body_.reset();
+  presses_.clear();
+  press_.begin(body_, {}, kMatterStep_s, team_);
 }
 
 void SoftWorld::placeTools(std::span<const HandPose> hands) {
@@ -59,16 +72,21 @@ MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std:
   std::vector<BodyMotion> balls;
   for (const ToolBody& tool : tools_) balls.push_back(tool.motion());
   contact_.list(body_, balls, kMatterStep_s, team_);
+  press_.begin(body_, presses_, kMatterStep_s, team_);
+  presses_.clear();
   std::vector<HandPose> hands(tools_.size());
   for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
-    for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], (s + 1.0) / plan().substeps);
-    substep(hands, report);
+    const double share = (s + 1.0) / plan().substeps;
+    for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], share);
+    substep(hands, share, report);
   }
+  press_.end(body_);
+  for (const PressReport& pressed : press_.reports()) report.onPresses += pressed.impulse;
   for (ToolBody& tool : tools_) report.tools.push_back(tool.takeReport());
   return report;
 }
 
-void SoftWorld::substep(std::span<const HandPose> hands, StepReport& report) {
+void SoftWorld::substep(std::span<const HandPose> hands, double share, StepReport& report) {
   std::vector<BodyMotion> balls;
   for (std::size_t k = 0; k < tools_.size(); ++k) {
     tools_[k].predict(hands[k]);
@@ -76,7 +94,9 @@ void SoftWorld::substep(std::span<const HandPose> hands, StepReport& report) {
   }
   std::vector<Exchange> exchanges(tools_.size());
   contact_.press(body_, balls, plan().substep_s, report.onWalls, exchanges);
-  const SoftSums sums = body_.substep(scene().gravity_m_s2, plan().substep_s, team_);
+  body_.strain(team_);
+  press_.load(body_, share, plan().substep_s, scene().gravity_m_s2);
+  const SoftSums sums = body_.move(scene().gravity_m_s2, plan().substep_s, team_);
   report.gravity += sums.gravityImpulse;
   report.onWalls += sums.pinImpulse;
   report.totals = {.kinetic_J = sums.kinetic_J,

@@ -10,6 +10,8 @@
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/matter/soft_contact.hpp"
 #include "engine/matter/soft_embedding.hpp"
+#include "engine/matter/soft_model.hpp"
+#include "engine/matter/soft_press.hpp"
 #include "engine/matter/tool_body.hpp"
 
 namespace palpate {
@@ -17,12 +19,14 @@ namespace palpate {
 /// Its particles are the nodes of a lattice. The same bytes for any number of threads.
 class SoftWorld final : public MatterSimulation {
  public:
-  /// The body of a scene without a model. Throws Error as planOf() does.
+  /// The body of a scene without a model, or of MatterOptions::soft. Throws Error as planOf() does.
   explicit SoftWorld(const MatterScene& scene, const MatterOptions& options = {});
   /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
   /// order.
   SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
             std::span<const SurfacePlace> points);
+  /// A body that is there already, and may be shared.
+  SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model);
 
   std::size_t nodes() const { return body_.size(); }
   /// Compression is that of the cell which has least of its volume.
@@ -35,29 +39,31 @@ class SoftWorld final : public MatterSimulation {
   std::vector<Vec3> velocitiesById() const override;
   void setVelocities(std::span<const Vec3> byId) override;
 
-  /// How far the surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on
-  /// it, as the body now is, strained and on the walls that it stands on, m/N: what a servo loop may go on with until
-  /// the next step. A body that nothing holds gives way as its mass does within a third of a second. Takes as long as a
-  /// hundred substeps, and changes nothing. (Conjugate gradients; Hestenes, Stiefel 1952.)
-  double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction);
+  void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
+  std::span<const PressReport> pressed() const override { return press_.reports(); }
+  bool hasSurface() const override { return true; }
+  /// As the body now is, strained and on the walls that it stands on. A body that nothing holds gives way as its mass
+  /// does within a third of a second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel 1952.)
+  double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
 
   SoftBody& body() { return body_; }
   const SoftBody& body() const { return body_; }
 
  private:
-  SoftWorld(const MatterScene& scene, const MatterOptions& options, std::unique_ptr<const SoftSolid> solid,
-            std::span<const SurfacePlace> points);
-  void begin() override { body_.reset(); }
+  void begin() override;
   void placeTools(std::span<const HandPose> hands) override;
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
-  void substep(std::span<const HandPose> hands, StepReport& report);
+  /// At whose end `share` of the step is over.
+  void substep(std::span<const HandPose> hands, double share, StepReport& report);
 
   WorkerTeam team_;
-  std::unique_ptr<const SoftSolid> solid_;  // where it stays, as the body looks at it
+  std::shared_ptr<const SoftModel> model_;  // whose lattice the body looks at
   SoftBody body_;
   SoftContact contact_;
+  SoftPress press_;
+  std::vector<SurfacePress> presses_;  // of the next step
   SoftEmbedding embedding_;
   std::vector<ToolBody> tools_;
 };

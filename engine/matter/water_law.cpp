@@ -1,10 +1,11 @@
 // Position-based fluids (Macklin, Mueller 2013), one Jacobi iteration in each small substep: a pass that sums weights
-// up to compressions, and one that sums pushes up to changes of velocity.
+// up to compressions, and one that sums pushes up to changes of velocity. Both take four neighbours at once.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
+#include "engine/matter/lanes.hpp"
 #include "engine/matter/matter_law.hpp"
 #include "engine/matter/matter_rules.hpp"
 
@@ -12,56 +13,16 @@ namespace palpate {
 
 namespace {
 
-// A neighbour within the support radius, as the first pass found it.
-struct Pair {
-  Vec3 offset;
-  float pull;
-  std::uint32_t slot;
-};
+static_assert(Lanes::kCount == kListedTogether);
 
-// Neighbours side by side, so that the compiler takes several at once: a multiple of kSums of them, the last of which
-// may be none, and far away.
-constexpr std::size_t kLanes = 64, kSums = 8;
-struct Lanes {
-  std::size_t used = 0;
-  std::array<float, kLanes> x, y, z, weight, pull;  // offsets from the neighbour, m
-  std::array<std::uint32_t, kLanes> near;           // 1 within the support radius, otherwise 0
-
-  void load(const MatterParticles& particles, std::size_t slot, std::span<const Neighbour> neighbours, float support) {
-    const std::span<const Vec4> places = particles.places();
-    const Vec3 place(places[slot]);
-    for (std::size_t k = 0; k < neighbours.size(); ++k) {
-      Vec3 offset = place - Vec3(places[neighbours[k].slot]);
-      if (neighbours[k].image != shared::kItself) offset -= particles.shiftOf(neighbours[k]);
-      x[k] = offset.x;
-      y[k] = offset.y;
-      z[k] = offset.z;
-    }
-    used = (neighbours.size() + kSums - 1) / kSums * kSums;
-    for (std::size_t k = neighbours.size(); k < used; ++k) x[k] = y[k] = z[k] = support;
-  }
-
-  // The sum of the weights.
-  float weigh(float perSupport) {
-    for (std::size_t k = 0; k < used; ++k) {
-      const float r = std::sqrt(x[k] * x[k] + y[k] * y[k] + z[k] * z[k]) * perSupport;
-      const float within = std::min(r, 1.0f);
-      weight[k] = shared::wendland(within);
-      pull[k] = shared::wendlandPull(within);
-      near[k] = r < 1.0f ? 1u : 0u;
-    }
-    std::array<float, kSums> sums{};
-    for (std::size_t k = 0; k < used; k += kSums)
-      for (std::size_t part = 0; part < kSums; ++part) sums[part] += weight[k + part];
-    float sum = 0;
-    for (const float part : sums) sum += part;
-    return sum;
-  }
-};
+Lanes lanesOf(const Vec4& values) { return Lanes::at(&values.x); }
 
 class WaterLaw final : public MatterLaw {
  public:
-  explicit WaterLaw(const shared::WaterRules& rules) : rules_(rules) {}
+  explicit WaterLaw(const shared::WaterRules& rules) : rules_(rules) {
+    sideBySide_.push = Lanes(rules.push);
+    sideBySide_.drag = Lanes(rules.drag);
+  }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
@@ -72,10 +33,25 @@ class WaterLaw final : public MatterLaw {
   }
 
  private:
-  struct Pairs {
-    std::vector<Pair> all;  // those of a slot from where its list begins
-    std::vector<std::uint32_t> counts;
+  // What never moves about a place.
+  struct Fixed {
+    shared::WallEffect walls, model{};
   };
+
+  // Of a block: of each neighbour in its lists, 0 for copies; of each slot.
+  struct Pairs {
+    std::vector<float> pulls;
+    std::vector<Fixed> fixed;
+  };
+
+  Fixed fixedAt(const MatterParticles::Config& config, const Vec3& place) const {
+    Fixed fixed{.walls = wallsAt(config.box, place)};
+    if (config.model == nullptr) return fixed;
+    const shared::ModelAt at = config.model->at(place);
+    fixed.model = modelEffect(rules_, at, fixed.walls);
+    fixed.walls = wallsBesideModel(fixed.walls, at);
+    return fixed;
+  }
 
   shared::WallEffect wallsAt(const MatterBox& box, const Vec3& place) const {
     return shared::wallEffect(rules_, shared::wallsBeside(rules_, place.x, box.size.x, box.periodic[0]),
@@ -83,63 +59,85 @@ class WaterLaw final : public MatterLaw {
                               shared::wallsBeside(rules_, place.z, box.size.z, box.periodic[2]));
   }
 
-  // Fills `pairs` with the neighbours within the support radius; the sum of their weights.
-  float gather(const MatterParticles& particles, std::size_t slot, Pair* pairs, std::uint32_t& count) const {
-    std::span<const Neighbour> neighbours = particles.lists().of(slot);
-    float sum = 0;
-    count = 0;
-    while (!neighbours.empty()) {
-      const std::span<const Neighbour> some = neighbours.first(std::min(neighbours.size(), kLanes));
-      neighbours = neighbours.subspan(some.size());
-      Lanes lanes;
-      lanes.load(particles, slot, some, rules_.support);
-      sum += lanes.weigh(1 / rules_.support);
-      for (std::size_t k = 0; k < some.size(); ++k) {
-        pairs[count] = {{lanes.x[k], lanes.y[k], lanes.z[k]}, lanes.pull[k], some[k].slot};
-        count += static_cast<std::uint32_t>(lanes.near[k]);
-      }
+  template <class Value>
+  static FourVectors fourOf(const Neighbour* four, Value&& value) {
+    return FourVectors::of(value(four[0]), value(four[1]), value(four[2]), value(four[3]));
+  }
+  // Of four neighbours, where they are near: what is beyond a periodic border is moved.
+  static FourVectors placesOf(const MatterParticles& particles, const Vec4* places, const Neighbour* four) {
+    if (!particles.isPeriodic()) return fourOf(four, [&](Neighbour other) { return lanesOf(places[other.slot]); });
+    return fourOf(
+        four, [&](Neighbour other) { return lanesOf(places[other.slot] + Vec4(particles.shiftOf(other), 0)); });
+  }
+
+  // 1 for each of four from `first` on that is one of `count`, otherwise 0.
+  static Lanes areThere(std::size_t first, std::size_t count) {
+    static constexpr std::array<float, 7> kOnes{1, 1, 1, 1, 0, 0, 0};
+    const std::size_t left = count - first;
+    return Lanes::at(kOnes.data() + (left < Lanes::kCount ? Lanes::kCount - left : 0));
+  }
+
+  // Keeps what pushes neighbours have; the sum of their weights.
+  float weigh(const MatterParticles& particles, std::size_t slot, Pairs& pairs) const {
+    const std::span<const Neighbour> neighbours = particles.lists().filledUp(slot);
+    const std::size_t count = particles.lists().of(slot).size(), first = particles.lists().firstOf(slot);
+    const Vec3 place(particles.places()[slot]);
+    const Lanes x(place.x), y(place.y), z(place.z), perSupport(1 / rules_.support), one(1);
+    const Vec4* const places = particles.places().data();
+    Lanes sum(0);
+    for (std::size_t k = 0; k < neighbours.size(); k += Lanes::kCount) {
+      const FourVectors others = placesOf(particles, places, neighbours.data() + k);
+      const glm::vec<3, Lanes> offset(x - others.x, y - others.y, z - others.z);
+      const Lanes r = min(sqrt(offset.x * offset.x + offset.y * offset.y + offset.z * offset.z) * perSupport, one);
+      const Lanes there = areThere(k, count);
+      sum += there * shared::wendland<Lanes>(r);
+      (there * shared::wendlandPull<Lanes>(r)).writeTo(pairs.pulls.data() + first + k);
     }
-    return sum;
+    return sum.sum();
   }
 
   void compress(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t block) {
     const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, particles.size());
     Pairs& pairs = pairs_[block];
-    pairs.all.resize(std::max(pairs.all.size(), particles.lists().inBlock(block) + 1));
-    pairs.counts.resize(kSlotsOfBlock);
+    const std::size_t room = particles.lists().inBlock(block);
+    if (pairs.pulls.size() < room) pairs.pulls.resize(room);
+    pairs.fixed.resize(kSlotsOfBlock);
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 place(particles.places()[i]);
       float sum = 1;  // the particle itself
-      sum += gather(particles, i, pairs.all.data() + particles.lists().firstOf(i), pairs.counts[i - begin]);
+      sum += weigh(particles, i, pairs);
       for (const BoundaryBody& body : bodies)
         body.forEachNear(place, [&](const BoundaryMeeting& met) { sum += met.volume * shared::wendland(met.r); });
-      sum += wallsAt(particles.config().box, place).sum;
-      particles.places()[i].w = std::max(shared::compressionOf(rules_, sum), 0.0f);
+      const Fixed& fixed = pairs.fixed[i - begin] = fixedAt(particles.config(), place);
+      sum += fixed.walls.sum + fixed.model.sum;
+      particles.pressed()[i] = Vec4(place, std::max(shared::compressionOf(rules_, sum), 0.0f));
     }
   }
 
-  // Not inline: beside others its sums would find no register.
-  [[gnu::noinline]] Vec3 changeByNeighbours(std::span<const Pair> pairs, std::span<const Vec4> places,
-                                            std::span<const Vec3> velocities, std::size_t slot) const {
-    const shared::WaterRules rules = rules_;
-    const float compression = places[slot].w;
-    const Vec3 velocity = velocities[slot];
-    // Apart, so that they stay in registers.
-    float x = 0, y = 0, z = 0;
-    for (const Pair& pair : pairs) {
-      const Vec3 change = shared::changeByNeighbour(rules, pair.offset, pair.pull, compression + places[pair.slot].w,
-                                                    velocities[pair.slot] - velocity);
-      x += change.x;
-      y += change.y;
-      z += change.z;
+  Vec3 changeByNeighbours(const MatterParticles& particles, const Pairs& pairs, std::size_t slot) const {
+    const std::span<const Neighbour> neighbours = particles.lists().filledUp(slot);
+    const Vec4* const velocities = particles.velocities().data();
+    const Vec4* const places = particles.pressed().data();
+    const Vec4 place = places[slot], velocity = velocities[slot];
+    const Lanes x(place.x), y(place.y), z(place.z), w(place.w), vx(velocity.x), vy(velocity.y), vz(velocity.z);
+    const shared::WaterRulesOf<Lanes> rules = sideBySide_;
+    const float* const pulls = pairs.pulls.data() + particles.lists().firstOf(slot);
+    glm::vec<3, Lanes> change(Lanes(0), Lanes(0), Lanes(0));
+    for (std::size_t k = 0; k < neighbours.size(); k += Lanes::kCount) {
+      const FourVectors others = placesOf(particles, places, neighbours.data() + k);
+      const FourVectors moving =
+          fourOf(neighbours.data() + k, [&](Neighbour other) { return lanesOf(velocities[other.slot]); });
+      const glm::vec<3, Lanes> offset(x - others.x, y - others.y, z - others.z);
+      const glm::vec<3, Lanes> relative(moving.x - vx, moving.y - vy, moving.z - vz);
+      change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k), w + others.w, relative);
     }
-    return {x, y, z};
+    return {change.x.sum(), change.y.sum(), change.z.sum()};
   }
 
   Vec3 changeByBody(const MatterParticles& particles, const BoundaryBody& body, std::size_t slot,
                     Exchange& exchange) const {
-    const Vec4 place = particles.places()[slot];
-    const Vec3 velocity = particles.velocities()[slot];
+    const Vec4 place = particles.pressed()[slot];
+    const Vec3 velocity(particles.velocities()[slot]);
     Vec3 change{0};
     body.forEachNear(Vec3(place), [&](const BoundaryMeeting& met) {
       const Vec3 part = met.volume * shared::changeByNeighbour(rules_, met.offset, shared::wendlandPull(met.r), place.w,
@@ -147,29 +145,31 @@ class WaterLaw final : public MatterLaw {
       exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part), DVec3(met.arm));
       change += part;
     });
-    return change;
+    const Vec3 outwards = body.pushedOut(Vec3(place), rules_.step);
+    exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(outwards), DVec3(Vec3(place) - body.place()));
+    return change + outwards;
   }
 
   void push(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::size_t block, BlockSums& sums) {
     const std::size_t begin = block * kSlotsOfBlock, end = std::min(begin + kSlotsOfBlock, particles.size());
     const Pairs& pairs = pairs_[block];
-    const std::span<const Vec4> places = std::as_const(particles).places();
-    const std::span<const Vec3> velocities = std::as_const(particles).velocities();
+    const std::span<const Vec4> places = std::as_const(particles).pressed();
     for (std::size_t i = begin; i < end; ++i) {
       const float compression = places[i].w;
-      const Vec3 velocity = velocities[i];
-      const std::span<const Pair> near(pairs.all.data() + particles.lists().firstOf(i), pairs.counts[i - begin]);
-      Vec3 change = changeByNeighbours(near, places, velocities, i);
+      const Vec3 velocity(std::as_const(particles).velocities()[i]);
+      Vec3 change = changeByNeighbours(particles, pairs, i);
       for (std::size_t b = 0; b < bodies.size(); ++b) change += changeByBody(particles, bodies[b], i, sums.bodies[b]);
-      const Vec3 byWalls =
-          shared::changeByWalls(rules_, wallsAt(particles.config().box, Vec3(places[i])), compression, velocity);
+      const Fixed& fixed = pairs.fixed[i - begin];
+      const Vec3 byWalls = shared::changeByWalls(rules_, fixed.walls, compression, velocity);
+      const Vec3 byModel = shared::changeByWalls(rules_, fixed.model, compression, velocity);
       sums.wallImpulse -= static_cast<double>(particles.config().mass_kg) * DVec3(byWalls);
       sums.mostCompression = std::max(sums.mostCompression, compression);
-      particles.settle(i, change + byWalls, sums);
+      particles.settle(i, change + byWalls + byModel, byModel, sums);
     }
   }
 
   shared::WaterRules rules_;
+  shared::WaterRulesOf<Lanes> sideBySide_;
   std::vector<Pairs> pairs_;
 };
 

@@ -50,6 +50,9 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return frames_ && frames_->take(frame); }
+  std::optional<PointsTime> pointsTime() const noexcept override {
+    return frames_ ? std::optional(frames_->frame().time()) : std::nullopt;
+  }
   EditScope editScope() const override;
 
   bool keepsEdits() const override { return true; }

@@ -54,6 +54,9 @@ class TouchSide final : public TouchBackend {
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
   bool takeFrame(CloudFrame& frame) override { return frames_.take(frame); }
+  std::optional<PointsTime> pointsTime() const noexcept override {
+    return frames_.move() ? std::optional(frames_.pointsTime()) : std::nullopt;
+  }
   FramePipeline* framesOn(const Device& sight) override { return &sight == &device_ ? frames_.pipeline() : nullptr; }
 
   bool keepsEdits() const override { return true; }

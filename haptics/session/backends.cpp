@@ -6,6 +6,7 @@
 
 #include "engine/core/named_values.hpp"
 #include "engine/touch/matter_touch.hpp"
+#include "engine/touch/soft_touch.hpp"
 
 namespace palpate {
 
@@ -68,6 +69,7 @@ std::unique_ptr<MatterSimulation> BackendKind::simulate(const MatterScene&, cons
 }
 
 std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& request) const {
+  if (request.config.matter->matter == Matter::soft) return softTouch(request);
   const std::size_t hands = request.tools.size();
   return std::make_unique<MatterTouch>(
       simulate(*request.config.matter, {.threads = request.threads, .tools = hands}),
@@ -75,6 +77,31 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
                          .threads = request.threads,
                          .realtime = request.config.realtime,
                          .machine = machine(request.threads)});
+}
+
+std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& request) const {
+  // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
+  constexpr std::uint32_t kMostAtOnce = 4;
+  MatterOptions options{.threads = request.threads};
+  options.soft = request.model.soft;
+  double reach = 0;
+  for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
+  // Where this back end feels points alone, the CPU moves them.
+  const std::unique_ptr<BackendKind> cpu = capabilities().movesSoftBodies ? nullptr : cpuBackend();
+  auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
+  auto source = std::make_unique<SoftSource>(std::move(world),
+                                             SoftSourceOptions{.points = request.model.cloud.size(),
+                                                               .radius = request.surface.radius,
+                                                               .toolReach = reach,
+                                                               .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});
+  BackendRequest felt = request;
+  felt.source = source.get();
+  auto surface = make(felt);
+  return std::make_unique<SoftTouch>(
+      std::move(source), std::move(surface),
+      SoftTouchOptions{.tools = request.tools,
+                       .friction = request.config.surface.friction,
+                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

@@ -26,7 +26,8 @@ struct BackendRequest {
   bool paintable = false;              ///< keeps colours for a brush that comes later
   std::vector<ToolShape> tools;        ///< one for each hand, model units; without points for a single one
   unsigned threads = 0;                ///< on the CPU; 0: one per core
-  CloudSource* source = nullptr;       ///< moves the model, and outlives what is made; null: it stands still
+  /// Moves the model, and outlives what is made; null: it stands still, or is a scene of matter, which moves by itself.
+  CloudSource* source = nullptr;
   std::optional<FusedStream> fusion;   ///< in place of a source, where the back end fuses frames: begins with the model
 };
 
@@ -61,6 +62,10 @@ class BackendKind {
  protected:
   /// For a scene of matter, with a hand for each tool of the request.
   std::unique_ptr<TouchBackend> matterTouch(const BackendRequest& request) const;
+
+ private:
+  /// For a soft body, whose points make() has felt.
+  std::unique_ptr<TouchBackend> softTouch(const BackendRequest& request) const;
 };
 
 /// The CPU, which every program has.

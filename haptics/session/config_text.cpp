@@ -39,6 +39,13 @@ class Writer {
     json_[name] = value ? Json(*value) : Json(nullptr);
   }
   void field(const char* name, const DVec3& value) const { json_[name] = {value.x, value.y, value.z}; }
+  // Two corners of a box.
+  void field(const char* name, const std::optional<std::array<DVec3, 2>>& value) const {
+    json_[name] = nullptr;
+    if (!value) return;
+    const auto& [low, high] = *value;
+    json_[name] = {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+  }
   template <class T, class Names>
   void field(const char* name, const T& value, const Names& names) const {
     for (const auto& [known, each] : names)
@@ -121,6 +128,15 @@ class Reader {
     take(name, [&](const Json& json) {
       const auto xyz = json.get<std::array<double, 3>>();
       value = {xyz[0], xyz[1], xyz[2]};
+    });
+  }
+  void field(const char* name, std::optional<std::array<DVec3, 2>>& value) {
+    take(name, [&](const Json& json) {
+      value.reset();
+      if (json.is_null()) return;
+      const auto corners = json.get<std::array<std::array<double, 3>, 2>>();
+      value.emplace();
+      for (std::size_t k = 0; k < 2; ++k) (*value)[k] = {corners[k][0], corners[k][1], corners[k][2]};
     });
   }
   template <class T, class Names>
@@ -311,6 +327,12 @@ void describe(auto&& in, auto& config, const MatterScene*) {
   in.field("density_kg_m3", config.density_kg_m3);
   in.field("viscosity_Pa_s", config.viscosity_Pa_s);
   in.field("friction", config.friction);
+  in.field("young_Pa", config.young_Pa);
+  in.field("poisson", config.poisson);
+  in.field("shape", config.shape, kSoftShapes);
+  in.field("model", config.model);
+  in.field("hole_mm", config.hole_mm);
+  in.field("pinned_mm", config.pinned_mm);
   in.field("gravity_m_s2", config.gravity_m_s2);
   in.field("substeps", config.substeps);
   in.part("tool", config.tool, describer<MatterTool>);

@@ -16,6 +16,7 @@ class CpuBackend final : public BackendKind {
     static const std::vector<std::string> methods{"direct"};
     return methods;
   }
+  TouchCapabilities capabilities() const override { return {.movesSoftBodies = true}; }
   std::string machine(unsigned threads) const override {
     return fmt::format("{}, {} threads", processorName(), threadCount(threads));
   }
@@ -25,7 +26,7 @@ class CpuBackend final : public BackendKind {
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
     const SessionConfig& config = request.config;
-    if (config.matter) return matterTouch(request);
+    if (config.matter && !request.source) return matterTouch(request);
     return std::make_unique<CpuTouch>(request.model.cloud,
                                       CpuTouchOptions{.radius = request.surface.radius,
                                                       .cell = cellFor(request.model, config.index),

@@ -11,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/touch/matter_touch.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/session/stream_model.hpp"
@@ -73,12 +74,17 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
 
 namespace {
 
-// A scene of matter as it begins. Its units are millimetres, in the hand, too, unless somebody says otherwise.
-Model matterModel(const SessionConfig& config, unsigned threads) {
-  Model model{.cloud = cloudOf(*config.matter, threads)};
+// A scene's units are millimetres, in the hand, too, unless somebody says otherwise.
+void placeInScene(Model& model, const MatterScene& scene) {
   sayScale(model.cloud.storedAs.comments, 1);
   model.upright = findUp(model.cloud);
-  model.container = model.shown = Bounds{.min = DVec3(0), .max = config.matter->box_mm};
+  model.container = model.shown = Bounds{.min = DVec3(0), .max = scene.box_mm};
+}
+
+// A scene of water or sand as it begins.
+Model matterModel(const SessionConfig& config, unsigned threads) {
+  Model model{.cloud = cloudOf(*config.matter, threads)};
+  placeInScene(model, *config.matter);
   measure(model, config.model, threads);
   // Particles fill a body: how far apart they lie says nothing of a surface.
   constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
@@ -89,10 +95,30 @@ Model matterModel(const SessionConfig& config, unsigned threads) {
   return model;
 }
 
+// A soft body at rest: the points of its surface, which are felt and drawn as those of any cloud.
+Model softModel(const SessionConfig& config, const ModelLoading& loading) {
+  const MatterScene& scene = *config.matter;
+  PointCloud scan;
+  if (!scene.model.empty()) {
+    planOf(scene);  // before the file is read
+    scan = readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
+  }
+  const Stopwatch watch;
+  Model model;
+  model.soft = softModelOf(scene, std::move(scan), loading.threads);
+  loading.log.say("{}: {} points are filled with {} nodes: {:.0f} ms", config.model.file, model.soft->points.size(),
+                  model.soft->solid.lattice.nodes(), watch.elapsed_us() * 1e-3);
+  model.cloud = cloudOf(*model.soft, scene);
+  placeInScene(model, scene);
+  measure(model, config.model, loading.threads);
+  return model;
+}
+
 }  // namespace
 
 Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
-  if (config.matter) return matterModel(config, loading.threads);
+  if (config.matter)
+    return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading.threads);
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading.log);
   Model model;

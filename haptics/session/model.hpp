@@ -19,6 +19,8 @@
 
 namespace palpate {
 
+struct SoftModel;
+
 struct Model {
   PointCloud cloud;
   ModelScale scale;
@@ -30,6 +32,8 @@ struct Model {
   double discRadius = 0;
   std::optional<Bounds> container;  ///< a box that holds the points, as it does water; model units
   double ballRadius = 0;            ///< of the ball that a hand holds in such points, model units; 0: it has none
+  /// What a soft body is at rest, whose points are the cloud; null: it is none.
+  std::shared_ptr<const SoftModel> soft;
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;

@@ -144,7 +144,22 @@ double Session::durationOf(std::span<const OpenHand> hands) const {
   return longest_s;
 }
 
+// As each hand feels it, with what its device bears.
+void Session::setSprings(std::span<const OpenHand> hands) {
+  std::vector<HandSpring> springs;
+  for (const OpenHand& hand : hands) {
+    ForceLaw law(config_.force, model_->scale);
+    const DeviceLimits limits = hand.device->limits();
+    law.limitTo(limits.peakForce_N, limits.mostStiffness_N_per_mm);
+    springs.push_back({.stiffness_N_per_unit = law.options().stiffness_N_per_mm * model_->scale.mm_per_unit,
+                       .damping_N_s_per_unit = law.options().damping_N_s_per_mm * model_->scale.mm_per_unit,
+                       .most_N = law.options().maxForce_N});
+  }
+  backend_->setSprings(springs);
+}
+
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
+  setSprings(hands);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
     touching.push_back({.device = *hand.device,

@@ -111,6 +111,8 @@ class Session {
   double durationOf(std::span<const OpenHand> hands) const;
 
  private:
+  void setSprings(std::span<const OpenHand> hands);
+
   const BackendKind& kind_;
   SessionConfig config_;
   std::shared_ptr<const Model> model_;

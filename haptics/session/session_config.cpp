@@ -87,13 +87,17 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
   } catch (const Error& error) {
     throw ConfigError("matter", "{}", error.what());
   }
-  if (scene.matter == Matter::soft)
-    throw ConfigError("matter", "soft bodies are not felt yet; palpate simulate moves them");
-  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
   if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
   if (config.brush) throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
   if (config.motion) throw ConfigError("motion.kind", "matter moves by itself; leave it out");
   if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
+  if (scene.matter == Matter::soft) {
+    if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; what is not felt is not pressed");
+    return;
+  }
+  if (!scene.model.empty())
+    throw ConfigError("matter.model", "a model in matter is not felt yet; palpate simulate moves what is about it");
+  if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
 }
 

@@ -35,7 +35,7 @@ class VulkanBackend final : public BackendKind {
     return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {
-    if (request.config.matter) return matterTouch(request);
+    if (request.config.matter && !request.source) return matterTouch(request);
     return std::make_unique<TouchSide>(device_(), request.model.cloud, optionsFor(request));
   }
 

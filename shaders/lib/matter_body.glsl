@@ -7,7 +7,7 @@ void meetPoint(BodyMeeting met, uint number);
 
 BodyPose poseOf(uint tool) {
   return BodyPose(args.tools.at[tool].place, args.tools.at[tool].velocity, args.tools.at[tool].spin,
-                  mat3(args.tools.at[tool].x, args.tools.at[tool].y, args.tools.at[tool].z));
+                  mat3(args.tools.at[tool].x, args.tools.at[tool].y, args.tools.at[tool].z), args.tools.at[tool].grown);
 }
 
 bool isNear(BodyPose pose, vec3 place) {

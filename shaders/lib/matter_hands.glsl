@@ -18,6 +18,7 @@ void predictTool(uint t, uint substep) {
   args.tools.at[t].x = args.hands.at[at].x;
   args.tools.at[t].y = args.hands.at[at].y;
   args.tools.at[t].z = args.hands.at[at].z;
+  args.tools.at[t].grown = args.hands.at[at].grown;
   args.tools.at[t].springImpulse = (begins ? vec3(0) : args.tools.at[t].springImpulse) + impulse;
   args.tools.at[t].portWork = (begins ? 0 : args.tools.at[t].portWork) + dot(impulse / spring.step, move);
   if (!begins) return;

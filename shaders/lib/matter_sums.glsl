@@ -1,5 +1,6 @@
 // Sums over the slots of a block, always in the same order. In rows of blocks: what walls got and the kinetic energy,
-// momentum and the most compression; then for each tool the impulse it got, and the angular one.
+// momentum and the most compression; then for each tool the impulse it got, and the angular one, and for the
+// model.
 #ifndef PALPATE_LIB_MATTER_SUMS_GLSL
 #define PALPATE_LIB_MATTER_SUMS_GLSL
 #extension GL_EXT_control_flow_attributes : require

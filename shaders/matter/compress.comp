@@ -10,6 +10,7 @@ layout(push_constant, scalar) uniform Push { MatterCompressArgs args; };
 #include "shaders/lib/matter_lists.glsl"
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_body.glsl"
+#include "shaders/lib/matter_model.glsl"
 
 float bodyWeights = 0;
 void meetPoint(BodyMeeting met, uint number) { bodyWeights += met.volume * wendland(met.r); }
@@ -35,6 +36,8 @@ void main() {
     const BodyPose pose = poseOf(tool);
     if (isNear(pose, place)) meetPoints(pose, place);
   }
-  sum += bodyWeights + wallsAt(rules, place).sum;
+  const WallEffect walls = wallsAt(rules, place);
+  const ModelAt model = modelAbout(place);
+  sum += bodyWeights + wallsBesideModel(walls, model).sum + modelEffect(rules, model, walls).sum;
   args.pressed.at[slot] = vec4(place, max(compressionOf(rules, sum), 0));
 }

@@ -19,7 +19,7 @@ void main() {
   if (!runs) {
     if (first) args.control.now.state = diverges ? kMatterDiverged : kMatterCrowded;
     if (first && args.substep == 0) args.control.now.substeps = 0;
-    if (first && args.substep == 0) args.total.now.onWalls = vec3(0);
+    if (first && args.substep == 0) args.total.now.onWalls = args.total.now.onModel = args.total.now.turnOfModel = vec3(0);
     return;
   }
   vec4 onWalls, momentum;
@@ -29,8 +29,13 @@ void main() {
     sumRows(args.sums, kRowsOfAll + 2 * tool, args.blocks, args.blocks, false, impulse, angular);
     if (first) reactTool(tool, impulse.xyz, angular.xyz);
   }
+  vec4 onModel = vec4(0), turnOfModel = vec4(0);
+  if (SETTING.model.nodes.x > 0)
+    sumRows(args.sums, kRowsOfAll + 2 * args.toolCount, args.blocks, args.blocks, false, onModel, turnOfModel);
   if (!first) return;
   args.total.now.onWalls = (args.substep == 0 ? vec3(0) : args.total.now.onWalls) + onWalls.xyz;
+  args.total.now.onModel = (args.substep == 0 ? vec3(0) : args.total.now.onModel) + onModel.xyz;
+  args.total.now.turnOfModel = (args.substep == 0 ? vec3(0) : args.total.now.turnOfModel) + turnOfModel.xyz;
   args.total.now.kinetic = onWalls.w;
   args.total.now.momentum = momentum.xyz;
   args.total.now.mostCompression = momentum.w;

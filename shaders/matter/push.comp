@@ -10,6 +10,7 @@ layout(push_constant, scalar) uniform Push { MatterPushArgs args; };
 #include "shaders/lib/matter_lists.glsl"
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_body.glsl"
+#include "shaders/lib/matter_model.glsl"
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/matter_settle.glsl"
 
@@ -49,14 +50,17 @@ void main() {
   if (!isRunning()) return;
   const uint slot = threadIndex();
   const bool isParticle = slot < args.particles;
-  vec3 change = vec3(0), byWalls = vec3(0);
+  vec3 change = vec3(0), byWalls = vec3(0), byModel = vec3(0);
   if (isParticle) {
     rules = waterRules();
     place = args.pressed.at[slot];
     velocity = velocityOf(slot);
     change = changeByNeighbours(slot);
-    byWalls = changeByWalls(rules, wallsAt(rules, place.xyz), place.w, velocity);
+    const WallEffect walls = wallsAt(rules, place.xyz);
+    const ModelAt model = modelAbout(place.xyz);
+    byWalls = changeByWalls(rules, wallsBesideModel(walls, model), place.w, velocity);
+    byModel = changeByWalls(rules, modelEffect(rules, model, walls), place.w, velocity);
   }
-  change += changeByTools(isParticle, place.xyz) + byWalls;
-  settleSlot(isParticle, place.xyz, velocity, change, byWalls, place.w);
+  change += changeByTools(isParticle, place.xyz) + byWalls + byModel;
+  settleSlot(isParticle, place.xyz, velocity, change, byWalls, byModel, place.w);
 }

@@ -11,6 +11,7 @@ layout(push_constant, scalar) uniform Push { MatterRubArgs args; };
 #include "shaders/lib/matter_lists.glsl"
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_body.glsl"
+#include "shaders/lib/matter_model.glsl"
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/matter_settle.glsl"
 
@@ -79,9 +80,16 @@ vec3 meetWalls() {
   return change;
 }
 
+vec3 meetModel() {
+  const ModelAt at = modelAbout(place);
+  const float overlap = rules.diameter / 2 - at.distance;
+  if (!(overlap > 0) || at.outwards == vec3(0)) return vec3(0);
+  return meet(kModelContact, at.outwards, overlap, vec3(0), SETTING.fall);
+}
+
 void meetPoint(BodyMeeting met, uint number) {
   const float distance = length(met.offset);
-  if (!(distance < rules.diameter && distance > 0)) return;
+  if (!(distance < rules.diameter && distance > 0 && met.volume > 0)) return;
   noteExchange(meet(kFirstBodyPoint + toolAtHand * SETTING.bodyPoints + number, met.offset, rules.diameter - distance,
                     met.velocity, SETTING.fall),
                met.arm);
@@ -92,7 +100,7 @@ void main() {
   const uint slot = threadIndex(), parity = args.control.now.parity;
   const bool isParticle = slot < args.particles;
   const uint id = isParticle ? args.ids.at[slot] : 0;
-  vec3 change = vec3(0), byWalls = vec3(0);
+  vec3 change = vec3(0), byWalls = vec3(0), byModel = vec3(0);
   mostOverlap = 0;
   if (isParticle) {
     rules = grainRules();
@@ -104,8 +112,9 @@ void main() {
     expected = countAfter = 0;
     change = meetNeighbours(slot);
     byWalls = meetWalls();
+    byModel = meetModel();
   }
-  change += byWalls + changeByTools(isParticle, place);
+  change += byWalls + byModel + changeByTools(isParticle, place);
   if (isParticle) args.contactCounts.at[(1 - parity) * args.particles + id] = countAfter;
-  settleSlot(isParticle, place, velocity, change, byWalls, mostOverlap / SETTING.grains.diameter);
+  settleSlot(isParticle, place, velocity, change, byWalls, byModel, mostOverlap / SETTING.grains.diameter);
 }

@@ -12,6 +12,7 @@ PALPATE_STRUCT(BodyPose) {
   PALPATE_VEC3 velocity;
   PALPATE_VEC3 spin;
   PALPATE_MAT3 turn;  // from its own axes to the world's
+  Real grown;         // so far from its middle points count: a body that was placed in matter grows from there, m
 };
 PALPATE_SINGLE(BodyPose);
 
@@ -38,8 +39,20 @@ PALPATE_FORMULA PALPATE_OF(BodyMeeting) bodyMeeting(PALPATE_OF(BodyPose) pose, P
   met.arm = place - pose.place - met.offset;
   met.velocity = pose.velocity + cross(pose.spin, met.arm);
   met.r = length(offset) / support;
-  met.volume = volume;
+  // Points come behind the matter that makes room for them: a spacing later, and within another one.
+  met.volume = volume * clamp((pose.grown - length(met.arm)) / (Real(0.5) * support) - Real(1.0), Real(0.0), Real(1.0));
   return met;
+}
+
+// How the velocity of what is within a ball changes, which nothing stays in: it goes outwards by `most` in a step, m, until
+// it is `radius` from the middle, or as far as the ball has grown.
+PALPATE_FORMULA PALPATE_VEC3 pushedOut(PALPATE_OF(BodyPose) pose, PALPATE_VEC3 place, Real radius, Real most, Real step) {
+  const PALPATE_VEC3 away = place - pose.place;
+  const Real far = length(away);
+  const Real deep = min(min(radius, pose.grown) - far, most);
+  if (!(deep > Real(0.0))) return PALPATE_VEC3(Real(0.0));
+  const PALPATE_VEC3 up = PALPATE_VEC3(Real(0.0), Real(1.0), Real(0.0));
+  return deep / step * (far > Real(0.0) ? away / far : up);
 }
 
 // What holds a body to a hand.

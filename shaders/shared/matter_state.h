@@ -5,6 +5,7 @@
 #include "shaders/shared/matter.h"
 #include "shaders/shared/matter_bodies.h"
 #include "shaders/shared/matter_cells.h"
+#include "shaders/shared/matter_model.h"
 
 PALPATE_SHARED_BEGIN
 
@@ -45,14 +46,17 @@ struct MatterControl {
 };
 PALPATE_SIZE(MatterControl, 32);
 
-// All particles together, after a substep; what the walls got since the step began.
+// All particles together, after a substep; what the walls and the model got since the step began.
 struct MatterSums {
   vec3 onWalls;  // kg m/s
   float kinetic;
   vec3 momentum;
   float mostCompression;
+  vec3 onModel;      // kg m/s
+  vec3 turnOfModel;  // about the middle of its volume, kg m^2/s
+  uint unused;       // validation takes what is written to a vec3 for 16 bytes, which have to be there
 };
-PALPATE_SIZE(MatterSums, 32);
+PALPATE_SIZE(MatterSums, 60);
 
 // What is the same in all substeps, in memory.
 struct MatterSetting {
@@ -61,10 +65,14 @@ struct MatterSetting {
   WaterRules water;
   GrainRules grains;
   ToolSpring spring;
+  ModelField model;
+  vec3 modelMiddle;   // of its volume, m
   vec3 bodyMiddle;    // of the ball in the box of its cells, m
   float bodyReach;    // of its points and their support from there, m
   vec3 fall;          // what gravity adds to a velocity in a substep, m/s
   float bodySupport;  // m
+  float bodyKept;     // so far from its middle nothing is within the ball, m
+  float bodyPush;     // what is goes outwards so far in a substep at most, m
   float listed;       // so far lists reach, m
   float allowed;      // so far a particle may go until they are made again, m
   float nearest;      // to a wall that a particle may come, m
@@ -74,7 +82,7 @@ struct MatterSetting {
   uint bodyPoints;
   uint mostListed;  // in a list, a multiple of kListedAtOnce
 };
-PALPATE_SIZE(MatterSetting, 216);
+PALPATE_SIZE(MatterSetting, 268);
 
 // A hand at the end of a substep.
 struct HandStep {
@@ -84,7 +92,7 @@ struct HandStep {
   vec3 x;  // its axes in the world
   vec3 y;
   vec3 z;
-  uint unused;  // validation takes what it says of a vec3 for 16 bytes, which have to be there
+  float grown;  // of the ball, m; validation takes what it says of a vec3 for 16 bytes, which have to be there
 };
 PALPATE_SIZE(HandStep, 76);
 
@@ -97,12 +105,13 @@ struct ToolState {
   vec3 x;
   vec3 y;
   vec3 z;
+  float grown;         // m
   vec3 springImpulse;  // since the step began, as what follows: kg m/s
   vec3 impulse;        // of the matter
   vec3 angular;        // of the matter, about its middle, kg m^2/s
   float portWork;      // of the hand, J
 };
-PALPATE_SIZE(ToolState, 124);
+PALPATE_SIZE(ToolState, 128);
 
 PALPATE_SHARED_END
 

@@ -88,6 +88,36 @@ TEST_CASE("scenes that need no file are told of, drawn and stirred by two hands"
   CHECK(readTrace(in("second.csv")).size() == 301);
 }
 
+TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented, and replayed") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
+                                         "spacing_mm": 5, "young_Pa": 30000})";
+  works("info " + in("block.json") + " --json " + in("i.json"));
+  const auto info = jsonOf(in("i.json"));
+  CHECK(info["particles"] == 9 * 7 * 9);
+  CHECK(info["young_Pa"] == 30000);
+  CHECK(info["points"] > 2'000);
+  std::ofstream(in("press.csv")) << "t_s,x,y,z\n0,50,31,50\n0.1,50,25,50\n0.15,50,25,50\n";
+  const auto touched = [&](const std::string& backend) {
+    works("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " + backend + " --trace " + in("t.csv") +
+          " --json " + in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
+    const auto report = jsonOf(in("r.json"));
+    CHECK(report["backend"] == backend);
+    CHECK(report["matter"]["kind"] == "soft");
+    CHECK(report["points"] == info["points"]);
+    works("replay " + in("log"));
+    return readTrace(in("t.csv"));
+  };
+  const auto gpu = touched("vulkan"), cpu = touched("cpu");
+  REQUIRE(gpu.size() == cpu.size());
+  for (std::size_t i = 0; i < cpu.size(); ++i) CHECK(glm::distance(gpu[i].force, cpu[i].force) < 0.05);
+  CHECK(cpu.back().force.y > 0.3);
+  const PointCloud dented = readPly(in("s.ply"));
+  CHECK(dented.size() == info["points"]);
+  CHECK(boundsOf(dented).max.y < 32);
+}
+
 TEST_CASE("what does not go with a scene is refused, and says why") {
   const ScratchFolder folder;
   const std::string bad = (folder / "bad.json").string();

@@ -42,10 +42,10 @@ inline double massOf(const MatterSimulation& world) {
   return world.plan().mass_kg * static_cast<double>(world.particles());
 }
 
-/// Momentum that neither gravity nor walls nor tools have given, of all that gravity gave.
+/// Momentum that neither gravity nor walls, tools or a model have given, of all that gravity gave.
 inline double missingMomentum(const MatterSimulation& world) {
   const MatterImpulses& given = world.impulses();
-  return glm::length(world.totals().momentum - (given.gravity - given.onWalls - given.onTools)) /
+  return glm::length(world.totals().momentum - (given.gravity - given.onWalls - given.onTools - given.onModel)) /
          glm::length(given.gravity);
 }
 

@@ -33,6 +33,15 @@ void checkSlope(const MatterMaker& make, double friction);
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);
 void checkBallInSand(const MatterMaker& make);
 
+/// A tank of water or sand with an analytic shape in the middle of it.
+MatterScene modelInTank(std::string_view shape, double size_mm, Matter matter = Matter::water);
+std::size_t withinBall(const MatterSimulation& world, const DVec3& middle_m, double radius_m);
+/// Force on a sphere that stands in water within 4 % of the weight of what it displaces; means over some steps.
+void checkModelDisplaces(const MatterMaker& make, int settling, int steps);
+/// Matter that falls upon the model of the scene.
+void checkModelKeepsOut(const MatterMaker& make, const MatterScene& scene, int steps);
+void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps);
+
 void checkFewParticles(const MatterMaker& make);
 void checkDivergence(const MatterMaker& make);
 void checkJumpingHand(const MatterMaker& make, int steps);

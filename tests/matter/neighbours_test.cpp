@@ -42,6 +42,11 @@ TEST_CASE("lists have everyone within their reach, and nobody else, also across 
       }
       REQUIRE(listed == expected);
       REQUIRE(lists.of(i).size() == expected.size());
+      const std::span<const Neighbour> filled = lists.filledUp(i);
+      REQUIRE(filled.size() == (expected.size() + kListedTogether - 1) / kListedTogether * kListedTogether);
+      REQUIRE(lists.firstOf(i) % kListedTogether == 0);
+      for (std::size_t k = expected.size(); k < filled.size(); ++k)
+        REQUIRE(filled[k].slot == filled[expected.size() - 1].slot);
       pairs += expected.size();
     }
     CHECK(pairs > 5000);

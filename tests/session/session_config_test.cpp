@@ -113,6 +113,32 @@ TEST_CASE("a scene of matter goes into the text as a whole, and what does not go
   CHECK(with([](auto& c) { c.tool.kind = ToolKind::ball; }) == "tool.kind");
 }
 
+TEST_CASE("a scene of a soft body goes into the text as a whole, and takes tools of many points") {
+  SessionConfig config{.model = {.file = "jelly"}, .tool = {.kind = ToolKind::pad}};
+  config.matter = MatterScene{.matter = Matter::soft,
+                              .box_mm = {60, 70, 80},
+                              .fill_mm = {60, 20, 30},
+                              .spacing_mm = 7,
+                              .viscosity_Pa_s = 0.25,
+                              .young_Pa = 12345,
+                              .poisson = 0.25,
+                              .shape = SoftShape::ball,
+                              .hole_mm = 3,
+                              .pinned_mm = {{DVec3(1, 2, 3), DVec3(4, 5, 6)}},
+                              .gain = 2};
+  CHECK(parseConfig(configText(config)) == config);
+  CHECK(faultOf(config).empty());
+  config.matter->shape = SoftShape::box;
+  config.matter->model = "scan.ply";
+  config.matter->pinned_mm.reset();
+  CHECK(parseConfig(configText(config)) == config);
+  config.matter->gain = 0;
+  CHECK(faultOf(config) == "matter.gain");
+  config.matter->gain = 1;
+  config.brush.emplace();
+  CHECK(faultOf(config) == "brush.kind");
+}
+
 TEST_CASE("what a text does not say is at its default") {
   CHECK(parseConfig(R"({"version": 1})") == SessionConfig{});
   SessionConfig sculpting;

@@ -1,0 +1,162 @@
+#include "engine/matter/soft_press.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "shaders/shared/weight.h"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kPlacesOfBlock = 512;  // that one thread works on at a time
+
+}  // namespace
+
+SoftPress::SoftPress(const SoftBody& body, std::span<const SurfacePlace> surface)
+    : surface_(surface.begin(), surface.end()), now_(surface.size()), shares_(body.size(), 0) {
+  embedded_.reserve(surface.size());
+  for (const SurfacePlace& place : surface) embedded_.push_back(body.lattice().embed(DVec3(place.rest)));
+}
+
+void SoftPress::begin(const SoftBody& body, std::span<const SurfacePress> presses, double duration_s,
+                      WorkerTeam& team) {
+  const std::vector<Hold> before = std::exchange(holds_, {});
+  held_.clear();
+  duration_s_ = duration_s;
+  reports_.assign(presses.size(), {});
+  if (presses.empty()) return;
+  team.forEach((now_.size() + kPlacesOfBlock - 1) / kPlacesOfBlock, [&](std::size_t block) {
+    for (std::size_t i = block * kPlacesOfBlock; i < std::min((block + 1) * kPlacesOfBlock, now_.size()); ++i) {
+      const SoftLattice::Corners& nodes = body.lattice().corners()[embedded_[i].cell];
+      now_[i] = surface_[i].rest;
+      for (int k = 0; k < 8; ++k)
+        now_[i] += shared::cornerShare(embedded_[i].share, k) * body.displacements()[nodes[static_cast<std::size_t>(k)]];
+    }
+  });
+  for (const SurfacePress& press : presses) {
+    const std::size_t i = holds_.size();
+    const bool goesOn = i < before.size() && before[i].press.hand == press.hand;
+    hold(body, holds_.emplace_back(
+                   Hold{.press = press, .hand = press.handFrom_m, .force = goesOn ? before[i].force : DVec3(0)}));
+  }
+}
+
+void SoftPress::hold(const SoftBody& body, Hold& hold) {
+  hold.first = held_.size();
+  const auto radius = static_cast<float>(hold.press.radius_m);
+  const Vec3 middle(hold.press.place_m);
+  float all = 0, nearest2 = std::numeric_limits<float>::max();
+  std::size_t nearest = 0;
+  const auto take = [&](std::size_t i, float weight) {
+    const SoftLattice::Corners& nodes = body.lattice().corners()[embedded_[i].cell];
+    for (int k = 0; k < 8; ++k) {
+      const std::uint32_t node = nodes[static_cast<std::size_t>(k)];
+      if (shares_[node] == 0) held_.push_back({.node = node, .share = 0, .began = body.displacements()[node]});
+      // Above 0 even where a place is at the face of its cell: a node is taken once.
+      shares_[node] += std::max(weight * shared::cornerShare(embedded_[i].share, k), std::numeric_limits<float>::min());
+    }
+    all += weight;
+  };
+  for (std::size_t i = 0; i < now_.size(); ++i) {
+    const Vec3 offset = now_[i] - middle;
+    const float away2 = glm::dot(offset, offset);
+    if (away2 < nearest2) nearest2 = away2, nearest = i;
+    if (away2 < radius * radius) take(i, shared::wendland(std::sqrt(away2) / radius));
+  }
+  if (!(all > 0)) take(nearest, 1);
+  hold.last = held_.size();
+  for (std::size_t k = hold.first; k < hold.last; ++k) {
+    Held& held = held_[k];
+    held.share = shares_[held.node] / all;
+    shares_[held.node] = 0;
+    if (!body.isPinned(held.node))
+      hold.perMass += static_cast<double>(held.share) * static_cast<double>(held.share / body.masses()[held.node]);
+  }
+}
+
+DVec3 SoftPress::movedBy(const SoftBody& body, const Hold& hold) const {
+  DVec3 moved(0);
+  for (std::size_t k = hold.first; k < hold.last; ++k)
+    moved += static_cast<double>(held_[k].share) * DVec3(body.displacements()[held_[k].node] - held_[k].began);
+  return moved;
+}
+
+DVec3 SoftPress::velocityAfter(const SoftBody& body, const Hold& hold, const Substep& substep) const {
+  DVec3 velocity(0);
+  for (std::size_t k = hold.first; k < hold.last; ++k) {
+    const std::uint32_t node = held_[k].node;
+    if (body.isPinned(node)) continue;
+    const DVec3 force(body.forceOn(node));
+    velocity += static_cast<double>(held_[k].share) *
+                (DVec3(body.velocities()[node]) +
+                 substep.length_s * (force / static_cast<double>(body.masses()[node]) + substep.gravity));
+  }
+  return velocity;
+}
+
+// Implicit Euler for the place, from the force that is among the loads to that which it has at the end of the substep.
+DVec3 SoftPress::forceOnHand(const SoftBody& body, const Hold& hold, const Substep& substep) const {
+  const SurfacePress& press = hold.press;
+  const DVec3 hand = glm::mix(press.handFrom_m, press.handTo_m, substep.share);
+  const DVec3 handVelocity = (press.handTo_m - press.handFrom_m) / duration_s_;
+  const DVec3 velocity = velocityAfter(body, hold, substep);
+  const DVec3 stretch = press.place_m + movedBy(body, hold) + substep.length_s * velocity - hand;
+  const double answered =
+      substep.length_s * (press.stiffness_N_m * substep.length_s + press.damping_N_s_m) * hold.perMass;
+  const DVec3 force =
+      (press.stiffness_N_m * stretch + press.damping_N_s_m * (velocity - handVelocity) + answered * hold.force) /
+      (1 + answered);
+  const double push = glm::dot(force, press.normal);
+  if (!(push > 0)) return DVec3(0);
+  const DVec3 along = force - push * press.normal;
+  const double drag = glm::length(along), most = press.friction * push;
+  return push * press.normal + (drag > most ? most / drag : 1.0) * along;
+}
+
+void SoftPress::loadMore(SoftBody& body, const Hold& hold, const DVec3& onHand) const {
+  for (std::size_t k = hold.first; k < hold.last; ++k) body.loads()[held_[k].node] -= held_[k].share * Vec3(onHand);
+}
+
+// What the presses of one hand ask for together is no more than that hand bears.
+void SoftPress::limit(SoftBody& body) {
+  for (std::size_t i = 0; i < holds_.size();) {
+    std::size_t end = i;
+    DVec3 sum(0);
+    for (; end < holds_.size() && holds_[end].press.hand == holds_[i].press.hand; ++end) sum += holds_[end].force;
+    const double size = glm::length(sum), most = holds_[i].press.most_N;
+    for (; i < end; ++i) {
+      if (!(size > most)) continue;
+      const DVec3 limited = most / size * holds_[i].force;
+      loadMore(body, holds_[i], limited - holds_[i].force);
+      holds_[i].force = limited;
+    }
+  }
+}
+
+void SoftPress::load(SoftBody& body, double share, double substep_s, const DVec3& gravity_m_s2) {
+  const Substep substep{.share = share, .length_s = substep_s, .gravity = gravity_m_s2};
+  for (const Hold& hold : holds_) loadMore(body, hold, hold.force);
+  for (Hold& hold : holds_) {
+    const DVec3 force = forceOnHand(body, hold, substep);
+    loadMore(body, hold, force - hold.force);
+    hold.force = force;
+  }
+  limit(body);
+  for (std::size_t i = 0; i < holds_.size(); ++i) {
+    Hold& hold = holds_[i];
+    const DVec3 hand = glm::mix(hold.press.handFrom_m, hold.press.handTo_m, share);
+    reports_[i].impulse += substep_s * hold.force;
+    reports_[i].work_J -= glm::dot(hold.force, hand - hold.hand);
+    reports_[i].force_N = hold.force;
+    hold.hand = hand;
+  }
+}
+
+void SoftPress::end(const SoftBody& body) {
+  for (std::size_t i = 0; i < holds_.size(); ++i) reports_[i].place_m = holds_[i].press.place_m + movedBy(body, holds_[i]);
+}
+
+}  // namespace palpate

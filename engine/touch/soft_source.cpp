@@ -1,0 +1,145 @@
+#include "engine/touch/soft_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/matter/soft_scene.hpp"
+#include "engine/touch/matter_touch.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSameTime_s = 1e-7;
+// Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how deep: so
+// much of what the two differ by is taken over at a time.
+constexpr double kTrustInFelt = 0.1;
+// Of the support radius: what the weights of touch press on is about as wide as an even pressure on that.
+constexpr double kPressedShare = 0.5;
+// Steps of a touch after which its compliance is asked for, and again each time so many more have passed: it takes as long
+// as about fifteen of them.
+constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250;
+
+// The step that a time is in: a frame is never of a time to come.
+std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
+
+double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
+  return 16 * (1 - scene.poisson * scene.poisson) / (3 * kPi * kPi * scene.young_Pa * radius_m);
+}
+
+}  // namespace
+
+SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
+    : world_(std::move(world)), options_(options), slots_(kMostTouches) {
+  PALPATE_CHECK(world_->hasSurface());
+  const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
+  for (std::atomic<double>& compliance : compliances_)
+    compliance = halfSpaceCompliance_m_N(world_->scene(), radius_m) / kMatterUnit_m;
+}
+
+void SoftSource::restart() {
+  world_->reset();
+  std::ranges::fill(slots_, Slot{});
+  last_.reset();
+  beginnings_.fetch_add(1, std::memory_order_relaxed);
+}
+
+bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
+  if (reset_.load()) return true;
+  return !held_.load() && last_ != stepAt(time_s);
+}
+
+std::uint32_t SoftSource::stepsTo(double time_s) {
+  if (question_.count == 0) return 0;  // nobody has asked yet
+  const std::int64_t now = stepAt(time_s);
+  if (last_ && now < *last_) restart();
+  const std::int64_t steps = last_ ? now - *last_ : 0;
+  last_ = now;
+  if (options_.mostAtOnce == 0 || steps <= options_.mostAtOnce) return static_cast<std::uint32_t>(steps);
+  leftOut_.fetch_add(static_cast<std::uint64_t>(steps - options_.mostAtOnce), std::memory_order_relaxed);
+  return options_.mostAtOnce;
+}
+
+DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {
+  const double age_s = std::max(0.0, bodyTime_s_ - question_.feltAt_s);
+  if (std::abs(question_.pointsTime_s - bodyTime_s_) < kSameTime_s || !slot.presses)
+    return kMatterUnit_m * (touch.proxy + age_s * touch.velocity);
+  const DVec3 apart = kMatterUnit_m * touch.proxy - slot.place_m;
+  const double deeper = glm::dot(apart, touch.normal);
+  return slot.place_m + apart - (1 - kTrustInFelt) * deeper * touch.normal;
+}
+
+// The questions' proxies belong to where the body stands before the first step.
+void SoftSource::advance(std::uint32_t steps) {
+  const double radius_m = std::max(kMatterUnit_m * options_.radius, world_->plan().spacing_m);
+  for (std::size_t i = 0; i < question_.count; ++i) {
+    const SurfaceTouch& touch = question_.touches[i];
+    Slot& slot = slots_[i];
+    if (!slot.known) slot.hand_m = kMatterUnit_m * touch.hip;
+    slot.known = true;
+    slot.place_m = touch.touching ? placeOf(touch, slot) : DVec3(0);
+    slot.presses = touch.touching;
+    slot.steps = touch.touching ? slot.steps + steps : 0;
+  }
+  for (std::uint32_t k = 0; k < steps; ++k) {
+    presses_.clear();
+    pressing_.clear();
+    for (std::size_t i = 0; i < question_.count; ++i) {
+      const SurfaceTouch& touch = question_.touches[i];
+      Slot& slot = slots_[i];
+      const DVec3 to = glm::mix(slot.hand_m, kMatterUnit_m * touch.hip, 1.0 / (steps - k));
+      if (slot.presses) {
+        pressing_.push_back(i);
+        presses_.push_back({.place_m = slot.place_m,
+                            .normal = touch.normal,
+                            .handFrom_m = slot.hand_m,
+                            .handTo_m = to,
+                            .radius_m = radius_m,
+                            .stiffness_N_m = touch.spring.stiffness_N_per_unit / kMatterUnit_m / world_->scene().gain,
+                            .damping_N_s_m = touch.spring.damping_N_s_per_unit / kMatterUnit_m / world_->scene().gain,
+                            .friction = question_.friction,
+                            .most_N = touch.spring.most_N / world_->scene().gain,
+                            .hand = touch.hand});
+      }
+      slot.hand_m = to;
+    }
+    world_->press(presses_);
+    world_->step();
+    for (std::size_t n = 0; n < pressing_.size(); ++n) slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+  }
+  for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
+}
+
+// Of a tool the first point that touches speaks for all.
+void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot) {
+  const bool first = slot.steps == kFirstCompliance;
+  if (!slot.presses || !(first || (slot.steps > 0 && slot.steps % kNextCompliance == 0))) return;
+  const double reach = touch.hand == 0 ? options_.toolReach : 0;
+  const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, reach);
+  compliances_[touch.hand].store(world_->localCompliance_m_N(slot.place_m, radius_m, -touch.normal) / kMatterUnit_m,
+                                 std::memory_order_relaxed);
+}
+
+void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
+  if (const auto newest = asked_.load()) question_ = *newest;
+  if (reset_.exchange(false)) restart();
+  const std::uint32_t steps = stepsTo(time_s);
+  if (held_.load())
+    std::ranges::fill(slots_, Slot{});
+  else
+    advance(steps);
+  bodyTime_s_ = std::min(time_s, last_ ? static_cast<double>(*last_) * kMatterStep_s : time_s);
+  state_.store(world_->state());
+  world_->makeFrame(frame);
+  constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
+  for (Vec3& position : frame.positions) position *= kUnits;
+  for (Vec3& velocity : frame.velocities) velocity = held_.load() ? Vec3(0) : kUnits * velocity;
+  frame.time_s = bodyTime_s_;
+}
+
+std::string SoftSource::failure() const {
+  return state_.load() == MatterState::running ? std::string() : "has diverged";
+}
+
+}  // namespace palpate

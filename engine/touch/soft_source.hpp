@@ -1,0 +1,110 @@
+// The points of a soft body, where hands press on it: a source of frames whose time is that of a simulation.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/core/latest_value.hpp"
+#include "engine/core/simulation_control.hpp"
+#include "engine/core/tool_shape.hpp"
+#include "engine/core/touch_backend.hpp"
+#include "engine/matter/matter_simulation.hpp"
+#include "engine/motion/cloud_source.hpp"
+
+namespace palpate {
+
+/// Hands, and points of the first one's tool, at most.
+inline constexpr std::size_t kMostTouches = kMostToolPoints + kMostHands;
+
+/// A hand, or a point of its tool, at the surface: what it felt at one tick, and where it is at the next. Model units.
+struct SurfaceTouch {
+  bool touching = false;
+  DVec3 proxy{0}, normal{0}, velocity{0};  ///< of the surface that was felt
+  DVec3 hip{0};                            ///< at the next tick
+  HandSpring spring;                       ///< its share of it
+  std::uint32_t hand = 0;
+};
+
+/// All of them at a tick. Those of one hand stand together.
+struct SurfaceQuestion {
+  double time_s = 0;         ///< of `hip`
+  double feltAt_s = 0;       ///< the tick before, to which the proxies belong
+  double pointsTime_s = 0;   ///< of the frame in which they were felt
+  double friction = 0;
+  bool goesOn = false;       ///< a tick was later than the points that it felt: somebody asks for compliances
+  std::uint32_t count = 0;
+  std::array<SurfaceTouch, kMostTouches> touches;
+};
+
+struct SoftSourceOptions {
+  std::size_t points = 0;       ///< of the surface
+  double radius = 0;            ///< support radius of what is felt, model units
+  double toolReach = 0;         ///< of the first hand's tool, from its HIP, model units
+  std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
+};
+
+/// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the frame
+/// before; where time goes back the scene begins anew. So a frame's bytes follow from all that was asked before, and in
+/// virtual time from the poses. ask() is for one thread, makeFrame() and hasNewer() for another one, and the rest for any.
+class SoftSource final : public CloudSource, public SimulationControl {
+ public:
+  /// `world` has a surface.
+  SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
+
+  /// Where hands are from now on. Allocates nothing and waits for nobody.
+  void ask(const SurfaceQuestion& question) noexcept { asked_.store(question); }
+
+  std::size_t size() const override { return options_.points; }
+  void makeFrame(double time_s, CloudFrame& frame) override;
+  bool hasNewer(double time_s, double than_s) override;
+
+  /// How far the surface under a hand gives way for a force on it, model units per N: that of an elastic half-space
+  /// (Love 1929) until the body has been asked for its own.
+  double compliance(std::size_t hand) const noexcept { return compliances_[hand].load(std::memory_order_relaxed); }
+  /// How often the scene has begun anew.
+  std::uint32_t beginnings() const noexcept { return beginnings_.load(std::memory_order_relaxed); }
+
+  void reset() noexcept override { reset_.store(true); }
+  void hold(bool held) noexcept override { held_.store(held); }
+  bool isHeld() const noexcept override { return held_.load(); }
+  double leftOut_s() const noexcept override {
+    return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
+  }
+  std::string failure() const override;
+
+  const MatterSimulation& world() const { return *world_; }
+
+ private:
+  // A touch as the simulation knows it.
+  struct Slot {
+    bool known = false;      // where the hand was
+    bool presses = false;    // the surface has a place for it
+    DVec3 hand_m{0}, place_m{0};
+    std::uint32_t steps = 0; // that it has pressed on end
+  };
+  void restart();
+  std::uint32_t stepsTo(double time_s);
+  void advance(std::uint32_t steps);
+  DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;
+  void findCompliance(const SurfaceTouch& touch, const Slot& slot);
+
+  std::unique_ptr<MatterSimulation> world_;
+  SoftSourceOptions options_;
+  LatestValue<SurfaceQuestion> asked_;
+  SurfaceQuestion question_;
+  std::vector<Slot> slots_;
+  std::vector<SurfacePress> presses_;
+  std::vector<std::size_t> pressing_;    // of which touch each press is
+  std::optional<std::int64_t> last_;     // number of the step that the questions have come to
+  double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
+  std::array<std::atomic<double>, kMostHands> compliances_;
+  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
+  std::atomic<std::uint32_t> beginnings_ = 0;
+  std::atomic<bool> reset_ = false, held_ = false;
+  std::atomic<MatterState> state_ = MatterState::running;
+};
+
+}  // namespace palpate

@@ -1,0 +1,171 @@
+#include "engine/touch/soft_touch.hpp"
+
+#include <algorithm>
+
+#include "engine/contact/proxy_tracker.hpp"
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kNoAge_s = 1e-6;     // up to which points are of the tick itself
+constexpr double kQuiet_s = 0.02;        // after the scene has begun anew
+constexpr double kForVelocity_s = 2e-3;  // over which the velocity of a hand is taken
+
+}  // namespace
+
+SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface,
+                     const SoftTouchOptions& options)
+    : source_(std::move(source)), surface_(std::move(surface)), bodyMachine_(options.bodyMachine), answers_(options.tools.size()) {
+  question_.friction = options.friction;
+  for (const ProbeGroup& probes : makeProbeGroups(options.tools))
+    hands_.push_back({.probes = probes, .spring = {}, .points = {probes.points().begin(), probes.points().end()}});
+  PALPATE_CHECK_EQ(hands_.size(), surface_->hands());
+}
+
+void SoftTouch::setSprings(std::span<const HandSpring> springs) {
+  PALPATE_CHECK_EQ(springs.size(), hands_.size());
+  for (std::size_t i = 0; i < hands_.size(); ++i) hands_[i].spring = springs[i];
+}
+
+std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  lookAtScene(poses.front().time_s);
+  if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); }))
+    tell(poses);
+  const std::span<const Contact> answers = surface_->ask(poses, budget_us);
+  lookAtScene(poses.front().time_s);
+  remember(poses, answers);
+  answer(poses, answers);
+  return answers_;
+}
+
+// Where the surface stands somewhere else all at once a hand may be within: it feels nothing until the new surface is
+// there for certain, and is then not thrown out of it.
+void SoftTouch::lookAtScene(double time_s) {
+  const bool held = source_->isHeld();
+  const bool jumped = held || isHeld_ || beginnings_ != source_->beginnings();
+  isHeld_ = held;
+  beginnings_ = source_->beginnings();
+  if (jumped) quietUntil_s_ = time_s + kQuiet_s;
+  if (time_s < quietUntil_s_ - kQuiet_s) quietUntil_s_ = 0;  // time has gone back
+  isQuiet_ = time_s < quietUntil_s_;
+  if (isQuiet_)
+    for (std::size_t i = 0; i < hands_.size(); ++i) resetHand(i);
+}
+
+// What was felt at the last tick, and where hands are now.
+void SoftTouch::tell(std::span<const Pose> poses) {
+  question_.time_s = poses.front().time_s;
+  question_.count = 0;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    const Hand& hand = hands_[i];
+    const std::uint32_t first = hand.points.empty() ? 0 : 1;
+    for (std::uint32_t k = first; k < hand.probes.probes(); ++k) {
+      SurfaceTouch& touch = question_.touches[question_.count++];
+      const double share = first == 0 ? 1 : hand.points[k - 1].share;
+      touch.hip = hand.probes.place(k, poses[i]);
+      touch.spring = {.stiffness_N_per_unit = share * hand.spring.stiffness_N_per_unit,
+                      .damping_N_s_per_unit = share * hand.spring.damping_N_s_per_unit,
+                      .most_N = hand.spring.most_N};
+      touch.hand = static_cast<std::uint32_t>(i);
+    }
+  }
+  source_->ask(question_);
+}
+
+// For the next tick.
+void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> answers) {
+  const double now_s = poses.front().time_s;
+  question_.feltAt_s = now_s;
+  question_.pointsTime_s = surface_->pointsTime().value_or(PointsTime{}).true_s;
+  question_.goesOn = question_.goesOn || now_s > question_.pointsTime_s + kNoAge_s;
+  const std::size_t place = ticks_++ % kRemembered;
+  times_s_[place] = now_s;
+  std::uint32_t k = 0;
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    hands_[i].hips[place] = poses[i].hip;
+    const auto felt = [&](const Contact& contact) {
+      SurfaceTouch& touch = question_.touches[k++];
+      touch.touching = contact.touching && contact.valid && answers[i].valid && !isQuiet_;
+      touch.proxy = contact.proxy;
+      touch.normal = contact.normal;
+      touch.velocity = contact.velocity;
+    };
+    const std::span<const PointContact> points = surface_->points(i);
+    if (points.empty()) felt(answers[i]);
+    for (const PointContact& point : points) felt(point.contact);
+  }
+}
+
+DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {
+  const std::size_t known = std::min(ticks_, kRemembered);
+  // From the newest one back.
+  for (std::size_t back = 1; back < known; ++back) {
+    const std::size_t later = (ticks_ - back) % kRemembered, before = (ticks_ - back - 1) % kRemembered;
+    if (times_s_[before] > time_s || !(times_s_[later] > times_s_[before])) continue;
+    const double share = (time_s - times_s_[before]) / (times_s_[later] - times_s_[before]);
+    return glm::mix(hand.hips[before], hand.hips[later], std::min(share, 1.0));
+  }
+  return hand.hips[(ticks_ - known) % kRemembered];
+}
+
+DVec3 SoftTouch::strayed(const Hand& hand, const Pose& pose, double age_s) const {
+  const double from_s = pose.time_s - age_s;
+  const DVec3 there = hipAt(hand, from_s);
+  const DVec3 velocity = (there - hipAt(hand, from_s - kForVelocity_s)) / kForVelocity_s;
+  const PointsTime points = *surface_->pointsTime();
+  return pose.hip - (there + std::min(age_s, points.goOn_s) * velocity);
+}
+
+// The surface as if the hand pressed with a spring on another one that is as soft as the body there. It only gives way:
+// where a hand draws back sooner than it was thought to, it loses the surface that much sooner.
+Contact SoftTouch::givenWay(Contact contact, const DVec3& strayed, double share) const {
+  const double deeper = -glm::dot(strayed, contact.normal);
+  if (contact.touching && deeper > 0) contact.proxy -= share * deeper * contact.normal;
+  return contact;
+}
+
+void SoftTouch::answer(std::span<const Pose> poses, std::span<const Contact> answers) {
+  const auto points = surface_->pointsTime();
+  const bool failed = !source_->failure().empty();
+  for (std::size_t i = 0; i < hands_.size(); ++i) {
+    Hand& hand = hands_[i];
+    const double age_s = points ? poses[i].time_s - points->true_s : 0;
+    const double yields = hand.spring.stiffness_N_per_unit * source_->compliance(i);
+    const DVec3 away = age_s > kNoAge_s ? strayed(hand, poses[i], age_s) : DVec3(0);
+    const auto given = [&](const Contact& contact) { return givenWay(contact, away, yields / (1 + yields)); };
+    answers_[i] = given(answers[i]);
+    const std::span<const PointContact> felt = surface_->points(i);
+    for (std::size_t k = 0; k < felt.size(); ++k) {
+      hand.points[k] = felt[k];
+      hand.points[k].contact = given(felt[k].contact);
+    }
+    if (!failed && !isQuiet_) continue;
+    answers_[i] = {.proxy = poses[i].hip, .fresh = answers[i].fresh, .valid = answers[i].valid && !failed};
+    for (PointContact& point : hand.points) point.contact = {.proxy = point.hip, .valid = answers_[i].valid};
+  }
+}
+
+void SoftTouch::resetHand(std::size_t hand) noexcept {
+  surface_->resetHand(hand);
+  for (std::uint32_t k = 0; k < question_.count; ++k)
+    if (question_.touches[k].hand == hand) question_.touches[k].touching = false;
+}
+
+void SoftTouch::finish() {
+  surface_->finish();
+  if (const std::string failure = source_->failure(); !failure.empty())
+    throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+}
+
+void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
+  if (brush) throw UsageError("matter that moves by itself cannot be sculpted");
+}
+
+void SoftTouch::setContact(SurfaceKind surface, double friction, std::string_view method) {
+  surface_->setContact(surface, friction, method);
+  question_.friction = friction;
+}
+
+}  // namespace palpate

@@ -1,0 +1,95 @@
+// Hands on a soft body: they feel the ordinary surface of its points, and press on it.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/core/touch_backend.hpp"
+#include "engine/touch/probe_group.hpp"
+#include "engine/touch/soft_source.hpp"
+
+namespace palpate {
+
+struct SoftTouchOptions {
+  std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one for each hand, model units
+  double friction = 0;                                       ///< of the surface that is felt
+  std::string bodyMachine;                                   ///< that moves the body, where it is another one
+};
+
+/// Stands before the back end that feels the points of a SoftSource: it tells the source where hands were and are, so that
+/// the body is pressed by the spring and damper that each hand feels. Where an answer is of points that are older than the
+/// tick, as against the clock, they are where they would have gone by themselves had the hand gone straight on; by what the
+/// hand has gone deeper than that the surface gives way, with its compliance. Nothing of it is sculpted.
+class SoftTouch final : public TouchBackend {
+ public:
+  /// `surface` feels the points of `source`, which it has as its own.
+  SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface, const SoftTouchOptions& options);
+
+  std::size_t hands() const noexcept override { return surface_->hands(); }
+  std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
+  void prepare() noexcept override { surface_->prepare(); }
+  std::span<const PointContact> points(std::size_t hand) const noexcept override { return hands_[hand].points; }
+  void resetHand(std::size_t hand) noexcept override;
+  /// Throws Error where the simulation has failed, too.
+  void finish() override;
+  std::size_t readBack(PointCloud& cloud) const override { return surface_->readBack(cloud); }
+  bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
+  FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
+  SimulationControl* simulation() override { return source_.get(); }
+  std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
+  void setSprings(std::span<const HandSpring> springs) override;
+
+  bool keepsEdits() const override { return true; }
+  void keepEdits() override {}
+  void takeEdits(EditBatch&) override {}
+  EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
+  void setBrush(const std::optional<BrushOptions>& brush) override;
+  void setContact(SurfaceKind surface, double friction, std::string_view method) override;
+
+  std::string machine() const override {
+    return bodyMachine_.empty() ? surface_->machine() : surface_->machine() + "; the body on " + bodyMachine_;
+  }
+  double buildTime_us() const override { return surface_->buildTime_us(); }
+  const std::vector<double>& editTimes_us() const override { return surface_->editTimes_us(); }
+  std::span<const double> bridgeTimes_us() const override { return surface_->bridgeTimes_us(); }
+  std::optional<double> firstEditTime_s() const override { return std::nullopt; }
+  const TouchShortfalls& shortfalls() const override { return surface_->shortfalls(); }
+  IndexWork indexWork() const override { return surface_->indexWork(); }
+  BackendMemory memory() const override { return surface_->memory(); }
+  std::vector<PassRecord> passes() const override { return surface_->passes(); }
+  double cell() const override { return surface_->cell(); }
+
+ private:
+  static constexpr std::size_t kRemembered = 64;  // ticks
+  struct Hand {
+    ProbeGroup probes;  // for the places of its points alone
+    HandSpring spring;
+    std::vector<PointContact> points;  // as it gets them
+    std::array<DVec3, kRemembered> hips{};
+  };
+  void lookAtScene(double time_s);
+  void tell(std::span<const Pose> poses);
+  void remember(std::span<const Pose> poses, std::span<const Contact> answers);
+  void answer(std::span<const Pose> poses, std::span<const Contact> answers);
+  // What a hand has gone from where it would be had it gone straight on since the points were true.
+  DVec3 strayed(const Hand& hand, const Pose& pose, double age_s) const;
+  DVec3 hipAt(const Hand& hand, double time_s) const;
+  Contact givenWay(Contact contact, const DVec3& strayed, double share) const;
+
+  std::unique_ptr<SoftSource> source_;
+  std::unique_ptr<TouchBackend> surface_;  // goes before the source that it feels
+  std::string bodyMachine_;
+  std::vector<Hand> hands_;
+  std::vector<Contact> answers_;
+  SurfaceQuestion question_;
+  std::array<double, kRemembered> times_s_{};  // of the ticks that are remembered, in a ring
+  std::size_t ticks_ = 0;
+  std::uint32_t beginnings_ = 0;  // of the scene, as far as hands know
+  bool isHeld_ = false;
+  bool isQuiet_ = false;  // hands feel nothing
+  double quietUntil_s_ = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,107 @@
+// A model that stands still in matter, closed and rigid, as a field on the nodes of a lattice: the share of all weight about
+// a place that lies inside of it (density maps; Koschier, Bender 2017), and how far its surface is. Between nodes both are
+// trilinear, and the slope of the share is that of what is read, so that its pushes are the slope of an energy, too.
+#ifndef PALPATE_SHARED_MATTER_MODEL_H
+#define PALPATE_SHARED_MATTER_MODEL_H
+#include "shaders/shared/matter.h"
+#include "shaders/shared/types.h"
+
+PALPATE_SHARED_BEGIN
+
+// A node holds what stands along x between itself and the next one: the share at both, then the distance at both.
+struct ModelField {
+  vec3 corner;  // the node at 0, m
+  float nodesPerMetre;
+  ivec3 nodes;    // along each axis; 0: there is no model
+  float nearest;  // to its surface that a particle may come, m
+};
+PALPATE_SIZE(ModelField, 32);
+
+// The nodes about a place.
+struct ModelCell {
+  ivec3 node;  // the lowest
+  vec3 part;   // of the way to the next ones
+  bool isOutside;
+};
+
+PALPATE_FUNCTION ModelCell modelCell(ModelField field, vec3 place) {
+  const vec3 along = (place - field.corner) * field.nodesPerMetre;
+  ModelCell cell;
+  // Written so that what is no number is outside.
+  cell.isOutside = !(along.x >= 0.0f && along.y >= 0.0f && along.z >= 0.0f && along.x < float(field.nodes.x - 1) &&
+                     along.y < float(field.nodes.y - 1) && along.z < float(field.nodes.z - 1));
+  cell.node = cell.isOutside ? ivec3(0) : ivec3(along);
+  cell.part = cell.isOutside ? vec3(0.0f) : along - vec3(cell.node);
+  return cell;
+}
+PALPATE_FUNCTION uint modelNode(ModelField field, ivec3 node) {
+  return uint((node.z * field.nodes.y + node.y) * field.nodes.x + node.x);
+}
+
+// The model about a place.
+struct ModelAt {
+  float share;     // of all weight
+  float distance;  // from its surface, below 0 inside, m
+  vec3 slope;      // of the share, away from the model, 1 / m
+  vec3 outwards;   // unit, or 0 where the distance has no slope
+};
+
+PALPATE_FUNCTION float between(float a, float b, float part) { return a + part * (b - a); }
+
+// The slope along the three axes, of nodes, and the value. Of four rows along x the beginnings and the ends; y changes first.
+PALPATE_FUNCTION vec4 trilinear(vec4 begins, vec4 ends, vec3 part) {
+  const vec4 steps = ends - begins, rows = begins + part.x * steps;
+  const float low = between(rows.x, rows.y, part.y), high = between(rows.z, rows.w, part.y);
+  const float along = between(between(steps.x, steps.y, part.y), between(steps.z, steps.w, part.y), part.z);
+  return vec4(along, between(rows.y - rows.x, rows.w - rows.z, part.z), high - low, between(low, high, part.z));
+}
+
+// `a` to `d`: the nodes at the low end of the four rows about the place.
+PALPATE_FUNCTION ModelAt modelAt(ModelField field, vec3 part, vec4 a, vec4 b, vec4 c, vec4 d) {
+  const vec4 share = trilinear(vec4(a.x, b.x, c.x, d.x), vec4(a.y, b.y, c.y, d.y), part);
+  const vec4 away = trilinear(vec4(a.z, b.z, c.z, d.z), vec4(a.w, b.w, c.w, d.w), part);
+  const vec3 rises = vec3(away.x, away.y, away.z);
+  const float steep = length(rises);
+  ModelAt at;
+  at.share = share.w;
+  at.distance = away.w;
+  at.slope = -field.nodesPerMetre * vec3(share.x, share.y, share.z);
+  at.outwards = steep > 0.0f ? rises / steep : vec3(0.0f);
+  return at;
+}
+PALPATE_FUNCTION ModelAt noModel() {
+  ModelAt at;
+  at.share = 0.0f;
+  at.distance = 1e30f;
+  at.slope = vec3(0.0f);
+  at.outwards = vec3(0.0f);
+  return at;
+}
+
+// How far a particle is to go so that it is no nearer to the surface than it may be.
+PALPATE_FUNCTION vec3 keptOut(ModelField field, ModelAt at) {
+  return max(field.nearest - at.distance, 0.0f) * at.outwards;
+}
+
+// What the model is to a particle of water, as a wall that is bent: inside stands what is like it, at rest density. Where
+// it meets walls, shares are combined as if they were independent of each other.
+PALPATE_FUNCTION WallEffect modelEffect(WaterRules rules, ModelAt at, WallEffect walls) {
+  const float open = 1.0f - walls.sum / rules.wallSum;
+  WallEffect effect;
+  effect.sum = rules.wallSum * open * at.share;
+  effect.slope = rules.support * open * at.slope;
+  effect.drag = length(effect.slope) / max(at.distance, rules.nearest);
+  return effect;
+}
+// And what is left of the walls beside it.
+PALPATE_FUNCTION WallEffect wallsBesideModel(WallEffect walls, ModelAt at) {
+  const float open = 1.0f - at.share;
+  WallEffect effect;
+  effect.sum = open * walls.sum;
+  effect.slope = open * walls.slope;
+  effect.drag = open * walls.drag;
+  return effect;
+}
+
+PALPATE_SHARED_END
+#endif

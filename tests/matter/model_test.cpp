@@ -1,0 +1,193 @@
+// A closed cloud that stands still in water or sand.
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "engine/cloud/analytic_shape.hpp"
+#include "tests/matter/matter_truths.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A sphere whose points are some ten times denser on one side, with normals, in its own unit.
+PointCloud unevenSphere() {
+  PointCloud cloud = sampleShape(*makeShape("sphere", 2), {.count = 12000});
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.positions[i].x > 0.2f && i % 11 != 0) continue;
+    cloud.positions[kept] = cloud.positions[i];
+    cloud.normals[kept++] = cloud.normals[i];
+  }
+  cloud.positions.resize(kept);
+  cloud.normals.resize(kept);
+  return cloud;
+}
+
+PointCloud withoutCap(double height) {
+  PointCloud cloud = sampleShape(*makeShape("sphere", 2), {.count = 20000});
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (cloud.positions[i].y > static_cast<float>(height)) continue;
+    cloud.positions[kept] = cloud.positions[i];
+    cloud.normals[kept++] = cloud.normals[i];
+  }
+  cloud.positions.resize(kept);
+  cloud.normals.resize(kept);
+  return cloud;
+}
+
+MatterMaker withModel(std::shared_ptr<const MatterModel> model) {
+  return [model](const MatterScene& scene, std::size_t tools, std::vector<Vec3> places) {
+    return std::make_unique<MatterWorld>(scene, MatterOptions{.threads = 2, .tools = tools, .model = model},
+                                         std::move(places));
+  };
+}
+
+std::string refusalOf(PointCloud cloud, const MatterScene& scene) {
+  try {
+    const MatterModel model(std::move(cloud), scene, 2);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "taken";
+}
+
+}  // namespace
+
+TEST_CASE("a model in water is pushed up by the weight of what it displaces") {
+  checkModelDisplaces(onCpu(), 400, 300);
+}
+
+TEST_CASE("no water comes into a model that it falls upon, nor through walls beside it") {
+  for (const char* shape : {"sphere", "cube", "torus", "sculpture"}) {
+    CAPTURE(std::string(shape));
+    checkModelKeepsOut(onCpu(), modelInTank(shape, 80), 400);
+  }
+}
+
+TEST_CASE("no water comes into an uneven scan, as its true shape says it") {
+  const MatterScene scene = modelInTank("sphere", 80);
+  const auto model = std::make_shared<const MatterModel>(unevenSphere(), scene, 2);
+  CHECK(isWithin(0.02, model->volume_m3(), 4 * 3.14159265 / 3 * std::pow(0.04, 3)));
+  const auto world = withModel(model)(scene, 0, placesAtRest(scene));
+  const DVec3 middle = DVec3(0.07, 0.06, 0.07);
+  REQUIRE(withinBall(*world, middle, 0.04) == 0);
+  for (int k = 0; k < 30; ++k) {
+    run(*world, 10);
+    REQUIRE(withinBall(*world, middle, 0.04) == 0);
+  }
+  checkModelKeepsOut(withModel(model), scene, 300);
+}
+
+TEST_CASE("no grain comes into a model, and a heap upon it stands still") {
+  const MatterScene scene = modelInTank("sphere", 70, Matter::sand);
+  checkModelKeepsOut(onCpu(), scene, 300);
+  const auto world = atRest(onCpu(), scene);
+  run(*world, 1500);
+  CHECK(world->insideModel() == 0);
+  CHECK(world->totals().kinetic_J < 1e-5);
+}
+
+TEST_CASE("the field of a model says how far its surface is, and how much of it is about a place") {
+  const MatterScene scene = modelInTank("sphere", 80);
+  const MatterModel model(builtInModel(scene, 2), scene, 2);
+  const auto at = [&](double x) { return model.at(Vec3(0.07 + x, 0.06, 0.07)); };
+  for (const double far_m : {0.0, 0.003, 0.008, -0.004, -0.009}) {
+    CAPTURE(far_m);
+    const shared::ModelAt here = at(0.04 + far_m);
+    CHECK(std::abs(static_cast<double>(here.distance) - far_m) < 1.2e-3);  // an eighth of a spacing
+    CHECK(here.outwards.x > 0.99f);
+    CHECK(here.slope.x > 0);
+    const double step = 1e-5;
+    const double slope = static_cast<double>(at(0.04 + far_m - step).share - at(0.04 + far_m + step).share) / (2 * step);
+    CHECK(isWithin(0.02, here.slope.x, slope));
+  }
+  CHECK(at(0.04).share > 0.4f);
+  CHECK(at(0.04).share < 0.5f);  // of a ball less than of a plane
+  CHECK(at(0.0).share == doctest::Approx(1));
+  CHECK(at(0.0401 + 0.02).share < 1e-3f);
+  CHECK(at(0.5).share == 0);
+  CHECK(at(0.5).distance > 1);
+  CHECK(model.at(Vec3(std::nanf(""))).share == 0);
+}
+
+TEST_CASE("a model is the same for any number of threads, and water about it, too") {
+  const MatterScene scene = modelInTank("torus", 80);
+  const MatterModel one(builtInModel(scene, 1), scene, 1), three(builtInModel(scene, 3), scene, 3);
+  REQUIRE(one.nodes().size() == three.nodes().size());
+  CHECK(std::memcmp(one.nodes().data(), three.nodes().data(), one.nodes().size_bytes()) == 0);
+  const auto a = atRest(onCpu(1), scene), b = atRest(onCpu(3), scene);
+  run(*a, 30);
+  run(*b, 30);
+  CHECK(sameBytes(*a, *b));
+  CHECK(a->onModel().force_N == b->onModel().force_N);
+  a->reset();
+  CHECK(a->impulses().onModel == DVec3(0));
+  CHECK(a->onModel().force_N == DVec3(0));
+  run(*a, 30);
+  CHECK(sameBytes(*a, *b));
+}
+
+TEST_CASE("water far from a model moves as it does without one") {
+  MatterScene scene = tank({14, 30, 14}, 8);
+  const auto without = atRest(onCpu(), scene);
+  scene.model = "builtin:sphere";
+  scene.model_mm = DVec3(60);
+  scene.model_at_mm = DVec3(70, 200, 70);
+  const auto with = atRest(onCpu(), scene);
+  CHECK(with->leftOut() == 0);
+  run(*without, 50);
+  run(*with, 50);
+  CHECK(sameBytes(*with, *without));
+  CHECK(with->impulses().onModel == DVec3(0));
+}
+
+TEST_CASE("a model that is open is refused with the place and width of its hole, and a small one is closed") {
+  const MatterScene scene = modelInTank("sphere", 80);
+  const std::string open = refusalOf(withoutCap(0.5), scene);
+  CHECK(says(open, "model: is not closed: there is a hole about"));
+  CHECK(says(open, "mm wide at"));
+  CHECK(refusalOf(withoutCap(0.99), scene) == "taken");
+  MatterScene strict = scene;
+  strict.hole_mm = 5;
+  CHECK(says(refusalOf(withoutCap(0.97), strict), "model: is not closed"));
+  CHECK(says(refusalOf(sampleShape(*makeShape("sphere", 2), {.count = 50}), scene), "model: has 50 points"));
+  PointCloud turned = withoutCap(2);
+  for (Vec3& normal : turned.normals) normal = -normal;
+  CHECK(says(refusalOf(std::move(turned), scene), "model: its normals point inwards"));
+}
+
+TEST_CASE("a model that cannot stand there is refused with its field, before anything runs") {
+  const auto with = [](auto change) {
+    MatterScene scene = modelInTank("sphere", 80);
+    change(scene);
+    return refusal(scene);
+  };
+  CHECK(with([](MatterScene&) {}) == "taken");
+  CHECK(with([](MatterScene& s) { s.model_mm = DVec3(0), s.model_at_mm = {}; }) == "taken");
+  CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(-1, 80, 80); }), "model_mm: is -1 along x;"));
+  CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(30); }), "model_mm: is 30 on its longest side"));
+  CHECK(says(with([](MatterScene& s) { s.model_mm = DVec3(80, 80, 141); }), "model_mm: is 141 along z;"));
+  CHECK(says(with([](MatterScene& s) { s.model_mm.x = std::nan(""); }), "model_mm: is nan along x;"));
+  CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(70, 110, 70); }), "model_at_mm: puts the model from 110"));
+  CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(20, 0, 70); }), "model_at_mm: puts the model from -20"));
+  CHECK(says(with([](MatterScene& s) { s.model_at_mm = DVec3(std::nan("")); }), "model_at_mm: puts the model"));
+  CHECK(says(with([](MatterScene& s) { s.hole_mm = -1; }), "hole_mm: is -1;"));
+  CHECK(says(with([](MatterScene& s) { s.model.clear(); }), "model: is not there"));
+  MatterScene large = modelInTank("sphere", 80);
+  large.box_mm = DVec3(3000), large.model_mm = DVec3(3000), large.model_at_mm = {};
+  CHECK(says(refusal(large, 1 << 28), "spacing_mm:"));
+  MatterScene file = modelInTank("sphere", 80);
+  file.model = "scan.ply";
+  CHECK_THROWS_WITH(MatterWorld(file, {.threads = 1}), "model: scan.ply is a file that was not read");
+  file.model = "builtin:lava";
+  CHECK_THROWS(MatterWorld(file, {.threads = 1}));
+}
+
+TEST_CASE("a ball that begins in water or sand grows there, and pushes out what is within") {
+  for (const Matter matter : {Matter::water, Matter::sand}) checkBallBeginsInside(onCpu(), matter, 600);
+}
+
+}  // namespace palpate

@@ -1,0 +1,117 @@
+// Sessions with a soft body, on the CPU, in virtual time.
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/matter/soft_model.hpp"
+#include "engine/io/ply_writer.hpp"
+#include "haptics/session/session.hpp"
+#include "tests/scratch_folder.hpp"
+#include "tests/session/session_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+SessionConfig softSession() {
+  SessionConfig config{.model = {.file = "block"},
+                       .backend = {.name = "cpu"},
+                       .force = {.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0},
+                       .duration_s = 0.4};
+  config.matter = MatterScene{.matter = Matter::soft,
+                              .box_mm = {100, 100, 100},
+                              .fill_mm = {40, 30, 40},
+                              .spacing_mm = 5,
+                              .viscosity_Pa_s = 3};
+  return config;
+}
+
+Path pressed() { return Path({{0, {50, 33, 50}}, {0.2, {50, 25, 50}}, {0.4, {50, 25, 50}}}); }
+
+Model modelOf(const SessionConfig& config) {
+  Log log;
+  return loadModel(config, {.log = log, .threads = 1});
+}
+
+}  // namespace
+
+TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the same forces") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "log").string();
+  const auto cpu = cpuBackend();
+  const SessionConfig config = softSession();
+  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .journal = true});
+  const ServoResult result = runRecorded(session, file, pressed());
+  double most_N = 0;
+  for (const TraceRow& row : result.trace().rows) {
+    CHECK(row.valid);
+    CHECK(row.force_N.y >= 0);
+    most_N = std::max(most_N, row.force_N.y);
+  }
+  CHECK(most_N > 0.3);
+  CHECK(most_N < 0.5 * 5);  // it gives way
+  const SculptedCloud dented = session.sculpted();
+  CHECK(dented.edited > 100);
+  CHECK(dented.cloud.size() == session.model().cloud.size());
+  SessionRecord record = readSessionLog(file);
+  const RecordedSession recorded = parseHeader(file, record.text);
+  CHECK(recorded.config.matter == config.matter);
+  Session again(recorded.config, modelOf(recorded.config), {.backend = *cpu, .threads = 2});
+  CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
+  again.finish();
+  CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
+}
+
+TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of the model is to the hand") {
+  for (const double mm_per_unit : {1.0, 0.5}) {
+    CAPTURE(mm_per_unit);
+    SessionConfig config = softSession();
+    config.model.mm_per_unit = mm_per_unit;
+    const auto cpu = cpuBackend();
+    Session session(config, modelOf(config), {.backend = *cpu, .threads = 1});
+    const ServoResult result = runAlone(session, pressed());
+    const TraceRow& last = result.trace().rows.back();
+    CHECK(last.contact);
+    // At rest the surface is pushed as deep as the force makes a softer or stiffer hand stretch.
+    CHECK(last.force_N.y == doctest::Approx(0.5 * mm_per_unit * (last.proxy.y - last.hip.y)).epsilon(0.01));
+    // A body of that stiffness: half the spring goes farther in than all of it.
+    CHECK(30 - last.proxy.y > (mm_per_unit < 1 ? 0.5 : 1.0));
+    CHECK(30 - last.proxy.y < (mm_per_unit < 1 ? 3.0 : 4.5));
+  }
+}
+
+TEST_CASE("a scan is filled, felt and dented as a shape is, and one that is open is refused") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "ball.ply").string();
+  writePly(file, makeScene("sphere", 6'000).cloud);
+  SessionConfig config = softSession();
+  config.matter->model = file;
+  config.matter->fill_mm = {40, 40, 40};
+  const auto cpu = cpuBackend();
+  const Model model = modelOf(config);
+  CHECK(model.cloud.size() == 6'000);
+  CHECK(boundsOf(model.cloud).longestSide() == doctest::Approx(40).epsilon(0.01));
+  REQUIRE(model.soft);
+  Session session(config, model, {.backend = *cpu, .threads = 1});
+  const ServoResult result = runAlone(session, Path({{0, {50, 43, 50}}, {0.3, {50, 36, 50}}}));
+  CHECK(result.trace().rows.back().contact);
+  session.finish();
+  CHECK(session.sculpted().edited > 1'000);
+  config.matter->model = (folder / "none.ply").string();
+  CHECK_THROWS_AS(modelOf(config), Error);
+}
+
+TEST_CASE("the scenes of soft bodies that need no file can be touched") {
+  for (const char* name : {"jelly", "soft statue"}) {
+    CAPTURE(name);
+    SessionConfig config = softSession();
+    config.matter = matterSceneNamed(name);
+    const Model model = modelOf(config);
+    CHECK(model.cloud.hasNormals());
+    CHECK(model.ballRadius == 0);
+    CHECK(model.soft->solid.lattice.nodes() > 1'000);
+    CHECK(boundsOf(model.cloud).longestSide() > 70);
+  }
+}
+
+}  // namespace palpate

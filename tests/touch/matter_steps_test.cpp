@@ -1,0 +1,238 @@
+// What stands between hands and a simulation, with one whose answers are known: which steps it takes, where hands are in
+// each, and what is felt of an answer that has grown old.
+#include "engine/touch/matter_steps.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "engine/matter/tool_body.hpp"
+#include "engine/touch/matter_touch.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_m_s(0.05, -0.2, 0.1);
+
+// What a told simulation has seen, and whether it may go on.
+struct Told {
+  std::vector<HandPose> from, to;  // of the first hand, step by step
+  int begun = 0;
+  MatterState state = MatterState::running;
+  std::atomic<bool> waits = false;
+};
+
+// Says the same of its tools at each step.
+class ToldSimulation final : public MatterSimulation {
+ public:
+  ToldSimulation(const MatterScene& scene, Told& told) : MatterSimulation(scene, {.tools = 1}, {Vec3(0.01f)}), told_(told) {
+    reset();
+  }
+  std::optional<double> gpuTime_us() const override { return std::nullopt; }
+  std::vector<Vec3> positionsById() const override { return {Vec3(0.01f)}; }
+  std::vector<Vec3> velocitiesById() const override { return {Vec3(0.5f, 0, 0)}; }
+  void setVelocities(std::span<const Vec3>) override {}
+
+ private:
+  void begin() override { ++told_.begun; }
+  void placeTools(std::span<const HandPose>) override {}
+  StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override {
+    told_.waits.wait(true);
+    told_.from.push_back(from[0]);
+    told_.to.push_back(to[0]);
+    const DVec3 impulse = -kMatterStep_s / scene().gain * kForce_N;
+    return {.state = told_.state,
+            .tools = {{.springImpulse = impulse, .impulse = -impulse, .place_m = kPlace_m, .velocity_m_s = kVelocity_m_s}}};
+  }
+  std::vector<Vec4> pressedPlaces() const override { return {}; }
+
+  Told& told_;
+};
+
+MatterScene smallScene() {
+  MatterScene scene{.box_mm = DVec3(80), .fill_mm = DVec3(40), .spacing_mm = 10, .gain = 3};
+  scene.tool = usualTool(scene);
+  return scene;
+}
+
+MatterQuestion at(double time_s, const DVec3& place_m) {
+  MatterQuestion question{.time_s = time_s};
+  question.hands[0].place_m = place_m;
+  return question;
+}
+
+MatterSteps stepsOf(Told& told, std::uint32_t mostAtOnce = 0) {
+  return {std::make_unique<ToldSimulation>(smallScene(), told), 1, mostAtOnce};
+}
+
+// A simulation against the clock that has answered one pose, and answers none from then on.
+struct Stale {
+  Told told;
+  MatterTouch touch{std::make_unique<ToldSimulation>(smallScene(), told), {.hands = 1, .realtime = true}};
+  Pose asked{.time_s = 0.1, .hip = {10, 20, 30}};
+  Contact first;
+
+  Stale() {
+    first = touch.query(asked, 0);
+    told.waits = true;
+  }
+  ~Stale() {
+    told.waits = false;
+    told.waits.notify_all();
+  }
+  Contact later(double age_s, const DVec3& way) {
+    return touch.query({.time_s = asked.time_s + age_s, .hip = asked.hip + way}, 1);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("between two questions hands go straight on, step by step, and turn as evenly") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  steps.goTo(at(0, {1, 0, 0}));
+  CHECK(told.to.size() == 1);  // the first question is one step
+  MatterQuestion next = at(0.004, {5, 8, 0});
+  next.hands[0].orientation = DQuat(std::cos(0.4), 0, std::sin(0.4), 0);
+  steps.goTo(next);
+  REQUIRE(told.to.size() == 5);
+  for (int k = 1; k <= 4; ++k) {
+    const HandPose& there = told.to[static_cast<std::size_t>(k)];
+    CHECK(glm::distance(there.place_m, DVec3(1 + k, 2 * k, 0)) < 1e-12);
+    CHECK(there.orientation.y == doctest::Approx(std::sin(0.1 * k)));
+    CHECK(glm::distance(told.from[static_cast<std::size_t>(k)].place_m, told.to[static_cast<std::size_t>(k - 1)].place_m) <
+          1e-12);
+  }
+  steps.goTo(at(0.0041, {9, 9, 9}));  // not a step later
+  CHECK(told.to.size() == 5);
+  steps.goTo(at(0.005, {5, 8, 4}));
+  REQUIRE(told.to.size() == 6);
+  CHECK(told.to.back().place_m == DVec3(5, 8, 4));
+}
+
+TEST_CASE("where time goes back, or it is told to, everything begins anew with a single step") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  CHECK(told.begun == 1);
+  for (int k = 0; k < 10; ++k) steps.goTo(at(1e-3 * k, {0, 0, 1e-3 * k}));
+  CHECK(told.to.size() == 10);
+  steps.goTo(at(0.009, {0, 0, 1}));  // the same time is not back
+  CHECK(told.begun == 1);
+  steps.goTo(at(0.004, {0, 0, 7}));
+  CHECK(told.begun == 2);
+  CHECK(told.to.size() == 11);
+  CHECK(told.from.back().place_m == told.to.back().place_m);  // the hand did not come from where it was before
+  steps.goTo(at(0.005, {0, 0, 8}));
+  CHECK(told.to.size() == 12);
+  CHECK(steps.world().time_s() == doctest::Approx(0.002));
+  steps.reset();
+  steps.goTo(at(0.105, {0, 0, 9}));
+  CHECK(told.begun == 3);
+  CHECK(told.to.size() == 13);
+  CHECK(told.from.back().place_m == DVec3(0, 0, 9));
+}
+
+TEST_CASE("while it is held no step is taken and nobody feels it, and it goes on from where the hand is then") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  CHECK(steps.goTo(at(0, {1, 0, 0})).moves);
+  steps.hold(true);
+  const MatterAnswer held = steps.goTo(at(0.01, {2, 0, 0}));
+  CHECK_FALSE(held.moves);
+  CHECK(told.to.size() == 1);
+  steps.goTo(at(0.02, {3, 0, 0}));
+  steps.hold(false);
+  CHECK(steps.goTo(at(0.022, {5, 0, 0})).moves);
+  REQUIRE(told.to.size() == 3);
+  CHECK(told.to[1].place_m.x == doctest::Approx(4));
+  CHECK(told.to[2].place_m.x == doctest::Approx(5));
+}
+
+TEST_CASE("steps beyond the most at once are left out, and counted; those that are taken bring the hand to its place") {
+  Told told;
+  MatterSteps steps = stepsOf(told, 2);
+  steps.goTo(at(0, {0, 0, 0}));
+  steps.goTo(at(0.002, {2, 0, 0}));
+  CHECK(steps.leftOut_s() == 0);
+  steps.goTo(at(0.012, {8, 0, 0}));
+  CHECK(steps.leftOut_s() == doctest::Approx(0.008));
+  REQUIRE(told.to.size() == 5);
+  CHECK(told.to[3].place_m.x == doctest::Approx(5));
+  CHECK(told.to[4].place_m.x == doctest::Approx(8));
+}
+
+TEST_CASE("what is shown is of the time of its question, once, and the newest") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  MatterView view;
+  CHECK_FALSE(steps.take(view));
+  steps.goTo(at(0.25, {}));
+  REQUIRE(steps.take(view));
+  CHECK(view.time_s == 0.25);
+  CHECK(view.positions == steps.world().positionsById());
+  CHECK(view.velocities == steps.world().velocitiesById());
+  CHECK_FALSE(steps.take(view));
+  steps.goTo(at(0.253, {}));
+  REQUIRE(steps.take(view));
+  CHECK(view.time_s == 0.253);
+}
+
+TEST_CASE("an answer that is of its tick is felt as it is") {
+  Stale stale;
+  CHECK(stale.first.fresh);
+  CHECK(stale.first.dataTime_s == 0.1);
+  REQUIRE(stale.first.force_N);
+  CHECK(glm::distance(*stale.first.force_N, kForce_N) < 1e-12);
+  CHECK(glm::distance(stale.first.proxy, 1e3 * kPlace_m) < 1e-9);
+  CHECK(glm::distance(stale.first.velocity, 1e3 * kVelocity_m_s) < 1e-9);
+  CHECK(glm::distance(stale.first.normal, glm::normalize(kForce_N)) < 1e-12);
+}
+
+TEST_CASE("an answer that has grown old pushes back by the ball's spring where the hand has gone on from the ball") {
+  Stale stale;
+  const MatterScene scene = smallScene();
+  const double stiffness_N_mm = 1e-3 * scene.gain * toolSpring(scene.tool, kMatterStep_s).stiffness;
+  const DVec3 way(0.7, -1.1, 0.2);
+  const double age_s = 0.004;
+  const Contact later = stale.later(age_s, way);
+  CHECK_FALSE(later.fresh);
+  CHECK(later.valid);
+  CHECK(later.dataTime_s == 0.1);
+  REQUIRE(later.force_N);
+  // The ball goes on as it went, and the hand with it stretches nothing.
+  const DVec3 went = 1e3 * age_s * kVelocity_m_s;
+  CHECK(glm::distance(*later.force_N, kForce_N - stiffness_N_mm * (way - went)) < 1e-9);
+  CHECK(glm::distance(later.proxy, 1e3 * kPlace_m + went) < 1e-9);
+  CHECK(glm::distance(later.velocity, 1e3 * kVelocity_m_s) < 1e-9);
+  CHECK(glm::distance(later.normal, glm::normalize(*later.force_N)) < 1e-12);
+  const Contact along = stale.later(age_s, went);
+  CHECK(glm::distance(*along.force_N, kForce_N) < 1e-9);
+  // Ever less of it, and in the end nothing.
+  const double older_s = 0.0125;
+  const Contact half = stale.later(older_s, 1e3 * older_s * kVelocity_m_s);
+  CHECK(glm::distance(*half.force_N, 0.5 * kForce_N) < 1e-9);
+  const Contact none = stale.later(0.021, {});
+  CHECK_FALSE(none.touching);
+  CHECK_FALSE(none.force_N);
+  CHECK(none.valid);
+}
+
+TEST_CASE("a failed simulation answers nothing that is valid, and one that is held nothing that is felt") {
+  Told told;
+  MatterTouch touch(std::make_unique<ToldSimulation>(smallScene(), told), {.hands = 1});
+  CHECK(touch.query({.time_s = 0, .hip = DVec3(9)}, 0).touching);
+  touch.simulation()->hold(true);
+  const Contact held = touch.query({.time_s = 0.001, .hip = DVec3(9)}, 0);
+  CHECK(held.valid);
+  CHECK_FALSE(held.touching);
+  touch.simulation()->hold(false);
+  CHECK(touch.query({.time_s = 0.002, .hip = DVec3(9)}, 0).touching);
+  told.state = MatterState::crowded;
+  CHECK_FALSE(touch.query({.time_s = 0.003, .hip = DVec3(9)}, 0).valid);
+  CHECK(touch.simulation()->failure() == "has too many particles in one place");
+}
+
+}  // namespace palpate

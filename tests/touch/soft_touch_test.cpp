@@ -1,0 +1,289 @@
+// Soft bodies under hands on the CPU: what is felt is what is done to them. Needs no GPU.
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "engine/core/error.hpp"
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/touch/soft_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+std::unique_ptr<TouchBackend> onCpu(const PointCloud& cloud, CloudSource& source, double radius,
+                                    const SoftTouchOptions& touch) {
+  return std::make_unique<CpuTouch>(
+      cloud,
+      CpuTouchOptions{.radius = radius, .friction = touch.friction, .tools = touch.tools, .threads = 1, .source = &source});
+}
+
+SoftScene touched(const MatterScene& scene, const SoftTouching& options = {}) { return {scene, options, onCpu}; }
+
+// Above the middle of the block, so deep.
+DVec3 atDepth(double depth) { return {50, 40 - depth, 50}; }
+
+// From 2 mm above down to `depth`, in `down_s`, and there.
+Pose press(double time_s, double depth, double down_s = 0.3) {
+  return {.time_s = time_s, .hip = atDepth(-2 + (depth + 2) * std::min(time_s / down_s, 1.0))};
+}
+
+}  // namespace
+
+TEST_CASE("a flat plate that covers a bar feels it as stiff as E A / L") {
+  MatterScene scene = softBlock();
+  scene.fill_mm = {30, 60, 30};
+  scene.friction = 0;
+  scene.poisson = 0.3;
+  // What sticks to the top does not slip off its edges.
+  SoftTouching options{.touch = {.tools = {flatPlate(6, 27)}, .friction = 1}};
+  options.spring.stiffness_N_per_unit = 5;
+  options.spring.most_N = 100;
+  SoftScene bar = touched(scene, options);
+  // The force and the mean way of the surface at rest in a depth.
+  const auto pressed = [&](double begin_s, double depth) {
+    double force_N = 0, way = 0;
+    for (int k = 0; k < 1200; ++k) {
+      const double time_s = begin_s + 1e-3 * k;
+      const double y = 60 - depth + 2 * std::max(0.0, 1 - 1e-3 * k / 0.3) ;
+      bar.touch().query({.time_s = time_s, .hip = {50, y, 50}}, 0);
+    }
+    for (const PointContact& point : bar.touch().points(0)) {
+      REQUIRE(point.contact.touching);
+      force_N += point.share * 5 * (point.contact.proxy.y - point.hip.y);
+      way += point.contact.proxy.y / static_cast<double>(bar.touch().points(0).size());
+    }
+    return std::pair(force_N, way);
+  };
+  const auto [lessForce_N, less] = pressed(0, 1.5);
+  const auto [moreForce_N, more] = pressed(1.2, 3.5);
+  const double stiffness_N_per_mm = 3e4 * 9e-4 / 0.06 * 1e-3;
+  const double felt_N_per_mm = (moreForce_N - lessForce_N) / (less - more);
+  CHECK(moreForce_N > 0.5);
+  CHECK(felt_N_per_mm == doctest::Approx(stiffness_N_per_mm).epsilon(0.05));
+}
+
+TEST_CASE("the deeper a hand goes the more it feels, less than from a rigid cloud, and all is as it was when it has gone") {
+  SoftScene block = touched(softBlock());
+  for (int k = 0; k < 500; ++k) block.touch().query({.time_s = 1e-3 * k, .hip = atDepth(-10)}, 0);
+  const PointCloud before = block.points();
+  double last_N = 0, deepest_N = 0;
+  for (int k = 0; k <= 1200; ++k) {
+    const double time_s = 0.5 + 1e-3 * k;
+    const double depth = -2 + 10 * std::min(k / 800.0, 1.0);
+    const Contact contact = block.touch().query({.time_s = time_s, .hip = atDepth(depth)}, 0);
+    CHECK(contact.valid);
+    const double force_N = contact.touching ? 0.5 * (contact.proxy.y - atDepth(depth).y) : 0;
+    if (depth < -0.5) CHECK(force_N == 0);
+    if (k % 50 == 0 && depth > 0.5 && k <= 800) {
+      CHECK(force_N > last_N);
+      last_N = force_N;
+    }
+    deepest_N = std::max(deepest_N, force_N);
+  }
+  CHECK(deepest_N > 0.5);
+  CHECK(deepest_N < 0.8 * 0.5 * 8);  // a rigid one would give all of that
+  double deepest = 0;
+  const PointCloud dented = block.points();
+  for (std::size_t i = 0; i < dented.size(); ++i)
+    deepest = std::max(deepest, static_cast<double>(before.positions[i].y - dented.positions[i].y));
+  CHECK(deepest > 2);
+  for (int k = 0; k < 2500; ++k) block.touch().query({.time_s = 1.8 + 1e-3 * k, .hip = atDepth(-10)}, 0);
+  const PointCloud after = block.points();
+  for (std::size_t i = 0; i < after.size(); ++i)
+    CHECK(glm::distance(after.positions[i], before.positions[i]) < 0.1f);
+}
+
+TEST_CASE("what the hand feels is what the body gets, and no momentum is lost between them") {
+  for (const double friction : {0.0, 0.6}) {
+    CAPTURE(friction);
+    SoftTouching options;
+    options.touch.friction = friction;
+    SoftScene block = touched(softBlock(), options);
+    FeltSpring spring(options.spring);
+    DVec3 felt(0);
+    // Down, and along the top while it is pressed.
+    for (int k = 0; k < 800; ++k) {
+      Pose pose = press(1e-3 * k, 6);
+      pose.hip.x += 8 * std::max(0.0, 1e-3 * k - 0.4);
+      felt += 1e-3 * spring.add(block.touch().query(pose, 0), pose.hip, 1e-3);
+    }
+    const MatterImpulses& given = block.world().impulses();
+    CHECK(felt.y > 0.2);
+    CHECK(std::abs(given.onTools.y - felt.y) < 0.01 * felt.y);
+    CHECK(std::abs(given.onTools.x - felt.x) < 0.02 * felt.y);
+    if (friction > 0) CHECK(felt.x < -0.02);
+    const DVec3 missing = block.world().totals().momentum - (given.gravity - given.onWalls - given.onTools);
+    CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
+  }
+}
+
+TEST_CASE("the same poses give the same bytes, with any number of threads, and after the scene has begun anew") {
+  SoftTouching options;
+  options.threads = 1;
+  SoftScene one = touched(softBlock(), options);
+  options.threads = 3;
+  SoftScene three = touched(softBlock(), options);
+  const auto play = [](SoftScene& scene) {
+    std::vector<DVec3> proxies;
+    for (int k = 0; k < 300; ++k) proxies.push_back(scene.touch().query(press(1e-3 * k, 5, 0.2), 0).proxy);
+    return proxies;
+  };
+  const auto first = play(one);
+  CHECK(first == play(three));
+  const PointCloud there = one.points();
+  CHECK(there.positions == three.points().positions);
+  CHECK(there.normals == three.points().normals);
+  // Where time goes back everything begins anew; the hand is free then.
+  CHECK(play(one) == first);
+  CHECK(one.points().positions == there.positions);
+}
+
+TEST_CASE("random hands get no more than a millijoule out of a soft body by its surface") {
+  std::mt19937 random(11);
+  std::normal_distribution<double> push;
+  for (const double viscosity : {0.0, 3.0}) {
+    for (const double friction : {0.0, 0.5}) {
+      CAPTURE(viscosity);
+      CAPTURE(friction);
+      MatterScene scene = softBlock();
+      scene.viscosity_Pa_s = viscosity;
+      SoftTouching options;
+      options.touch.friction = friction;
+      SoftScene block = touched(scene, options);
+      FeltSpring spring(options.spring);
+      DVec3 hip = atDepth(-1), speed(0), force(0);
+      double energy_mJ = 0, least_mJ = 0, most_N = 0;
+      for (int k = 0; k < 2000; ++k) {
+        speed = 0.98 * speed - DVec3(0, 3, 0);
+        for (int axis = 0; axis < 3; ++axis) speed[axis] += 30 * push(random);
+        const DVec3 next = glm::clamp(hip + 1e-3 * speed, DVec3(32, 30, 32), DVec3(68, 50, 68));
+        const DVec3 now = spring.add(block.touch().query({.time_s = 1e-3 * k, .hip = next}, 0), next, 1e-3);
+        // What the surface takes in: of the force on the way there, from both of its ends.
+        energy_mJ -= glm::dot((force + now) / 2.0, next - hip);
+        least_mJ = std::min(least_mJ, energy_mJ);
+        force = now;
+        hip = next;
+        most_N = std::max(most_N, glm::length(now));
+      }
+      CHECK(block.touch().simulation()->failure().empty());
+      CHECK(least_mJ >= -1);
+      CHECK(most_N > 0.5);
+    }
+  }
+}
+
+TEST_CASE("two hands press one body: each feels the other, and both are what the body gets") {
+  SoftTouching options;
+  options.touch.tools.resize(2);
+  SoftScene both = touched(softBlock(), options), alone = touched(softBlock(), options);
+  std::array<FeltSpring, 2> springs{FeltSpring(options.spring), FeltSpring(options.spring)};
+  DVec3 felt(0);
+  double apart_N = 0;
+  for (int k = 0; k < 600; ++k) {
+    const double time_s = 1e-3 * k;
+    std::array<Pose, 2> poses{press(time_s, 4), press(time_s, 8)};
+    poses[0].hip.x = 40;
+    poses[1].hip.x = 60;
+    const auto answers = both.touch().ask(poses, 0);
+    const DVec3 first = springs[0].add(answers[0], poses[0].hip, 1e-3);
+    felt += 1e-3 * (first + springs[1].add(answers[1], poses[1].hip, 1e-3));
+    poses[1].hip.y = 60;
+    const Contact single = alone.touch().ask(poses, 0)[0];
+    if (single.touching)
+      apart_N = std::max(apart_N, glm::distance(first, 0.5 * (single.proxy - poses[0].hip)));
+  }
+  CHECK(std::abs(both.world().impulses().onTools.y - felt.y) < 0.01 * felt.y);
+  CHECK(apart_N > 0.02);
+}
+
+TEST_CASE("a hand bears no more than it says, and the body gets no more from it") {
+  SoftTouching options;
+  options.spring = {.stiffness_N_per_unit = 4, .damping_N_s_per_unit = 0, .most_N = 0.4};
+  SoftScene block = touched(softBlock(), options);
+  for (int k = 0; k < 700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
+  const DVec3 before = block.world().impulses().onTools;
+  for (int k = 700; k < 1700; ++k) block.touch().query(press(1e-3 * k, 6), 0);
+  CHECK((block.world().impulses().onTools - before).y == doctest::Approx(0.4).epsilon(0.01));
+}
+
+TEST_CASE("a scene that is held is felt by nobody and stands still; it goes on, and begins anew, when it is told to") {
+  SoftScene block = touched(softBlock());
+  int k = 0;
+  const auto ask = [&](double depth) { return block.touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth)}, 0); };
+  for (int i = 0; i < 300; ++i) ask(-2 + 0.02 * i);
+  CHECK(ask(4).touching);
+  const PointCloud dented = block.points();
+  SimulationControl& control = *block.touch().simulation();
+  control.hold(true);
+  for (int i = 0; i < 20; ++i) CHECK_FALSE(ask(4).touching);
+  CHECK(block.points().positions == dented.positions);
+  control.hold(false);
+  for (int i = 0; i < 200; ++i) CHECK_FALSE(ask(4).touching);  // within, as it was: the body closes about it
+  CHECK(block.points().positions != dented.positions);
+  for (int i = 0; i < 20; ++i) ask(-2);
+  for (int i = 0; i < 200; ++i) ask(-2 + 0.03 * i);
+  CHECK(ask(4).touching);
+  control.reset();
+  for (int i = 0; i < 30; ++i) CHECK_FALSE(ask(4).touching);
+  CHECK(block.world().time_s() < 0.04);
+  CHECK(control.leftOut_s() == 0);
+}
+
+TEST_CASE("a hand that is no number gets no answer and moves nothing, and what fails gives none until it begins anew") {
+  SoftScene block = touched(softBlock());
+  for (int k = 0; k < 300; ++k) block.touch().query(press(1e-3 * k, 4, 0.2), 0);
+  const PointCloud before = block.points();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(block.touch().query({.time_s = 0.3, .hip = {nan, 0, 0}}, 0).valid);
+  CHECK(block.points().positions == before.positions);
+  CHECK(block.touch().query(press(0.301, 4, 0.2), 0).valid);
+  CHECK_THROWS_WITH_AS(block.touch().setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
+  CHECK_FALSE(block.touch().editScope().edits);
+}
+
+TEST_CASE("where points are older than the tick the surface gives way as the body would, and is no wall") {
+  // Ticks come four times as often as steps: three of them feel points of before.
+  const SoftTouching options;
+  SoftScene block = touched(softBlock(), options);
+  int k = 0;
+  const auto ask = [&](double depth) { return block.touch().query({.time_s = 2.5e-4 * k++, .hip = atDepth(depth)}, 0); };
+  for (int i = 0; i < 800; ++i) ask(-2 + 6.0 * std::min(1.0, i / 400.0));
+  while (k % 4 != 0) ask(4);
+  const Contact fresh = ask(4);
+  REQUIRE(fresh.touching);
+  // A quarter of a millisecond later, the hand is deeper by half a millimetre all at once.
+  const Contact later = ask(4.5);
+  const double yields = 0.5 * block.source().compliance(0);
+  CHECK(yields > 0.2);
+  const double gone = fresh.proxy.y - later.proxy.y;
+  CHECK(gone == doctest::Approx(0.5 * yields / (1 + yields)).epsilon(0.05));
+  // As soft as what the body itself says of the place.
+  auto& world = const_cast<MatterSimulation&>(block.world());
+  const double own = world.localCompliance_m_N(1e-3 * fresh.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 1e3;
+  CHECK(block.source().compliance(0) == doctest::Approx(own).epsilon(0.05));
+  CHECK(block.source().compliance(0) != SoftScene(softBlock(), options, onCpu).source().compliance(0));  // a half-space's
+  // What draws back finds the surface where it was.
+  const Contact back = ask(3.5);
+  CHECK(back.proxy.y == doctest::Approx(fresh.proxy.y).epsilon(1e-4));
+}
+
+TEST_CASE("against the clock nobody waits for a step, what is too slow is left out, and the body is pressed all the same") {
+  SoftTouching options;
+  options.realtime = true;
+  SoftScene block = touched(softBlock(), options);
+  double most = 0;
+  for (int k = 0; k < 500; ++k) {
+    const Contact contact = block.touch().query(press(1e-3 * k, 4, 0.2), 500);
+    block.touch().prepare();
+    CHECK(contact.valid);
+    if (contact.touching) most = std::max(most, contact.proxy.y - press(1e-3 * k, 4, 0.2).hip.y);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  block.touch().finish();
+  CHECK(most > 0.5);
+  CHECK(block.world().impulses().onTools.y > 0.01);
+  CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() == doctest::Approx(0.5).epsilon(0.1));
+}
+
+}  // namespace palpate
