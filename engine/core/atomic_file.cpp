@@ -33,6 +33,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::write(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;  // std::fwrite wants a place even for none
   if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size()) throw FileError(target_, whyNotWritten(errno));
 }
 
