@@ -70,7 +70,9 @@ ConvertInput readInput(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
-                                {.normalsFromFaces = options.normals == "face", .allPoints = options.allPoints, .columns = columnsOf(options, from)}),
+                                {.normalsFromFaces = options.normals == "face",
+                                 .allPoints = options.allPoints,
+                                 .columns = columnsOf(options, from)}),
             .format = std::string(from.name)};
   }
   FusedFolder fused =

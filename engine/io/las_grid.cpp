@@ -81,7 +81,9 @@ LasGrid lasGridFor(const PointCloud& cloud) {
     if (fits(decimal, box) && allOn(decimal, cloud, kRounding)) return {decimal, allOn(decimal, cloud, 0)};
   }
   // Half the numbers are left, so that a whole cell more at either end fits.
-  const auto finest = [](double reach) { return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMost / 2)))); };
+  const auto finest = [](double reach) {
+    return std::exp2(std::ceil(std::log2(std::max(reach, 1e-30) / (kMost / 2))));
+  };
   CoordinateGrid binary{DVec3(finest(std::max(largest(box.min), largest(box.max)))), DVec3(0)};
   if (allOn(binary, cloud, 0)) return {binary};
   binary.step = DVec3(finest(0.5 * box.longestSide()));

@@ -44,11 +44,12 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
     grid.step[k] = load<double>(begin, stepAt);
     grid.offset[k] = load<double>(begin, offsetAt);
     if (!std::isnormal(grid.step[k]) || !(std::abs(grid.step[k]) < kLargestStep))
-      throw FileError::atByte(file, stepAt,
-                              fmt::format("the scale of {} is {}; expected a number other than zero", "xyz"[k], grid.step[k]));
+      throw FileError::atByte(
+          file, stepAt,
+          fmt::format("the scale of {} is {}; expected a number other than zero", "xyz"[k], grid.step[k]));
     if (!(std::abs(grid.offset[k]) < kFarthest))
-      throw FileError::atByte(file, offsetAt,
-                              fmt::format("the offset of {} is {}; expected a finite number", "xyz"[k], grid.offset[k]));
+      throw FileError::atByte(
+          file, offsetAt, fmt::format("the offset of {} is {}; expected a finite number", "xyz"[k], grid.offset[k]));
   }
   return grid;
 }
@@ -56,10 +57,11 @@ CoordinateGrid readGrid(const std::filesystem::path& file, std::span<const std::
 void checkPlaces(const std::filesystem::path& file, const LasHeader& header) {
   const std::size_t least = header.minor == 4 ? kLasHeader14 : header.minor == 3 ? kLasHeader13 : kLasShortHeader;
   if (header.size < least)
-    throw FileError::atByte(file, 94, fmt::format("a header of {} bytes; version 1.{} has at least {}", header.size,
-                                                  header.minor, least));
+    throw FileError::atByte(
+        file, 94, fmt::format("a header of {} bytes; version 1.{} has at least {}", header.size, header.minor, least));
   if (header.pointsAt < header.size)
-    throw FileError::atByte(file, 96, fmt::format("points at byte {}, inside the header of {}", header.pointsAt, header.size));
+    throw FileError::atByte(file, 96,
+                            fmt::format("points at byte {}, inside the header of {}", header.pointsAt, header.size));
 }
 
 struct ExtraType {
@@ -127,8 +129,13 @@ void addCore(LasPointFormat& format, bool extended) {
   if (extended) {
     addBits(format, 14, {{"return_number", 4}, {"number_of_returns", 4}});
     addBits(format, 15,
-            {{"synthetic", 1}, {"key_point", 1}, {"withheld", 1}, {"overlap", 1}, {"scanner_channel", 2},
-             {"scan_direction_flag", 1}, {"edge_of_flight_line", 1}});
+            {{"synthetic", 1},
+             {"key_point", 1},
+             {"withheld", 1},
+             {"overlap", 1},
+             {"scanner_channel", 2},
+             {"scan_direction_flag", 1},
+             {"edge_of_flight_line", 1}});
     format.fields.push_back({.name = "classification", .at = 16});
     format.fields.push_back({.name = "user_data", .at = 17});
     format.fields.push_back({.name = "scan_angle", .at = 18, .type = ScalarType::i16});
@@ -149,7 +156,8 @@ void addCore(LasPointFormat& format, bool extended) {
 LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::byte> begin) {
   const std::string magic = textAt(begin, 0, std::min<std::size_t>(4, begin.size()));
   if (magic != "LASF")
-    throw FileError::atByte(file, 0, fmt::format("not a LAS file: it begins with {}, expected 'LASF'", inQuotes(magic)));
+    throw FileError::atByte(file, 0,
+                            fmt::format("not a LAS file: it begins with {}, expected 'LASF'", inQuotes(magic)));
   const auto need = [&](std::size_t bytes) {
     if (begin.size() < bytes)
       throw FileError::atByte(file, begin.size(), fmt::format("the file ends inside the header of {} bytes", bytes));
@@ -158,8 +166,8 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   LasHeader header;
   header.minor = load<std::uint8_t>(begin, 25);
   if (load<std::uint8_t>(begin, 24) != 1 || header.minor > 4)
-    throw FileError::atByte(file, 24, fmt::format("LAS version {}.{}; 1.0 to 1.4 are read", load<std::uint8_t>(begin, 24),
-                                                  header.minor));
+    throw FileError::atByte(
+        file, 24, fmt::format("LAS version {}.{}; 1.0 to 1.4 are read", load<std::uint8_t>(begin, 24), header.minor));
   header.size = load<std::uint16_t>(begin, 94);
   header.pointsAt = load<std::uint32_t>(begin, 96);
   header.records = load<std::uint32_t>(begin, 100);
@@ -169,12 +177,15 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   checkPlaces(file, header);
   need(header.size);
   if (header.format & 0xc0u)
-    throw FileError::atByte(file, 104, "the points are compressed (LAZ), which is not read; unpack the file to LAS first");
+    throw FileError::atByte(file, 104,
+                            "the points are compressed (LAZ), which is not read; unpack the file to LAS first");
   if (header.format >= kLasFormats)
-    throw FileError::atByte(file, 104, fmt::format("point format {}; 0 to {} are read", header.format, kLasFormats - 1));
+    throw FileError::atByte(file, 104,
+                            fmt::format("point format {}; 0 to {} are read", header.format, kLasFormats - 1));
   if (const std::size_t least = lasPointFormat(header.format).bytes; header.pointBytes < least)
-    throw FileError::atByte(file, 105, fmt::format("points of {} bytes; those of format {} have at least {}",
-                                                   header.pointBytes, header.format, least));
+    throw FileError::atByte(file, 105,
+                            fmt::format("points of {} bytes; those of format {} have at least {}", header.pointBytes,
+                                        header.format, least));
   header.grid = readGrid(file, begin);
   readLateFields(begin, header);
   return header;
@@ -188,8 +199,9 @@ std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHe
     const std::size_t left = head.size() - at;
     const std::size_t bytes = left < kLasRecordHead ? 0 : load<std::uint16_t>(head, at + 20);
     if (left < kLasRecordHead || left - kLasRecordHead < bytes)
-      throw FileError::atByte(file, at, fmt::format("record {} of {} reaches into the points at byte {}", k + 1,
-                                                    header.records, head.size()));
+      throw FileError::atByte(
+          file, at,
+          fmt::format("record {} of {} reaches into the points at byte {}", k + 1, header.records, head.size()));
     records.push_back({.user = textAt(head, at + 2, 16),
                        .id = load<std::uint16_t>(head, at + 18),
                        .at = at,
@@ -205,15 +217,17 @@ std::vector<LasRecord> lasLongRecords(const std::filesystem::path& file, const L
   std::vector<LasRecord> records;
   if (header.longRecords == 0) return records;
   if (header.longRecordsAt < tailAt || header.longRecordsAt - tailAt > tail.size())
-    throw FileError::atByte(file, 235, fmt::format("records behind the points at byte {}; those bytes are {} to {}",
-                                                   header.longRecordsAt, tailAt, tailAt + tail.size()));
+    throw FileError::atByte(file, 235,
+                            fmt::format("records behind the points at byte {}; those bytes are {} to {}",
+                                        header.longRecordsAt, tailAt, tailAt + tail.size()));
   std::size_t at = header.longRecordsAt - tailAt;
   for (std::uint32_t k = 0; k < header.longRecords; ++k) {
     const std::size_t left = tail.size() - at;
     const std::uint64_t bytes = left < kLasLongRecordHead ? 0 : load<std::uint64_t>(tail, at + 20);
     if (left < kLasLongRecordHead || left - kLasLongRecordHead < bytes)
-      throw FileError::atByte(file, tailAt + at, fmt::format("record {} of {} behind the points is longer than the file",
-                                                             k + 1, header.longRecords));
+      throw FileError::atByte(
+          file, tailAt + at,
+          fmt::format("record {} of {} behind the points is longer than the file", k + 1, header.longRecords));
     records.push_back({.user = textAt(tail, at + 2, 16),
                        .id = load<std::uint16_t>(tail, at + 18),
                        .at = at,

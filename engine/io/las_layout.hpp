@@ -14,8 +14,9 @@
 namespace palpate {
 
 inline constexpr std::size_t kLasShortHeader = 227, kLasHeader13 = 235, kLasHeader14 = 375;  ///< bytes
-inline constexpr std::size_t kLasRecordHead = 54, kLasLongRecordHead = 60;  ///< of a record before and behind the points
-inline constexpr std::size_t kLasDescriptor = 192;                          ///< bytes that describe an extra one
+inline constexpr std::size_t kLasRecordHead = 54,
+                             kLasLongRecordHead = 60;  ///< of a record before and behind the points
+inline constexpr std::size_t kLasDescriptor = 192;     ///< bytes that describe an extra one
 inline constexpr unsigned kLasFormats = 11;
 
 struct LasHeader {

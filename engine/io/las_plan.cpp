@@ -72,7 +72,8 @@ void LasSource::encode(std::size_t begin, std::size_t end, std::byte* rows, std:
   }
   if (field.type == attribute->type && !field.wide && !field.raw) {  // also what is no number
     const std::size_t bytes = sizeOf(field.type);
-    for (std::size_t i = begin; i < end; ++i, to += rowBytes) std::memcpy(to, attribute->data.data() + i * bytes, bytes);
+    for (std::size_t i = begin; i < end; ++i, to += rowBytes)
+      std::memcpy(to, attribute->data.data() + i * bytes, bytes);
     return;
   }
   visitStored(field, [&]<class T>(std::type_identity<T>) {

@@ -20,17 +20,19 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBlock = 4096;                            // points that one thread takes at a time
-constexpr std::size_t kSlab = std::size_t{1} << 27;             // bytes that are read at a time
-constexpr std::size_t kMostReserved = std::size_t{1} << 27;     // points: a sparse file is long without holding any
-constexpr double kExactSteps = 1 << 22;                         // float32 tells so many steps of the grid apart
+constexpr std::size_t kBlock = 4096;                         // points that one thread takes at a time
+constexpr std::size_t kSlab = std::size_t{1} << 27;          // bytes that are read at a time
+constexpr std::size_t kMostReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
+constexpr double kExactSteps = 1 << 22;                      // float32 tells so many steps of the grid apart
 
 /// Calls f(load, Out) with what takes one value of a field from its bytes. Loops over it have no branch.
 template <class F>
 void visitField(const LasField& field, F&& f) {
   if (field.bits > 0) {
     const unsigned shift = field.shift, mask = (1u << field.bits) - 1;
-    return f([shift, mask](const std::byte* at) { return static_cast<std::uint8_t>((static_cast<unsigned>(*at) >> shift) & mask); });
+    return f([shift, mask](const std::byte* at) {
+      return static_cast<std::uint8_t>((static_cast<unsigned>(*at) >> shift) & mask);
+    });
   }
   const double scale = field.scale, offset = field.offset;
   if (field.raw && field.wide && field.isSigned)
@@ -44,7 +46,8 @@ void visitField(const LasField& field, F&& f) {
   if (field.wide && field.isSigned)
     return f([](const std::byte* at) { return static_cast<double>(loadScalar<std::int64_t>(at)); });
   if (field.wide) return f([](const std::byte* at) { return static_cast<double>(loadScalar<std::uint64_t>(at)); });
-  visitScalar(field.type, [&]<class T>(std::type_identity<T>) { f([](const std::byte* at) { return loadScalar<T>(at); }); });
+  visitScalar(field.type,
+              [&]<class T>(std::type_identity<T>) { f([](const std::byte* at) { return loadScalar<T>(at); }); });
 }
 
 /// Whether a whole number of 64 bits among `count` rows is none in double precision.
@@ -78,8 +81,10 @@ LasHead readHead(ChunkedFile& file) {
   head.header = readLasHeader(file.path(), file.peek(kLasHeader14));
   const auto bytes = file.peek(head.header.pointsAt);
   if (bytes.size() < head.header.pointsAt)
-    throw FileError::atByte(file.path(), bytes.size(), fmt::format("the file ends before its points, which are said to "
-                                                                   "begin at byte {}", head.header.pointsAt));
+    throw FileError::atByte(file.path(), bytes.size(),
+                            fmt::format("the file ends before its points, which are said to "
+                                        "begin at byte {}",
+                                        head.header.pointsAt));
   head.bytes.assign(bytes.begin(), bytes.begin() + head.header.pointsAt);
   file.consume(head.header.pointsAt);
   head.format = lasPointFormat(head.header.format);
@@ -117,14 +122,16 @@ void LasReader::checkCount() const {
   const LasHeader& header = head_.header;
   if (there && header.points > *there / header.pointBytes)
     throw FileError::atByte(file_.path(), header.minor == 4 ? 247 : 107,
-                            fmt::format("the header promises {} points of {} bytes, and {} bytes are there", header.points,
-                                        header.pointBytes, *there));
+                            fmt::format("the header promises {} points of {} bytes, and {} bytes are there",
+                                        header.points, header.pointBytes, *there));
 }
 
 PointCloud LasReader::read(Log* log, std::vector<std::string>& lost) {
   if (log) file_.onProgress([&](double share) { log->progress(file_.path().filename().string(), share); });
   const auto add = [&](const LasField& field) {
-    columns_.push_back({field, std::make_unique<std::atomic<bool>>(false), std::make_unique<std::atomic<bool>>(false),
+    columns_.push_back({field,
+                        std::make_unique<std::atomic<bool>>(false),
+                        std::make_unique<std::atomic<bool>>(false),
                         {field.name, field.type, {}}});
   };
   for (const LasField& field : head_.format.fields) add(field);
@@ -158,8 +165,8 @@ void LasReader::readPoints() {
     const auto rows = file_.peek(count * header.pointBytes);
     if (rows.size() < count * header.pointBytes)
       throw FileError::atByte(file_.path(), file_.offset() + rows.size(),
-                              fmt::format("the file ends inside point {} of {}", done + rows.size() / header.pointBytes + 1,
-                                          header.points));
+                              fmt::format("the file ends inside point {} of {}",
+                                          done + rows.size() / header.pointBytes + 1, header.points));
     const std::size_t base = places_.size();
     grow(base + count);
     parallelBlocks(count, kBlock, 0, [&](std::size_t begin, std::size_t end) {
@@ -262,7 +269,8 @@ void LasReader::placeColors() {
   cloud_.colors.resize(colors_.size());
   const bool fine = !low && !high && !both;
   std::array<Attribute*, 3> kept{};
-  for (std::size_t k = 0; fine && k < 3; ++k) cloud_.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
+  for (std::size_t k = 0; fine && k < 3; ++k)
+    cloud_.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
   for (std::size_t k = 0; fine && k < 3; ++k) {
     kept[k] = &cloud_.extra[k];
     kept[k]->data.resize(colors_.size() * sizeof(std::uint16_t));

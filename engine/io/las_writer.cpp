@@ -75,7 +75,8 @@ std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& clo
     described = true;
   };
   const auto comment = [&] {
-    if (!commented) appendRecord(bytes, kLasOurs, kLasComments, "comments", std::as_bytes(std::span(comments))), ++count;
+    if (!commented)
+      appendRecord(bytes, kLasOurs, kLasComments, "comments", std::as_bytes(std::span(comments))), ++count;
     commented = true;
   };
   std::size_t end = plan.old.size;
@@ -103,14 +104,17 @@ std::uint32_t appendRecords(std::vector<std::byte>& bytes, const PointCloud& clo
 /// The header and what follows it, but for what only the points tell.
 std::vector<std::byte> headOf(const PointCloud& cloud, const LasPlan& plan) {
   const bool kept = plan.baggage && plan.old.minor == plan.minor;
-  const std::size_t size = kept ? plan.old.size
-                           : plan.minor == 4 ? kLasHeader14 : plan.minor == 3 ? kLasHeader13 : kLasShortHeader;
+  const std::size_t size = kept              ? plan.old.size
+                           : plan.minor == 4 ? kLasHeader14
+                           : plan.minor == 3 ? kLasHeader13
+                                             : kLasShortHeader;
   std::vector<std::byte> bytes(size);
   if (plan.baggage) std::copy_n(plan.baggage->head.begin(), std::min(size, plan.old.size), bytes.begin());
   HeaderBytes out(bytes);
   if (!plan.baggage) {
     out.putText(0, "LASF", 4);
-    out.put(6, static_cast<std::uint16_t>(plan.format >= 6 ? 16 : 0));  // its reference system is text, where it has one
+    out.put(6,
+            static_cast<std::uint16_t>(plan.format >= 6 ? 16 : 0));  // its reference system is text, where it has one
   }
   if (isOurs(cloud.storedAs.comments)) out.putText(58, kLasOurs, 32);
   out.put(24, std::uint8_t{1});

@@ -34,7 +34,8 @@ struct Literal {
 /// Reads one literal; throws FileError with the byte where it is none.
 class LiteralText {
  public:
-  LiteralText(const std::filesystem::path& file, std::string_view text, std::uint64_t at) : file_(file), text_(text), at_(at) {}
+  LiteralText(const std::filesystem::path& file, std::string_view text, std::uint64_t at)
+      : file_(file), text_(text), at_(at) {}
 
   Literal read() {
     Literal literal = value(0);
@@ -77,7 +78,8 @@ class LiteralText {
   Literal quoted(char quote) {
     const std::size_t end = text_.find(quote, next_ + 1);
     if (end == text_.npos) fail("no end of a text");
-    Literal literal{.kind = Literal::Kind::text, .text = std::string(text_.substr(next_ + 1, end - next_ - 1)), .items = {}};
+    Literal literal{
+        .kind = Literal::Kind::text, .text = std::string(text_.substr(next_ + 1, end - next_ - 1)), .items = {}};
     next_ = end + 1;
     return literal;
   }
@@ -126,10 +128,16 @@ Number numberOf(const std::string& code, const LiteralText& text) {
   number.column.isSigned = kind == 'i';
   number.column.wide = whole && *bytes == 8;
   const std::string name = kind == 'b' && *bytes == 1 ? "uint8"
-                           : kind == 'f' || whole     ? fmt::format("{}{}", kind == 'f' ? "float" : kind == 'i' ? "int" : "uint", 8 * *bytes)
+                           : kind == 'f' || whole     ? fmt::format("{}{}",
+                                                                kind == 'f'   ? "float"
+                                                                    : kind == 'i' ? "int"
+                                                                                  : "uint",
+                                                                    8 * *bytes)
                                                       : "none";
   const auto type = number.column.wide ? ScalarType::f64 : scalarTypeFromPly(name);
-  if (!type) text.fail(fmt::format("the type {}, which is not read; there are whole numbers, and real ones of 4 or 8 bytes", inQuotes(code)));
+  if (!type)
+    text.fail(fmt::format("the type {}, which is not read; there are whole numbers, and real ones of 4 or 8 bytes",
+                          inQuotes(code)));
   number.column.type = *type;
   return number;
 }
@@ -153,8 +161,8 @@ std::uint64_t elementsOf(const Literal& shape, const LiteralText& text) {
 /// Names of three numbers that are kept in one field.
 std::string elementName(const std::string& name, std::uint64_t k, std::uint64_t of) {
   static const std::map<std::string_view, std::array<const char*, 3>> kThrees{
-      {"position", {"x", "y", "z"}},  {"positions", {"x", "y", "z"}}, {"xyz", {"x", "y", "z"}},
-      {"points", {"x", "y", "z"}},    {"normal", {"nx", "ny", "nz"}}, {"normals", {"nx", "ny", "nz"}},
+      {"position", {"x", "y", "z"}},     {"positions", {"x", "y", "z"}},      {"xyz", {"x", "y", "z"}},
+      {"points", {"x", "y", "z"}},       {"normal", {"nx", "ny", "nz"}},      {"normals", {"nx", "ny", "nz"}},
       {"rgb", {"red", "green", "blue"}}, {"color", {"red", "green", "blue"}}, {"colors", {"red", "green", "blue"}}};
   const auto found = kThrees.find(name);
   if (of == 3 && found != kThrees.end()) return found->second[k];
@@ -216,9 +224,12 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   const unsigned version = file.size() > 6 ? std::to_integer<unsigned>(file[6]) : 0;
   const std::size_t headAt = version == 1 ? 10 : 12;
   if (file.size() < headAt) throw FileError::atByte(name, at + file.size(), "ends inside the array's description");
-  if (version < 1 || version > 3) throw FileError::atByte(name, at + 6, fmt::format("version {} of NumPy's format; 1 to 3 are read", version));
-  const std::size_t length = version == 1 ? loadScalar<std::uint16_t>(file.data() + 8) : loadScalar<std::uint32_t>(file.data() + 8);
-  if (file.size() - headAt < length) throw FileError::atByte(name, at + file.size(), "ends inside the array's description");
+  if (version < 1 || version > 3)
+    throw FileError::atByte(name, at + 6, fmt::format("version {} of NumPy's format; 1 to 3 are read", version));
+  const std::size_t length =
+      version == 1 ? loadScalar<std::uint16_t>(file.data() + 8) : loadScalar<std::uint32_t>(file.data() + 8);
+  if (file.size() - headAt < length)
+    throw FileError::atByte(name, at + file.size(), "ends inside the array's description");
   LiteralText text(name, std::string_view(begin + headAt, length), at + headAt);
   const Literal head = text.read();
   const Literal *type = head.find("descr"), *order = head.find("fortran_order"), *shape = head.find("shape");
@@ -230,14 +241,15 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
   for (const Literal& side : shape->items) array.shape.push_back(side.number);
   array.structured = type->kind == Literal::Kind::list;
   if (!array.structured && type->kind != Literal::Kind::text) text.fail("a type that is none");
-  const std::uint64_t rowBytes = array.structured ? addFields(*type, array, text)
-                                                  : addNumbers(type->text, order->number != 0, array, text);
+  const std::uint64_t rowBytes =
+      array.structured ? addFields(*type, array, text) : addNumbers(type->text, order->number != 0, array, text);
   if (array.structured && rowBytes == 0 && array.rows > 0) text.fail("rows without bytes");
   array.bytes = product(array.rows, rowBytes, text);
   array.data = file.subspan(headAt + length);
   if (array.data.size() < array.bytes)
-    throw FileError::atByte(name, at + headAt + length, fmt::format("an array of shape {} has {} bytes, and {} are there",
-                                                                    array.shapeText(), array.bytes, array.data.size()));
+    throw FileError::atByte(name, at + headAt + length,
+                            fmt::format("an array of shape {} has {} bytes, and {} are there", array.shapeText(),
+                                        array.bytes, array.data.size()));
   array.data = array.data.first(array.bytes);
   return array;
 }
@@ -245,7 +257,9 @@ NpyArray readNpyArray(const std::filesystem::path& name, std::span<const std::by
 void loadNpy(const NpyColumn& column, std::span<const std::byte> data, std::uint64_t row, std::byte* to) {
   const std::byte* from = data.data() + column.at + row * column.stride;
   const auto put = [&](auto value) { std::memcpy(to, &value, sizeof value); };
-  const auto load = [&]<class T>(std::type_identity<T>) { return column.swap ? loadScalar<T, true>(from) : loadScalar<T>(from); };
+  const auto load = [&]<class T>(std::type_identity<T>) {
+    return column.swap ? loadScalar<T, true>(from) : loadScalar<T>(from);
+  };
   if (column.wide && column.isSigned) return put(static_cast<double>(load(std::type_identity<std::int64_t>{})));
   if (column.wide) return put(static_cast<double>(load(std::type_identity<std::uint64_t>{})));
   visitScalar(column.type, [&]<class T>(std::type_identity<T> type) { put(load(type)); });
@@ -254,7 +268,8 @@ void loadNpy(const NpyColumn& column, std::span<const std::byte> data, std::uint
 double npyValue(const NpyColumn& column, std::span<const std::byte> data, std::uint64_t row) {
   std::array<std::byte, 8> bytes{};
   loadNpy(column, data, row, bytes.data());
-  return visitScalar(column.type, [&]<class T>(std::type_identity<T>) { return static_cast<double>(loadScalar<T>(bytes.data())); });
+  return visitScalar(column.type,
+                     [&]<class T>(std::type_identity<T>) { return static_cast<double>(loadScalar<T>(bytes.data())); });
 }
 
 }  // namespace palpate

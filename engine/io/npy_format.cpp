@@ -18,7 +18,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBatch = 4096;  // points
-constexpr std::array<const char*, 3> kPlaces{"x", "y", "z"}, kNormals{"nx", "ny", "nz"}, kColors{"red", "green", "blue"};
+constexpr std::array<const char*, 3> kPlaces{"x", "y", "z"}, kNormals{"nx", "ny", "nz"},
+    kColors{"red", "green", "blue"};
 
 std::vector<std::byte> readWhole(const std::filesystem::path& path, Log* log) {
   ChunkedFile file(path);
@@ -62,10 +63,10 @@ class NpyTable {
     if (sources_.empty()) rows_ = array.rows;
     const bool perPoint = array.rows == rows_ && !array.shape.empty();
     if (!perPoint) return lost_.push_back(fmt::format("the array {} of shape {}", inQuotes(name), array.shapeText()));
-    const std::array<const char*, 3>* three = isPlaces(name)   ? &kPlaces
-                                              : isOneOf(name, {"normals", "normal"}) ? &kNormals
+    const std::array<const char*, 3>* three = isPlaces(name)                                         ? &kPlaces
+                                              : isOneOf(name, {"normals", "normal"})                 ? &kNormals
                                               : isOneOf(name, {"colors", "colours", "rgb", "color"}) ? &kColors
-                                                                                                      : nullptr;
+                                                                                                     : nullptr;
     if (array.columns.size() != 3) three = nullptr;
     for (std::size_t k = 0; k < array.columns.size(); ++k) {
       NpyColumn column = array.columns[k];
@@ -86,7 +87,8 @@ class NpyTable {
       for (char& c : name)
         if (c <= ' ' || c > '~' || c == ',' || c == ';') c = '_';
       const auto before = sources_.begin() + static_cast<std::ptrdiff_t>(k);
-      const bool twice = std::find_if(sources_.begin(), before, [&](const Source& s) { return s.column.name == name; }) != before;
+      const bool twice =
+          std::find_if(sources_.begin(), before, [&](const Source& s) { return s.column.name == name; }) != before;
       if (twice || name.empty()) {
         lost_.push_back(fmt::format("a column {}", inQuotes(name)));
         sources_.erase(before);
@@ -101,13 +103,15 @@ class NpyTable {
     const auto bytes = std::ranges::count_if(sources_, [](const Source& s) { return s.asByte; });
     if (bytes > 0)  // all of them, as 0 and 1 are both
       for (Source& source : sources_)
-        if (isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"}) && isFloating(source.column.type))
+        if (isOneOf(source.column.name, {"red", "green", "blue", "alpha", "r", "g", "b", "a"}) &&
+            isFloating(source.column.type))
           source.asByte = true;
   }
 
   PlyElement element() const {
     PlyElement element{.name = "vertex", .count = rows_, .properties = {}, .line = 1};
-    for (const Source& source : sources_) element.properties.push_back({.name = source.column.name, .type = source.type()});
+    for (const Source& source : sources_)
+      element.properties.push_back({.name = source.column.name, .type = source.type()});
     return element;
   }
 
@@ -167,11 +171,13 @@ class NpyTable {
       for (std::size_t k = 0; k < 3; ++k) columns[begin + k].column.name = names[k];
     };
     const bool six = columns.size() == 6;
-    const bool facing = six && areNormals(columns.subspan(3)), colored = six && !facing && areColors(columns.subspan(3));
+    const bool facing = six && areNormals(columns.subspan(3)),
+               colored = six && !facing && areColors(columns.subspan(3));
     if (columns.size() != 3 && columns.size() != 4 && !facing && !colored)
-      throw FileError(path_, fmt::format("an array of shape {}, whose columns may mean anything; (N, 3) are places, (N, 4) "
-                                         "have an intensity, (N, 6) normals or colours, others need names: a structured dtype",
-                                         array.shapeText()));
+      throw FileError(path_,
+                      fmt::format("an array of shape {}, whose columns may mean anything; (N, 3) are places, (N, 4) "
+                                  "have an intensity, (N, 6) normals or colours, others need names: a structured dtype",
+                                  array.shapeText()));
     name(0, kPlaces);
     if (columns.size() == 4) columns[3].column.name = "intensity";
     if (six) name(3, facing ? kNormals : kColors);
@@ -236,7 +242,8 @@ StoredCloud cloudIn(NpyFile file, const std::filesystem::path& path, Log* log, c
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
   StoredCloud stored{.cloud = file.table.cloud(log), .triangles = {}, .lost = std::move(file.table.lost())};
   for (const Source& source : file.table.sources())
-    if (source.column.wide) stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", source.column.name));
+    if (source.column.wide)
+      stored.lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53, if there are any", source.column.name));
   return stored;
 }
 
@@ -281,11 +288,13 @@ void writeNpy(const std::filesystem::path& path, const PointCloud& cloud, const 
   RowOutput out(path, false);
   out.headerLine(headerOf(fields, cloud.size()));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (options.progress && i % (1 << 16) == 0) options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
+    if (options.progress && i % (1 << 16) == 0)
+      options.progress(static_cast<double>(i) / static_cast<double>(cloud.size()));
     const DVec3 position = cloud.fileCoordinates(i);
     for (int k = 0; k < 3; ++k) out.real(place, position[k]);
     for (int k = 0; cloud.hasNormals() && k < 3; ++k) out.value(cloud.normals[i][k]);
-    for (std::size_t k = 0; cloud.hasColors() && k < (cloud.storedAs.alpha ? 4u : 3u); ++k) out.value(cloud.colors[i][k]);
+    for (std::size_t k = 0; cloud.hasColors() && k < (cloud.storedAs.alpha ? 4u : 3u); ++k)
+      out.value(cloud.colors[i][k]);
     for (const Attribute* attribute : extra)
       visitScalar(attribute->type, [&]<class T>(std::type_identity<T>) {
         out.value(loadScalar<T>(attribute->data.data() + i * sizeof(T)));

@@ -46,8 +46,8 @@ class PcdBody {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBatch, header_.points - done));
       const auto bytes = file_.peek(count * rowBytes_);
       if (bytes.size() < count * rowBytes_)
-        failAt(file_.offset() + bytes.size(), fmt::format("the file ends inside point {} of {}",
-                                                          done + bytes.size() / rowBytes_ + 1, header_.points));
+        failAt(file_.offset() + bytes.size(),
+               fmt::format("the file ends inside point {} of {}", done + bytes.size() / rowBytes_ + 1, header_.points));
       if (const auto bad = rows_.append(bytes.data(), count)) failAt(file_.offset() + bad->row * rowBytes_, bad->what);
       file_.consume(count * rowBytes_);
       done += count;
@@ -58,15 +58,19 @@ class PcdBody {
     const std::uint64_t at = file_.offset();
     const auto sizes = file_.peek(8);
     if (sizes.size() < 8) failAt(at + sizes.size(), "the file ends before its compressed points");
-    const std::size_t packed = loadScalar<std::uint32_t>(sizes.data()), whole = loadScalar<std::uint32_t>(sizes.data() + 4);
+    const std::size_t packed = loadScalar<std::uint32_t>(sizes.data()),
+                      whole = loadScalar<std::uint32_t>(sizes.data() + 4);
     file_.consume(8);
     if (header_.points > whole || header_.points * rowBytes_ != whole)
-      failAt(at + 4, fmt::format("{} bytes of points, where {} of {} bytes are promised", whole, header_.points, rowBytes_));
+      failAt(at + 4,
+             fmt::format("{} bytes of points, where {} of {} bytes are promised", whole, header_.points, rowBytes_));
     const auto bytes = file_.peek(packed);
-    if (bytes.size() < packed) failAt(file_.offset() + bytes.size(), fmt::format("the file ends inside its {} compressed bytes", packed));
+    if (bytes.size() < packed)
+      failAt(file_.offset() + bytes.size(), fmt::format("the file ends inside its {} compressed bytes", packed));
     if (whole / kMostPerLzfByte > packed) failAt(at, fmt::format("{} bytes cannot be as many as {}", packed, whole));
     std::vector<std::byte> columns(whole);
-    if (const auto bad = unpackLzf(bytes.first(packed), columns)) failAt(file_.offset() + *bad, "damaged compressed points");
+    if (const auto bad = unpackLzf(bytes.first(packed), columns))
+      failAt(file_.offset() + *bad, "damaged compressed points");
     appendColumns(columns);
   }
 
@@ -102,14 +106,16 @@ class PcdBody {
     while (const auto line = file_.readLine(kLongestLine)) {
       if (line->find_first_not_of(" \t") == line->npos) continue;
       if (points++ == header_.points)
-        throw FileError::atLine(file_.path(), file_.line(), fmt::format("more than the {} points of the header", header_.points));
+        throw FileError::atLine(file_.path(), file_.line(),
+                                fmt::format("more than the {} points of the header", header_.points));
       appendLine(*line, rows);
       lines.push_back(file_.line());
       if (lines.size() == kBatch) append();
     }
     append();
     if (points < header_.points)
-      throw FileError::atLine(file_.path(), file_.line() + 1, fmt::format("the file ends after {} of {} points", points, header_.points));
+      throw FileError::atLine(file_.path(), file_.line() + 1,
+                              fmt::format("the file ends after {} of {} points", points, header_.points));
   }
 
   void appendLine(std::string_view line, std::vector<std::byte>& rows) const {
@@ -126,8 +132,9 @@ class PcdBody {
         visitPcd(field, [&]<class T>(std::type_identity<T>) {
           const auto value = textNumber<T>(word);
           if (!value)
-            throw FileError::atLine(file_.path(), file_.line(), fmt::format("found {} for {}, expected a number",
-                                                                            inQuotes(word), inQuotes(field.name)));
+            throw FileError::atLine(
+                file_.path(), file_.line(),
+                fmt::format("found {} for {}, expected a number", inQuotes(word), inQuotes(field.name)));
           const auto* bytes = reinterpret_cast<const std::byte*>(&*value);
           rows.insert(rows.end(), bytes, bytes + sizeof(T));
         });
@@ -146,7 +153,8 @@ FileContents contentsOfPcd(const std::filesystem::path& path) {
   ChunkedFile file(path);
   const PcdHeader header = readPcdHeader(file);
   FileElement vertex{.name = "vertex", .count = header.points, .properties = {}};
-  for (const PlyProperty& property : PcdRows::elementOf(header).properties) vertex.properties.push_back({property.name});
+  for (const PlyProperty& property : PcdRows::elementOf(header).properties)
+    vertex.properties.push_back({property.name});
   return {.elements = {std::move(vertex)}, .comments = header.comments};
 }
 
@@ -196,9 +204,10 @@ std::string headerOf(const PointCloud& cloud, bool wide, const std::vector<const
     else
       remarks += "# " + (comment.starts_with("comment ") ? comment.substr(8) : comment) + '\n';
   }
-  return fmt::format("# .PCD v0.7 - Point Cloud Data file format\n{}VERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT 1\n"
-                     "VIEWPOINT {}\nPOINTS {}\nDATA {}",
-                     remarks, names, sizes, types, counts, cloud.size(), viewpoint, cloud.size(), ascii ? "ascii" : "binary");
+  return fmt::format(
+      "# .PCD v0.7 - Point Cloud Data file format\n{}VERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\nHEIGHT 1\n"
+      "VIEWPOINT {}\nPOINTS {}\nDATA {}",
+      remarks, names, sizes, types, counts, cloud.size(), viewpoint, cloud.size(), ascii ? "ascii" : "binary");
 }
 
 void writePcd(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options) {

@@ -16,7 +16,8 @@ constexpr std::size_t kMostNumbers = 4096;  // of one point
 
 std::vector<std::string> wordsOf(std::string_view line) {
   std::vector<std::string> words;
-  for (std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos; begin = line.find_first_not_of(" \t", begin)) {
+  for (std::size_t begin = line.find_first_not_of(" \t"); begin != line.npos;
+       begin = line.find_first_not_of(" \t", begin)) {
     const std::size_t end = std::min(line.find_first_of(" \t", begin), line.size());
     words.emplace_back(line.substr(begin, end - begin));
     begin = end;
@@ -106,7 +107,8 @@ class PcdHeaderLines {
         continue;
       }
       const auto value = textNumber<std::uint32_t>(word);
-      if (!value || *value > kMostNumbers) fail(fmt::format("{} of {} is {}", words[0], inQuotes(field.name), inQuotes(word)));
+      if (!value || *value > kMostNumbers)
+        fail(fmt::format("{} of {} is {}", words[0], inQuotes(field.name), inQuotes(word)));
       (words[0] == "SIZE" ? field.bytes : field.count) = *value;
     }
   }
@@ -115,8 +117,9 @@ class PcdHeaderLines {
     std::size_t numbers = 0;
     for (const PcdField& field : header_.fields) {
       numbers += field.count;
-      const bool known = field.type == 'F' ? field.bytes == 4 || field.bytes == 8
-                                           : field.bytes == 1 || field.bytes == 2 || field.bytes == 4 || field.bytes == 8;
+      const bool known = field.type == 'F'
+                             ? field.bytes == 4 || field.bytes == 8
+                             : field.bytes == 1 || field.bytes == 2 || field.bytes == 4 || field.bytes == 8;
       if (!known && field.name != "_")
         fail(fmt::format("field {} has numbers {} of {} bytes", inQuotes(field.name), field.type, field.bytes));
     }

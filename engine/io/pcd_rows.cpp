@@ -39,7 +39,8 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
     if (field.name == "_") continue;
     if (isPacked(field)) {
       constexpr std::array<const char*, 4> kBytes{"blue", "green", "red", "alpha"};
-      for (std::size_t k = 0; k < (field.name == "rgba" ? 4 : 3); ++k) add(kBytes[k], ScalarType::u8, From::number, begin + k);
+      for (std::size_t k = 0; k < (field.name == "rgba" ? 4 : 3); ++k)
+        add(kBytes[k], ScalarType::u8, From::number, begin + k);
       continue;
     }
     for (std::size_t k = 0; k < field.count; ++k) {
@@ -47,11 +48,18 @@ std::vector<PcdRows::Column> PcdRows::columnsOf(const PcdHeader& header, PlyElem
       const bool wide = field.bytes == 8 && field.type != 'F';
       ScalarType type = ScalarType::f64;
       if (!wide) {
-        const std::string bits = fmt::format("{}{}", field.type == 'I' ? "int" : field.type == 'U' ? "uint" : "float", 8 * field.bytes);
+        const std::string bits = fmt::format("{}{}",
+                                             field.type == 'I'   ? "int"
+                                             : field.type == 'U' ? "uint"
+                                                                 : "float",
+                                             8 * field.bytes);
         type = *scalarTypeFromPly(bits);
       }
       add(field.count == 1 ? name : fmt::format("{}_{}", name, k), type,
-          !wide ? From::number : field.type == 'I' ? From::wideSigned : From::wide, begin + k * field.bytes);
+          !wide               ? From::number
+          : field.type == 'I' ? From::wideSigned
+                              : From::wide,
+          begin + k * field.bytes);
     }
   }
   return columns;
@@ -69,9 +77,10 @@ PcdRows::PcdRows(const std::filesystem::path& file, const PcdHeader& header, Log
 bool PcdRows::isPoint(const std::byte* row) const {
   for (const Column& column : columns_) {
     if (!column.place) continue;
-    const double value = column.type == ScalarType::f32   ? numberAt<float>(row + column.at)
-                         : column.type == ScalarType::f64 && column.from == From::number ? numberAt<double>(row + column.at)
-                                                                                         : 0;
+    const double value = column.type == ScalarType::f32 ? numberAt<float>(row + column.at)
+                         : column.type == ScalarType::f64 && column.from == From::number
+                             ? numberAt<double>(row + column.at)
+                             : 0;
     if (!std::isnan(value)) return true;
   }
   return false;

@@ -29,7 +29,8 @@ enum class TextKind { xyz, csv, pts };
 /// What programs call normals besides.
 std::string sharedName(std::string name) {
   for (const char axis : {'x', 'y', 'z'})
-    if (name == fmt::format("normal_{}", axis) || name == fmt::format("normal{}", axis)) return fmt::format("n{}", axis);
+    if (name == fmt::format("normal_{}", axis) || name == fmt::format("normal{}", axis))
+      return fmt::format("n{}", axis);
   return name;
 }
 
@@ -142,8 +143,9 @@ class XyzRows {
         names_ = std::move(names);
       } else if (!remark) {
         if (!isNumber(words_.front()))
-          fail(fmt::format("found {}, expected the coordinates of a point, or names of columns with x, y and z among them",
-                           inQuotes(words_.front())));
+          fail(fmt::format(
+              "found {}, expected the coordinates of a point, or names of columns with x, y and z among them",
+              inQuotes(words_.front())));
         return;
       }
     }
@@ -152,7 +154,9 @@ class XyzRows {
 
   std::vector<std::string> usualNames() const {
     std::vector<std::string> names{"x", "y", "z"};
-    const auto add = [&](std::initializer_list<const char*> more) { names.insert(names.end(), more.begin(), more.end()); };
+    const auto add = [&](std::initializer_list<const char*> more) {
+      names.insert(names.end(), more.begin(), more.end());
+    };
     const bool facing = words_.size() == 6 && isUnit(words_[3], words_[4], words_[5]);
     const bool colored = words_.size() == 6 && !facing && std::all_of(words_.begin() + 3, words_.end(), isChannel);
     const bool lit = words_.size() == 7 && std::all_of(words_.begin() + 4, words_.end(), isChannel);
@@ -160,9 +164,10 @@ class XyzRows {
     if (colored || lit) add({"red", "green", "blue"});
     if (facing) add({"nx", "ny", "nz"});
     if (names.size() != words_.size())
-      fail(fmt::format("a point of {} columns, which may mean anything; a line before it should name them, as in: x y z "
-                       "nx ny nz red green blue",
-                       words_.size()));
+      fail(
+          fmt::format("a point of {} columns, which may mean anything; a line before it should name them, as in: x y z "
+                      "nx ny nz red green blue",
+                      words_.size()));
     return names;
   }
 
@@ -186,8 +191,10 @@ PlyElement elementOf(const XyzRows& rows) {
     const std::string& name = rows.names()[k];
     const bool byte = isColor(name) && k < rows.words().size() && isChannel(rows.words()[k]);
     const bool normal = name == "nx" || name == "ny" || name == "nz";
-    element.properties.push_back(
-        {.name = name, .type = byte ? ScalarType::u8 : normal ? ScalarType::f32 : ScalarType::f64});
+    element.properties.push_back({.name = name,
+                                  .type = byte     ? ScalarType::u8
+                                          : normal ? ScalarType::f32
+                                                   : ScalarType::f64});
   }
   return element;
 }
@@ -252,13 +259,13 @@ bool isWide(const PointCloud& cloud, const CloudWriteOptions& options) {
 
 void report(const CloudWriteOptions& options, std::size_t i, std::size_t points) {
   constexpr std::size_t kBetweenReports = 1 << 16;
-  if (options.progress && i % kBetweenReports == 0) options.progress(static_cast<double>(i) / static_cast<double>(points));
+  if (options.progress && i % kBetweenReports == 0)
+    options.progress(static_cast<double>(i) / static_cast<double>(points));
 }
 
 void writeValue(RowOutput& out, const Attribute& attribute, std::size_t i) {
-  visitScalar(attribute.type, [&]<class T>(std::type_identity<T>) {
-    out.value(loadScalar<T>(attribute.data.data() + i * sizeof(T)));
-  });
+  visitScalar(attribute.type,
+              [&]<class T>(std::type_identity<T>) { out.value(loadScalar<T>(attribute.data.data() + i * sizeof(T))); });
 }
 
 void writePlace(RowOutput& out, const PointCloud& cloud, bool wide, std::size_t i) {

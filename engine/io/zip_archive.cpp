@@ -22,8 +22,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWideLocator = 0x07064b50, kEntry = 0x02014b50,
-                        kLocalHead = 0x04034b50;
+constexpr std::uint32_t kEndOfArchive = 0x06054b50, kWideEnd = 0x06064b50, kWideLocator = 0x07064b50,
+                        kEntry = 0x02014b50, kLocalHead = 0x04034b50;
 constexpr std::size_t kEndBytes = 22, kEntryBytes = 46, kLocalBytes = 30, kWideEndBytes = 56, kLocatorBytes = 20;
 constexpr std::uint32_t kElsewhere = 0xffffffff;  // a number of 32 bits that stands in one of 64
 
@@ -69,7 +69,8 @@ class ZipReader {
  private:
   ZipMember memberAt(std::uint64_t at) const {
     const std::size_t nameBytes = load<std::uint16_t>(at + 28), extraBytes = load<std::uint16_t>(at + 30);
-    if (archive_.size() - at - kEntryBytes < nameBytes + extraBytes) fail(at, "the archive ends inside its list of members");
+    if (archive_.size() - at - kEntryBytes < nameBytes + extraBytes)
+      fail(at, "the archive ends inside its list of members");
     ZipMember member{.name = {reinterpret_cast<const char*>(archive_.data()) + at + kEntryBytes, nameBytes},
                      .packed = load<std::uint32_t>(at + 20),
                      .bytes = load<std::uint32_t>(at + 24),
@@ -78,7 +79,8 @@ class ZipReader {
     takeWideSizes(at + kEntryBytes + nameBytes, extraBytes, {&member.bytes, &member.packed, &local});
     const unsigned method = load<std::uint16_t>(at + 10);
     if (load<std::uint16_t>(at + 8) & 1u) fail(at, fmt::format("{} is encrypted", inQuotes(member.name)));
-    if (method != 0 && method != 8) fail(at + 10, fmt::format("{} is packed by method {}, which is not read", inQuotes(member.name), method));
+    if (method != 0 && method != 8)
+      fail(at + 10, fmt::format("{} is packed by method {}, which is not read", inQuotes(member.name), method));
     member.deflated = method == 8;
     if (local > archive_.size() || archive_.size() - local < kLocalBytes || load<std::uint32_t>(local) != kLocalHead)
       fail(at + 42, fmt::format("{} does not begin where the list of members says", inQuotes(member.name)));
@@ -127,8 +129,10 @@ std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<c
   return ZipReader(file, archive).members();
 }
 
-std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive, const ZipMember& member) {
-  constexpr std::uint64_t kMostPerByte = 1032, kMost = std::numeric_limits<int>::max();  // deflate's; what is unpacked at once
+std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
+                                 const ZipMember& member) {
+  constexpr std::uint64_t kMostPerByte = 1032,
+                          kMost = std::numeric_limits<int>::max();  // deflate's; what is unpacked at once
   const auto packed = archive.subspan(member.at, member.packed);
   const auto damaged = [&](std::string_view what) {
     return FileError::atByte(file, member.at, fmt::format("{} {}", inQuotes(member.name), what));
@@ -138,11 +142,13 @@ std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<co
     if (member.bytes != member.packed) throw damaged("is said to be of two sizes");
     bytes.assign(packed.begin(), packed.end());
   } else {
-    if (member.bytes > kMost || member.packed > kMost) throw damaged("is packed and larger than 2 GiB, which is not read");
+    if (member.bytes > kMost || member.packed > kMost)
+      throw damaged("is packed and larger than 2 GiB, which is not read");
     if (member.bytes / kMostPerByte > member.packed) throw damaged("cannot be as long as it is said to be");
     bytes.resize(member.bytes);
-    const int got = stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(bytes.size()),
-                                                     reinterpret_cast<const char*>(packed.data()), static_cast<int>(packed.size()));
+    const int got =
+        stbi_zlib_decode_noheader_buffer(reinterpret_cast<char*>(bytes.data()), static_cast<int>(bytes.size()),
+                                         reinterpret_cast<const char*>(packed.data()), static_cast<int>(packed.size()));
     if (got < 0 || static_cast<std::uint64_t>(got) != member.bytes) throw damaged("is damaged: it cannot be unpacked");
   }
   if (checksumOf(bytes) != member.checksum) throw damaged("is damaged: its checksum is another one");

@@ -21,6 +21,7 @@ struct ZipMember {
 std::vector<ZipMember> zipMembers(const std::filesystem::path& file, std::span<const std::byte> archive);
 
 /// A member as it was before it was packed. Throws FileError where it is damaged.
-std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive, const ZipMember& member);
+std::vector<std::byte> unpackZip(const std::filesystem::path& file, std::span<const std::byte> archive,
+                                 const ZipMember& member);
 
 }  // namespace palpate

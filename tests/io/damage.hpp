@@ -20,7 +20,8 @@ class Damage {
   /// `head`: how many of the first bytes are numbers that say what the file holds.
   std::string of(std::string text, std::size_t head) {
     constexpr std::array<std::uint64_t, 6> kExtremes{0, 1, 0x7f, 0xff, 0x7fffffffffffffff, 0xffffffffffffffff};
-    for (std::size_t flips = random(4); flips > 0; --flips) text[random(text.size())] ^= static_cast<char>(1u << random(8));
+    for (std::size_t flips = random(4); flips > 0; --flips)
+      text[random(text.size())] ^= static_cast<char>(1u << random(8));
     switch (random(4)) {
       case 0:
         text.resize(random(text.size()));

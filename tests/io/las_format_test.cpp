@@ -92,8 +92,8 @@ std::string pointOf(unsigned format, std::int32_t i) {
     putAt(point, 17, std::uint8_t{77});
     putAt(point, 18, std::uint16_t{4321});
   } else {
-    putAt(point, 14, std::uint8_t{0b1111'1001});     // 15 returns, this is the ninth
-    putAt(point, 15, std::uint8_t{0b10'11'1100});    // edge; channel 3; overlap, withheld
+    putAt(point, 14, std::uint8_t{0b1111'1001});   // 15 returns, this is the ninth
+    putAt(point, 15, std::uint8_t{0b10'11'1100});  // edge; channel 3; overlap, withheld
     putAt(point, 16, std::uint8_t{200});
     putAt(point, 17, std::uint8_t{77});
     putAt(point, 18, std::int16_t{-2000});
@@ -102,7 +102,8 @@ std::string pointOf(unsigned format, std::int32_t i) {
   const auto at = [](int place) { return static_cast<std::size_t>(place); };
   if (places.time >= 0) putAt(point, at(places.time), 123456.789 + i);
   if (places.color >= 0)
-    for (int k = 0; k < 3; ++k) putAt(point, at(places.color + 2 * k), static_cast<std::uint16_t>(257 * (10 * k + i % 9)));
+    for (int k = 0; k < 3; ++k)
+      putAt(point, at(places.color + 2 * k), static_cast<std::uint16_t>(257 * (10 * k + i % 9)));
   if (places.infrared >= 0) putAt(point, at(places.infrared), std::uint16_t{60000});
   if (places.waves >= 0) {
     putAt(point, at(places.waves), std::uint8_t{3});
@@ -114,7 +115,11 @@ std::string pointOf(unsigned format, std::int32_t i) {
 }
 
 LasBytes fileOf(unsigned format, std::int32_t count) {
-  LasBytes las{.minor = format >= 6 ? 4u : format >= 4 ? 3u : 2u, .format = format, .pointBytes = kPlaces[format].bytes};
+  LasBytes las{.minor = format >= 6   ? 4u
+                        : format >= 4 ? 3u
+                                      : 2u,
+               .format = format,
+               .pointBytes = kPlaces[format].bytes};
   las.count = static_cast<std::uint64_t>(count);
   for (std::int32_t i = 0; i < count; ++i) las.points += pointOf(format, i);
   return las;
@@ -284,7 +289,8 @@ TEST_CASE("extra bytes are attributes under their names, as they are described")
   for (int i = 0; i < 50; ++i) {
     std::string point(45, '\0');
     putAt(point, 20, static_cast<std::int16_t>(i - 25));
-    for (std::size_t k = 0; k < 3; ++k) putAt(point, 22 + 2 * k, static_cast<std::uint16_t>(i * 100 + static_cast<int>(k)));
+    for (std::size_t k = 0; k < 3; ++k)
+      putAt(point, 22 + 2 * k, static_cast<std::uint16_t>(i * 100 + static_cast<int>(k)));
     putAt(point, 28, std::uint64_t{1} << i);
     putAt(point, 36, static_cast<std::uint16_t>(i * 3));
     putAt(point, 38, 0.25f * static_cast<float>(i));
@@ -325,7 +331,8 @@ TEST_CASE("records before and behind the points are carried, and named where the
   CHECK(back.size() == text.size());
   CHECK(back.substr(375) == text.substr(375));
   CHECK(back.substr(235, 12) == text.substr(235, 12));
-  const std::string sentence = "4 records of LAS: 'LASF_Projection' 2112, 'somebody' 7, 'LASF_Projection' 2112, 'late' 9";
+  const std::string sentence =
+      "4 records of LAS: 'LASF_Projection' 2112, 'somebody' 7, 'LASF_Projection' 2112, 'late' 9";
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.ply")) == std::vector<std::string>{sentence});
   CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.las")).empty());
 
@@ -419,7 +426,7 @@ TEST_CASE("a file that is damaged or lies is refused with its byte") {
   };
   CHECK(refusal(good) == "read");
   CHECK(refusal("LAS is no format of mine").starts_with(": byte 0: not a LAS file"));
-  CHECK(refusal("") .starts_with(": byte 0: not a LAS file"));
+  CHECK(refusal("").starts_with(": byte 0: not a LAS file"));
   CHECK(refusal("LASF").starts_with(": byte 4: the file ends inside the header"));
   CHECK(refusal(good.substr(0, 226)).starts_with(": byte 226: the file ends inside the header"));
   CHECK(with(25, std::uint8_t{5}).starts_with(": byte 24: LAS version 1.5"));
@@ -431,7 +438,8 @@ TEST_CASE("a file that is damaged or lies is refused with its byte") {
   CHECK(with(104, std::uint8_t{131}).starts_with(": byte 104: the points are compressed (LAZ)"));
   CHECK(with(104, std::uint8_t{11}).starts_with(": byte 104: point format 11"));
   CHECK(with(105, std::uint16_t{33}).starts_with(": byte 105: points of 33 bytes"));
-  CHECK(with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, and 340 bytes"));
+  CHECK(
+      with(107, std::uint32_t{11}).starts_with(": byte 107: the header promises 11 points of 34 bytes, and 340 bytes"));
   CHECK(with(131, 0.0).starts_with(": byte 131: the scale of x is 0"));
   CHECK(with(139, std::nan("")).starts_with(": byte 139: the scale of y is nan"));
   CHECK(with(155, HUGE_VAL).starts_with(": byte 155: the offset of x is inf"));
@@ -440,7 +448,8 @@ TEST_CASE("a file that is damaged or lies is refused with its byte") {
   las.longRecords = 1;
   std::string behind = las.text();
   CHECK(refusal(behind) == "read");
-  CHECK(refusal(behind.substr(0, behind.size() - 1)).find("record 1 of 1 behind the points is longer") != std::string::npos);
+  CHECK(refusal(behind.substr(0, behind.size() - 1)).find("record 1 of 1 behind the points is longer") !=
+        std::string::npos);
   putAt(behind, 235, std::uint64_t{1} << 60);
   CHECK(refusal(behind).starts_with(": byte 235: records behind the points"));
   putAt(behind, 247, std::uint64_t{1} << 61);

@@ -44,7 +44,8 @@ std::string bytes(std::initializer_list<T> values, bool reversed = false) {
 /// `type` with its quotes, or a list of fields.
 std::string array(const std::string& type, const std::string& shape, const std::string& data, bool fortran = false,
                   int version = 1) {
-  const std::string head = "{'descr': " + type + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }\n";
+  const std::string head =
+      "{'descr': " + type + ", 'fortran_order': " + (fortran ? "True" : "False") + ", 'shape': " + shape + ", }\n";
   std::string out("\x93NUMPY", 6);
   out += static_cast<char>(version);
   out += '\0';
@@ -71,20 +72,24 @@ std::string zip(const std::vector<Member>& members, bool wide = false) {
     const bool deflated = !member.packed.empty();
     const std::string& body = deflated ? member.packed : member.data;
     const std::size_t at = out.size();
-    out += bytes<std::uint32_t>({0x04034b50}) + bytes<std::uint16_t>({20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
+    out += bytes<std::uint32_t>({0x04034b50}) +
+           bytes<std::uint16_t>({20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
     out += bytes<std::uint32_t>({0, 0, 0}) + bytes<std::uint16_t>({static_cast<std::uint16_t>(member.name.size()), 4});
     out += member.name + bytes<std::uint16_t>({99, 0}) + body;
     const auto size = [&](std::size_t n) { return wide ? 0xffffffffu : static_cast<std::uint32_t>(n); };
-    list += bytes<std::uint32_t>({0x02014b50}) + bytes<std::uint16_t>({20, 20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
+    list += bytes<std::uint32_t>({0x02014b50}) +
+            bytes<std::uint16_t>({20, 20, 0, deflated ? std::uint16_t{8} : std::uint16_t{0}, 0, 0});
     list += bytes<std::uint32_t>({checksum(member.data), size(body.size()), size(member.data.size())});
-    list += bytes<std::uint16_t>({static_cast<std::uint16_t>(member.name.size()), wide ? std::uint16_t{20} : std::uint16_t{0}, 0, 0, 0});
+    list += bytes<std::uint16_t>(
+        {static_cast<std::uint16_t>(member.name.size()), wide ? std::uint16_t{20} : std::uint16_t{0}, 0, 0, 0});
     list += bytes<std::uint32_t>({0, static_cast<std::uint32_t>(at)}) + member.name;
     if (wide) list += bytes<std::uint16_t>({1, 16}) + bytes<std::uint64_t>({member.data.size(), body.size()});
   }
   const std::size_t listAt = out.size();
   out += list + bytes<std::uint32_t>({0x06054b50}) + bytes<std::uint16_t>({0, 0});
   out += bytes<std::uint16_t>({static_cast<std::uint16_t>(members.size()), static_cast<std::uint16_t>(members.size())});
-  return out + bytes<std::uint32_t>({static_cast<std::uint32_t>(list.size()), static_cast<std::uint32_t>(listAt)}) + bytes<std::uint16_t>({0});
+  return out + bytes<std::uint32_t>({static_cast<std::uint32_t>(list.size()), static_cast<std::uint32_t>(listAt)}) +
+         bytes<std::uint16_t>({0});
 }
 
 /// A deflated block that is not packed: what follows is as it was.
@@ -98,35 +103,44 @@ std::string plainBlock(const std::string& text) {
 TEST_CASE("rows of three, four and six numbers are places, an intensity, normals or colours") {
   for (const bool reversed : {false, true}) {
     const std::string order = reversed ? ">" : "<";
-    const PointCloud places = reading(array("'" + order + "f4'", "(2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.5f}, reversed))).cloud;
+    const PointCloud places =
+        reading(array("'" + order + "f4'", "(2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.5f}, reversed))).cloud;
     REQUIRE(places.size() == 2);
     CHECK(places.fileCoordinates(1) == DVec3(4, 5, 6.5));
     CHECK(places.storedAs.position == ScalarType::f32);
-    const PointCloud far = reading(array("'" + order + "f8'", "(1, 3)", bytes({4500000.001, 5200000.002, 0.003}, reversed), false, 2)).cloud;
+    const PointCloud far =
+        reading(array("'" + order + "f8'", "(1, 3)", bytes({4500000.001, 5200000.002, 0.003}, reversed), false, 2))
+            .cloud;
     CHECK(far.fileCoordinates(0) == DVec3(4500000.001, 5200000.002, 0.003));
-    const PointCloud whole = reading(array("'" + order + "i8'", "(1, 3)", bytes<std::int64_t>({-7, 1ll << 40, 3}, reversed))).cloud;
+    const PointCloud whole =
+        reading(array("'" + order + "i8'", "(1, 3)", bytes<std::int64_t>({-7, 1ll << 40, 3}, reversed))).cloud;
     CHECK(whole.fileCoordinates(0) == DVec3(-7, std::ldexp(1.0, 40), 3));
   }
   const PointCloud turned = reading(array("'<f8'", "(2, 3)", bytes({1., 4., 2., 5., 3., 6.}), true)).cloud;
   CHECK(turned.fileCoordinates(0) == DVec3(1, 2, 3));
   CHECK(turned.fileCoordinates(1) == DVec3(4, 5, 6));
-  CHECK(reading(array("'<f4'", "(2, 2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 8.f, 9.f, 10.f, 11.f, 12.f}))).cloud.size() == 4);
+  CHECK(reading(array("'<f4'", "(2, 2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.f, 7.f, 8.f, 9.f, 10.f, 11.f, 12.f})))
+            .cloud.size() == 4);
   const PointCloud lit = reading(array("'<f4'", "(1, 4)", bytes({1.f, 2.f, 3.f, 0.25f}))).cloud;
   REQUIRE(lit.extra.size() == 1);
   CHECK(lit.extra[0].name == "intensity");
 
-  const auto six = [](std::initializer_list<float> values) { return reading(array("'<f4'", "(2, 6)", bytes(values))).cloud; };
+  const auto six = [](std::initializer_list<float> values) {
+    return reading(array("'<f4'", "(2, 6)", bytes(values))).cloud;
+  };
   const PointCloud facing = six({1, 2, 3, 0, 0, 1, 4, 5, 6, 0, 1, 0});
   REQUIRE(facing.hasNormals());
   CHECK(facing.normals[1] == Vec3(0, 1, 0));
   CHECK(six({1, 2, 3, 0, 0, 0, 4, 5, 6, 255, 7, 128}).colors.at(1) == Color{255, 7, 128, 255});
   CHECK(six({1, 2, 3, 0, 0, 0, 4, 5, 6, 1, 1, 0.5f}).colors.at(1) == Color{255, 255, 128, 255});
-  CHECK(refusal(array("'<f4'", "(1, 6)", bytes({1.f, 2.f, 3.f, 300.f, 0.f, 0.f}))).find("may mean anything") != std::string::npos);
+  CHECK(refusal(array("'<f4'", "(1, 6)", bytes({1.f, 2.f, 3.f, 300.f, 0.f, 0.f}))).find("may mean anything") !=
+        std::string::npos);
 }
 
 TEST_CASE("a structured array has the names of its fields") {
-  const std::string type = "[('xyz', '<f8', (3,)), ('', '|V2'), ('normal', '>f4', (3,)), ('red', '|u1'), ('green', '|u1'), "
-                           "('blue', '|u1'), ('time', '<u8'), ('ok', '|b1'), ('grid', '<i2', (1, 2))]";
+  const std::string type =
+      "[('xyz', '<f8', (3,)), ('', '|V2'), ('normal', '>f4', (3,)), ('red', '|u1'), ('green', '|u1'), "
+      "('blue', '|u1'), ('time', '<u8'), ('ok', '|b1'), ('grid', '<i2', (1, 2))]";
   const std::string row = bytes({1., 2., 3.}) + "__" + bytes({0.f, 1.f, 0.f}, true) + "\xff\x07\x80" +
                           bytes<std::uint64_t>({77}) + "\1" + bytes<std::int16_t>({-5, 6});
   const StoredCloud read = reading(array(type, "(2,)", row + row, false, 3));
@@ -142,17 +156,24 @@ TEST_CASE("a structured array has the names of its fields") {
   CHECK(loadScalar<std::int16_t>(read.cloud.extra[2].data.data() + 2) == -5);
   CHECK(read.lost == std::vector<std::string>{"whole numbers of 'time' beyond 2^53, if there are any"});
   // Colours of real numbers, of which one alone is more than 1.
-  const std::string real = "[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '<f4'), ('green', '<f4'), ('blue', '<f4')]";
+  const std::string real =
+      "[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('red', '<f4'), ('green', '<f4'), ('blue', '<f4')]";
   CHECK(reading(array(real, "(1,)", bytes({1.f, 2.f, 3.f, 0.f, 1.f, 9.f}))).cloud.colors.at(0) == Color{0, 1, 9, 255});
 }
 
 TEST_CASE("an archive's arrays of as many rows as there are points go with them") {
   const std::string points = array("'<f4'", "(2, 3)", bytes({1.f, 2.f, 3.f, 4.f, 5.f, 6.f}));
   const std::string colors = array("'|u1'", "(2, 3)", std::string("\x01\x02\x03\x04\x05\x06"));
-  const std::string ring = array("'<u2'", "(2,)", bytes<std::uint16_t>({8, 9})), pose = array("'<f8'", "(1,)", bytes({1.}));
+  const std::string ring = array("'<u2'", "(2,)", bytes<std::uint16_t>({8, 9})),
+                    pose = array("'<f8'", "(1,)", bytes({1.}));
   for (const bool wide : {false, true}) {
-    const StoredCloud read = reading(zip({{"colors.npy", colors, {}}, {"ring.npy", ring, plainBlock(ring)}, {"points.npy", points, {}},
-                                          {"pose.npy", pose, {}}, {"notes.txt", "hello", {}}}, wide), "a.npz");
+    const StoredCloud read = reading(zip({{"colors.npy", colors, {}},
+                                          {"ring.npy", ring, plainBlock(ring)},
+                                          {"points.npy", points, {}},
+                                          {"pose.npy", pose, {}},
+                                          {"notes.txt", "hello", {}}},
+                                         wide),
+                                     "a.npz");
     REQUIRE(read.cloud.size() == 2);
     CHECK(read.cloud.fileCoordinates(1) == DVec3(4, 5, 6));
     CHECK(read.cloud.colors.at(1) == Color{4, 5, 6, 255});
@@ -205,8 +226,10 @@ TEST_CASE("an array that is damaged or lies is refused with its byte") {
   CHECK(refusal("hello") == ": byte 0: no array of NumPy; it does not begin as one");
   CHECK(refusal(std::string("\x93NUMPY\x01\x00", 8)) == ": byte 8: ends inside the array's description");
   CHECK(refusal(array("'<f4'", "(1, 3)", data, false, 4)).starts_with(": byte 6: version 4"));
-  CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("an array of shape (2, 3) has 24 bytes, and 12 are there") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1000000000000000000, 3)", data)).find("more numbers than can be") != std::string::npos);
+  CHECK(refusal(array("'<f4'", "(2, 3)", data)).find("an array of shape (2, 3) has 24 bytes, and 12 are there") !=
+        std::string::npos);
+  CHECK(refusal(array("'<f4'", "(1000000000000000000, 3)", data)).find("more numbers than can be") !=
+        std::string::npos);
   CHECK(refusal(array("'<f4'", "(1000000000000, 3)", data)).find("has 12000000000000 bytes") != std::string::npos);
   CHECK(refusal(array("'<f2'", "(2, 3)", data)).find("the type '<f2', which is not read") != std::string::npos);
   CHECK(refusal(array("'|O'", "(2, 3)", data)).find("the type '|O', which is not read") != std::string::npos);
@@ -215,9 +238,11 @@ TEST_CASE("an array that is damaged or lies is refused with its byte") {
   CHECK(refusal(array("'<f4'", "(1, -3)", data)).find("which is no value") != std::string::npos);
   CHECK(refusal(array("'<f4'", "(3,)", data)).find("may mean anything") != std::string::npos);
   CHECK(refusal(array("'<f4'", "(1, 1, 3)", data, true)).find("Fortran order") != std::string::npos);
-  CHECK(refusal(array("[('x', '<f4'), ('y', '<f4')]", "(1,)", data)).find("no scalar property 'z'") != std::string::npos);
+  CHECK(refusal(array("[('x', '<f4'), ('y', '<f4')]", "(1,)", data)).find("no scalar property 'z'") !=
+        std::string::npos);
   CHECK(refusal(array("[('a', '|V0')]", "(5,)", data)).find("rows without bytes") != std::string::npos);
-  CHECK(refusal(array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f}))).find("row 0: ") != std::string::npos);
+  CHECK(refusal(array("'<f4'", "(1, 3)", bytes({1.f, std::numeric_limits<float>::quiet_NaN(), 2.f}))).find("row 0: ") !=
+        std::string::npos);
   std::string deep = "1";
   for (int k = 0; k < 100; ++k) deep = "(" + deep + ",)";
   CHECK(refusal(array("'<f4'", deep, data)).find("too many brackets") != std::string::npos);
@@ -230,7 +255,8 @@ TEST_CASE("an array that is damaged or lies is refused with its byte") {
   flipped[good.find("NUMPY") + 120 - 70] ^= 1;
   CHECK(refusal(flipped, "a.npz").find("checksum") != std::string::npos);
   CHECK(refusal(zip({{"points.npy", one, "\xff\xff\xff"}}), "a.npz").find("cannot be unpacked") != std::string::npos);
-  CHECK(refusal(zip({{"points.npy", std::string(100000, 'a'), "\x4b"}}), "a.npz").find("cannot be as long") != std::string::npos);
+  CHECK(refusal(zip({{"points.npy", std::string(100000, 'a'), "\x4b"}}), "a.npz").find("cannot be as long") !=
+        std::string::npos);
   CHECK(refusal(good.substr(10), "a.npz").find("byte ") != std::string::npos);
 }
 
@@ -245,7 +271,8 @@ TEST_CASE("whatever is flipped, cut or made extreme in an array, it is read or r
   CHECK(named < 790);
   const ScratchFolder folder;
   Damage damage;
-  const std::string archive = zip({{"points.npy", one, plainBlock(one)}, {"ring.npy", array("'<u2'", "(60,)", std::string(120, '\3')), {}}});
+  const std::string archive =
+      zip({{"points.npy", one, plainBlock(one)}, {"ring.npy", array("'<u2'", "(60,)", std::string(120, '\3')), {}}});
   int read = 0;
   for (int k = 0; k < 800; ++k) {
     std::ofstream(folder / "a.npz", std::ios::binary) << damage.of(archive, archive.size());

@@ -76,9 +76,9 @@ std::string unpacked(const std::string& in, std::size_t bytes) {
 
 TEST_CASE("fields of text become places, normals, colours and attributes under their names") {
   const float packed = std::bit_cast<float>(std::uint32_t{0x00ff8001});
-  const StoredCloud read = reading(header("x y z normal_x normal_y normal_z rgb curvature", "4 4 4 4 4 4 4 4",
-                                          "F F F F F F F F", 2, "ascii") +
-                                   fmt::format("1 2 3 0 0 1 {} 0.5\n\n4 5 6.5 1 0 0 1e-45 0.25\n", packed));
+  const StoredCloud read = reading(
+      header("x y z normal_x normal_y normal_z rgb curvature", "4 4 4 4 4 4 4 4", "F F F F F F F F", 2, "ascii") +
+      fmt::format("1 2 3 0 0 1 {} 0.5\n\n4 5 6.5 1 0 0 1e-45 0.25\n", packed));
   REQUIRE(read.cloud.size() == 2);
   CHECK(read.lost.empty());
   CHECK(read.cloud.fileCoordinates(1) == DVec3(4, 5, 6.5));
@@ -90,11 +90,18 @@ TEST_CASE("fields of text become places, normals, colours and attributes under t
 }
 
 TEST_CASE("binary points are those of the file, of any type, with padding and many numbers in a field") {
-  const std::string head = "VERSION .7\nFIELDS x y z _ rgba hist ring t\nSIZE 8 8 8 1 4 4 2 8\nTYPE F F F U U F U U\n"
-                           "COUNT 1 1 1 4 1 2 1 1\nWIDTH 1\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ";
+  const std::string head =
+      "VERSION .7\nFIELDS x y z _ rgba hist ring t\nSIZE 8 8 8 1 4 4 2 8\nTYPE F F F U U F U U\n"
+      "COUNT 1 1 1 4 1 2 1 1\nWIDTH 1\nHEIGHT 2\nVIEWPOINT 1 2 3 1 0 0 0\nPOINTS 2\nDATA ";
   const auto row = [](double x, std::uint32_t color) {
-    return std::array{bytesOf(x), bytesOf(5200000.001), bytesOf(-1.0), bytesOf(std::uint32_t{9}), bytesOf(color),
-                      bytesOf(0.5f, 1.5f), bytesOf(std::uint16_t{7}), bytesOf(std::uint64_t{1} << 40)};
+    return std::array{bytesOf(x),
+                      bytesOf(5200000.001),
+                      bytesOf(-1.0),
+                      bytesOf(std::uint32_t{9}),
+                      bytesOf(color),
+                      bytesOf(0.5f, 1.5f),
+                      bytesOf(std::uint16_t{7}),
+                      bytesOf(std::uint64_t{1} << 40)};
   };
   const auto first = row(4500000.001, 0x80ff0102), second = row(4500000.002, 0x00000000);
   std::string rows, columns;
@@ -113,7 +120,8 @@ TEST_CASE("binary points are those of the file, of any type, with padding and ma
     CHECK(loadScalar<float>(read.cloud.extra[1].data.data() + 4) == 1.5f);
     CHECK(loadScalar<std::uint16_t>(read.cloud.extra[2].data.data()) == 7);
     CHECK(loadScalar<double>(read.cloud.extra[3].data.data()) == std::ldexp(1.0, 40));
-    CHECK(read.lost == std::vector<std::string>{"the grid of 1 x 2", "whole numbers of 't' beyond 2^53, if there are any"});
+    CHECK(read.lost ==
+          std::vector<std::string>{"the grid of 1 x 2", "whole numbers of 't' beyond 2^53, if there are any"});
     for (const bool ascii : {false, true}) {
       const PointCloud back = again(read.cloud, ascii);
       CHECK(back.fileCoordinates(0) == read.cloud.fileCoordinates(0));
@@ -127,23 +135,30 @@ TEST_CASE("binary points are those of the file, of any type, with padding and ma
 TEST_CASE("compressed bytes are copies of those before, also of themselves") {
   CHECK(unpacked(std::string("\x02"
                              "abc",
-                             4), 3) == "abc");
+                             4),
+                 3) == "abc");
   CHECK(unpacked(std::string("\x00"
                              "a\x20\x00",
-                             4), 4) == "aaaa");  // three, one back
+                             4),
+                 4) == "aaaa");  // three, one back
   CHECK(unpacked(std::string("\x01"
                              "ab\xe0\x02\x01",
-                             6), 13) == "ababababababa");  // nine more and two
+                             6),
+                 13) == "ababababababa");  // nine more and two
   CHECK(unpacked(std::string("\x00"
                              "a\x20\x01",
-                             4), 4) == "bad at 2");  // from before the beginning
+                             4),
+                 4) == "bad at 2");  // from before the beginning
   CHECK(unpacked(std::string("\x05"
                              "ab",
-                             3), 6) == "bad at 0");
+                             3),
+                 6) == "bad at 0");
   CHECK(unpacked("\x02"
-                 "abc", 2) == "bad at 0");
+                 "abc",
+                 2) == "bad at 0");
   CHECK(unpacked("\x02"
-                 "abc", 4) == "bad at 4");
+                 "abc",
+                 4) == "bad at 4");
   CHECK(unpacked("\xe0", 4) == "bad at 0");
 }
 
@@ -199,7 +214,8 @@ TEST_CASE("a file that is damaged or lies is refused with its line or byte") {
   CHECK(refusal(header("x y z", "4 4", "F F F", 1, "ascii")) == ":4: SIZE has 2 entries for 3 fields");
   CHECK(refusal(header("x y z", "4 4 4", "F F Q", 1, "ascii")) == ":5: type 'Q'; expected I, U or F");
   CHECK(refusal(header("x y z", "4 4 4", "F F F", 1, "zip")).starts_with(":10: expected 'ascii', 'binary'"));
-  CHECK(refusal("VERSION 0.7\nFIELDS x y z\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n") == ":6: 5 points in a grid of 3 x 2");
+  CHECK(refusal("VERSION 0.7\nFIELDS x y z\nWIDTH 3\nHEIGHT 2\nPOINTS 5\nDATA ascii\n") ==
+        ":6: 5 points in a grid of 3 x 2");
   const std::string binary = header("x y z", "4 4 4", "F F F", 2, "binary");
   CHECK(refusal(binary + bytesOf(1.f, 2.f, 3.f)) ==
         fmt::format(": byte {}: the header promises 2 points of 12 bytes, and 12 bytes are there", binary.size()));
@@ -223,8 +239,8 @@ TEST_CASE("whatever is flipped, cut or made extreme in a PCD file, it is read or
     text += fmt::format("{} 2 3 {} {}\n", 0.1 * k, 0xff8010, k);
   }
   const auto head = [](const char* data) { return header("x y z rgb ring", "4 4 4 4 2", "F F F U U", 60, data); };
-  for (const std::string& good : {head("ascii") + text, head("binary") + rows,
-                                  head("binary_compressed") + stored(rows)}) {
+  for (const std::string& good :
+       {head("ascii") + text, head("binary") + rows, head("binary_compressed") + stored(rows)}) {
     REQUIRE(refusal(good) == "read");
     const int read = readOfDamaged(good, ".pcd", 220, 600);
     CHECK(read > 50);
@@ -234,7 +250,8 @@ TEST_CASE("whatever is flipped, cut or made extreme in a PCD file, it is read or
 
 TEST_CASE("what a PCD file has no place for is named") {
   StoredCloud some{.cloud = reading(header("x y z", "4 4 4", "F F F", 1, "ascii") + "1 2 3\n").cloud,
-                   .triangles = {{0, 0, 0}}, .lost = {}};
+                   .triangles = {{0, 0, 0}},
+                   .lost = {}};
   some.cloud.colors = {{1, 2, 3, 255}};
   some.cloud.extra.push_back({"rgb", ScalarType::f32, std::vector<std::byte>(4)});
   CHECK(pcdFormat().lacks(some) ==

@@ -91,7 +91,8 @@ TEST_CASE("what is no point is refused with its line") {
   CHECK(refusal("# a\n1 2 3 4 5\n").starts_with(":2: a point of 5 columns, which may mean anything"));
   CHECK(refusal("1 2 3 0.1 0.2 3.5\n").starts_with(":1: a point of 6 columns, which may mean anything"));
   CHECK(refusal("x y z w\n1 2 3\n") == ":2: a point of 3 columns, of which 4 have names");
-  CHECK(refusal("1 2 3 4 5 6\n1 2 3 4 5 256\n").starts_with(":2: found '256' for 'blue', expected a number from 0 to 255"));
+  CHECK(refusal("1 2 3 4 5 6\n1 2 3 4 5 256\n")
+            .starts_with(":2: found '256' for 'blue', expected a number from 0 to 255"));
   CHECK(refusal("1 2 3\n1 2 nan\n").starts_with(":2: "));
   CHECK(refusal("1 2 3\n1 1e999 3\n").starts_with(":2: "));
   CHECK(refusal(std::string(2 << 20, '1')).starts_with(":1: "));
@@ -133,8 +134,9 @@ TEST_CASE("a PTS file says how many points follow, for each scan") {
   CHECK(refusal("1\n1 2 3\n4 5 6\n", "a.pts") == ":3: more than the 1 points that were promised");
   CHECK(refusal("3\n", "a.pts") == ":1: ends after 0 of 3 points");
   CHECK(refusal("1 2 3\nfour\n", "a.pts") == ":2: found 'four', expected a point, or how many follow");
-  CHECK(refusal("1\n1 2 3\n") == ":1: a point of 1 columns, which may mean anything; a line before it should name them, as "
-                                 "in: x y z nx ny nz red green blue");
+  CHECK(refusal("1\n1 2 3\n") ==
+        ":1: a point of 1 columns, which may mean anything; a line before it should name them, as "
+        "in: x y z nx ny nz red green blue");
 
   for (const bool lit : {false, true}) {
     PointCloud some = cloud;
@@ -153,7 +155,8 @@ TEST_CASE("a PTS file says how many points follow, for each scan") {
 }
 
 TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
-  const PointCloud cloud = reading("\"X\",\"Y\",Z,Normal_X,Normal_Y,Normal_Z,\"Score\"\r\n1,2,3,0,1,0,0.25\r\n", "a.csv").cloud;
+  const PointCloud cloud =
+      reading("\"X\",\"Y\",Z,Normal_X,Normal_Y,Normal_Z,\"Score\"\r\n1,2,3,0,1,0,0.25\r\n", "a.csv").cloud;
   REQUIRE(cloud.size() == 1);
   CHECK(cloud.fileCoordinates(0) == DVec3(1, 2, 3));
   CHECK(cloud.normals.at(0) == Vec3(0, 1, 0));
@@ -178,14 +181,15 @@ TEST_CASE("given names of columns stand in place of what a file says") {
   CHECK(cloud.colors.at(0) == Color{9, 8, 7, 255});
   CHECK(cloud.extra.at(0).name == "kind");
   CHECK(reading("x y z a b c d\n3 2 1 9 8 7 5\n", "a.asc", options).cloud.fileCoordinates(0) == DVec3(1, 2, 3));
-  CHECK_THROWS_WITH_AS(reading("1 2 3\n", "a.xyz", options), doctest::Contains(":1: a point of 3 columns, of which 7 have names"),
-                       FileError);
+  CHECK_THROWS_WITH_AS(reading("1 2 3\n", "a.xyz", options),
+                       doctest::Contains(":1: a point of 3 columns, of which 7 have names"), FileError);
 }
 
 TEST_CASE("whatever is flipped, cut or made extreme in a file of text, it is read or refused") {
   std::string text = "60\n";
   for (int k = 0; k < 60; ++k) text += fmt::format("{} 2.5 -3 {} 1 2 {}\n", 0.25 * k, k - 30, 4 * k);
-  for (const auto& [good, ending] : {std::pair{text, ".pts"}, {text.substr(3), ".xyz"}, {"x,y,z,i,r,g,b\n" + text.substr(3), ".csv"}}) {
+  for (const auto& [good, ending] :
+       {std::pair{text, ".pts"}, {text.substr(3), ".xyz"}, {"x,y,z,i,r,g,b\n" + text.substr(3), ".csv"}}) {
     CAPTURE(std::string(ending));
     const int read = readOfDamaged(good, ending, 300, 800);
     CHECK(read > 40);
