@@ -86,6 +86,7 @@ class XyzRows {
       return;
     }
     if (!columns.empty()) names_ = columns;
+    keepApart();
     countPoint();
     if (names_.empty()) names_ = usualNames();
     if (names_.size() != words_.size())
@@ -111,6 +112,14 @@ class XyzRows {
   }
 
  private:
+  /// Names that differ in their case alone are the same by now: the second of a name is NAME_2.
+  void keepApart() {
+    for (auto name = names_.begin(); name != names_.end(); ++name) {
+      const std::string first = *name;
+      for (int number = 2; std::find(names_.begin(), name, *name) != name; ++number)
+        *name = fmt::format("{}_{}", first, number);
+    }
+  }
   static bool isRemark(std::string_view word) { return word.starts_with('#') || word.starts_with("//"); }
 
   /// Of files that have it: the number of points of the scan that follows.

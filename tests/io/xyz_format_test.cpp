@@ -171,6 +171,10 @@ TEST_CASE("CSV has names in its first line, in quotes or not, and commas") {
   CHECK(back.positions == cloud.positions);
   CHECK(back.normals == cloud.normals);
   CHECK(back.extra.at(0).data == cloud.extra[0].data);
+  const PointCloud twice = reading("x,y,z,a,A,a\n1,2,3,4,5,6\n", "a.csv").cloud;
+  REQUIRE(twice.extra.size() == 3);
+  CHECK(twice.extra[1].name == "a_2");
+  CHECK(twice.extra[2].name == "a_3");
   CHECK(refusal("x,y,z\n1,,3\n", "a.csv") == ":2: a point of 2 columns, of which 3 have names");
 }
 
