@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include "engine/core/error.hpp"
@@ -191,51 +192,55 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   return header;
 }
 
-std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHeader& header,
-                                  std::span<const std::byte> head) {
+namespace {
+
+// `count` records from byte `at` on; the length of each is a Length in its head. `beyond` says what is wrong with the
+// number of one that goes on behind the end, and the byte where it begins.
+template <class Length>
+std::vector<LasRecord> recordsFrom(std::span<const std::byte> bytes, std::size_t at, std::uint32_t count,
+                                   std::size_t headBytes,
+                                   const std::function<FileError(std::uint32_t, std::size_t)>& beyond) {
   std::vector<LasRecord> records;
-  std::size_t at = header.size;
-  for (std::uint32_t k = 0; k < header.records; ++k) {
-    const std::size_t left = head.size() - at;
-    const std::size_t bytes = left < kLasRecordHead ? 0 : load<std::uint16_t>(head, at + 20);
-    if (left < kLasRecordHead || left - kLasRecordHead < bytes)
-      throw FileError::atByte(
-          file, at,
-          fmt::format("record {} of {} reaches into the points at byte {}", k + 1, header.records, head.size()));
-    records.push_back({.user = textAt(head, at + 2, 16),
-                       .id = load<std::uint16_t>(head, at + 18),
+  for (std::uint32_t k = 0; k < count; ++k) {
+    const std::size_t left = bytes.size() - at;
+    const std::uint64_t length = left < headBytes ? 0 : load<Length>(bytes, at + 20);
+    if (left < headBytes || left - headBytes < length) throw beyond(k + 1, at);
+    records.push_back({.user = textAt(bytes, at + 2, 16),
+                       .id = load<std::uint16_t>(bytes, at + 18),
                        .at = at,
-                       .head = head.subspan(at, kLasRecordHead),
-                       .data = head.subspan(at + kLasRecordHead, bytes)});
-    at += kLasRecordHead + bytes;
+                       .head = bytes.subspan(at, headBytes),
+                       .data = bytes.subspan(at + headBytes, length)});
+    at += headBytes + length;
   }
   return records;
 }
 
+}  // namespace
+
+std::vector<LasRecord> lasRecords(const std::filesystem::path& file, const LasHeader& header,
+                                  std::span<const std::byte> head) {
+  return recordsFrom<std::uint16_t>(
+      head, header.size, header.records, kLasRecordHead, [&](std::uint32_t number, std::size_t at) {
+        return FileError::atByte(file, at,
+                                 fmt::format("record {} of {} reaches into the points at byte {}", number,
+                                             header.records, head.size()));
+      });
+}
+
 std::vector<LasRecord> lasLongRecords(const std::filesystem::path& file, const LasHeader& header,
                                       std::span<const std::byte> tail, std::uint64_t tailAt) {
-  std::vector<LasRecord> records;
-  if (header.longRecords == 0) return records;
+  if (header.longRecords == 0) return {};
   if (header.longRecordsAt < tailAt || header.longRecordsAt - tailAt > tail.size())
     throw FileError::atByte(file, 235,
                             fmt::format("records behind the points at byte {}; those bytes are {} to {}",
                                         header.longRecordsAt, tailAt, tailAt + tail.size()));
-  std::size_t at = header.longRecordsAt - tailAt;
-  for (std::uint32_t k = 0; k < header.longRecords; ++k) {
-    const std::size_t left = tail.size() - at;
-    const std::uint64_t bytes = left < kLasLongRecordHead ? 0 : load<std::uint64_t>(tail, at + 20);
-    if (left < kLasLongRecordHead || left - kLasLongRecordHead < bytes)
-      throw FileError::atByte(
-          file, tailAt + at,
-          fmt::format("record {} of {} behind the points is longer than the file", k + 1, header.longRecords));
-    records.push_back({.user = textAt(tail, at + 2, 16),
-                       .id = load<std::uint16_t>(tail, at + 18),
-                       .at = at,
-                       .head = tail.subspan(at, kLasLongRecordHead),
-                       .data = tail.subspan(at + kLasLongRecordHead, bytes)});
-    at += kLasLongRecordHead + bytes;
-  }
-  return records;
+  return recordsFrom<std::uint64_t>(
+      tail, header.longRecordsAt - tailAt, header.longRecords, kLasLongRecordHead,
+      [&](std::uint32_t number, std::size_t at) {
+        return FileError::atByte(
+            file, tailAt + at,
+            fmt::format("record {} of {} behind the points is longer than the file", number, header.longRecords));
+      });
 }
 
 LasPointFormat lasPointFormat(unsigned number) {
