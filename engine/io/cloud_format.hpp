@@ -88,6 +88,8 @@ struct CloudFormat {
   void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
   /// What of a cloud a file of the format cannot hold, in words.
   std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+  /// Whose baggage a writer keeps (FormatBaggage::format); empty: of its own name.
+  std::string_view family = {};
 };
 
 }  // namespace palpate

@@ -89,6 +89,8 @@ const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(),
       lasFormat(),
+      lazFormat(),
+      copcFormat(),
       pcdFormat(),
       npyFormat(),
       npzFormat(),
@@ -107,7 +109,8 @@ std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudForm
   std::vector<std::string> lost = stored.lost;
   for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
   const auto& baggage = stored.cloud.storedAs.baggage;
-  if (baggage && baggage->format != to.name && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
+  const std::string_view keeps = to.family.empty() ? to.name : to.family;
+  if (baggage && baggage->format != keeps && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
   return lost;
 }
 
