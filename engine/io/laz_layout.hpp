@@ -23,8 +23,8 @@ struct LazLayout {
   bool chunked = true, layered = false;
   /// Points of a chunk but the last one; nothing where the table says how many each has.
   std::optional<std::uint64_t> chunkPoints;
-  /// Items that were made when a change of the scanner's channel was still coded by what another channel had last
-  /// (version 3; version 4 has mended that).
+  /// Items that take most points for those of the scanner's channel 0, and some for those of the channel before
+  /// (version 3, which most programs write; version 4 has mended that).
   bool channelsLag = true;
   /// Where in a row what is; 0: nowhere.
   std::size_t timeAt = 0, colorAt = 0, infraredAt = 0, bytesAt = 0;

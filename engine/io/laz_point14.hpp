@@ -66,6 +66,7 @@ class LazPoint14 {
   }
 
   unsigned channel() const { return channel_; }  ///< of the last point
+  bool hasChangedChannel() const { return hasChangedChannel_; }  ///< with the last point
 
   void code(LazCore14& next, std::int64_t& time) {
     Coder& places = coder(LazLayer14::places);
@@ -73,7 +74,8 @@ class LazPoint14 {
     unsigned changes = 0;
     if constexpr (Coder::kEncodes) changes = changesTo(next, time);
     changes = places.symbol(channels_[channel_]->changes[before.kindOfLast()], changes);
-    if (changes & kChannel) changeChannel(places, next.channel());
+    hasChangedChannel_ = changes & kChannel;
+    if (hasChangedChannel_) changeChannel(places, next.channel());
     Channel& now = *channels_[channel_];
     if constexpr (!Coder::kEncodes) next = now.last, time = now.lastTime;
     codeReturns(places, now, changes, next);
@@ -218,6 +220,7 @@ class LazPoint14 {
 
   Layers layers_;
   unsigned channel_ = 0;
+  bool hasChangedChannel_ = false;
   std::array<std::unique_ptr<Channel>, kLazChannels> channels_;
 };
 
@@ -234,8 +237,8 @@ class LazChannels {
     Value& last;
   };
 
-  /// `lag`: where a channel comes back that was there before, the last value is still that of the channel before it, as
-  /// in version 3.
+  /// `lag`: where a channel comes back that was there before, the last value is still that of the channel before it, as in
+  /// version 3.
   LazChannels(bool lag, unsigned channel, Models models, Value first) : fresh_(models), lag_(lag), current_(channel) {
     channels_[channel] = std::make_unique<Channel>(Channel{std::move(models), std::move(first)});
   }
@@ -279,10 +282,12 @@ class LazRow14 {
     core_.code(core, time);
     std::memcpy(row, &core, LazCore14::kBytes);
     std::memcpy(row + layout_.timeAt, &time, sizeof time);
+    // Version 3 tells the other items of a channel with its first point alone; they take all others for those of 0.
+    const unsigned channel = layout_.channelsLag && !core_.hasChangedChannel() ? 0 : core_.channel();
     std::size_t layer = kLazLayers14;
-    if (colors_) codeColor(row + layout_.colorAt, layers_[layer++]);
-    if (infrared_) codeInfrared(row + layout_.infraredAt, layers_[layer++]);
-    if (bytes_) codeBytes(row + layout_.bytesAt, layers_.subspan(layer));
+    if (colors_) codeColor(channel, row + layout_.colorAt, layers_[layer++]);
+    if (infrared_) codeInfrared(channel, row + layout_.infraredAt, layers_[layer++]);
+    if (bytes_) codeBytes(channel, row + layout_.bytesAt, layers_.subspan(layer));
   }
 
  private:
@@ -299,20 +304,20 @@ class LazRow14 {
   }
   std::int64_t timeAt(const std::byte* row) const { return load<std::int64_t>(row + layout_.timeAt); }
 
-  void codeColor(std::byte* at, LazLayer<Coder>& layer) {
-    const auto [models, last] = colors_->pick(core_.channel());
+  void codeColor(unsigned channel, std::byte* at, LazLayer<Coder>& layer) {
+    const auto [models, last] = colors_->pick(channel);
     const auto next = load<LazColors::Color>(at);
     if (layer.codes(next != last)) models.code(layer.coder, last, next);
     std::memcpy(at, &last, sizeof last);
   }
-  void codeInfrared(std::byte* at, LazLayer<Coder>& layer) {
-    const auto [models, last] = infrared_->pick(core_.channel());
+  void codeInfrared(unsigned channel, std::byte* at, LazLayer<Coder>& layer) {
+    const auto [models, last] = infrared_->pick(channel);
     const auto next = load<std::uint16_t>(at);
     if (layer.codes(next != last)) models.code(layer.coder, last, next);
     std::memcpy(at, &last, sizeof last);
   }
-  void codeBytes(std::byte* at, std::span<LazLayer<Coder>> layers) {
-    const auto [models, last] = bytes_->pick(core_.channel());
+  void codeBytes(unsigned channel, std::byte* at, std::span<LazLayer<Coder>> layers) {
+    const auto [models, last] = bytes_->pick(channel);
     for (std::size_t k = 0; k < layout_.extraBytes; ++k) {
       if (layers[k].codes(at[k] != last[k])) {
         if (!models[k].isMade()) models[k] = SymbolModel(256);
