@@ -56,6 +56,8 @@ struct CloudReadOptions {
   bool pointsOnly = false;
   /// Of a reconstruction also the points that its own measures tell to be unreliable (colmap_reliability.hpp).
   bool allPoints = false;
+  /// Of a mesh: how many points are sampled from it; 0: as many as its reader thinks right.
+  std::size_t samples = 0;
   /// Of lines of text: what their columns are, in place of what the file says (CloudFormat::isText); empty: that.
   std::vector<std::string> columns = {};
 };
@@ -90,6 +92,8 @@ struct CloudFormat {
   std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
   /// Whose baggage a writer keeps (FormatBaggage::format); empty: of its own name.
   std::string_view family = {};
+  /// Files of it are of triangles: read, they become points; without triangles nothing is written or saved.
+  bool ofTriangles = false;
 };
 
 }  // namespace palpate

@@ -10,8 +10,10 @@
 #include "engine/io/bag_file.hpp"
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
+#include "engine/io/e57_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/las_format.hpp"
+#include "engine/io/mesh_format.hpp"
 #include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
@@ -67,7 +69,13 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) cons
 
 const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file) const {
   const CloudFormat* format = named(formats_, file);
-  return format && format->write ? *format : formats_.front();
+  return format && format->write && !format->ofTriangles ? *format : formats_.front();
+}
+
+std::string CloudFormats::endingToSave(const std::filesystem::path& file) const {
+  const CloudFormat* format = named(formats_, file);
+  if (!format || &toSave(file) == format) return file.extension().string();
+  return std::string(formats_.front().endings.front());
 }
 
 std::string CloudFormats::namesRead() const {
@@ -91,12 +99,17 @@ const CloudFormats& cloudFormats() {
       lasFormat(),
       lazFormat(),
       copcFormat(),
+      e57Format(),
       pcdFormat(),
       npyFormat(),
       npzFormat(),
       xyzFormat(),
       csvFormat(),
       ptsFormat(),
+      objFormat(),
+      stlFormat(),
+      offFormat(),
+      gltfFormat(),
       colmapFormat(),
       colmapDenseFormat(),
       gaussianFormat(),
