@@ -67,9 +67,9 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) cons
   throw UsageError("{}: clouds are written as {}; name it so", file.string(), endingsWritten());
 }
 
-const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file) const {
+const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool triangles) const {
   const CloudFormat* format = named(formats_, file);
-  return format && format->write && !format->ofTriangles ? *format : formats_.front();
+  return format && format->write && (triangles || !format->ofTriangles) ? *format : formats_.front();
 }
 
 std::string CloudFormats::endingToSave(const std::filesystem::path& file) const {
@@ -140,7 +140,7 @@ StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudRe
 
 void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options,
                 const CloudFormats& formats) {
-  formats.toSave(file).write(file, cloud, options);
+  formats.toSave(file, options.triangles != nullptr).write(file, cloud, options);
 }
 
 }  // namespace palpate
