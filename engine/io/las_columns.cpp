@@ -9,6 +9,7 @@
 
 #include <glm/common.hpp>
 
+#include "engine/core/large_array.hpp"
 #include "engine/core/parallel.hpp"
 
 namespace palpate {
@@ -58,49 +59,65 @@ bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowByt
 
 LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra)
     : header_(header), format_(format) {
-  const auto add = [&](const LasField& field) {
-    columns_.push_back({field,
-                        std::make_unique<std::atomic<bool>>(false),
-                        std::make_unique<std::atomic<bool>>(false),
-                        {field.name, field.type, {}}});
-  };
-  for (const LasField& field : format.fields) add(field);
-  for (const LasExtraField& field : extra) add(field.field);
+  for (const LasField& field : format.fields) columns_.push_back(std::make_unique<Column>(field));
+  for (const LasExtraField& field : extra) columns_.push_back(std::make_unique<Column>(field.field));
 }
 
 void LasColumns::reserve(std::size_t points) {
   places_.reserve(points);
   if (format_.colorAt) colors_.reserve(points);
-  for (Column& column : columns_) column.attribute.data.reserve(points * sizeOf(column.field.type));
+  reserved_ = points;
 }
 
-/// A column a thread: what writes zeros into fresh memory waits for the system.
 void LasColumns::grow(std::size_t to) {
+  size_ = to;
   places_.resize(to);
   if (format_.colorAt) colors_.resize(to);
-  parallelBlocks(columns_.size(), 1, 0, [&](std::size_t begin, std::size_t) {
-    Column& column = columns_[begin];
-    column.attribute.data.resize(to * sizeOf(column.field.type));
+  std::vector<Column*> made;
+  std::vector<std::span<std::byte>> fresh;
+  for (const auto& column : columns_) {
+    if (!column->used) continue;
+    std::vector<std::byte>& data = column->attribute.data;
+    const std::size_t bytes = to * sizeOf(column->field.type);
+    if (bytes > data.capacity()) reserveLarge(data, std::max(bytes, 2 * data.capacity()));
+    fresh.push_back(freshMemory(data, bytes));
+    made.push_back(column.get());
+  }
+  fetchTogether(fresh);
+  parallelBlocks(made.size(), 1, 0, [&](std::size_t k, std::size_t) {
+    made[k]->attribute.data.resize(to * sizeOf(made[k]->field.type));
   });
+}
+
+/// With zeros for all points that there are.
+void LasColumns::make(Column& column) {
+  const std::scoped_lock hold(column.making);
+  if (column.used) return;
+  const std::size_t each = sizeOf(column.field.type);
+  reserveLarge(column.attribute.data, std::max(reserved_, size_) * each);
+  resizeLarge(column.attribute.data, size_ * each, 1);
+  column.used = true;
 }
 
 void LasColumns::take(const std::byte* rows, std::size_t base, std::size_t count) {
   const std::size_t rowBytes = header_.pointBytes;
   for (std::size_t r = 0; r < count; ++r) std::memcpy(&places_[base + r], rows + r * rowBytes, sizeof places_[0]);
   if (format_.colorAt) takeColors(rows, base, count);
-  for (Column& column : columns_) {
-    visitField(column.field, [&](auto&& load) {
+  for (const auto& column : columns_) {
+    visitField(column->field, [&](auto&& load) {
       using T = decltype(load(rows));
-      std::byte* to = column.attribute.data.data() + base * sizeof(T);
-      bool used = false;
-      for (std::size_t r = 0; r < count; ++r) {
-        const T value = load(rows + r * rowBytes + column.field.at);
+      const std::byte* from = rows + column->field.at;
+      std::size_t first = 0;  // that is not zero
+      while (first < count && load(from + first * rowBytes) == T{0}) ++first;
+      if (first == count) return;
+      if (!column->used) make(*column);
+      std::byte* to = column->attribute.data.data() + base * sizeof(T);
+      for (std::size_t r = first; r < count; ++r) {
+        const T value = load(from + r * rowBytes);
         std::memcpy(to + r * sizeof(T), &value, sizeof(T));
-        used |= value != T{0};
       }
-      if (used) *column.used = true;
     });
-    if (column.field.wide && anyRounded(column.field, rows, rowBytes, count)) *column.rounded = true;
+    if (column->field.wide && anyRounded(column->field, rows, rowBytes, count)) column->rounded = true;
   }
 }
 
@@ -142,10 +159,8 @@ void LasColumns::placePoints(PointCloud& cloud) {
   cloud.origin = originFor({low, high});
   const DVec3 steps = glm::max(glm::abs(low - cloud.origin), glm::abs(high - cloud.origin)) / glm::abs(grid.step);
   const bool exact = std::max({steps.x, steps.y, steps.z}) > kExactSteps;
-  parallelParts(2, [&](std::size_t part) {
-    if (part == 0) cloud.positions.resize(places_.size());
-    if (part == 1 && exact) cloud.exactPositions.resize(places_.size());
-  });
+  resizeLarge(cloud.positions, places_.size());
+  if (exact) resizeLarge(cloud.exactPositions, places_.size());
   parallelFor(places_.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const DVec3 place = grid.at(DVec3(places_[i][0], places_[i][1], places_[i][2]));
@@ -163,14 +178,14 @@ void LasColumns::placeColors(PointCloud& cloud, unsigned& colorStep) {
   const bool low = colorBits_.all < 256, high = (colorBits_.all & 0xff) == 0, both = colorBits_.unequal == 0;
   const unsigned step = low ? 1 : both ? 257 : high ? 256 : 257;
   colorStep = step;
-  cloud.colors.resize(colors_.size());
+  resizeLarge(cloud.colors, colors_.size());
   const bool fine = !low && !high && !both;
   std::array<Attribute*, 3> kept{};
   for (std::size_t k = 0; fine && k < 3; ++k)
     cloud.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
   for (std::size_t k = 0; fine && k < 3; ++k) {
     kept[k] = &cloud.extra[k];
-    kept[k]->data.resize(colors_.size() * sizeof(std::uint16_t));
+    resizeLarge(kept[k]->data, colors_.size() * sizeof(std::uint16_t));
   }
   parallelFor(colors_.size(), 0, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -190,9 +205,10 @@ PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorSte
   placeColors(cloud, colorStep);
   const std::size_t standard = format_.fields.size();
   for (std::size_t k = 0; k < columns_.size(); ++k) {
-    Column& column = columns_[k];
-    if (*column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
-    if (k >= standard || *column.used) cloud.extra.push_back(std::move(column.attribute));
+    Column& column = *columns_[k];
+    if (column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
+    if (k >= standard && !column.used) make(column);  // what a file describes is there, though it be zero
+    if (column.used || k >= standard) cloud.extra.push_back(std::move(column.attribute));
   }
   columns_.clear();
   return cloud;

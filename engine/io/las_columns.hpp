@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 
 #include "engine/core/bare_vector.hpp"
 #include "engine/io/las_layout.hpp"
@@ -18,7 +19,7 @@ class LasColumns {
   void reserve(std::size_t points);
   /// Room for the rows up to `to`, which take() fills; what is there stays.
   void grow(std::size_t to);
-  std::size_t size() const { return places_.size(); }
+  std::size_t size() const { return size_; }
   /// Rows of points from number `base` on. From any threads, for points that differ.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
@@ -27,21 +28,26 @@ class LasColumns {
   PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep);
 
  private:
+  /// Is made when a value other than zero is met first: what no point has takes no memory.
   struct Column {
+    explicit Column(const LasField& of) : field(of), attribute{of.name, of.type, {}} {}
     LasField field;
-    std::unique_ptr<std::atomic<bool>> used, rounded;  // a value other than zero; one that its type cannot hold
+    std::atomic<bool> used = false, rounded = false;  // a value other than zero; one that its type cannot hold
     Attribute attribute;
+    std::mutex making;
   };
   struct ColorBits {
     std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; and that differ between a value's bytes
   };
+  void make(Column& column);
   void takeColors(const std::byte* rows, std::size_t base, std::size_t count);
   void placePoints(PointCloud& cloud);
   void placeColors(PointCloud& cloud, unsigned& colorStep);
 
   const LasHeader& header_;
   const LasPointFormat& format_;
-  std::vector<Column> columns_;
+  std::vector<std::unique_ptr<Column>> columns_;
+  std::size_t size_ = 0, reserved_ = 0;  // points
   BareVector<std::array<std::int32_t, 3>> places_;
   BareVector<std::array<std::uint16_t, 3>> colors_;
   ColorBits colorBits_;

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;                         // points that one thread takes at a time
 constexpr std::size_t kSlab = std::size_t{1} << 27;          // bytes of points that room is made for at a time
+constexpr std::size_t kFirst = std::size_t{1} << 16;         // points by which columns are found that have something
 constexpr std::size_t kMostReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
 
 std::string textOf(std::span<const std::byte> bytes) {
@@ -113,7 +114,8 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns) {
   const bool known = file_.remaining().has_value();
   columns.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(known ? header.points : 0, kMostReserved)));
   for (std::uint64_t done = 0; done < header.points;) {
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(slab, header.points - done));
+    const auto count = static_cast<std::size_t>(
+        std::min<std::uint64_t>(done == 0 ? std::min(slab, kFirst) : slab, header.points - done));
     const std::size_t base = columns.size();
     if (known) {
       columns.grow(base + count);

@@ -19,11 +19,6 @@ void append(std::vector<std::byte>& bytes, std::span<const std::byte> more) {
   bytes.insert(bytes.end(), more.begin(), more.end());
 }
 
-void appendNumber(std::vector<std::byte>& bytes, std::size_t number) {
-  const auto small = static_cast<std::uint32_t>(number);
-  append(bytes, std::as_bytes(std::span(&small, 1)));
-}
-
 }  // namespace
 
 /// All rows but the first.
@@ -159,15 +154,19 @@ std::vector<std::byte> encodeLayered(const LazLayout& layout, std::span<const st
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), next.size(), next.begin());
     row.code(next.data());
   }
-  std::vector<std::byte> head, streams;
-  appendNumber(head, rows.size() / layout.rowBytes);
-  for (LazLayer<RangeEncoder>& layer : layers) {
-    const std::vector<std::byte> stream = layer.changes ? layer.coder.finish() : std::vector<std::byte>();
-    appendNumber(head, stream.size());
-    append(streams, stream);
+  std::vector<std::byte> bytes(4 + 4 * layers.size());  // how many rows there are, and bytes in each layer
+  const auto put = [&](std::size_t at, std::size_t number) {
+    const auto small = static_cast<std::uint32_t>(number);
+    std::memcpy(bytes.data() + at, &small, sizeof small);
+  };
+  put(0, rows.size() / layout.rowBytes);
+  for (std::size_t k = 0; k < layers.size(); ++k) {
+    if (!layers[k].changes) continue;
+    const std::vector<std::byte> stream = layers[k].coder.finish();
+    put(4 + 4 * k, stream.size());
+    append(bytes, stream);
   }
-  append(head, streams);
-  return head;
+  return bytes;
 }
 
 }  // namespace
