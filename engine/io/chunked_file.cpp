@@ -76,7 +76,7 @@ void ChunkedFile::fillTogether(std::size_t wanted) {
   end_ += whole;
 }
 
-void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block,
+void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
                              const std::function<void(std::span<const std::byte>, std::uint64_t)>& take) {
   const std::uint64_t blocks = (bytes + block - 1) / block;
   std::atomic<std::uint64_t> next = 0;
@@ -93,7 +93,7 @@ void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block,
       take(piece, before);
     }
   };
-  parallelParts(static_cast<std::size_t>(std::min<std::uint64_t>(blocks, threadCount(0))), read);
+  parallelParts(static_cast<std::size_t>(std::min<std::uint64_t>(blocks, threadCount(threads))), read);
   offset_ += bytes;
   begin_ = end_ = 0;
   if (!seekTo(file_, offset_))

@@ -58,6 +58,8 @@ struct CloudReadOptions {
   bool allPoints = false;
   /// Of a mesh: how many points are sampled from it; 0: as many as its reader thinks right.
   std::size_t samples = 0;
+  /// That read LAS and LAZ; 0: one per core. What is read does not depend on it.
+  unsigned threads = 0;
   /// Of lines of text: what their columns are, in place of what the file says (CloudFormat::isText); empty: that.
   std::vector<std::string> columns = {};
 };

@@ -57,8 +57,9 @@ bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowByt
 
 }  // namespace
 
-LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra)
-    : header_(header), format_(format) {
+LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra,
+                       unsigned threads)
+    : header_(header), format_(format), threads_(threads) {
   for (const LasField& field : format.fields) columns_.push_back(std::make_unique<Column>(field));
   for (const LasExtraField& field : extra) columns_.push_back(std::make_unique<Column>(field.field));
 }
@@ -83,8 +84,8 @@ void LasColumns::grow(std::size_t to) {
     fresh.push_back(freshMemory(data, bytes));
     made.push_back(column.get());
   }
-  fetchTogether(fresh);
-  parallelBlocks(made.size(), 1, 0, [&](std::size_t k, std::size_t) {
+  fetchTogether(fresh, threads_);
+  parallelBlocks(made.size(), 1, threads_, [&](std::size_t k, std::size_t) {
     made[k]->attribute.data.resize(to * sizeOf(made[k]->field.type));
   });
 }
@@ -144,7 +145,7 @@ void LasColumns::placePoints(PointCloud& cloud) {
   if (places_.empty()) return;
   DVec3 low(std::numeric_limits<double>::infinity()), high = -low;
   std::mutex lock;
-  parallelFor(places_.size(), 0, [&](std::size_t begin, std::size_t end) {
+  parallelFor(places_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     std::array<std::int32_t, 3> least = places_[begin], most = least;
     for (std::size_t i = begin; i < end; ++i)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -159,9 +160,9 @@ void LasColumns::placePoints(PointCloud& cloud) {
   cloud.origin = originFor({low, high});
   const DVec3 steps = glm::max(glm::abs(low - cloud.origin), glm::abs(high - cloud.origin)) / glm::abs(grid.step);
   const bool exact = std::max({steps.x, steps.y, steps.z}) > kExactSteps;
-  resizeLarge(cloud.positions, places_.size());
-  if (exact) resizeLarge(cloud.exactPositions, places_.size());
-  parallelFor(places_.size(), 0, [&](std::size_t begin, std::size_t end) {
+  resizeLarge(cloud.positions, places_.size(), threads_);
+  if (exact) resizeLarge(cloud.exactPositions, places_.size(), threads_);
+  parallelFor(places_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const DVec3 place = grid.at(DVec3(places_[i][0], places_[i][1], places_[i][2]));
       cloud.positions[i] = Vec3(place - cloud.origin);
@@ -178,16 +179,16 @@ void LasColumns::placeColors(PointCloud& cloud, unsigned& colorStep) {
   const bool low = colorBits_.all < 256, high = (colorBits_.all & 0xff) == 0, both = colorBits_.unequal == 0;
   const unsigned step = low ? 1 : both ? 257 : high ? 256 : 257;
   colorStep = step;
-  resizeLarge(cloud.colors, colors_.size());
+  resizeLarge(cloud.colors, colors_.size(), threads_);
   const bool fine = !low && !high && !both;
   std::array<Attribute*, 3> kept{};
   for (std::size_t k = 0; fine && k < 3; ++k)
     cloud.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
   for (std::size_t k = 0; fine && k < 3; ++k) {
     kept[k] = &cloud.extra[k];
-    resizeLarge(kept[k]->data, colors_.size() * sizeof(std::uint16_t));
+    resizeLarge(kept[k]->data, colors_.size() * sizeof(std::uint16_t), threads_);
   }
-  parallelFor(colors_.size(), 0, [&](std::size_t begin, std::size_t end) {
+  parallelFor(colors_.size(), threads_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       cloud.colors[i][3] = 255;
       for (std::size_t k = 0; k < 3; ++k) {

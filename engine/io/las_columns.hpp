@@ -12,9 +12,11 @@ namespace palpate {
 
 class LasColumns {
  public:
-  /// Both must outlive it.
-  LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra);
+  /// All three must outlive it. `threads`: that grow() and finish() use; 0: one per core.
+  LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra,
+             unsigned threads = 0);
 
+  unsigned threads() const { return threads_; }
   /// Room for so many points, of which nothing is touched.
   void reserve(std::size_t points);
   /// Room for the rows up to `to`, which take() fills; what is there stays.
@@ -46,6 +48,7 @@ class LasColumns {
 
   const LasHeader& header_;
   const LasPointFormat& format_;
+  unsigned threads_;
   std::vector<std::unique_ptr<Column>> columns_;
   std::size_t size_ = 0, reserved_ = 0;  // points
   BareVector<std::array<std::int32_t, 3>> places_;

@@ -51,7 +51,7 @@ StoredCloud readLas(const std::filesystem::path& path, Log* log, const CloudRead
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
   StoredCloud stored;
   LasReader reader(path);
-  stored.cloud = reader.read(log, stored.lost);
+  stored.cloud = reader.read(log, stored.lost, options.threads);
   return stored;
 }
 

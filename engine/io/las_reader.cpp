@@ -93,10 +93,10 @@ void LasReader::checkCount() const {
                                         header.points, header.pointBytes, *there));
 }
 
-PointCloud LasReader::read(Log* log, std::vector<std::string>& lost) {
+PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, unsigned threads) {
   if (log) file_.onProgress([&](double share) { log->progress(file_.path().filename().string(), share); });
-  LasColumns columns(head_.header, head_.format, head_.extra);
-  const Tail tail = head_.packing ? readPacked(columns, log, lost) : readPlain(columns);
+  LasColumns columns(head_.header, head_.format, head_.extra, threads);
+  const Tail tail = head_.packing ? readPacked(columns, log, lost) : readPlain(columns, threads);
   const std::shared_ptr<LasBaggage> baggage = packBaggage(tail);
   PointCloud cloud = columns.finish(lost, baggage->colorStep);
   takeNormals(cloud, log);
@@ -108,7 +108,7 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost) {
   return cloud;
 }
 
-LasReader::Tail LasReader::readPlain(LasColumns& columns) {
+LasReader::Tail LasReader::readPlain(LasColumns& columns, unsigned threads) {
   const LasHeader& header = head_.header;
   const std::size_t rowBytes = header.pointBytes, slab = std::max<std::size_t>(1, kSlab / rowBytes);
   const bool known = file_.remaining().has_value();
@@ -119,9 +119,10 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns) {
     const std::size_t base = columns.size();
     if (known) {
       columns.grow(base + count);
-      file_.readBlocks(count * rowBytes, kBlock * rowBytes, [&](std::span<const std::byte> rows, std::uint64_t before) {
+      const auto take = [&](std::span<const std::byte> rows, std::uint64_t before) {
         columns.take(rows.data(), base + before / rowBytes, rows.size() / rowBytes);
-      });
+      };
+      file_.readBlocks(count * rowBytes, kBlock * rowBytes, threads, take);
     } else {
       const auto rows = file_.peek(count * rowBytes);
       if (rows.size() < count * rowBytes)
@@ -129,7 +130,7 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns) {
             file_.path(), file_.offset() + rows.size(),
             fmt::format("the file ends inside point {} of {}", done + rows.size() / rowBytes + 1, header.points));
       columns.grow(base + count);
-      parallelBlocks(count, kBlock, 0, [&](std::size_t begin, std::size_t end) {
+      parallelBlocks(count, kBlock, threads, [&](std::size_t begin, std::size_t end) {
         columns.take(rows.data() + begin * rowBytes, base + begin, end - begin);
       });
       file_.consume(count * rowBytes);

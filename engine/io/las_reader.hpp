@@ -27,8 +27,8 @@ class LasReader {
   explicit LasReader(const std::filesystem::path& path);
 
   const LasHead& head() const { return head_; }
-  /// The cloud, once. What does not come along goes to `lost`, in words.
-  PointCloud read(Log* log, std::vector<std::string>& lost);
+  /// The cloud, once. What does not come along goes to `lost`, in words. `threads`: 0: one per core.
+  PointCloud read(Log* log, std::vector<std::string>& lost, unsigned threads = 0);
 
  private:
   /// Where points end and the records behind them begin.
@@ -37,7 +37,7 @@ class LasReader {
     std::uint64_t at = 0;
   };
   void checkCount() const;
-  Tail readPlain(LasColumns& columns);
+  Tail readPlain(LasColumns& columns, unsigned threads);
   Tail readPacked(LasColumns& columns, Log* log, std::vector<std::string>& lost);
   std::shared_ptr<LasBaggage> packBaggage(const Tail& tail);
   void takeNormals(PointCloud& cloud, Log* log) const;

@@ -13,7 +13,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBlock = 1024;                                                // rows that stay near the processor
-constexpr std::uint64_t kTogether = std::uint64_t{1} << 22, kSlice = kTogether / 16;  // points
+constexpr std::uint64_t kTogether = std::uint64_t{1} << 23, kSlice = kTogether / 32;  // points
 constexpr std::uint64_t kMostFromByte = 64;  // points that room is made for at once; more are rare
 
 /// Unpacks the next `count` points of a chunk, which are from number `base` on.
@@ -55,7 +55,7 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
       odd += decoder.left() > 0 ? 1 : 0;
     } else {
       columns.grow(to);
-      parallelBlocks(end - begin, 1, 0, [&](std::size_t k, std::size_t) {
+      parallelBlocks(end - begin, 1, columns.threads(), [&](std::size_t k, std::size_t) {
         const LazChunk& chunk = chunks[begin + k];
         LazChunkDecoder decoder = open(chunk);
         take(decoder, layout.rowBytes, bases[k], chunk.points, columns);
