@@ -72,7 +72,7 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
   if (request.config.matter->matter == Matter::soft) return softTouch(request);
   const std::size_t hands = request.tools.size();
   return std::make_unique<MatterTouch>(
-      simulate(*request.config.matter, {.threads = request.threads, .tools = hands}),
+      simulate(*request.config.matter, {.threads = request.threads, .tools = hands, .model = request.model.standing}),
       MatterTouchOptions{.hands = hands,
                          .threads = request.threads,
                          .realtime = request.config.realtime,

@@ -108,6 +108,12 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
   config_ = std::move(next);
 }
 
+void Session::setParameter(std::string_view name, double value) {
+  if (!simulation()) throw Error("{}: the model does not move by itself", name);
+  simulation()->set(name, value);
+  palpate::setParameter(*config_.matter, name, value);
+}
+
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
   if (config_.stream && config_.stream->live)
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);

@@ -33,6 +33,14 @@ void checkSlope(const MatterMaker& make, double friction);
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);
 void checkBallInSand(const MatterMaker& make);
 
+/// The same bytes with a parameter from the beginning on as where it is set then.
+void checkParametersAreTaken(const MatterMaker& make, int steps);
+/// Where one is set in mid-run nothing jumps, and momentum is accounted for; what is refused changes nothing.
+void checkParametersKeepMotion(const MatterMaker& make, int steps);
+
+/// A ball without matter about it goes no nearer to a sphere than the two radii, and feels that.
+void checkBallStopsAtModel(const MatterMaker& make);
+
 /// A tank of water or sand with an analytic shape in the middle of it.
 MatterScene modelInTank(std::string_view shape, double size_mm, Matter matter = Matter::water);
 std::size_t withinBall(const MatterSimulation& world, const DVec3& middle_m, double radius_m);

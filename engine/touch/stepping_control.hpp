@@ -1,0 +1,46 @@
+// How a person governs a simulation that another thread steps.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+
+#include "engine/core/simulation_control.hpp"
+#include "engine/matter/matter_simulation.hpp"
+
+namespace palpate {
+
+/// What is asked for is taken by the thread that steps, before it does; it waits for nobody but while a parameter is set.
+class SteppingControl : public SimulationControl {
+ public:
+  void reset() noexcept override { reset_.store(true); }
+  void hold(bool held) noexcept override { held_.store(held); }
+  bool isHeld() const noexcept override { return held_.load(); }
+  double leftOut_s() const noexcept override {
+    return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
+  }
+  std::string failure() const override;
+  std::vector<SimulationParameter> parameters() const override;
+  void set(std::string_view name, double value) override;
+
+ protected:
+  explicit SteppingControl(const MatterSimulation& world);
+
+  // For the thread that steps.
+  bool wantsReset() const noexcept { return reset_.load(); }
+  bool takeReset() noexcept { return reset_.exchange(false); }
+  /// Of so many steps that are due, those that are run: the rest is left out. `mostAtOnce` 0: any number.
+  std::uint32_t runOf(std::int64_t due, std::uint32_t mostAtOnce) noexcept;
+  void takeParameters(MatterSimulation& world);
+  void tell(MatterState state) noexcept { state_.store(state); }
+
+ private:
+  std::atomic<bool> reset_ = false, held_ = false, changed_ = false;
+  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
+  std::atomic<MatterState> state_ = MatterState::running;
+  std::uint64_t memory_bytes_;  // that the simulation may take
+  mutable std::mutex mutex_;    // of what follows
+  MatterScene scene_;           // with all parameters as they were set
+};
+
+}  // namespace palpate
