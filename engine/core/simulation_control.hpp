@@ -17,6 +17,12 @@ struct SimulationParameter {
   bool operator==(const SimulationParameter&) const = default;
 };
 
+/// Energy that a hand has put into a simulation since it began, less what it got back, J, without the gain of its forces:
+/// a port is passive where that is never below 0.
+struct PortEnergy {
+  double now_J = 0, least_J = 0;
+};
+
 /// How a person governs what moves by itself. For any thread.
 class SimulationControl {
  public:
@@ -34,6 +40,8 @@ class SimulationControl {
   virtual void set(std::string_view name, double value) = 0;
   /// Time by which it has stayed behind the clock, and which it leaves out, s.
   virtual double leftOut_s() const noexcept = 0;
+  /// Of each hand.
+  virtual std::vector<PortEnergy> portEnergies() const = 0;
   /// Why it goes on no more, in words that follow "the simulation"; empty while it does.
   virtual std::string failure() const = 0;
 };

@@ -56,7 +56,7 @@ constexpr Parameter of(Parameter parameter, bool water, bool sand, bool soft) {
 
 constexpr std::array kParameters{
     of(numberOf<&MatterScene::viscosity_Pa_s>("viscosity_Pa_s", "viscosity", "Pa s", 0, 50), true, false, true),
-    of(numberOf<&MatterScene::surface_tension_N_m>("surface_tension_N_m", "tension", "N/m", 0, 10), true, false, false),
+    of(numberOf<&MatterScene::cohesion_N_m>("cohesion_N_m", "cohesion", "N/m", 0, 10), true, false, false),
     of(numberOf<&MatterScene::friction>("friction", "friction of walls", "", 0, 2), false, true, true),
     of(numberOf<&MatterScene::young_Pa>("young_Pa", "Young", "Pa", 1e3, 1e6), false, false, true),
     of(numberOf<&MatterScene::poisson>("poisson", "Poisson", "", 0, 0.49), false, false, true),

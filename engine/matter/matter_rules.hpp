@@ -21,10 +21,6 @@ inline constexpr double kMostDiffusion = 0.2;
 /// contacts, and all of them together must not overshoot.
 inline constexpr double kGrainShare = 0.05;
 
-/// Surface tension over rules.tension, as the pressure within resting drops tells it, in unit of density times the cube of
-/// the spacing over the substep.
-inline constexpr double kTensionOfCohesion = 1;
-
 /// No particle comes nearer to the surface of a model.
 inline constexpr double kModelNearest_spacings = 0.25;
 
@@ -42,7 +38,7 @@ struct LatticeSums {
 LatticeSums latticeSums(double support_spacings);
 
 struct Fluid {
-  double spacing_m = 0, density_kg_m3 = 0, viscosity_Pa_s = 0, tension_N_m = 0, substep_s = 0;
+  double spacing_m = 0, density_kg_m3 = 0, viscosity_Pa_s = 0, cohesion_N_m = 0, substep_s = 0;
 };
 shared::WaterRules waterRules(const Fluid& fluid);
 shared::WaterRules waterRules(const MatterScene& scene, const MatterPlan& plan);

@@ -38,7 +38,7 @@ void requireFields(const MatterScene& scene) {
                   scene.fill_at_mm[k] + scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
   requireBetween("density_kg_m3", scene.density_kg_m3, 1, 1e5);
   requireBetween("viscosity_Pa_s", scene.viscosity_Pa_s, 0, 1e4);
-  requireBetween("surface_tension_N_m", scene.surface_tension_N_m, 0, 100);
+  requireBetween("cohesion_N_m", scene.cohesion_N_m, 0, 100);
   requireBetween("friction", scene.friction, 0, 10);
   requireBetween("gravity_m_s2", scene.gravity_m_s2, -1000, 1000);
   requireBetween("gain", scene.gain, 0, 1e4);
@@ -99,11 +99,11 @@ double grainSubstep(const MatterScene& scene, double spacing_m) {
 }
 
 // Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
-// has fallen by its own height; the same within a drop of three spacings' radius, by its surface tension.
+// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface tension.
 double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
   constexpr double kSmallestDrop_spacings = 3;
   const double fall = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
-  const double inDrop = 2 * scene.surface_tension_N_m / (scene.density_kg_m3 * kSmallestDrop_spacings * spacing_m);
+  const double inDrop = 2 * scene.cohesion_N_m / (scene.density_kg_m3 * kSmallestDrop_spacings * spacing_m);
   return std::sqrt(200 * (fall + inDrop));
 }
 
@@ -227,6 +227,15 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .spacing_mm = 10,
         .model = "builtin:sculpture",
         .model_mm = {120, 120, 120}}},
+      {"drop",
+       {.box_mm = {48, 48, 48},
+        .fill_mm = {16, 16, 16},
+        .fill_at_mm = {16, 16, 16},
+        .spacing_mm = 1,
+        .cohesion_N_m = 0.0728,
+        .gravity_m_s2 = {0, 0, 0},
+        .tool = {.radius_mm = 3, .mass_kg = 1.2e-4},
+        .gain = 100}},
       {"jelly",
        {.matter = Matter::soft,
         .box_mm = {160, 120, 160},

@@ -46,7 +46,7 @@ struct MatterScene {
   double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
   double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
-  double surface_tension_N_m = 0;  ///< against air; of water alone, N/m
+  double cohesion_N_m = 0;  ///< what holds drops together and makes them round; of water alone, N/m
   double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
   double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1

@@ -25,7 +25,7 @@ class WaterLaw final : public MatterLaw {
     rules_ = waterRules(scene, plan);
     sideBySide_.push = Lanes(rules_.push);
     sideBySide_.drag = Lanes(rules_.drag);
-    sideBySide_.tension = Lanes(rules_.tension);
+    sideBySide_.cohesion = Lanes(rules_.cohesion);
   }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
@@ -137,11 +137,11 @@ class WaterLaw final : public MatterLaw {
       const glm::vec<3, Lanes> relative(moving.x - vx, moving.y - vy, moving.z - vz);
       change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k),
                                                  pressed + shared::pressing<Lanes>(others.w), relative);
-      if (rules_.tension == 0) continue;
+      if (rules_.cohesion == 0) continue;
       // Copies that fill up a list attract no more than they push.
       const Lanes there = areThere(k, particles.lists().of(slot).size());
       const Lanes r = min(sqrt(glm::dot(offset, offset)) * perSupport, one);
-      change += there * shared::changeByTension<Lanes>(rules, offset, r, atSurface + shared::atSurface<Lanes>(others.w));
+      change += there * shared::changeByCohesion<Lanes>(rules, offset, r, atSurface + shared::atSurface<Lanes>(others.w));
     }
     return {change.x.sum(), change.y.sum(), change.z.sum()};
   }

@@ -7,7 +7,7 @@
 namespace palpate {
 
 MatterSteps::MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce)
-    : SteppingControl(*simulation),
+    : SteppingControl(*simulation, tools),
       world_(std::move(simulation)),
       tools_(tools),
       mostAtOnce_(mostAtOnce),
@@ -16,9 +16,7 @@ MatterSteps::MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size
 MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::span<const HandPose> hands(question.hands.data(), tools_);
   if (takeReset()) {
-    world_->reset();
-    hands_.clear();
-    last_.reset();
+    beginAnew();
   }
   takeParameters(*world_);
   const bool held = isHeld();
@@ -31,6 +29,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
       between_[i] = {.place_m = glm::mix(hands_[i].place_m, hands[i].place_m, share),
                      .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share)};
     world_->step(between_);
+    for (std::size_t i = 0; i < tools_; ++i) tellEnergy(i, world_->portEnergy_J(i));
   }
   if (!held) hands_.assign(hands.begin(), hands.end());
   tell(world_->state());
@@ -40,12 +39,17 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   return answer;
 }
 
+void MatterSteps::beginAnew() {
+  world_->reset();
+  forgetEnergies();
+  hands_.clear();
+  last_.reset();
+}
+
 std::uint32_t MatterSteps::stepsTo(double time_s) {
   const std::int64_t now = std::llround(time_s / kMatterStep_s);
   if (last_ && now < *last_) {
-    world_->reset();
-    hands_.clear();
-    last_.reset();
+    beginAnew();
   }
   const std::int64_t steps = last_ ? now - *last_ : 1;
   last_ = now;

@@ -31,7 +31,7 @@ double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
 }  // namespace
 
 SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
-    : SteppingControl(*world), world_(std::move(world)), options_(options), slots_(kMostTouches) {
+    : SteppingControl(*world, options.hands), world_(std::move(world)), options_(options), slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)
@@ -41,6 +41,8 @@ SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSource
 void SoftSource::restart() {
   world_->reset();
   std::ranges::fill(slots_, Slot{});
+  energies_J_.fill(0);
+  forgetEnergies();
   last_.reset();
   beginnings_.fetch_add(1, std::memory_order_relaxed);
 }
@@ -104,7 +106,11 @@ void SoftSource::advance(std::uint32_t steps) {
     }
     world_->press(presses_);
     world_->step();
-    for (std::size_t n = 0; n < pressing_.size(); ++n) slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+    for (std::size_t n = 0; n < pressing_.size(); ++n) {
+      slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+      energies_J_[presses_[n].hand] += world_->pressed()[n].work_J;
+    }
+    for (std::size_t hand = 0; hand < options_.hands; ++hand) tellEnergy(hand, energies_J_[hand]);
   }
   for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
 }

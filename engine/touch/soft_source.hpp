@@ -40,6 +40,7 @@ struct SurfaceQuestion {
 
 struct SoftSourceOptions {
   std::size_t points = 0;       ///< of the surface
+  std::size_t hands = 1;
   double radius = 0;            ///< support radius of what is felt, model units
   double toolReach = 0;         ///< of the first hand's tool, from its HIP, model units
   std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
@@ -90,6 +91,7 @@ class SoftSource final : public CloudSource, public SteppingControl {
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;    // of which touch each press is
   std::optional<std::int64_t> last_;     // number of the step that the questions have come to
+  std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
   double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;

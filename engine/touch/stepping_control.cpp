@@ -4,8 +4,8 @@
 
 namespace palpate {
 
-SteppingControl::SteppingControl(const MatterSimulation& world)
-    : memory_bytes_(world.memory_bytes()), scene_(world.scene()) {}
+SteppingControl::SteppingControl(const MatterSimulation& world, std::size_t hands)
+    : hands_(hands), memory_bytes_(world.memory_bytes()), scene_(world.scene()) {}
 
 std::string SteppingControl::failure() const {
   switch (state_.load()) {
@@ -17,6 +17,26 @@ std::string SteppingControl::failure() const {
       break;
   }
   return {};
+}
+
+std::vector<PortEnergy> SteppingControl::portEnergies() const {
+  std::vector<PortEnergy> energies;
+  for (std::size_t k = 0; k < hands_; ++k)
+    energies.push_back({.now_J = meters_[k].now_J.load(), .least_J = meters_[k].least_J.load()});
+  return energies;
+}
+
+void SteppingControl::tellEnergy(std::size_t hand, double energy_J) noexcept {
+  Meter& meter = meters_[hand];
+  meter.now_J.store(energy_J, std::memory_order_relaxed);
+  if (energy_J < meter.least_J.load(std::memory_order_relaxed)) meter.least_J.store(energy_J, std::memory_order_relaxed);
+}
+
+void SteppingControl::forgetEnergies() noexcept {
+  for (Meter& meter : meters_) {
+    meter.now_J.store(0);
+    meter.least_J.store(0);
+  }
 }
 
 std::vector<SimulationParameter> SteppingControl::parameters() const {

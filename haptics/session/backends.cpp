@@ -91,6 +91,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
   auto source = std::make_unique<SoftSource>(std::move(world),
                                              SoftSourceOptions{.points = request.model.cloud.size(),
+                                                               .hands = request.tools.size(),
                                                                .radius = request.surface.radius,
                                                                .toolReach = reach,
                                                                .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});

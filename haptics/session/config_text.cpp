@@ -339,7 +339,7 @@ void describe(auto&& in, auto& config, const MatterScene*) {
   in.field("spacing_mm", config.spacing_mm);
   in.field("density_kg_m3", config.density_kg_m3);
   in.field("viscosity_Pa_s", config.viscosity_Pa_s);
-  in.field("surface_tension_N_m", config.surface_tension_N_m);
+  in.field("cohesion_N_m", config.cohesion_N_m);
   in.field("friction", config.friction);
   in.field("young_Pa", config.young_Pa);
   in.field("poisson", config.poisson);

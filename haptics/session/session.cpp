@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/matter/matter_parameters.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {

@@ -21,8 +21,8 @@ vec3 velocity;
 
 vec3 byNeighbour(vec3 offset, float r, float compression, vec3 relative) {
   const vec3 change = changeByNeighbour(rules, offset, wendlandPull(r), pressed + pressing(compression), relative);
-  if (rules.tension == 0) return change;
-  return change + changeByTension(rules, offset, r, atSurface(place.w) + atSurface(compression));
+  if (rules.cohesion == 0) return change;
+  return change + changeByCohesion(rules, offset, r, atSurface(place.w) + atSurface(compression));
 }
 
 vec3 changeByNeighbours(uint slot) {

@@ -29,7 +29,7 @@ PALPATE_FORMULA Real wendlandPull(Real r) {
 // How two particles of which one is at a free surface attract each other, for a difference of two places: they push each
 // other away where they are nearer than kCohesionRest, in support radii, and feel nothing of each other from 1 on.
 const float kCohesionRest = 0.35f;
-PALPATE_FORMULA Real cohesion(Real r) {
+PALPATE_FORMULA Real cohesionPull(Real r) {
   const Real t = max(Real(1.0) - r, Real(0.0));
   return (r - Real(kCohesionRest)) * t * t;
 }
@@ -61,7 +61,7 @@ PALPATE_STRUCT(WaterRules) {
   Real wallDrag;        // of a velocity, for a share of 1 / m in a layer
   Real nearest;         // no particle comes nearer to a wall
   Real step;            // s
-  Real tension;         // 1, for a cohesion of 1 and one particle of the two that is at a surface
+  Real cohesion;        // 1, for a cohesion of 1 and one particle of the two that is at a surface
 };
 PALPATE_SINGLE(WaterRules);
 
@@ -83,11 +83,11 @@ PALPATE_FORMULA PALPATE_VEC3 changeByNeighbour(PALPATE_OF(WaterRules) rules, PAL
   return rules.push * pull * compressions * offset + rules.drag * pull * relative;
 }
 
-// The same by surface tension, for a neighbour r support radii away; `surfaces`: atSurface() of both together. Forces
-// between pairs (Tartakovsky, Meakin 2005), but of the surface alone: where they act within a liquid, too, they hold it in
-// the order of a crystal, and it stops to flow.
-PALPATE_FORMULA PALPATE_VEC3 changeByTension(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real r, Real surfaces) {
-  return -rules.tension * surfaces * cohesion(r) * offset;
+// The same by cohesion, for a neighbour r support radii away; `surfaces`: atSurface() of both together. Forces between pairs
+// (Tartakovsky, Meakin 2005), but of the free surface alone: where they act within a liquid, too, they hold it in the order
+// of a crystal, and it stops to flow.
+PALPATE_FORMULA PALPATE_VEC3 changeByCohesion(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real r, Real surfaces) {
+  return -rules.cohesion * surfaces * cohesionPull(r) * offset;
 }
 
 // The walls of a box from 0 to `size` about a place in it: along an axis.

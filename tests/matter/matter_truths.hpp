@@ -22,6 +22,12 @@ void checkWallsHold(const MatterMaker& make, int steps);
 /// The same bytes by both, and again after a reset; with a tool in water, or in sand.
 void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter matter, int steps);
 
+/// A long block of water in the air, 1 mm apart, with cohesion.
+MatterScene floatingBlock(double cohesion_N_m);
+/// That block becomes rounder, none of it is lost, and it has the momentum and the angular momentum that it had; without
+/// cohesion it stays as it is. After so many steps its length over its width is at most `ratio`, of 2.
+void checkCohesion(const MatterMaker& make, int steps, double ratio);
+
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
 void checkRandomHands(const MatterMaker& make, int hands, int steps);

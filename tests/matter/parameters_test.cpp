@@ -17,7 +17,7 @@ TEST_CASE("parameters are those of the matter, as the scene has them, and settin
     CHECK(parameter.value >= parameter.low);
     CHECK(parameter.value <= parameter.high);
   }
-  CHECK(names == std::vector<std::string>{"viscosity_Pa_s", "surface_tension_N_m", "gravity_x_m_s2", "gravity_y_m_s2",
+  CHECK(names == std::vector<std::string>{"viscosity_Pa_s", "cohesion_N_m", "gravity_x_m_s2", "gravity_y_m_s2",
                                           "gravity_z_m_s2", "gain"});
   for (const Matter matter : {Matter::water, Matter::sand, Matter::soft}) {
     scene = {};
@@ -28,10 +28,9 @@ TEST_CASE("parameters are those of the matter, as the scene has them, and settin
       const double value = (parameter.low + 3 * parameter.high) / 4;
       setParameter(changed, parameter.name, value);
       CHECK(changed != scene);
-      for (const SimulationParameter& now : parametersOf(changed))
-        CHECK(now.value == (now.name == parameter.name
-                                ? value
-                                : std::ranges::find(parametersOf(scene), now.name, &SimulationParameter::name)->value));
+      std::vector<SimulationParameter> expected = parametersOf(scene);
+      std::ranges::find(expected, parameter.name, &SimulationParameter::name)->value = value;
+      CHECK(parametersOf(changed) == expected);
       setParameter(changed, parameter.name, parameter.value);
       CHECK(changed == scene);
     }
@@ -50,7 +49,7 @@ TEST_CASE("a parameter that there is not, or a value beyond its bounds, is refus
     return std::string("taken");
   };
   CHECK(says(refused("friction", 0.5), "is no parameter of water"));
-  CHECK(says(refused("spacing_mm", 5), "there are viscosity_Pa_s, surface_tension_N_m"));
+  CHECK(says(refused("spacing_mm", 5), "there are viscosity_Pa_s, cohesion_N_m"));
   CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it is from 0 to 50"));
   CHECK(says(refused("gravity_y_m_s2", std::nan("")), "gravity_y_m_s2: is nan"));
   CHECK(scene == before);
