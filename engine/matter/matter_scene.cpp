@@ -223,7 +223,7 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .density_kg_m3 = 1600}},
       {"statue in water",
        {.box_mm = {200, 180, 200},
-        .fill_mm = {200, 150, 200},
+        .fill_mm = {200, 60, 200},
         .spacing_mm = 10,
         .model = "builtin:sculpture",
         .model_mm = {120, 120, 120}}},

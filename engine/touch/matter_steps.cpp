@@ -16,7 +16,7 @@ MatterSteps::MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size
 MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::span<const HandPose> hands(question.hands.data(), tools_);
   if (takeReset()) {
-    beginAnew();
+    restart();
   }
   takeParameters(*world_);
   const bool held = isHeld();
@@ -39,7 +39,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   return answer;
 }
 
-void MatterSteps::beginAnew() {
+void MatterSteps::restart() {
   world_->reset();
   forgetEnergies();
   hands_.clear();
@@ -49,7 +49,7 @@ void MatterSteps::beginAnew() {
 std::uint32_t MatterSteps::stepsTo(double time_s) {
   const std::int64_t now = std::llround(time_s / kMatterStep_s);
   if (last_ && now < *last_) {
-    beginAnew();
+    restart();
   }
   const std::int64_t steps = last_ ? now - *last_ : 1;
   last_ = now;

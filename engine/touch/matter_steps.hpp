@@ -48,7 +48,7 @@ class MatterSteps final : public SteppingControl {
   bool take(MatterView& view);
 
  private:
-  void beginAnew();
+  void restart();
   std::uint32_t stepsTo(double time_s);
   void show(double time_s);
 
