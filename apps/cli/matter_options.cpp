@@ -37,9 +37,10 @@ std::optional<MatterScene> sceneOfFile(const std::string& name) {
     if (!water) scene.matter = Matter::sand;
     return scene;
   }
-  if (name.starts_with(soft) && isFile(name.substr(soft.size())))
-    return around(matterSceneNamed("soft statue"), name.substr(soft.size()));
-  return std::nullopt;
+  if (!name.starts_with(soft) || !isFile(name.substr(soft.size()))) return std::nullopt;
+  MatterScene scene = around(matterSceneNamed("soft statue"), name.substr(soft.size()));
+  scene.shape = MatterScene{}.shape;  // the file has it
+  return scene;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/error.hpp"
 #include "engine/matter/tool_body.hpp"
 #include "engine/touch/matter_touch.hpp"
 
