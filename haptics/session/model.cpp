@@ -57,7 +57,13 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
       {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
   if (!stored.leftOut.empty())
     loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
-  Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
+  Model model = modelOf(std::move(stored.cloud), config, loading);
+  model.cameras = std::move(stored.cameras);
+  return model;
+}
+
+Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& loading) {
+  Model model{.cloud = std::move(points)};
   PointCloud& cloud = model.cloud;
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);

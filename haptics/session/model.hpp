@@ -60,6 +60,8 @@ struct ModelLoading {
   unsigned threads = 0;  ///< 0: one per core
   NormalEstimator estimate = estimateNormalsOnCpu;
 };
+/// A cloud that is in memory: sees to normals as the configuration says, whose file is only its name.
+Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);
 /// Reads the file, and sees to normals as the configuration says. Throws FileError, UsageError.
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
