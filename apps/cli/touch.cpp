@@ -112,7 +112,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
     report.matter = MatterReport{.matter = config.matter->matter,
                                  .substeps = planOf(*config.matter).substeps,
                                  .gain = config.matter->gain,
-                                 .leftOut_s = session.backend().simulation()->leftOut_s()};
+                                 .leftOut_s = session.simulation()->leftOut_s(),
+                                 .ports = session.simulation()->portEnergies()};
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here, and matter has no surface.
   if (backend.points(0).empty() && !config.stream && !config.matter && !(config.motion && config.realtime))

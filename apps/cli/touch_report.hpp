@@ -49,6 +49,7 @@ struct MatterReport {
   std::uint32_t substeps = 0;  ///< in a millisecond
   double gain = 1;             ///< of the forces
   double leftOut_s = 0;        ///< by which it stayed behind the clock
+  std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
 /// What a touch session came to.

@@ -40,6 +40,9 @@ class SoftBody {
   /// The lattice must outlive the body. Nodes at rest within a box of `pinned` never move.
   SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned);
 
+  /// From now on another one; the masses stay.
+  void setMaterial(const SoftMaterial& material) { rules_ = softRules(material, lattice_.spacing_m()); }
+
   const SoftLattice& lattice() const { return lattice_; }
   std::size_t size() const { return moved_.size(); }
   /// Puts every node to rest where it began.

@@ -31,7 +31,7 @@ double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
 }  // namespace
 
 SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
-    : world_(std::move(world)), options_(options), slots_(kMostTouches) {
+    : SteppingControl(*world, options.hands), world_(std::move(world)), options_(options), slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)
@@ -41,13 +41,15 @@ SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSource
 void SoftSource::restart() {
   world_->reset();
   std::ranges::fill(slots_, Slot{});
+  energies_J_.fill(0);
+  forgetEnergies();
   last_.reset();
   beginnings_.fetch_add(1, std::memory_order_relaxed);
 }
 
 bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
-  if (reset_.load()) return true;
-  return !held_.load() && last_ != stepAt(time_s);
+  if (wantsReset()) return true;
+  return !isHeld() && last_ != stepAt(time_s);
 }
 
 std::uint32_t SoftSource::stepsTo(double time_s) {
@@ -56,9 +58,7 @@ std::uint32_t SoftSource::stepsTo(double time_s) {
   if (last_ && now < *last_) restart();
   const std::int64_t steps = last_ ? now - *last_ : 0;
   last_ = now;
-  if (options_.mostAtOnce == 0 || steps <= options_.mostAtOnce) return static_cast<std::uint32_t>(steps);
-  leftOut_.fetch_add(static_cast<std::uint64_t>(steps - options_.mostAtOnce), std::memory_order_relaxed);
-  return options_.mostAtOnce;
+  return runOf(steps, options_.mostAtOnce);
 }
 
 DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {
@@ -106,7 +106,11 @@ void SoftSource::advance(std::uint32_t steps) {
     }
     world_->press(presses_);
     world_->step();
-    for (std::size_t n = 0; n < pressing_.size(); ++n) slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+    for (std::size_t n = 0; n < pressing_.size(); ++n) {
+      slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
+      energies_J_[presses_[n].hand] += world_->pressed()[n].work_J;
+    }
+    for (std::size_t hand = 0; hand < options_.hands; ++hand) tellEnergy(hand, energies_J_[hand]);
   }
   for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
 }
@@ -123,23 +127,20 @@ void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot) {
 
 void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   if (const auto newest = asked_.load()) question_ = *newest;
-  if (reset_.exchange(false)) restart();
+  if (takeReset()) restart();
+  takeParameters(*world_);
   const std::uint32_t steps = stepsTo(time_s);
-  if (held_.load())
+  if (isHeld())
     std::ranges::fill(slots_, Slot{});
   else
     advance(steps);
   bodyTime_s_ = std::min(time_s, last_ ? static_cast<double>(*last_) * kMatterStep_s : time_s);
-  state_.store(world_->state());
+  tell(world_->state());
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
   for (Vec3& position : frame.positions) position *= kUnits;
-  for (Vec3& velocity : frame.velocities) velocity = held_.load() ? Vec3(0) : kUnits * velocity;
+  for (Vec3& velocity : frame.velocities) velocity = isHeld() ? Vec3(0) : kUnits * velocity;
   frame.time_s = bodyTime_s_;
-}
-
-std::string SoftSource::failure() const {
-  return state_.load() == MatterState::running ? std::string() : "has diverged";
 }
 
 }  // namespace palpate

@@ -8,11 +8,10 @@
 #include <vector>
 
 #include "engine/core/latest_value.hpp"
-#include "engine/core/simulation_control.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
+#include "engine/touch/stepping_control.hpp"
 
 namespace palpate {
 
@@ -41,6 +40,7 @@ struct SurfaceQuestion {
 
 struct SoftSourceOptions {
   std::size_t points = 0;       ///< of the surface
+  std::size_t hands = 1;
   double radius = 0;            ///< support radius of what is felt, model units
   double toolReach = 0;         ///< of the first hand's tool, from its HIP, model units
   std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
@@ -49,7 +49,7 @@ struct SoftSourceOptions {
 /// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the frame
 /// before; where time goes back the scene begins anew. So a frame's bytes follow from all that was asked before, and in
 /// virtual time from the poses. ask() is for one thread, makeFrame() and hasNewer() for another one, and the rest for any.
-class SoftSource final : public CloudSource, public SimulationControl {
+class SoftSource final : public CloudSource, public SteppingControl {
  public:
   /// `world` has a surface.
   SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
@@ -66,14 +66,6 @@ class SoftSource final : public CloudSource, public SimulationControl {
   double compliance(std::size_t hand) const noexcept { return compliances_[hand].load(std::memory_order_relaxed); }
   /// How often the scene has begun anew.
   std::uint32_t beginnings() const noexcept { return beginnings_.load(std::memory_order_relaxed); }
-
-  void reset() noexcept override { reset_.store(true); }
-  void hold(bool held) noexcept override { held_.store(held); }
-  bool isHeld() const noexcept override { return held_.load(); }
-  double leftOut_s() const noexcept override {
-    return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
-  }
-  std::string failure() const override;
 
   const MatterSimulation& world() const { return *world_; }
 
@@ -99,12 +91,10 @@ class SoftSource final : public CloudSource, public SimulationControl {
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;    // of which touch each press is
   std::optional<std::int64_t> last_;     // number of the step that the questions have come to
+  std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
   double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
-  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
   std::atomic<std::uint32_t> beginnings_ = 0;
-  std::atomic<bool> reset_ = false, held_ = false;
-  std::atomic<MatterState> state_ = MatterState::running;
 };
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/matter/matter_parameters.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -112,6 +113,12 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
   if (next.surface != config_.surface || next.backend != config_.backend)
     backend_->setContact(next.surface.kind, next.surface.friction, kind_.methodOf(next.backend));
   config_ = std::move(next);
+}
+
+void Session::setParameter(std::string_view name, double value) {
+  if (!simulation()) throw Error("{}: the model does not move by itself", name);
+  simulation()->set(name, value);
+  palpate::setParameter(*config_.matter, name, value);
 }
 
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {

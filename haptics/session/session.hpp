@@ -93,6 +93,11 @@ class Session {
   /// What is felt, and how neighbours are found, from now on. Between runs.
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
+  /// What governs a model that moves by itself; null where it does not.
+  SimulationControl* simulation() const { return backend_->simulation(); }
+  /// A parameter of a simulation, as SimulationControl::set() has it. Throws Error where nothing is simulated, too.
+  void setParameter(std::string_view name, double value);
+
   /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
   /// run. `onFault` hears at once, on the log's thread, what cannot be written; SessionRecording::takeFault() has it
   /// otherwise. Throws FileError, and Error where no journal is kept.
