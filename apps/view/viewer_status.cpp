@@ -36,8 +36,8 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["up"] = nameOf(view.upOf(session.model()));
   state["color"] = nameIn(kColorNames, view.color);
   state["tool_radius_mm"] = brush.radius_mm;
-  state["strokes"] = journal.strokes();
-  state["undoable"] = journal.undoable();
+  state["strokes"] = session.strokes().strokes;
+  state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
   state["changed"] = session.isChanged();
   state["save_file"] = document.saveFile();
