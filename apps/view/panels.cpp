@@ -208,19 +208,18 @@ void Panels::drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSetti
   help("how deep the hand means to go while the button is down; turn the wheel meanwhile for more or less");
   checkbox("follow the surface", view.followsSurface);
   help("off: the stylus moves in one plane before the eye, and the wheel moves it in depth");
-  const Journal& journal = status.session->journal();
-  ImGui::BeginDisabled(journal.undoable() == 0);
+  const StrokeCounts counts = status.session->strokes();
+  ImGui::BeginDisabled(counts.undoable == 0);
   if (button("Undo", em(4))) requests.undo = true;
   ImGui::EndDisabled();
   help("Ctrl+Z: takes the last stroke back");
   ImGui::SameLine();
-  ImGui::BeginDisabled(journal.redoable() == 0);
+  ImGui::BeginDisabled(counts.redoable == 0);
   if (button("Redo", em(4))) requests.redo = true;
   ImGui::EndDisabled();
   help("Ctrl+Shift+Z");
   ImGui::SameLine();
-  ImGui::TextDisabled("%llu stroke%s", static_cast<unsigned long long>(journal.strokes()),
-                      journal.strokes() == 1 ? "" : "s");
+  ImGui::TextDisabled("%llu stroke%s", static_cast<unsigned long long>(counts.strokes), counts.strokes == 1 ? "" : "s");
 }
 
 void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn) {

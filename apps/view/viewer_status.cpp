@@ -39,8 +39,8 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   if (const SimulationControl* const simulation = session.simulation())
     for (const SimulationParameter& parameter : simulation->parameters())
       state["parameters"][parameter.name] = parameter.value;
-  state["strokes"] = journal.strokes();
-  state["undoable"] = journal.undoable();
+  state["strokes"] = session.strokes().strokes;
+  state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
   state["changed"] = session.isChanged();
   state["save_file"] = document.saveFile();
