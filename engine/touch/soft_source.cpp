@@ -11,7 +11,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSameTime_s = 1e-7;
 // Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how
 // deep: so much of what the two differ by is taken over at a time.
@@ -24,10 +23,6 @@ constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250;
 
 // The step that a time is in: a frame is never of a time to come.
 std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
-
-double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
-  return 16 * (1 - scene.poisson * scene.poisson) / (3 * kPi * kPi * scene.young_Pa * radius_m);
-}
 
 }  // namespace
 
