@@ -31,6 +31,11 @@ packages=(
   libassimp-dev              # triangle meshes: OBJ, STL, OFF, glTF
   libpugixml-dev             # the XML of E57
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
+  pybind11-dev               # the Python module
+  python3-dev                # and its headers
+  python3-numpy              # whose arrays go in and out
+  python3-pytest             # its tests
+  mypy                       # and its types
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs

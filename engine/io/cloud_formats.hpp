@@ -23,6 +23,7 @@ class CloudFormats {
   /// one's.
   std::string endingToSave(const std::filesystem::path& file) const;
 
+  std::span<const CloudFormat> all() const { return formats_; }
   std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
   std::string endingsWritten() const;  ///< as above

@@ -17,6 +17,7 @@
 
 namespace palpate {
 
+class SoftSculpture;
 struct SoftModel;
 
 /// How a simulation is. Anything but running stays so until it is reset; forces are zero then, and nothing moves.
@@ -58,6 +59,7 @@ struct ToolAnswer {
   DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
   DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
   DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
+  DVec3 byModel_N{0};     ///< on the ball, of the model that stands in the matter and stops it
   DVec3 place_m{0};       ///< of the ball at the end
   DVec3 velocity_m_s{0};  ///< of the ball at the end
 };
@@ -67,6 +69,7 @@ struct ToolReport {
   DVec3 springImpulse{0};  ///< of the hand, through the spring and damper
   DVec3 impulse{0};        ///< of the matter
   DVec3 angular{0};        ///< of the matter, about its middle
+  DVec3 modelImpulse{0};   ///< of the model that stands in the matter
   double portWork_J = 0;   ///< of the hand
   DVec3 place_m{0};        ///< at the end
   DVec3 velocity_m_s{0};   ///< at the end
@@ -79,7 +82,8 @@ struct MatterOptions {
   /// Of a scene of water or sand whose model is a file; others are made from the scene.
   std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
-  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no file.
+  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no
+  /// file.
   std::shared_ptr<const SoftModel> soft;
 };
 
@@ -92,24 +96,32 @@ class MatterSimulation {
 
   const MatterScene& scene() const { return scene_; }
   const MatterPlan& plan() const { return plan_; }
+  std::uint64_t memory_bytes() const { return memory_bytes_; }  ///< that it may take
   std::size_t particles() const { return beginning_.size(); }
   /// Puts everything back to where it began; tools are placed anew by the next step.
   void reset();
+  /// Goes on with a scene that differs from the present one by parameters alone (matter_parameters.hpp). Throws Error as
+  /// planOf() does; nothing is changed then.
+  void change(const MatterScene& scene);
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
-  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand stand
-  /// together. Only where hasSurface() says so.
+  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand
+  /// stand together. Only where hasSurface() says so.
   virtual void press(std::span<const SurfacePress> presses);
   /// What came of them in that step, one for each.
   virtual std::span<const PressReport> pressed() const { return {}; }
   /// Whether it has a surface that can be pressed: soft bodies have one.
   virtual bool hasSurface() const { return false; }
-  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on it,
-  /// m/N: what a servo loop may go on with until the next step. Changes nothing.
+  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on
+  /// it, m/N: what a servo loop may go on with until the next step. Changes nothing.
   virtual double localCompliance_m_N(const DVec3& /*place_m*/, double /*radius_m*/, const DVec3& /*direction*/) {
     return 0;
   }
+
+  /// What changes the shape in which it rests, between steps; null where nothing can. Stays where it is when the
+  /// scene is reset, and keeps what it has made.
+  virtual SoftSculpture* sculpture() { return nullptr; }
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
@@ -140,8 +152,8 @@ class MatterSimulation {
   /// matter is, or none that has one. Pa. Looks at all particles.
   double pressureAt(const DVec3& place) const;
 
-  /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry, and
-  /// unit normals where these have some.
+  /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry,
+  /// and unit normals where these have some.
   virtual void makeFrame(CloudFrame& frame);
   /// Does the same but for the way to the host. False where there is no such way, and nothing was done.
   virtual bool makeFrameThere() { return false; }
@@ -177,6 +189,8 @@ class MatterSimulation {
  private:
   /// Everything stands where it begins.
   virtual void begin() = 0;
+  /// The scene and the plan have other parameters than before.
+  virtual void takeParameters() = 0;
   /// Balls stand where the hands are.
   virtual void placeTools(std::span<const HandPose> hands) = 0;
   /// All substeps of a step, or as many as the state lets it, while hands go from one place to another.
@@ -197,6 +211,7 @@ class MatterSimulation {
 
   MatterScene scene_;
   MatterPlan plan_;
+  std::uint64_t memory_bytes_;
   std::shared_ptr<const MatterModel> model_;
   std::size_t leftOut_ = 0;
   std::vector<Vec3> beginning_;

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "engine/core/contact_query.hpp"
-#include "engine/core/simulation_control.hpp"
-#include "engine/matter/matter_simulation.hpp"
+#include "engine/touch/stepped_control.hpp"
 
 namespace palpate {
 
@@ -35,7 +34,7 @@ struct MatterView {
 };
 
 /// goTo() is for one thread, take() for another one, and the rest for any.
-class MatterSteps final : public SimulationControl {
+class MatterSteps final : public SteppedControl {
  public:
   /// `simulation` has `tools` of them. `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number.
   MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce);
@@ -48,28 +47,14 @@ class MatterSteps final : public SimulationControl {
   /// The newest particles. False where none are since the last time.
   bool take(MatterView& view);
 
-  void reset() noexcept override { reset_.store(true); }
-  void hold(bool held) noexcept override { held_.store(held); }
-  bool isHeld() const noexcept override { return held_.load(); }
-  double leftOut_s() const noexcept override {
-    return kMatterStep_s * static_cast<double>(leftOut_.load(std::memory_order_relaxed));
-  }
-  std::string failure() const override;
-
  private:
-  std::uint32_t stepsTo(double time_s);
+  void restart();
   void show(double time_s);
 
   std::unique_ptr<MatterSimulation> world_;
   std::size_t tools_;
-  std::uint32_t mostAtOnce_;
-  std::optional<std::int64_t> last_;  // number of the step that the questions have come to
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
-  std::atomic<bool> reset_ = false, held_ = false;
-  std::atomic<std::uint64_t> leftOut_ = 0;  // steps
-  std::atomic<MatterState> state_ = MatterState::running;
-
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown
   std::mutex mutex_;
   std::optional<double> shownAt_s_;  // nothing: it was taken

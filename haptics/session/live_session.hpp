@@ -36,6 +36,7 @@ class LiveSession {
   LiveSession& operator=(const LiveSession&) = delete;
 
   const Model& model() const { return session_.model(); }
+  const SurfaceOptions& surface() const { return session_.surface(); }  ///< as it is felt, model units
   const SessionConfig& config() const { return session_.config(); }
   const std::string& file() const { return config().model.file; }
   /// Of the model as it was loaded, model units relative to its origin.
@@ -68,6 +69,9 @@ class LiveSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
+  /// A parameter of a simulation, from the next step on (Session::setParameter()). Ends a recording.
+  void setParameter(std::string_view name, double value);
+
   /// Holds the frames of a depth camera, or lets them go on; the hand is without force for a moment. Whether they are
   /// held now; nothing where none are played.
   std::optional<bool> holdFrames();
@@ -78,7 +82,7 @@ class LiveSession {
   /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
   bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
   /// Of a model that moves by itself; null where it does not.
-  SimulationControl* simulation() { return session_.backend().simulation(); }
+  SimulationControl* simulation() const { return session_.simulation(); }
   /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has
   /// no more. A session whose configuration has no stream sculpts the points; one that has it goes on from them once it
   /// lets its frames go on. Throws what a query could not.
@@ -93,9 +97,11 @@ class LiveSession {
   /// False where there is nothing to take back, or to do again.
   bool undo() { return undoStrokes(1, 0); }
   bool redo();
+  /// Of the points, or of the shape in which a soft body rests.
+  StrokeCounts strokes() const;
 
-  /// Whether the points are others than those that were loaded, or saved last.
-  bool isChanged() const { return journal_->version() != saving_.saved; }
+  /// Whether the points, or that shape, are others than those that were loaded, or saved last.
+  bool isChanged() const { return strokes().version != saving_.saved; }
   /// Writes the points as they are, on a thread of its own. A file that would lose something by it is kept.
   void save(const std::string& file);
   bool isSaving() const { return saving_.running.valid(); }
@@ -168,7 +174,7 @@ class LiveSession {
 
   struct Saving {
     std::future<Saved> running;
-    std::uint64_t version = 0, saved = 0;  // of the journal
+    std::uint64_t version = 0, saved = 0;  // of the strokes
   } saving_;
 
   struct Servo {
