@@ -185,7 +185,12 @@ std::vector<std::byte> lazRecordFor(unsigned format, const LazLayout& layout) {
 LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& header, const LazLayout& layout,
                         std::span<const std::byte> body) {
   const std::uint64_t bodyAt = header.pointsAt;
-  if (!layout.chunked) return {{{bodyAt, body.size(), header.points}}, bodyAt + body.size()};
+  if (header.points == 0 && body.size() < 8) return {{}, bodyAt};  // as some programs leave a file of no points
+  if (!layout.chunked) {
+    const std::uint64_t end = header.longRecordsAt ? header.longRecordsAt : bodyAt + body.size();
+    if (header.points == 0) return {{}, end};
+    return {{{bodyAt, body.size(), header.points}}, end};
+  }
   const std::size_t table = tablePlace(file, bodyAt, body);
   const auto refuse = [&](const std::string& why) { return FileError::atByte(file, bodyAt + table, why); };
   if (const auto version = load<std::uint32_t>(body, table); version != 0)

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "engine/io/laz_items.hpp"
 #include "engine/io/laz_layout.hpp"

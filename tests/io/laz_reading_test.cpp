@@ -42,6 +42,10 @@ TEST_CASE("chunks may be of any number of points, one for all, and their table m
   CHECK(rowsOf(packedFile(layered, {.version4 = true})) == layered.points);
   const std::string none = packedFile(variedFile(1, 0));
   CHECK(reading(none).cloud.empty());
+  CHECK(reading(packedFile(variedFile(1, 0), {.chunked = false})).cloud.empty());
+  std::uint32_t body = 0;
+  std::memcpy(&body, none.data() + 96, sizeof body);
+  CHECK(reading(none.substr(0, body)).cloud.empty());
   LasBytes tail = variedFile(6, 500);
   tail.tail = lasLongRecord("late", 9, "behind the table");
   tail.longRecords = 1;
