@@ -42,8 +42,8 @@ static class Palpate {
 
   [DllImport(Library)] public static extern IntPtr pp_version();
   [DllImport(Library)] public static extern IntPtr pp_last_error();
-  [DllImport(Library)] public static extern CloudArrays pp_default_cloud_arrays();
-  [DllImport(Library)] public static extern SessionOptions pp_default_session_options();
+  [DllImport(Library)] public static extern void pp_init_cloud_arrays(out CloudArrays arrays, uint size);
+  [DllImport(Library)] public static extern void pp_init_session_options(out SessionOptions options, uint size);
   [DllImport(Library)] public static extern int pp_cloud_create(ref CloudArrays arrays, out ulong cloud);
   [DllImport(Library)] public static extern int pp_cloud_close(ulong cloud);
   [DllImport(Library)] public static extern int pp_session_open(ulong cloud, ref SessionOptions options, out ulong session);
@@ -70,7 +70,8 @@ static class Press {
       }
     }
     GCHandle places = GCHandle.Alloc(positions, GCHandleType.Pinned), facing = GCHandle.Alloc(normals, GCHandleType.Pinned);
-    var arrays = Palpate.pp_default_cloud_arrays();
+    Palpate.CloudArrays arrays;
+    Palpate.pp_init_cloud_arrays(out arrays, (uint)Marshal.SizeOf(typeof(Palpate.CloudArrays)));
     arrays.count = Points;
     arrays.positions.data = places.AddrOfPinnedObject();
     arrays.normals.data = facing.AddrOfPinnedObject();
@@ -79,7 +80,8 @@ static class Press {
     places.Free();
     facing.Free();
 
-    var options = Palpate.pp_default_session_options();
+    Palpate.SessionOptions options;
+    Palpate.pp_init_session_options(out options, (uint)Marshal.SizeOf(typeof(Palpate.SessionOptions)));
     options.gpu = Marshal.StringToHGlobalAnsi("cpu");
     options.mm_per_unit = 1;
     Palpate.Expect(Palpate.pp_session_open(cloud, ref options, out session));

@@ -22,7 +22,7 @@ header="$scratch/installed/include/palpate/palpate.h"
 exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "exported are also: $strays"
-declared=$(sed -n 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' "$header" | sort)
+declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' "$header" | sort)
 [ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the header declares too little"
 [ "$declared" = "$exported" ] || fail "header and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
 readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
