@@ -143,17 +143,19 @@ void infoOfSoftBody(Context& context, const std::string& name, const MatterScene
   std::FILE* out = context.tables();
   fmt::print(out, "{}: a soft body of {} nodes, {:g} mm apart, with {} points, in a box of {:g} x {:g} x {:g} mm\n", name,
              lattice.nodes(), scene.spacing_mm, model.cloud.size(), box.x, box.y, box.z);
-  fmt::print(out, "  Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s, {:.3g} kg\n", scene.young_Pa,
-             scene.poisson, scene.viscosity_Pa_s, mass_kg);
+  fmt::print(out, "  {}, {:.3g} kg\n", elasticityInWords(scene), mass_kg);
   fmt::print(out, "  {} substeps in a millisecond; its surface is felt, and pressed; the force is {:g} times the real one\n",
              plan.substeps, scene.gain);
   Json json = sceneJson(scene, plan);
   json["particles"] = lattice.nodes();
   json["mass_kg"] = mass_kg;
   json["points"] = model.cloud.size();
-  json["young_Pa"] = scene.young_Pa;
-  json["poisson"] = scene.poisson;
-  json["viscosity_Pa_s"] = scene.viscosity_Pa_s;
+  json["preset"] = nameOf(kSoftPresets, scene.preset);
+  const bool isElastic = scene.preset == SoftPreset::elastic;
+  json["young_Pa"] = isElastic ? Json(scene.young_Pa) : Json(nullptr);
+  json["poisson"] = isElastic ? Json(scene.poisson) : Json(nullptr);
+  json["viscosity_Pa_s"] = isElastic ? Json(scene.viscosity_Pa_s) : Json(nullptr);
+  json["stiffness"] = isElastic ? Json(nullptr) : Json(scene.stiffness);
   context.writeJson(json);
 }
 

@@ -11,8 +11,9 @@ namespace palpate {
 
 /// Those that move any.
 std::vector<std::string> matterBackends();
-/// The one that is named or, for `auto`, vulkan where there is a GPU and cpu where there is none but a software driver.
-std::string chooseMatterBackend(const Context& context, const std::string& name);
+/// The one that is named or, for `auto`, vulkan where there is a GPU that moves the scene, and cpu where there is
+/// none but a software driver, or shapes are matched.
+std::string chooseMatterBackend(const Context& context, const std::string& name, const MatterScene& scene);
 /// On that back end, with as many threads as the program may use. Throws Error as planOf() does.
 std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::string& backend, const MatterScene& scene,
                                               MatterOptions options = {});

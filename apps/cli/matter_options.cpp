@@ -63,4 +63,12 @@ std::string builtInScenes() {
   return fmt::format("{}, FILE in water, FILE in sand, soft FILE", fmt::join(matterSceneNames(), ", "));
 }
 
+std::string elasticityInWords(const MatterScene& scene) {
+  if (scene.preset == SoftPreset::shapeMatching)
+    return fmt::format("shape matching, not calibrated: {:g} of the way back in a substep, which is no stiffness in Pa",
+                       scene.stiffness);
+  return fmt::format("Young's modulus {:g} Pa, Poisson's ratio {:g}, viscosity {:g} Pa s", scene.young_Pa,
+                     scene.poisson, scene.viscosity_Pa_s);
+}
+
 }  // namespace palpate

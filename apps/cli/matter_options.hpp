@@ -17,5 +17,7 @@ std::optional<MatterScene> matterScene(const std::string& model);
 
 /// The names of those that need no JSON file, as in "water, dam, sand".
 std::string builtInScenes();
+/// What brings a soft body back to its shape: its material, or that it has none.
+std::string elasticityInWords(const MatterScene& scene);
 
 }  // namespace palpate

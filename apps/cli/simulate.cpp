@@ -75,7 +75,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   if (!options.save.empty()) Context::checkWritable(options.save);
   const DVec3 probe_mm = options.probe.empty() ? DVec3(0) : parseVec3(options.probe, "--probe");
   const MatterScene scene = sceneOf(options);
-  const std::string backend = chooseMatterBackend(context, options.backend);
+  const std::string backend = chooseMatterBackend(context, options.backend, scene);
   const auto simulation = startMatter(context, backend, scene);
   MatterSimulation& world = *simulation;
   const auto steps = static_cast<std::size_t>(std::llround(options.duration_s / kMatterStep_s));
@@ -100,6 +100,7 @@ void simulate(Context& context, const SimulateOptions& options) {
   fmt::print(out, "{}: {} {} of {}, {:.3f} s in {} substeps a millisecond\n", options.scene, seen.particles,
              scene.matter == Matter::soft ? "nodes" : "particles", nameOf(kMatters, scene.matter), seen.time_s,
              world.plan().substeps);
+  if (scene.matter == Matter::soft) fmt::print(out, "  {}\n", elasticityInWords(scene));
   fmt::print(out, "  {}: a millisecond takes {:.0f} us (median), {:.0f} us at most\n", backend, times.p50, times.max);
   fmt::print(out, "  kinetic {:.3g} J, potential {:.6g} J, compressed by {:.2f} % at most, front at {:.1f} mm\n",
              seen.kinetic_J, seen.potential_J, 100 * mostCompression, seen.front_m * kMmPerMetre);

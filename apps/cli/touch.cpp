@@ -1,5 +1,6 @@
 #include "apps/cli/touch.hpp"
 
+#include "apps/cli/matter_options.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
@@ -100,7 +101,7 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .pacedByDevice = result.pacedByDevice,
                      .realtime = config.realtime,
                      .interrupted = StopBySignal::requested(),
-                     .edits = config.brush.has_value(),
+                     .edits = config.brush.has_value() && !config.matter,
                      .radius_mm = model.scale.toMm(session.surface().radius),
                      .cell_mm = model.scale.toMm(backend.cell()),
                      .spacing_mm = model.scale.toMm(model.spacing),
@@ -109,11 +110,14 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
                      .toolPoints = backend.points(0).size()};
   report.frames = session.playCounts();
   if (config.matter)
-    report.matter = MatterReport{.matter = config.matter->matter,
-                                 .substeps = planOf(*config.matter).substeps,
-                                 .gain = config.matter->gain,
-                                 .leftOut_s = session.simulation()->leftOut_s(),
-                                 .ports = session.simulation()->portEnergies()};
+    report.matter = MatterReport{
+        .matter = config.matter->matter,
+        .substeps = planOf(*config.matter).substeps,
+        .gain = config.matter->gain,
+        .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
+        .leftOut_s = session.simulation()->leftOut_s(),
+        .ports = session.simulation()->portEnergies()};
+  if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here, and matter has no surface.
   if (backend.points(0).empty() && !config.stream && !config.matter && !(config.motion && config.realtime))

@@ -28,8 +28,11 @@ void addForceOptions(Options& sub, ForceOptions& force) {
 void addEditOptions(Options& sub, TouchCommandOptions& options) {
   sub.add("--edit", options.edit,
           "none, or what a round tool does where the HIP stands deeper than --tau: push, the surface yields to "
-          "it; carve, cuts it out; inflate, along the normals; smooth; flatten, onto the plane at the proxy; grab, along "
-          "with the hand; paint, with --paint-color (only push with cuda)")
+          "it; carve, cuts it out; inflate, along the normals; smooth; flatten, onto the plane at the proxy; grab, "
+          "along "
+          "with the hand; paint, with --paint-color (only push with cuda); of a soft body all but carve and paint "
+          "change "
+          "the shape in which it rests")
       .check(oneOf(namesOf(kBrushKinds, {"none"})))
       .showDefault();
   sub.add("--tau", options.tau_mm, "how deep the HIP may stand behind the proxy before the surface yields, mm")

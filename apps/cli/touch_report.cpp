@@ -85,6 +85,7 @@ Json toJson(const PlayCounts& frames) {
 std::string inWords(const MatterReport& matter, std::size_t particles) {
   std::string words = fmt::format("{} of {}, {} substeps in a millisecond, forces times {:g}", particles,
                                   nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
+  if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
   if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
   for (const PortEnergy& port : matter.ports)
     words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
@@ -98,6 +99,7 @@ Json toJson(const MatterReport& matter) {
   return {{"kind", nameOf(kMatters, matter.matter)},
           {"substeps", matter.substeps},
           {"gain", matter.gain},
+          {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
           {"left_out_s", matter.leftOut_s},
           {"ports", ports}};
 }
@@ -123,6 +125,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   if (report.edits)
     row("edit p50 / p99.9", fmt::format("{:.1f} / {:.1f} us ({} ticks), {} points moved", report.edit_us.p50,
                                         report.edit_us.p999, report.edit_us.count, report.movedPoints));
+  if (report.shape) row("shape", fmt::format("{} strokes have changed how the body rests", report.shape->strokes));
   if (trace.contactTicks == 0 && !report.matter)
     row("contact",
         "none: the HIP never crossed the surface from outside; is the path right, and the support radius some "
@@ -242,6 +245,7 @@ Json toJson(const TouchReport& report) {
       {"thinned_patches", report.shortfalls.thinnedPatches},
       {"truncated_ticks", report.shortfalls.truncatedTicks},
       {"matter", report.matter ? toJson(*report.matter) : Json(nullptr)},
+      {"shape_strokes", report.shape ? Json(report.shape->strokes) : Json(nullptr)},
       {"radius_mm", report.radius_mm},
       {"cell_mm", report.cell_mm},
       {"spacing_mm", report.spacing_mm},

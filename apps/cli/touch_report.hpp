@@ -48,6 +48,7 @@ struct MatterReport {
   Matter matter = Matter::water;
   std::uint32_t substeps = 0;  ///< in a millisecond
   double gain = 1;             ///< of the forces
+  std::string elasticity;      ///< of a soft body, in words
   double leftOut_s = 0;        ///< by which it stayed behind the clock
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
@@ -75,6 +76,7 @@ struct TouchReport {
   ContactError error;
   std::optional<PlayCounts> frames;   ///< where the model is a depth camera
   std::optional<MatterReport> matter;  ///< where the model is a scene
+  std::optional<StrokeCounts> shape;   ///< of a soft body with a brush
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one

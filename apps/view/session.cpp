@@ -8,6 +8,8 @@ namespace palpate {
 
 namespace {
 
+bool isSoft(const SessionConfig& config) { return config.matter && config.matter->matter == Matter::soft; }
+
 std::optional<BrushConfig> brushOf(const BrushSettings& brush) {
   if (!brush.kind) return std::nullopt;
   return BrushConfig{.kind = *brush.kind,
@@ -38,7 +40,9 @@ std::string methodOf(const std::string& backend, const FeelSettings& feel) {
 
 SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush, const FeelSettings& feel) {
   SessionConfig config = options.config;
-  if (!config.moves()) config.brush = brushOf(brush);
+  // A soft body that does not take the brush is felt without it; who asks for another one is told why.
+  if (config.takesBrush() && !(isSoft(config) && brush.kind && !changesShape(*brush.kind)))
+    config.brush = brushOf(brush);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -70,13 +74,22 @@ DrawnCloud& WindowSession::drawn() {
 
 HeldTool WindowSession::heldTool() const {
   HeldTool tool{.ballRadius = model().ballRadius};
-  if (const auto brush = brushOf(brush_); brush && !config().matter) tool.brush = brushOptions(*brush, model().scale);
+  if (const auto brush = brushOf(brush_); brush && (config().brush || !config().matter))
+    tool.brush = brushOptions(*brush, model().scale);
   return tool;
 }
 
 void WindowSession::setBrushSettings(const BrushSettings& brush) {
   if (brush == brush_ || !isTouching()) return;
   brush_ = brush;
+  if (isSoft(config())) {
+    try {
+      return setBrush(brushOf(brush));
+    } catch (const ConfigError&) {
+      setBrush(std::nullopt);
+      throw;
+    }
+  }
   if (config().matter && brush.kind) throw Error("matter that moves by itself is not sculpted");
   if (!config().stream) return setBrush(brushOf(brush));
   if (brush.kind && !holdsFrames()) throw Error("frames that go on are not sculpted; K holds them");

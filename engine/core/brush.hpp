@@ -25,6 +25,10 @@ constexpr std::array<std::pair<std::string_view, BrushKind>, 7> kBrushKinds = {{
                                                                                 {"paint", BrushKind::paint},
                                                                                 {"flatten", BrushKind::flatten}}};
 
+/// Whether a brush moves what is there, and does no more: it can change the shape in which a soft body rests, whose
+/// cells stay the same ones, so that none can be carved away, and whose colours are not its own.
+constexpr bool changesShape(BrushKind kind) { return kind != BrushKind::carve && kind != BrushKind::paint; }
+
 /// A brush and its settings. Every brush acts only while the HIP stands deeper than `tau` behind the proxy. Push and
 /// carve work with a ball whose tip stands tau before the HIP, the others with one about the proxy.
 struct BrushOptions {

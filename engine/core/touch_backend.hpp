@@ -14,6 +14,7 @@
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_batch.hpp"
 #include "engine/core/pass_record.hpp"
+#include "engine/core/shape_strokes.hpp"
 #include "engine/core/simulation_control.hpp"
 
 namespace palpate {
@@ -98,13 +99,18 @@ class TouchBackend : public ContactQuery {
   /// Of points that move by themselves; null where they do not.
   virtual SimulationControl* simulation() { return nullptr; }
 
+  /// Strokes that change the shape in which what moves by itself rests; null where there can be none.
+  virtual ShapeStrokes* shapeStrokes() { return nullptr; }
+  virtual const ShapeStrokes* shapeStrokes() const { return nullptr; }
+
   // What is done to the points, for whoever follows it: a journal, a session log. Only where keepsEdits() says so.
 
   virtual bool keepsEdits() const { return false; }
   /// From now on edits wait for takeEdits(). Before the first query.
   virtual void keepEdits() { noEdits(); }
   /// Appends all that was done since the last call, in order. For one thread, which may be another than the one that
-  /// queries, and does not hold that up; where the back end's throughput queue is used too, for the thread that uses it.
+  /// queries, and does not hold that up; where the back end's throughput queue is used too, for the thread that uses
+  /// it.
   virtual void takeEdits(EditBatch&) { noEdits(); }
   /// Where edits are left out once too many wait; nothing where any number may. For any thread.
   virtual std::optional<EditRoom> editRoom() const { return std::nullopt; }
@@ -115,7 +121,8 @@ class TouchBackend : public ContactQuery {
   virtual EditScope editScope() const { return {}; }
   /// The log of the edits on the GPU `sight`, for who draws there; null where they stand on none or on another one.
   virtual EditLog* editLogOn(const Device& /*sight*/) { return nullptr; }
-  /// What brings the frames of a source to the GPU `sight`, for who draws there; null where there is none, or elsewhere.
+  /// What brings the frames of a source to the GPU `sight`, for who draws there; null where there is none, or
+  /// elsewhere.
   virtual FramePipeline* framesOn(const Device& /*sight*/) { return nullptr; }
   /// How many states takeEdits() has reported or will report that came before the last answer (kept or not), so that
   /// answers and edits can be put in order.

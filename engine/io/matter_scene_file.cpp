@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 
 #include "engine/core/error.hpp"
@@ -20,11 +21,12 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kLongestFile = std::size_t{1} << 20;  // bytes
 
-// Where a field is written, and which kinds of matter have it.
+// Where a field is written, and which kinds of matter, and soft bodies of which preset, have it.
 struct Field {
   const char* name;
   void (*read)(const Field& field, const Json& value, MatterScene& scene);
   bool ofWater = true, ofSand = true, ofSoft = true, needed = false;
+  std::optional<SoftPreset> preset = std::nullopt;
 
   bool isOf(Matter matter) const {
     return matter == Matter::water ? ofWater : matter == Matter::sand ? ofSand : ofSoft;
@@ -88,6 +90,13 @@ void readShape(const Field&, const Json& value, MatterScene& scene) {
   scene.shape = *shape;
 }
 
+void readPreset(const Field&, const Json& value, MatterScene& scene) {
+  const auto preset = value.is_string() ? valueNamed(kSoftPresets, value.get<std::string>()) : std::nullopt;
+  if (!preset)
+    throw Error("preset: is {}; there are {}", inQuotes(value.dump()), fmt::join(namesOf(kSoftPresets), ", "));
+  scene.preset = *preset;
+}
+
 void readPinned(const Field& field, const Json& value, MatterScene& scene) {
   if (!value.is_array() || value.size() != 2) throw Error("{}: is no list of 2 corners of a box", field.name);
   scene.pinned_mm = {vectorOf(field, value[0]), vectorOf(field, value[1])};
@@ -107,14 +116,31 @@ constexpr std::array kFields{
     Field{.name = "fill_at_mm", .read = readVector<&MatterScene::fill_at_mm>, .ofSoft = false},
     Field{.name = "spacing_mm", .read = readNumber<&MatterScene::spacing_mm>, .needed = true},
     Field{.name = "density_kg_m3", .read = readNumber<&MatterScene::density_kg_m3>},
-    Field{.name = "viscosity_Pa_s", .read = readNumber<&MatterScene::viscosity_Pa_s>, .ofSand = false},
+    Field{.name = "viscosity_Pa_s",
+          .read = readNumber<&MatterScene::viscosity_Pa_s>,
+          .ofSand = false,
+          .preset = SoftPreset::elastic},
     Field{.name = "cohesion_N_m",
           .read = readNumber<&MatterScene::cohesion_N_m>,
           .ofSand = false,
           .ofSoft = false},
     Field{.name = "friction", .read = readNumber<&MatterScene::friction>, .ofWater = false},
-    Field{.name = "young_Pa", .read = readNumber<&MatterScene::young_Pa>, .ofWater = false, .ofSand = false},
-    Field{.name = "poisson", .read = readNumber<&MatterScene::poisson>, .ofWater = false, .ofSand = false},
+    Field{.name = "preset", .read = readPreset, .ofWater = false, .ofSand = false},
+    Field{.name = "young_Pa",
+          .read = readNumber<&MatterScene::young_Pa>,
+          .ofWater = false,
+          .ofSand = false,
+          .preset = SoftPreset::elastic},
+    Field{.name = "poisson",
+          .read = readNumber<&MatterScene::poisson>,
+          .ofWater = false,
+          .ofSand = false,
+          .preset = SoftPreset::elastic},
+    Field{.name = "stiffness",
+          .read = readNumber<&MatterScene::stiffness>,
+          .ofWater = false,
+          .ofSand = false,
+          .preset = SoftPreset::shapeMatching},
     Field{.name = "shape", .read = readShape, .ofWater = false, .ofSand = false},
     Field{.name = "model", .read = readModel},
     Field{.name = "model_mm", .read = readVector<&MatterScene::model_mm>, .ofSoft = false},
@@ -139,6 +165,11 @@ void readFields(const Json& object, MatterScene& scene) {
     if (!field->isOf(scene.matter)) throw Error("{}: belongs to no scene of {}", name, nameOf(kMatters, scene.matter));
     field->read(*field, value, scene);
   }
+  if (scene.matter != Matter::soft) return;
+  for (const Field& field : kFields)
+    if (field.preset && *field.preset != scene.preset && object.contains(field.name))
+      throw Error("{}: belongs to no soft body of preset {}{}", field.name, nameOf(kSoftPresets, scene.preset),
+                  scene.preset == SoftPreset::shapeMatching ? ", which is not calibrated" : "");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "engine/matter/gpu_tools.hpp"
@@ -23,6 +24,7 @@ std::vector<T> copyOf(std::span<const T> values) {
 }
 
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
+  if (scene.preset != SoftPreset::elastic) throw Error("preset: shapes are matched on the CPU alone; take cpu");
   const SoftMaterial material = materialOf(scene);
   const std::vector<float> masses =
       nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());

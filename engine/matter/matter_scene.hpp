@@ -26,6 +26,14 @@ enum class SoftShape {
 inline constexpr std::array<std::pair<std::string_view, SoftShape>, 3> kSoftShapes{
     {{"box", SoftShape::box}, {"ball", SoftShape::ball}, {"sculpture", SoftShape::sculpture}}};
 
+/// What brings a soft body back to its shape.
+enum class SoftPreset {
+  elastic,        ///< a material in SI units (shaders/shared/soft.h)
+  shapeMatching,  ///< geometry alone: cheap, stable at any substep, and not calibrated (shape_matching.hpp)
+};
+inline constexpr std::array<std::pair<std::string_view, SoftPreset>, 2> kSoftPresets{
+    {{"elastic", SoftPreset::elastic}, {"shape-matching", SoftPreset::shapeMatching}}};
+
 /// A ball that a hand holds by a spring and a damper.
 struct MatterTool {
   double radius_mm = 0;  ///< 0: there is none
@@ -50,6 +58,10 @@ struct MatterScene {
   double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
   double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1
+  SoftPreset preset = SoftPreset::elastic;  ///< of soft bodies alone
+  /// Of shape matching alone: share of the way back to its shape that matter goes in a substep, from 1e-4 to 0.95, 1.
+  /// It stands for no modulus: a body is the stiffer for it the larger its spacing and the shorter its substep.
+  double stiffness = 0.5;
   SoftShape shape = SoftShape::box;
   /// File of a closed cloud: the surface of a soft body, in place of the shape; or what stands still in water or sand,
   /// where `builtin:NAME` is an analytic shape, too. Empty: there is none.
@@ -70,8 +82,8 @@ struct MatterScene {
 /// The box that the model of a scene of water or sand fits into: its lowest and highest corner, mm.
 std::array<DVec3, 2> modelBox_mm(const MatterScene& scene);
 
-/// For a hand where the scene says no tool: a ball of three spacings' radius, or less in a narrow box, as heavy as what it
-/// displaces.
+/// For a hand where the scene says no tool: a ball of three spacings' radius, or less in a narrow box, as heavy as
+/// what it displaces.
 MatterTool usualTool(const MatterScene& scene);
 
 /// Viscosity that soft bodies have where a file says nothing: one as low as water's would let them ring for minutes.

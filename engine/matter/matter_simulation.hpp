@@ -17,6 +17,7 @@
 
 namespace palpate {
 
+class SoftSculpture;
 struct SoftModel;
 
 /// How a simulation is. Anything but running stays so until it is reset; forces are zero then, and nothing moves.
@@ -81,7 +82,8 @@ struct MatterOptions {
   /// Of a scene of water or sand whose model is a file; others are made from the scene.
   std::shared_ptr<const MatterModel> model = nullptr;
   bool timesPasses = false;  ///< on a GPU, one by one, which holds it up
-  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no file.
+  /// What a soft body is at rest, where it is made already, as a scan is; null: what the scene says, which names no
+  /// file.
   std::shared_ptr<const SoftModel> soft;
 };
 
@@ -104,18 +106,22 @@ class MatterSimulation {
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
-  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand stand
-  /// together. Only where hasSurface() says so.
+  /// Hands that press on the surface of a soft body through the next step, and through no other. Those of one hand
+  /// stand together. Only where hasSurface() says so.
   virtual void press(std::span<const SurfacePress> presses);
   /// What came of them in that step, one for each.
   virtual std::span<const PressReport> pressed() const { return {}; }
   /// Whether it has a surface that can be pressed: soft bodies have one.
   virtual bool hasSurface() const { return false; }
-  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on it,
-  /// m/N: what a servo loop may go on with until the next step. Changes nothing.
+  /// How far that surface within `radius_m` of a place (m) gives way along the unit vector `direction` for a force on
+  /// it, m/N: what a servo loop may go on with until the next step. Changes nothing.
   virtual double localCompliance_m_N(const DVec3& /*place_m*/, double /*radius_m*/, const DVec3& /*direction*/) {
     return 0;
   }
+
+  /// What changes the shape in which it rests, between steps; null where nothing can. Stays where it is when the
+  /// scene is reset, and keeps what it has made.
+  virtual SoftSculpture* sculpture() { return nullptr; }
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
@@ -146,8 +152,8 @@ class MatterSimulation {
   /// matter is, or none that has one. Pa. Looks at all particles.
   double pressureAt(const DVec3& place) const;
 
-  /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry, and
-  /// unit normals where these have some.
+  /// What is seen of it now: positions in m and velocities in m/s, of the particles or of the points that they carry,
+  /// and unit normals where these have some.
   virtual void makeFrame(CloudFrame& frame);
   /// Does the same but for the way to the host. False where there is no such way, and nothing was done.
   virtual bool makeFrameThere() { return false; }

@@ -24,6 +24,18 @@ shared::SoftRulesOf<Real> rulesIn(const shared::SoftRules& rules) {
           .perEdges = Real(rules.perEdges)};
 }
 
+template <class Real>
+shared::CellRestOf<Real> cellRestIn(const shared::CellRest* rest) {
+  using Vector = glm::vec<3, Real>;
+  using Matrix = glm::mat<3, 3, Real>;
+  if (!rest)
+    return {.inverse = Matrix(1), .bent = {Vector(0), Vector(0), Vector(0), Vector(0)}, .volume = 1, .bend = 1};
+  return {.inverse = Matrix(rest->inverse),
+          .bent = {Vector(rest->bent[0]), Vector(rest->bent[1]), Vector(rest->bent[2]), Vector(rest->bent[3])},
+          .volume = static_cast<Real>(rest->volume),
+          .bend = static_cast<Real>(rest->bend)};
+}
+
 }  // namespace
 
 std::vector<float> nodeMasses(const SoftLattice& lattice, double mass_kg) {
@@ -39,13 +51,16 @@ std::vector<char> nodesWithin(const SoftLattice& lattice, std::span<const PlaceB
   return within;
 }
 
-SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned)
+SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
+                   const std::optional<MatchingRules>& matching)
     : lattice_(lattice),
       rules_(softRules(material, lattice.spacing_m())),
       mass_kg_(material.density_kg_m3 * lattice.volume_m3()),
       masses_(nodeMasses(lattice, mass_kg_)),
       pinned_(nodesWithin(lattice, pinned)),
-      incident_(lattice.incident()) {
+      incident_(lattice.incident()),
+      rest_(lattice, rules_) {
+  if (matching) matching_.emplace(lattice, masses_, *matching);
   filled_.resize(blocksIn(lattice.cells(), Lanes::kCount));
   for (std::size_t group = 0; group < filled_.size(); ++group) {
     std::array<float, Lanes::kCount> filled{};
@@ -60,8 +75,62 @@ SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std
 }
 
 void SoftBody::reset() {
-  moved_.assign(lattice_.nodes(), Vec3(0));
-  velocities_ = loads_ = moved_;
+  moved_.assign(rest_.displacements().begin(), rest_.displacements().end());
+  velocities_.assign(lattice_.nodes(), Vec3(0));
+  loads_ = velocities_;
+  if (matching_) matching_->begin();
+}
+
+std::size_t SoftBody::yield(std::span<const RestPlace> ways) {
+  constexpr float kMostCrushed = 0.1f, kMostDrawn = 4;  // beyond that what is strained says nothing of what rests
+  std::vector<RestPlace> places;
+  std::vector<Vec3> before;
+  for (const RestPlace& way : ways) {
+    if (isPinned(way.node)) continue;
+    const glm::mat3 elastic = elasticAt(way.node);
+    if (!(glm::determinant(elastic) > kMostCrushed)) continue;
+    const Vec3 atRest = glm::inverse(elastic) * way.moved;
+    if (!(glm::length(atRest) <= kMostDrawn * glm::length(way.moved))) continue;
+    before.push_back(rest_.displacements()[way.node]);
+    places.push_back({.node = way.node, .moved = before.back() + atRest});
+  }
+  std::vector<Vec3> now = moved_;
+  for (const RestPlace& way : ways) now[way.node] += way.moved;
+  const std::size_t moved = rest_.yield(places);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const std::uint32_t node = places[k].node;
+    if (rest_.displacements()[node] != before[k]) moved_[node] = now[node];
+  }
+  if (matching_) matching_->setRest(rest_.displacements());
+  return moved;
+}
+
+void SoftBody::putRest(std::span<const RestPlace> places) {
+  std::vector<glm::mat3> elastic;
+  std::vector<Vec3> before;
+  for (const RestPlace& place : places) {
+    elastic.push_back(elasticAt(place.node));
+    before.push_back(rest_.displacements()[place.node]);
+  }
+  rest_.put(places);
+  for (std::size_t k = 0; k < places.size(); ++k)
+    if (!isPinned(places[k].node)) moved_[places[k].node] += elastic[k] * (places[k].moved - before[k]);
+  if (matching_) matching_->setRest(rest_.displacements());
+}
+
+// Deformation gradient over the rest shape, of the cells about a node by what they hold.
+glm::mat3 SoftBody::elasticAt(std::size_t node) const {
+  glm::mat3 sum(0);
+  float weight = 0;
+  for (const std::uint32_t slot : incident_[node]) {
+    const std::size_t cell = slot / 8;
+    if (cell == lattice_.cells()) continue;
+    shared::Corners modes = atCorners(cell, moved_);
+    shared::takeModes(modes);
+    sum += lattice_.filled()[cell] * rest_.elastic(cell, modes);
+    weight += lattice_.filled()[cell];
+  }
+  return sum / weight;
 }
 
 shared::Corners SoftBody::atCorners(std::size_t cell, std::span<const Vec3> values) const {
@@ -95,14 +164,19 @@ void SoftBody::pushCells(std::size_t block) {
     LanesOfCorners moved = atCornersOfGroup(group, moved_), velocity = atCornersOfGroup(group, velocities_);
     shared::takeModes(moved);
     shared::takeModes(velocity);
-    const Lanes volume = shared::volumeShare(shared::gradientOf(rules, moved) + glm::mat<3, 3, Lanes>(Lanes(1)));
+    const RestShape::CellRestOfLanes* const rest = rest_.ofGroup(group);
+    const auto f = rest ? shared::sculptedGradient(rules, *rest, moved)
+                        : shared::gradientOf(rules, moved) + glm::mat<3, 3, Lanes>(Lanes(1));
+    const Lanes volume = shared::volumeShare(f);
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) least[lane] = std::min(least[lane], volume[lane]);
-    cornerForces_[group] = shared::cellForces(rules, cube * filled_[group], moved, velocity);
+    cornerForces_[group] = rest ? shared::sculptedForces(rules, cube * filled_[group], *rest, moved, velocity)
+                                : shared::cellForces(rules, cube * filled_[group], moved, velocity);
   }
   leastVolumes_[block] = *std::ranges::min_element(least);
 }
 
 Vec3 SoftBody::ofCells(std::size_t node) const {
+  if (matching_) return matching_->forces()[node];
   Vec3 force(0);
   for (const std::uint32_t slot : incident_[node]) {
     const std::uint32_t cell = slot / 8, lane = cell % Lanes::kCount;
@@ -138,6 +212,7 @@ SoftSums SoftBody::substep(const DVec3& gravity_m_s2, double step_s, WorkerTeam&
 }
 
 void SoftBody::strain(WorkerTeam& team) {
+  if (matching_) return matching_->push(moved_, velocities_, team);
   team.forEach(leastVolumes_.size(), [&](std::size_t block) { pushCells(block); });
 }
 
@@ -152,7 +227,8 @@ SoftSums SoftBody::move(const DVec3& gravity_m_s2, double step_s, WorkerTeam& te
     all.gravityImpulse += sums.gravityImpulse;
     all.pinImpulse += sums.pinImpulse;
   }
-  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, least);
+  // Who matches shapes looks at no volumes.
+  for (const float least : leastVolumes_) all.leastVolume = std::min(all.leastVolume, matching_ ? 1.0f : least);
   return all;
 }
 
@@ -172,6 +248,7 @@ void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>
   if (!(most > 0)) return;
   const double scale = kStrain * lattice_.spacing_m() / most;
   const std::vector<Vec3> now = moved_;
+  const std::vector<DQuat> turns = matching_ ? matching_->turns() : std::vector<DQuat>();
   for (const double sign : {1.0, -1.0}) {
     for (std::size_t i = 0; i < size(); ++i)
       if (!isPinned(i)) moved_[i] = DVec3(now[i]) + sign * scale * changes[i];
@@ -180,10 +257,12 @@ void SoftBody::stiffnessTimes(std::span<const DVec3> changes, std::vector<DVec3>
       if (!isPinned(i)) forces[i] -= sign / (2 * scale) * pushed[i];
   }
   moved_ = now;
+  if (matching_) matching_->setTurns(turns);
 }
 
 // In double precision: energies at rest and strained are almost the same.
 double SoftBody::strainEnergy_J() const {
+  if (matching_) return matching_->energy_J(moved_);
   const auto rules = rulesIn<double>(rules_);
   const double atRest = shared::softEnergy(rules, glm::dmat3(1)), cube = std::pow(lattice_.spacing_m(), 3);
   double energy = 0;
@@ -191,12 +270,24 @@ double SoftBody::strainEnergy_J() const {
     shared::CornersOf<double> modes;
     for (std::size_t k = 0; k < 8; ++k) modes.at[k] = DVec3(moved_[lattice_.corners()[c][k]]);
     shared::takeModes(modes);
-    const auto square = [&](int mode) { return glm::dot(modes.at[mode], modes.at[mode]); };
-    const double beyond = (rules.bend * (square(3) + square(5) + square(6)) + rules.twist * square(7)) / 2;
-    const double strained = shared::softEnergy(rules, shared::gradientOf(rules, modes) + glm::dmat3(1)) + beyond;
-    energy += cube * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
+    const auto rest = cellRestIn<double>(rest_.ofCell(c));
+    const glm::dmat3 f = shared::sculptedGradient(rules, rest, modes);
+    const auto square = [&](int mode, int bent) {
+      const DVec3 beyond = modes.at[mode] - f * rest.bent[bent];
+      return glm::dot(beyond, beyond);
+    };
+    const double bent = square(3, 0) + square(5, 1) + square(6, 2), twisted = square(7, 3);
+    const double beyond = rest.bend * (rules.bend * bent + rules.twist * twisted) / 2;
+    const double strained = shared::softEnergy(rules, f) + beyond;
+    energy += cube * rest.volume * static_cast<double>(lattice_.filled()[c]) * (strained - atRest);
   }
   return energy;
+}
+
+glm::mat3 SoftBody::gradientOf(std::size_t cell) const {
+  shared::Corners modes = atCorners(cell, moved_);
+  shared::takeModes(modes);
+  return shared::gradientOf(rules_, modes);
 }
 
 void SoftBody::gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) const {
@@ -209,9 +300,7 @@ void SoftBody::gradients(std::vector<glm::mat3>& gradients, WorkerTeam& team) co
       for (const std::uint32_t slot : incident_[i]) {
         const std::size_t cell = slot / 8;
         if (cell == lattice_.cells()) continue;
-        shared::Corners modes = atCorners(cell, moved_);
-        shared::takeModes(modes);
-        sum += lattice_.filled()[cell] * shared::gradientOf(rules_, modes);
+        sum += lattice_.filled()[cell] * gradientOf(cell);
         weight += lattice_.filled()[cell];
       }
       gradients[i] = sum / weight;

@@ -9,17 +9,8 @@
 
 namespace palpate {
 
-namespace {
-
-constexpr std::size_t kPlacesOfBlock = 512;  // that one thread works on at a time
-
-}  // namespace
-
-SoftPress::SoftPress(const SoftBody& body, std::span<const SurfacePlace> surface)
-    : surface_(surface.begin(), surface.end()), now_(surface.size()), shares_(body.size(), 0) {
-  embedded_.reserve(surface.size());
-  for (const SurfacePlace& place : surface) embedded_.push_back(body.lattice().embed(DVec3(place.rest)));
-}
+SoftPress::SoftPress(const SoftBody& body, const SoftSurface& surface)
+    : surface_(surface), now_(surface.size()), shares_(body.size(), 0) {}
 
 void SoftPress::begin(const SoftBody& body, std::span<const SurfacePress> presses, double duration_s,
                       WorkerTeam& team) {
@@ -28,14 +19,7 @@ void SoftPress::begin(const SoftBody& body, std::span<const SurfacePress> presse
   duration_s_ = duration_s;
   reports_.assign(presses.size(), {});
   if (presses.empty()) return;
-  team.forEach((now_.size() + kPlacesOfBlock - 1) / kPlacesOfBlock, [&](std::size_t block) {
-    for (std::size_t i = block * kPlacesOfBlock; i < std::min((block + 1) * kPlacesOfBlock, now_.size()); ++i) {
-      const SoftLattice::Corners& nodes = body.lattice().corners()[embedded_[i].cell];
-      now_[i] = surface_[i].rest;
-      for (int k = 0; k < 8; ++k)
-        now_[i] += shared::cornerShare(embedded_[i].share, k) * body.displacements()[nodes[static_cast<std::size_t>(k)]];
-    }
-  });
+  surface_.places(body, now_, team);
   for (const SurfacePress& press : presses) {
     const std::size_t i = holds_.size();
     const bool goesOn = i < before.size() && before[i].press.hand == press.hand;
@@ -51,20 +35,22 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
   float all = 0, nearest2 = std::numeric_limits<float>::max();
   std::size_t nearest = 0;
   const auto take = [&](std::size_t i, float weight) {
-    const SoftLattice::Corners& nodes = body.lattice().corners()[embedded_[i].cell];
-    for (int k = 0; k < 8; ++k) {
-      const std::uint32_t node = nodes[static_cast<std::size_t>(k)];
+    if (!(weight > 0)) return;
+    surface_.forEachNode(body, i, [&](std::uint32_t node, float share) {
       if (shares_[node] == 0) held_.push_back({.node = node, .share = 0, .began = body.displacements()[node]});
       // Above 0 even where a place is at the face of its cell: a node is taken once.
-      shares_[node] += std::max(weight * shared::cornerShare(embedded_[i].share, k), std::numeric_limits<float>::min());
-    }
+      shares_[node] += std::max(weight * share, std::numeric_limits<float>::min());
+    });
     all += weight;
+  };
+  const auto facing = [&](std::size_t i) {
+    return shared::facingWeight(glm::dot(surface_.normalOf(body, i), Vec3(hold.press.normal)));
   };
   for (std::size_t i = 0; i < now_.size(); ++i) {
     const Vec3 offset = now_[i] - middle;
     const float away2 = glm::dot(offset, offset);
     if (away2 < nearest2) nearest2 = away2, nearest = i;
-    if (away2 < radius * radius) take(i, shared::wendland(std::sqrt(away2) / radius));
+    if (away2 < radius * radius) take(i, facing(i) * shared::wendland(std::sqrt(away2) / radius));
   }
   if (!(all > 0)) take(nearest, 1);
   hold.last = held_.size();

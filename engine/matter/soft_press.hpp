@@ -4,24 +4,26 @@
 #include <span>
 #include <vector>
 
-#include "engine/matter/soft_body.hpp"
+#include "engine/matter/soft_surface.hpp"
 #include "engine/matter/surface_press.hpp"
 
 namespace palpate {
 
 /// Where a press has its place, the surface is the mean of what lies about it, with the weights that touch has for it
-/// (Wendland's), and the force goes to the nodes by the same shares: what the hand does to the place is what it does to
-/// the body, to the last bit of work. Spring and damper are solved implicitly for what the cells and the other presses do
-/// to the place in the same substep, one press after another from what they were before (Gauss and Seidel), so that
-/// they are stable however light the nodes are and however stiff a hand is. Nothing pulls.
+/// (Wendland's, and less for what faces away from the press, so that of a sheet only the side is pressed that is
+/// touched), and the force goes to the nodes by the same shares: what the hand does to the place is what it does to
+/// the body, to the last bit of work. Spring and damper are solved implicitly for what the cells and the other
+/// presses do to the place in the same substep, one press after another from what they were before (Gauss and
+/// Seidel), so that they are stable however light the nodes are and however stiff a hand is. Nothing pulls.
 class SoftPress {
  public:
-  /// `surface`: where a body may be pressed, about half a spacing apart.
-  SoftPress(const SoftBody& body, std::span<const SurfacePlace> surface);
+  /// `surface`: where a body may be pressed; outlives this.
+  SoftPress(const SoftBody& body, const SoftSurface& surface);
 
   /// From now on these press, for a step of that length.
   void begin(const SoftBody& body, std::span<const SurfacePress> presses, double duration_s, WorkerTeam& team);
-  /// Loads the body for a substep, at whose end `share` of the step is over; behind all other loads, and what the cells do.
+  /// Loads the body for a substep, at whose end `share` of the step is over; behind all other loads, and what the
+  /// cells do.
   void load(SoftBody& body, double share, double substep_s, const DVec3& gravity_m_s2);
   /// The step is over; each press has its report.
   void end(const SoftBody& body);
@@ -54,8 +56,7 @@ class SoftPress {
   void loadMore(SoftBody& body, const Hold& hold, const DVec3& onHand) const;
   void limit(SoftBody& body);
 
-  std::vector<SurfacePlace> surface_;
-  std::vector<EmbeddedPlace> embedded_;
+  const SoftSurface& surface_;
   std::vector<Vec3> now_;       // where the places of the surface are, m
   std::vector<float> shares_;   // of each node, all 0 between two holds
   std::vector<Hold> holds_;

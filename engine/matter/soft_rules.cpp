@@ -42,12 +42,12 @@ double touchFrequency(const SoftMaterial& material, double spacing_m) {
   return std::sqrt(kTouchStiffness) * highestFrequency(material, spacing_m);
 }
 
-double longestSubstep(const SoftMaterial& material, double spacing_m, double touched_kg_per_kg) {
+double longestSubstep(const SoftMaterial& material, double spacing_m, double touched_kg_per_kg, double stiffer) {
   const double own = highestFrequency(material, spacing_m), touch = touchFrequency(material, spacing_m);
   const double both = 1 + touched_kg_per_kg;
-  const double square = own * own + touch * touch * both;
-  const double damping =
-      8 * material.viscosity_Pa_s / (material.density_kg_m3 * spacing_m * spacing_m) + kTouchDamping * touch * both;
+  const double square = stiffer * own * own + touch * touch * both;
+  const double damping = stiffer * 8 * material.viscosity_Pa_s / (material.density_kg_m3 * spacing_m * spacing_m) +
+                         kTouchDamping * touch * both;
   return kBudget / (damping + std::sqrt(damping * damping + square * kBudget));
 }
 

@@ -28,7 +28,7 @@ double touchFrequency(const SoftMaterial& material, double spacing_m);
 inline constexpr double kTouchDamping = 0.2;
 
 /// Longest stable substep, s. `touched_kg_per_kg`: the most mass of nodes that a tool may press on at a time, over the
-/// tool's own.
-double longestSubstep(const SoftMaterial& material, double spacing_m, double touched_kg_per_kg);
+/// tool's own. `stiffer`: how many times the stiffest cell is as stiff for its mass as a cube at rest.
+double longestSubstep(const SoftMaterial& material, double spacing_m, double touched_kg_per_kg, double stiffer = 1);
 
 }  // namespace palpate

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/core/error.hpp"
 #include "engine/matter/matter_bounds.hpp"
@@ -17,6 +18,7 @@ constexpr double kMostNodes = 1 << 27;  // as corners of cells are numbered
 void requireMaterial(const MatterScene& scene) {
   requireBetween("young_Pa", scene.young_Pa, 1, 1e9);
   requireBetween("poisson", scene.poisson, 0, 0.49);
+  requireBetween("stiffness", scene.stiffness, 1e-4, 0.95);
 }
 
 void requireShape(const MatterScene& scene) {
@@ -41,6 +43,11 @@ double touchedShare(const MatterScene& scene) {
   return 3.14159265358979 * radius * radius * scene.spacing_mm * 1e-3 * scene.density_kg_m3 / scene.tool.mass_kg;
 }
 
+// Of shape matching: what a substep leaves of its stability to the skin, in squared frequencies times the substep.
+constexpr double kMatchedTouch = 0.3;
+// Spacings in a substep: nothing of a body that matches shapes moves faster.
+constexpr double kMatchedSpeed = 2;
+
 }  // namespace
 
 SoftMaterial materialOf(const MatterScene& scene) {
@@ -48,6 +55,28 @@ SoftMaterial materialOf(const MatterScene& scene) {
           .poisson = scene.poisson,
           .density_kg_m3 = scene.density_kg_m3,
           .viscosity_Pa_s = scene.viscosity_Pa_s};
+}
+
+std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan) {
+  if (scene.preset != SoftPreset::shapeMatching) return std::nullopt;
+  return MatchingRules::inSubstep(scene.stiffness, plan.substep_s);
+}
+
+double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
+  return 16 * (1 - scene.poisson * scene.poisson) / (3 * std::numbers::pi * std::numbers::pi * scene.young_Pa * radius_m);
+}
+
+double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan) {
+  if (scene.preset != SoftPreset::shapeMatching) return touchFrequency(materialOf(scene), plan.spacing_m);
+  return std::sqrt(kMatchedTouch / (1 + touchedShare(scene))) / plan.substep_s;
+}
+
+std::uint32_t substepsOf(const MatterScene& scene, const MatterPlan& plan, double stiffer) {
+  if (scene.preset == SoftPreset::shapeMatching || !(stiffer > 1)) return plan.substeps;
+  const auto longest = [&](double times) {
+    return longestSubstep(materialOf(scene), plan.spacing_m, touchedShare(scene), times);
+  };
+  return static_cast<std::uint32_t>(std::ceil(plan.substeps * longest(1) / longest(stiffer) - 1e-9));
 }
 
 MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
@@ -67,12 +96,16 @@ MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes) {
     throw Error("spacing_mm: makes {} nodes, which take about {} MiB of {}; take a larger one", plan.particles,
                 plan.bytes >> 20, memory_bytes >> 20);
   const SoftMaterial material = materialOf(scene);
-  const double needed = std::ceil(kMatterStep_s / longestSubstep(material, plan.spacing_m, touchedShare(scene)) - 1e-9);
+  const bool matches = scene.preset == SoftPreset::shapeMatching;
+  const double longest_s = matches ? kMatterStep_s : longestSubstep(material, plan.spacing_m, touchedShare(scene));
+  const double needed = std::ceil(kMatterStep_s / longest_s - 1e-9);
   requireSubsteps(scene, needed, "a softer body or less viscosity");
   plan.substeps = scene.substeps != 0 ? scene.substeps : static_cast<std::uint32_t>(needed);
   plan.substep_s = kMatterStep_s / plan.substeps;
   plan.mass_kg = scene.density_kg_m3 * std::pow(plan.spacing_m, 3);
-  plan.speedOfSound_m_s = std::sqrt((material.bulk_Pa() + 4.0 / 3 * material.shear_Pa()) / material.density_kg_m3);
+  plan.speedOfSound_m_s =
+      matches ? kMatchedSpeed * plan.spacing_m / plan.substep_s
+              : std::sqrt((material.bulk_Pa() + 4.0 / 3 * material.shear_Pa()) / material.density_kg_m3);
   return plan;
 }
 

@@ -20,7 +20,7 @@ std::shared_ptr<const SoftModel> carrying(SoftSolid solid, std::span<const Surfa
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.box_m = scene.box_mm * 1e-3,
           .ball_m = scene.tool.radius_mm * 1e-3,
-          .frequency_rad_s = touchFrequency(materialOf(scene), plan.spacing_m),
+          .frequency_rad_s = touchFrequencyOf(scene, plan),
           .friction = scene.friction};
 }
 
@@ -48,9 +48,11 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std
     : MatterSimulation(scene, options, restOf(model->solid)),
       team_(options.threads),
       model_(std::move(model)),
-      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene)),
+      body_(model_->solid.lattice, materialOf(scene), pinsOf(scene), matchingOf(scene, plan())),
       contact_(body_, model_->solid.surface, contactOf(scene, plan())),
-      press_(body_, model_->solid.surface),
+      surface_(model_->solid.lattice, model_->solid.surface),
+      press_(body_, surface_),
+      sculpture_(body_, surface_),
       embedding_(model_->solid.lattice, model_->points),
       tools_(options.tools, ToolBody(toolSpring(scene.tool, plan().substep_s))) {
   PALPATE_CHECK(scene.matter == Matter::soft);
@@ -58,13 +60,14 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std
 }
 
 void SoftWorld::begin() {
+  sculpture_.endStroke();
   body_.reset();
   presses_.clear();
   press_.begin(body_, {}, kMatterStep_s, team_);
 }
 
 void SoftWorld::takeParameters() {
-  body_.setMaterial(materialOf(scene()));
+  body_.setMaterial(materialOf(scene()), matchingOf(scene(), plan()));
   contact_.change(contactOf(scene(), plan()));
   for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
 }
@@ -81,10 +84,11 @@ MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std:
   press_.begin(body_, presses_, kMatterStep_s, team_);
   presses_.clear();
   std::vector<HandPose> hands(tools_.size());
-  for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
-    const double share = (s + 1.0) / plan().substeps;
+  const std::uint32_t substeps = substepsOf(scene(), plan(), body_.rest().stiffest());
+  for (std::uint32_t s = 0; s < substeps && report.state == MatterState::running; ++s) {
+    const double share = (s + 1.0) / substeps;
     for (std::size_t k = 0; k < tools_.size(); ++k) hands[k] = between(from[k], to[k], share);
-    substep(hands, share, report);
+    substep(hands, share, kMatterStep_s / substeps, report);
   }
   press_.end(body_);
   for (const PressReport& pressed : press_.reports()) report.onPresses += pressed.impulse;
@@ -92,17 +96,17 @@ MatterSimulation::StepReport SoftWorld::run(std::span<const HandPose> from, std:
   return report;
 }
 
-void SoftWorld::substep(std::span<const HandPose> hands, double share, StepReport& report) {
+void SoftWorld::substep(std::span<const HandPose> hands, double share, double length_s, StepReport& report) {
   std::vector<BodyMotion> balls;
   for (std::size_t k = 0; k < tools_.size(); ++k) {
     tools_[k].predict(hands[k]);
     balls.push_back(tools_[k].motion());
   }
   std::vector<Exchange> exchanges(tools_.size());
-  contact_.press(body_, balls, plan().substep_s, report.onWalls, exchanges);
+  contact_.press(body_, balls, length_s, report.onWalls, exchanges);
   body_.strain(team_);
-  press_.load(body_, share, plan().substep_s, scene().gravity_m_s2);
-  const SoftSums sums = body_.move(scene().gravity_m_s2, plan().substep_s, team_);
+  press_.load(body_, share, length_s, scene().gravity_m_s2);
+  const SoftSums sums = body_.move(scene().gravity_m_s2, length_s, team_);
   report.gravity += sums.gravityImpulse;
   report.onWalls += sums.pinImpulse;
   report.totals = {.kinetic_J = sums.kinetic_J,

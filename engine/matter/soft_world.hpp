@@ -12,6 +12,7 @@
 #include "engine/matter/soft_embedding.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_press.hpp"
+#include "engine/matter/soft_sculpture.hpp"
 #include "engine/matter/tool_body.hpp"
 
 namespace palpate {
@@ -42,6 +43,7 @@ class SoftWorld final : public MatterSimulation {
   void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
   std::span<const PressReport> pressed() const override { return press_.reports(); }
   bool hasSurface() const override { return true; }
+  SoftSculpture* sculpture() override { return tools_.empty() ? &sculpture_ : nullptr; }
   /// As the body now is, strained and on the walls that it stands on. A body that nothing holds gives way as its mass
   /// does within a third of a second. Takes as long as a hundred substeps. (Conjugate gradients; Hestenes, Stiefel 1952.)
   double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
@@ -57,13 +59,15 @@ class SoftWorld final : public MatterSimulation {
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
   /// At whose end `share` of the step is over.
-  void substep(std::span<const HandPose> hands, double share, StepReport& report);
+  void substep(std::span<const HandPose> hands, double share, double length_s, StepReport& report);
 
   WorkerTeam team_;
   std::shared_ptr<const SoftModel> model_;  // whose lattice the body looks at
   SoftBody body_;
   SoftContact contact_;
+  SoftSurface surface_;
   SoftPress press_;
+  SoftSculpture sculpture_;
   std::vector<SurfacePress> presses_;  // of the next step
   SoftEmbedding embedding_;
   std::vector<ToolBody> tools_;

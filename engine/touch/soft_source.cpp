@@ -5,33 +5,29 @@
 
 #include "engine/matter/soft_scene.hpp"
 #include "engine/touch/matter_touch.hpp"
+#include "engine/touch/soft_brush.hpp"
 
 namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSameTime_s = 1e-7;
-// Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how deep: so
-// much of what the two differ by is taken over at a time.
+// Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how
+// deep: so much of what the two differ by is taken over at a time.
 constexpr double kTrustInFelt = 0.1;
 // Of the support radius: what the weights of touch press on is about as wide as an even pressure on that.
 constexpr double kPressedShare = 0.5;
-// Steps of a touch after which its compliance is asked for, and again each time so many more have passed: it takes as long
-// as about fifteen of them.
+// Steps of a touch after which its compliance is asked for, and again each time so many more have passed: it takes as
+// long as about fifteen of them.
 constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250;
 
 // The step that a time is in: a frame is never of a time to come.
 std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
 
-double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
-  return 16 * (1 - scene.poisson * scene.poisson) / (3 * kPi * kPi * scene.young_Pa * radius_m);
-}
-
 }  // namespace
 
 SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
-    : SteppingControl(*world, options.hands), world_(std::move(world)), options_(options), slots_(kMostTouches) {
+    : SteppedControl(*world, options.hands, options.mostAtOnce), world_(std::move(world)), options_(options), slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)
@@ -42,23 +38,80 @@ void SoftSource::restart() {
   world_->reset();
   std::ranges::fill(slots_, Slot{});
   energies_J_.fill(0);
-  forgetEnergies();
-  last_.reset();
+  forget();
   beginnings_.fetch_add(1, std::memory_order_relaxed);
 }
 
 bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
-  if (wantsReset()) return true;
-  return !isHeld() && last_ != stepAt(time_s);
+  if (isToBeReset() || isTurned_) return true;
+  return !isHeld() && last() != stepAt(time_s);
 }
 
-std::uint32_t SoftSource::stepsTo(double time_s) {
-  if (question_.count == 0) return 0;  // nobody has asked yet
-  const std::int64_t now = stepAt(time_s);
-  if (last_ && now < *last_) restart();
-  const std::int64_t steps = last_ ? now - *last_ : 0;
-  last_ = now;
-  return runOf(steps, options_.mostAtOnce);
+// As often as there were steps: behind them, so that what the hand felt has pressed where the surface was. Presses go
+// along with the surface under them.
+void SoftSource::sculpt(std::uint32_t steps) {
+  SoftSculpture* const sculpture = world_->sculpture();
+  if (!sculpture) return;
+  const SurfaceBrush& now = question_.brush;
+  if (!now.sculpts) endStroke();
+  if (!now.brush || !now.sculpts) return;
+  const PlacedBrush brush(*now.brush, options_.radius, now.hip, now.lastHip, now.spring);
+  if (!brush.acts()) return;
+  const SoftBody& body = sculpture->body();
+  const SoftSurface& surface = sculpture->surface();
+  std::vector<std::pair<Slot*, std::uint32_t>> under;
+  for (Slot& slot : slots_)
+    if (slot.presses) under.emplace_back(&slot, surface.nearest(body, slot.place_m));
+  std::vector<Vec3> before;
+  for (const auto& [slot, place] : under) before.push_back(surface.placeOf(body, place));
+  for (std::uint32_t k = 0; k < steps; ++k) palpate::sculpt(*sculpture, brush, kMatterUnit_m);
+  for (std::size_t i = 0; i < under.size(); ++i)
+    under[i].first->place_m += DVec3(surface.placeOf(body, under[i].second) - before[i]);
+}
+
+void SoftSource::endStroke() {
+  if (SoftSculpture* const sculpture = world_->sculpture()) sculpture->endStroke();
+  countStrokes();
+}
+
+bool SoftSource::turned(bool done) {
+  if (!done) return false;
+  isTurned_ = true;
+  beginnings_.fetch_add(1, std::memory_order_relaxed);
+  counts_.version.fetch_add(1, std::memory_order_relaxed);
+  countStrokes();
+  return true;
+}
+
+bool SoftSource::undo() {
+  endStroke();
+  SoftSculpture* const sculpture = world_->sculpture();
+  return turned(sculpture && sculpture->undo());
+}
+
+bool SoftSource::redo() {
+  endStroke();
+  SoftSculpture* const sculpture = world_->sculpture();
+  return turned(sculpture && sculpture->redo());
+}
+
+void SoftSource::countStrokes() {
+  const SoftSculpture* const sculpture = world_->sculpture();
+  if (!sculpture) return;
+  const std::uint64_t before = counts_.strokes.exchange(sculpture->strokes(), std::memory_order_relaxed);
+  counts_.version.fetch_add(sculpture->strokes() - before, std::memory_order_relaxed);
+  counts_.dropped.store(sculpture->dropped(), std::memory_order_relaxed);
+  counts_.undoable.store(sculpture->undoable(), std::memory_order_relaxed);
+  counts_.redoable.store(sculpture->redoable(), std::memory_order_relaxed);
+}
+
+StrokeCounts SoftSource::strokes() const noexcept {
+  constexpr auto kRelaxed = std::memory_order_relaxed;
+  return {.strokes = counts_.strokes.load(kRelaxed),
+          .dropped = counts_.dropped.load(kRelaxed),
+          .undoable = counts_.undoable.load(kRelaxed),
+          .redoable = counts_.redoable.load(kRelaxed),
+          .version = counts_.version.load(kRelaxed)};
 }
 
 DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {
@@ -110,8 +163,9 @@ void SoftSource::advance(std::uint32_t steps) {
       slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
       energies_J_[presses_[n].hand] += world_->pressed()[n].work_J;
     }
-    for (std::size_t hand = 0; hand < options_.hands; ++hand) tellEnergy(hand, energies_J_[hand]);
+    for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }
+  sculpt(steps);
   for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
 }
 
@@ -129,13 +183,19 @@ void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   if (const auto newest = asked_.load()) question_ = *newest;
   if (takeReset()) restart();
   takeParameters(*world_);
-  const std::uint32_t steps = stepsTo(time_s);
+  std::uint32_t steps = 0;
+  if (question_.count > 0) {  // somebody has asked
+    const std::int64_t now = stepAt(time_s);
+    if (goesBack(now)) restart();
+    steps = stepsTo(now, 0);
+  }
   if (isHeld())
     std::ranges::fill(slots_, Slot{});
   else
     advance(steps);
-  bodyTime_s_ = std::min(time_s, last_ ? static_cast<double>(*last_) * kMatterStep_s : time_s);
-  tell(world_->state());
+  bodyTime_s_ = std::min(time_s, last() ? static_cast<double>(*last()) * kMatterStep_s : time_s);
+  see(world_->state());
+  isTurned_ = false;
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
   for (Vec3& position : frame.positions) position *= kUnits;

@@ -7,11 +7,14 @@
 #include <optional>
 #include <vector>
 
+#include "engine/core/brush.hpp"
 #include "engine/core/latest_value.hpp"
+#include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
-#include "engine/touch/stepping_control.hpp"
+#include "engine/touch/stepped_control.hpp"
 
 namespace palpate {
 
@@ -27,6 +30,13 @@ struct SurfaceTouch {
   std::uint32_t hand = 0;
 };
 
+/// The first hand's brush where it felt the surface.
+struct SurfaceBrush {
+  std::optional<BrushOptions> brush;    ///< model units
+  bool sculpts = false;                 ///< the hand touches, and means to
+  DVec3 hip{0}, lastHip{0}, spring{0};  ///< of that tick, and of the one before; from HIP to proxy
+};
+
 /// All of them at a tick. Those of one hand stand together.
 struct SurfaceQuestion {
   double time_s = 0;         ///< of `hip`
@@ -34,6 +44,7 @@ struct SurfaceQuestion {
   double pointsTime_s = 0;   ///< of the frame in which they were felt
   double friction = 0;
   bool goesOn = false;       ///< a tick was later than the points that it felt: somebody asks for compliances
+  SurfaceBrush brush;
   std::uint32_t count = 0;
   std::array<SurfaceTouch, kMostTouches> touches;
 };
@@ -46,10 +57,11 @@ struct SoftSourceOptions {
   std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
 };
 
-/// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the frame
-/// before; where time goes back the scene begins anew. So a frame's bytes follow from all that was asked before, and in
-/// virtual time from the poses. ask() is for one thread, makeFrame() and hasNewer() for another one, and the rest for any.
-class SoftSource final : public CloudSource, public SteppingControl {
+/// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the
+/// frame before; so does a brush, in each of the steps. Where time goes back the scene begins anew, in the shape that
+/// it has. So a frame's bytes follow from all that was asked before, and in virtual time from the poses. ask() is for
+/// one thread, makeFrame() and hasNewer() for another one, and the rest for any.
+class SoftSource final : public CloudSource, public SteppedControl {
  public:
   /// `world` has a surface.
   SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
@@ -64,8 +76,16 @@ class SoftSource final : public CloudSource, public SteppingControl {
   /// How far the surface under a hand gives way for a force on it, model units per N: that of an elastic half-space
   /// (Love 1929) until the body has been asked for its own.
   double compliance(std::size_t hand) const noexcept { return compliances_[hand].load(std::memory_order_relaxed); }
-  /// How often the scene has begun anew.
+  /// How often the surface has stood somewhere else all at once: the scene has begun anew, or a stroke was taken back.
   std::uint32_t beginnings() const noexcept { return beginnings_.load(std::memory_order_relaxed); }
+
+  /// While no frame is being made: the stroke is over; the last one is taken back, or done again, of which the next
+  /// frame tells. False where there is none.
+  void endStroke();
+  bool undo();
+  bool redo();
+  /// For any thread.
+  StrokeCounts strokes() const noexcept;
 
   const MatterSimulation& world() const { return *world_; }
 
@@ -78,7 +98,9 @@ class SoftSource final : public CloudSource, public SteppingControl {
     std::uint32_t steps = 0; // that it has pressed on end
   };
   void restart();
-  std::uint32_t stepsTo(double time_s);
+  void sculpt(std::uint32_t steps);
+  bool turned(bool done);
+  void countStrokes();
   void advance(std::uint32_t steps);
   DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;
   void findCompliance(const SurfaceTouch& touch, const Slot& slot);
@@ -90,11 +112,15 @@ class SoftSource final : public CloudSource, public SteppingControl {
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;    // of which touch each press is
-  std::optional<std::int64_t> last_;     // number of the step that the questions have come to
   std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
   double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;
+  bool isTurned_ = false;  // a stroke was taken back since the last frame
+  struct Counts {
+    std::atomic<std::uint64_t> strokes = 0, dropped = 0, version = 0;
+    std::atomic<std::size_t> undoable = 0, redoable = 0;
+  } counts_;
 };
 
 }  // namespace palpate

@@ -4,6 +4,7 @@
 
 #include "engine/contact/proxy_tracker.hpp"
 #include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
 
 namespace palpate {
 
@@ -19,6 +20,8 @@ SoftTouch::SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBa
                      const SoftTouchOptions& options)
     : source_(std::move(source)), surface_(std::move(surface)), bodyMachine_(options.bodyMachine), answers_(options.tools.size()) {
   question_.friction = options.friction;
+  poses_.reserve(options.tools.size());
+  setBrush(options.brush);
   for (const ProbeGroup& probes : makeProbeGroups(options.tools))
     hands_.push_back({.probes = probes, .spring = {}, .points = {probes.points().begin(), probes.points().end()}});
   PALPATE_CHECK_EQ(hands_.size(), surface_->hands());
@@ -30,6 +33,7 @@ void SoftTouch::setSprings(std::span<const HandSpring> springs) {
 }
 
 std::span<const Contact> SoftTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
+  poses_.assign(poses.begin(), poses.end());
   lookAtScene(poses.front().time_s);
   if (std::ranges::all_of(poses, [](const Pose& pose) { return isFinite(pose.hip); }))
     tell(poses);
@@ -82,6 +86,7 @@ void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> a
   question_.goesOn = question_.goesOn || now_s > question_.pointsTime_s + kNoAge_s;
   const std::size_t place = ticks_++ % kRemembered;
   times_s_[place] = now_s;
+  rememberBrush(poses.front(), answers.front());
   std::uint32_t k = 0;
   for (std::size_t i = 0; i < hands_.size(); ++i) {
     hands_[i].hips[place] = poses[i].hip;
@@ -96,6 +101,15 @@ void SoftTouch::remember(std::span<const Pose> poses, std::span<const Contact> a
     if (points.empty()) felt(answers[i]);
     for (const PointContact& point : points) felt(point.contact);
   }
+}
+
+void SoftTouch::rememberBrush(const Pose& pose, const Contact& answer) {
+  SurfaceBrush& brush = question_.brush;
+  const bool touches = answer.touching && answer.valid && !isQuiet_;
+  brush.lastHip = touches && brush.sculpts ? brush.hip : pose.hip;
+  brush.hip = pose.hip;
+  brush.spring = answer.proxy - pose.hip;
+  brush.sculpts = touches && pose.sculpts;
 }
 
 DVec3 SoftTouch::hipAt(const Hand& hand, double time_s) const {
@@ -151,16 +165,26 @@ void SoftTouch::resetHand(std::size_t hand) noexcept {
   surface_->resetHand(hand);
   for (std::uint32_t k = 0; k < question_.count; ++k)
     if (question_.touches[k].hand == hand) question_.touches[k].touching = false;
+  if (hand == 0) question_.brush.sculpts = false;
 }
 
 void SoftTouch::finish() {
   surface_->finish();
+  source_->endStroke();
   if (const std::string failure = source_->failure(); !failure.empty())
     throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
 }
 
 void SoftTouch::setBrush(const std::optional<BrushOptions>& brush) {
-  if (brush) throw UsageError("matter that moves by itself cannot be sculpted");
+  if (brush && !changesShape(brush->kind))
+    throw UsageError("{} changes no shape of a soft body", nameOf(kBrushKinds, brush->kind));
+  question_.brush.brush = brush;
+}
+
+// The surface is brought to where the shape has put it, for whoever looks at it before the next tick.
+bool SoftTouch::turned(bool done) {
+  if (done && !poses_.empty()) surface_->ask(poses_, 0);
+  return done;
 }
 
 void SoftTouch::setContact(SurfaceKind surface, double friction, std::string_view method) {

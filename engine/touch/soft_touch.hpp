@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/core/shape_strokes.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/touch/probe_group.hpp"
 #include "engine/touch/soft_source.hpp"
@@ -15,14 +16,17 @@ namespace palpate {
 struct SoftTouchOptions {
   std::vector<ToolShape> tools = std::vector<ToolShape>(1);  ///< one for each hand, model units
   double friction = 0;                                       ///< of the surface that is felt
+  std::optional<BrushOptions> brush;                         ///< of the first hand, model units
   std::string bodyMachine;                                   ///< that moves the body, where it is another one
 };
 
-/// Stands before the back end that feels the points of a SoftSource: it tells the source where hands were and are, so that
-/// the body is pressed by the spring and damper that each hand feels. Where an answer is of points that are older than the
-/// tick, as against the clock, they are where they would have gone by themselves had the hand gone straight on; by what the
-/// hand has gone deeper than that the surface gives way, with its compliance. Nothing of it is sculpted.
-class SoftTouch final : public TouchBackend {
+/// Stands before the back end that feels the points of a SoftSource: it tells the source where hands were and are, so
+/// that the body is pressed by the spring and damper that each hand feels. Where an answer is of points that are
+/// older than the tick, as against the clock, they are where they would have gone by themselves had the hand gone
+/// straight on; by what the hand has gone deeper than that the surface gives way, with its compliance. A brush
+/// changes the shape in which the body rests (soft_brush.hpp), which no journal of points knows of: its strokes are
+/// taken back as those of a shape.
+class SoftTouch final : public TouchBackend, private ShapeStrokes {
  public:
   /// `surface` feels the points of `source`, which it has as its own.
   SoftTouch(std::unique_ptr<SoftSource> source, std::unique_ptr<TouchBackend> surface, const SoftTouchOptions& options);
@@ -38,6 +42,8 @@ class SoftTouch final : public TouchBackend {
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
   FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
   SimulationControl* simulation() override { return source_.get(); }
+  ShapeStrokes* shapeStrokes() override { return this; }
+  const ShapeStrokes* shapeStrokes() const override { return this; }
   std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }
   void setSprings(std::span<const HandSpring> springs) override;
 
@@ -45,6 +51,7 @@ class SoftTouch final : public TouchBackend {
   void keepEdits() override {}
   void takeEdits(EditBatch&) override {}
   EditScope editScope() const override { return {.edits = false, .paints = false, .newPoints = 0}; }
+  /// Throws UsageError for one that does not change the shape of a soft body.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
 
@@ -73,6 +80,11 @@ class SoftTouch final : public TouchBackend {
   void tell(std::span<const Pose> poses);
   void remember(std::span<const Pose> poses, std::span<const Contact> answers);
   void answer(std::span<const Pose> poses, std::span<const Contact> answers);
+  void rememberBrush(const Pose& pose, const Contact& answer);
+  bool undo() override { return turned(source_->undo()); }
+  bool redo() override { return turned(source_->redo()); }
+  StrokeCounts counts() const override { return source_->strokes(); }
+  bool turned(bool done);
   // What a hand has gone from where it would be had it gone straight on since the points were true.
   DVec3 strayed(const Hand& hand, const Pose& pose, double age_s) const;
   DVec3 hipAt(const Hand& hand, double time_s) const;
@@ -83,6 +95,7 @@ class SoftTouch final : public TouchBackend {
   std::string bodyMachine_;
   std::vector<Hand> hands_;
   std::vector<Contact> answers_;
+  std::vector<Pose> poses_;  // of the last question
   SurfaceQuestion question_;
   std::array<double, kRemembered> times_s_{};  // of the ticks that are remembered, in a ring
   std::size_t ticks_ = 0;

@@ -97,11 +97,14 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
                                                                .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});
   BackendRequest felt = request;
   felt.source = source.get();
+  felt.brush.reset();  // the body has it, and its points follow
+  felt.paintable = false;
   auto surface = make(felt);
   return std::make_unique<SoftTouch>(
       std::move(source), std::move(surface),
       SoftTouchOptions{.tools = request.tools,
                        .friction = request.config.surface.friction,
+                       .brush = request.brush,
                        .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
 }
 

@@ -343,6 +343,8 @@ void describe(auto&& in, auto& config, const MatterScene*) {
   in.field("friction", config.friction);
   in.field("young_Pa", config.young_Pa);
   in.field("poisson", config.poisson);
+  in.field("preset", config.preset, kSoftPresets);
+  in.field("stiffness", config.stiffness);
   in.field("shape", config.shape, kSoftShapes);
   in.field("model", config.model);
   in.field("model_mm", config.model_mm);

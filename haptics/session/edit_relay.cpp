@@ -111,4 +111,14 @@ UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::fu
   return strokes;
 }
 
+UndoneStrokes undoStrokes(ShapeStrokes& shape, std::size_t undo, std::size_t redo) {
+  UndoneStrokes strokes;
+  while (strokes.undone < undo && shape.undo()) ++strokes.undone;
+  while (strokes.redone < redo && shape.redo()) ++strokes.redone;
+  const StrokeCounts counts = shape.counts();
+  strokes.strokes = counts.strokes;
+  strokes.dropped = counts.dropped;
+  return strokes;
+}
+
 }  // namespace palpate

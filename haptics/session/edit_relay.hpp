@@ -83,5 +83,7 @@ struct UndoneStrokes {
 /// last change that came out has left the points.
 UndoneStrokes undoStrokes(TouchBackend& backend, Journal& journal, const std::function<void()>& catchUp,
                           std::size_t undo, std::size_t redo);
+/// The same of strokes that have changed a shape.
+UndoneStrokes undoStrokes(ShapeStrokes& shape, std::size_t undo, std::size_t redo);
 
 }  // namespace palpate

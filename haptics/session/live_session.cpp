@@ -25,7 +25,7 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
 // Whichever brush comes first, others may follow; to what moves none does.
 SessionConfig withBrush(SessionConfig config) {
   config.realtime = true;
-  if (config.moves()) return config;
+  if (config.moves()) return config;  // a soft body takes one whenever it comes
   BrushConfig brush = config.brush.value_or(BrushConfig{});
   brush.kind = BrushKind::push;
   config.brush = brush;
@@ -204,13 +204,24 @@ bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (servo_.lost) return false;
   endRecording();
   return between([&] {
-    const UndoneStrokes strokes = palpate::undoStrokes(
-        session_.backend(), *journal_, [&] { takeIn(); }, undo, redo);
+    ShapeStrokes* const shape = session_.backend().shapeStrokes();
+    const UndoneStrokes strokes = shape ? palpate::undoStrokes(*shape, undo, redo)
+                                        : palpate::undoStrokes(
+                                              session_.backend(), *journal_, [&] { takeIn(); }, undo, redo);
     return strokes.undone + strokes.redone > 0;
   });
 }
 
-bool LiveSession::redo() { return journal_->redoable() > 0 && undoStrokes(0, 1); }
+bool LiveSession::redo() { return strokes().redoable > 0 && undoStrokes(0, 1); }
+
+StrokeCounts LiveSession::strokes() const {
+  if (const ShapeStrokes* const shape = session_.backend().shapeStrokes()) return shape->counts();
+  return {.strokes = journal_->strokes(),
+          .dropped = journal_->dropped(),
+          .undoable = journal_->undoable(),
+          .redoable = journal_->redoable(),
+          .version = journal_->version()};
+}
 
 void LiveSession::save(const std::string& file) {
   if (isSaving()) throw Error("{}: the last save is still being written", file);
@@ -220,7 +231,7 @@ void LiveSession::save(const std::string& file) {
     if (config().moves()) present = session_.sculpted().cloud;
   };
   servo_.lost ? look() : between(look);
-  saving_.version = journal_->version();
+  saving_.version = strokes().version;
   std::vector<PointState> points(journal_->points().begin(), journal_->points().end());
   saving_.running = std::async(std::launch::async, [this, file, points = std::move(points), present = std::move(present)] {
     try {

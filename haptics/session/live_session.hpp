@@ -36,6 +36,7 @@ class LiveSession {
   LiveSession& operator=(const LiveSession&) = delete;
 
   const Model& model() const { return session_.model(); }
+  const SurfaceOptions& surface() const { return session_.surface(); }  ///< as it is felt, model units
   const SessionConfig& config() const { return session_.config(); }
   const std::string& file() const { return config().model.file; }
   /// Of the model as it was loaded, model units relative to its origin.
@@ -96,9 +97,11 @@ class LiveSession {
   /// False where there is nothing to take back, or to do again.
   bool undo() { return undoStrokes(1, 0); }
   bool redo();
+  /// Of the points, or of the shape in which a soft body rests.
+  StrokeCounts strokes() const;
 
-  /// Whether the points are others than those that were loaded, or saved last.
-  bool isChanged() const { return journal_->version() != saving_.saved; }
+  /// Whether the points, or that shape, are others than those that were loaded, or saved last.
+  bool isChanged() const { return strokes().version != saving_.saved; }
   /// Writes the points as they are, on a thread of its own. A file that would lose something by it is kept.
   void save(const std::string& file);
   bool isSaving() const { return saving_.running.valid(); }
@@ -171,7 +174,7 @@ class LiveSession {
 
   struct Saving {
     std::future<Saved> running;
-    std::uint64_t version = 0, saved = 0;  // of the journal
+    std::uint64_t version = 0, saved = 0;  // of the strokes
   } saving_;
 
   struct Servo {

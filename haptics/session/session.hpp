@@ -113,7 +113,8 @@ class Session {
   ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
   /// Waits for the last edit, and has everyone take in what was done. Throws what a query could not.
   void finish();
-  /// After finish(), or between runs. Throws where the back end fails; the journal is as the points are then.
+  /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
+  /// the back end fails; the journal is as the points are then.
   UndoneStrokes undo(std::size_t strokes, std::size_t redo);
   /// The points as they are: as the journal knows them, where there is one and nothing moves.
   SculptedCloud sculpted() const;

@@ -81,6 +81,18 @@ void validate(const StreamConfig& stream, const SessionConfig& config) {
   if (!config.realtime) throw ConfigError("realtime", "what is live goes by the clock; turn it on");
 }
 
+// What is smaller than the cells has none of its own to move.
+void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
+  if (brush.kind == BrushKind::carve)
+    throw ConfigError("brush.kind", "carve takes away, and a soft body keeps the cells that it is made of; take push");
+  if (brush.kind == BrushKind::paint)
+    throw ConfigError("brush.kind", "a soft body has no colours of its own; paint its model before");
+  const double least_mm = scene.spacing_mm * (mm_per_unit > 0 ? mm_per_unit : 1);
+  if (brush.radius_mm < least_mm)
+    throw ConfigError("brush.radius_mm", "is {:g}; the cells of the body are {:g} mm wide, and none is sculpted finer",
+                      brush.radius_mm, least_mm);
+}
+
 void validate(const MatterScene& scene, const SessionConfig& config) {
   try {
     planOf(scene);
@@ -88,10 +100,12 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
     throw ConfigError("matter", "{}", error.what());
   }
   if (scene.periodic != MatterScene{}.periodic) throw ConfigError("matter.periodic", "is for flow without a hand");
-  if (config.brush) throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
+  if (config.brush && scene.matter != Matter::soft)
+    throw ConfigError("brush.kind", "matter that moves by itself cannot be sculpted");
   if (config.motion) throw ConfigError("motion.kind", "matter moves by itself; leave it out");
   if (config.stream) throw ConfigError("stream", "the model is a scene of matter; leave it out");
   if (scene.matter == Matter::soft) {
+    if (config.brush) validateOnSoft(*config.brush, scene, config.model.mm_per_unit);
     if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; what is not felt is not pressed");
     return;
   }

@@ -136,6 +136,74 @@ PALPATE_FORMULA PALPATE_OF(Corners)
   return forces;
 }
 
+// The rest shape of a cell that was sculpted: where its corners rest it is no cube of the lattice any more.
+// Displacements are counted from the cube all the same; its deformation gradient is that over the rest shape, F =
+// grad(x) grad(rest)^-1, and so is how it is bent, less how it is bent at rest and has been turned and stretched
+// since.
+PALPATE_STRUCT(CellRest) {
+  PALPATE_MAT3 inverse;  // of the gradient of the rest shape over the cube
+  PALPATE_VEC3 bent[4];  // modes 3, 5, 6 and 7 of the rest shape, m
+  Real volume;           // of the rest shape, in that of the cube
+  Real bend;             // share of the rules' stiffness in bending that it has: as a cube of its volume
+};
+PALPATE_SINGLE(CellRest);
+
+// From the modes of how far the corners are at rest from the cube's. The gradient of that must not be singular.
+PALPATE_FORMULA PALPATE_OF(CellRest) cellRestOf(PALPATE_OF(SoftRules) rules, PALPATE_OF(Corners) modes) {
+  const PALPATE_MAT3 gradient = gradientOf(rules, modes) + PALPATE_MAT3(Real(1.0));
+  PALPATE_OF(CellRest) rest;
+  rest.volume = volumeShare(gradient);
+  rest.inverse = transpose(PALPATE_MAT3(cross(gradient[1], gradient[2]) / rest.volume,
+                                        cross(gradient[2], gradient[0]) / rest.volume,
+                                        cross(gradient[0], gradient[1]) / rest.volume));
+  rest.bent[0] = modes.at[3];
+  rest.bent[1] = modes.at[5];
+  rest.bent[2] = modes.at[6];
+  rest.bent[3] = modes.at[7];
+  rest.bend = exp(log(rest.volume) * Real(-2.0 / 3.0));
+  return rest;
+}
+
+// Deformation gradient of a cell that was sculpted, over its rest shape.
+PALPATE_FORMULA PALPATE_MAT3 sculptedGradient(PALPATE_OF(SoftRules) rules, PALPATE_OF(CellRest) rest,
+                                              PALPATE_OF(Corners) moved) {
+  return (gradientOf(rules, moved) + PALPATE_MAT3(Real(1.0))) * rest.inverse;
+}
+
+// cellForces() of a cell that was sculpted. `volume`: of what the cube held, m^3.
+PALPATE_FORMULA PALPATE_OF(Corners)
+    sculptedForces(PALPATE_OF(SoftRules) rules, Real volume, PALPATE_OF(CellRest) rest, PALPATE_OF(Corners) moved,
+                   PALPATE_OF(Corners) velocity) {
+  const PALPATE_MAT3 f = sculptedGradient(rules, rest, moved);
+  const PALPATE_MAT3 rate = gradientOf(rules, velocity) * rest.inverse;
+  const Real bend = rest.bend * rules.bend;
+  const Real twist = rest.bend * rules.twist;
+  const Real drag = rest.bend * rules.bendDrag;
+  const PALPATE_VEC3 xy = bend * (moved.at[3] - f * rest.bent[0]) + drag * (velocity.at[3] - rate * rest.bent[0]);
+  const PALPATE_VEC3 xz = bend * (moved.at[5] - f * rest.bent[1]) + drag * (velocity.at[5] - rate * rest.bent[1]);
+  const PALPATE_VEC3 yz = bend * (moved.at[6] - f * rest.bent[2]) + drag * (velocity.at[6] - rate * rest.bent[2]);
+  const PALPATE_VEC3 xyz = twist * (moved.at[7] - f * rest.bent[3]) + drag * (velocity.at[7] - rate * rest.bent[3]);
+  // What stretches the cell stretches how it is bent at rest.
+  PALPATE_MAT3 stress = softStress(rules, f, rate);
+  stress[0] -= rest.bent[0].x * xy + rest.bent[1].x * xz + rest.bent[2].x * yz + rest.bent[3].x * xyz;
+  stress[1] -= rest.bent[0].y * xy + rest.bent[1].y * xz + rest.bent[2].y * yz + rest.bent[3].y * xyz;
+  stress[2] -= rest.bent[0].z * xy + rest.bent[1].z * xz + rest.bent[2].z * yz + rest.bent[3].z * xyz;
+  const PALPATE_MAT3 overCube = stress * transpose(rest.inverse);
+  const Real restVolume = volume * rest.volume;
+  const Real perGradient = -restVolume * rules.perEdges;
+  PALPATE_OF(Corners) forces;
+  forces.at[0] = PALPATE_VEC3(Real(0.0));
+  forces.at[1] = perGradient * overCube[0];
+  forces.at[2] = perGradient * overCube[1];
+  forces.at[4] = perGradient * overCube[2];
+  forces.at[3] = -restVolume * xy;
+  forces.at[5] = -restVolume * xz;
+  forces.at[6] = -restVolume * yz;
+  forces.at[7] = -restVolume * xyz;
+  giveModes(forces);
+  return forces;
+}
+
 // Share that the node `corner` of a cell has of a place in it, from 0 to 1 along each axis.
 PALPATE_FORMULA Real cornerShare(PALPATE_VEC3 place, int corner) {
   const Real x = (corner & 1) != 0 ? place.x : Real(1.0) - place.x;

@@ -119,6 +119,44 @@ TEST_CASE("a soft body is told of, felt on both back ends, saved as it is dented
   CHECK(boundsOf(dented).max.y < 32);
 }
 
+TEST_CASE(
+    "a soft body is sculpted, taken back and replayed, and one whose shapes are matched says that it is not "
+    "calibrated") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
+                                         "spacing_mm": 5, "preset": "shape-matching", "stiffness": 0.4})";
+  const auto said = [](const std::string& arguments) {
+    const Outcome outcome = palpate(arguments);
+    CHECK_MESSAGE(outcome.code == 0, outcome.text);
+    return outcome.text;
+  };
+  const std::string info = said("info " + in("block.json") + " --json " + in("i.json"));
+  CHECK(info.find("shape matching, not calibrated") != std::string::npos);
+  CHECK(info.find("no stiffness in Pa") != std::string::npos);
+  CHECK(jsonOf(in("i.json"))["preset"] == "shape-matching");
+  CHECK(jsonOf(in("i.json"))["young_Pa"].is_null());
+  CHECK(jsonOf(in("i.json"))["substeps"] == 1);
+  const std::string simulated = said("simulate " + in("block.json") + " --duration 0.05");
+  CHECK(simulated.find("shape matching, not calibrated") != std::string::npos);
+  std::ofstream(in("press.csv")) << "t_s,x,y,z\n0,50,31,50\n0.1,50,25,50\n0.3,50,25,50\n0.35,50,40,50\n0.6,50,40,50\n";
+  const auto top = [&](const std::string& more) {
+    const std::string report = said("touch " + in("block.json") + " --path " + in("press.csv") +
+                                    " --backend cpu --edit push --tool-radius 10 --tau 0.1" + " --json " +
+                                    in("r.json") + " --save " + in("s.ply") + " --log " + in("log") + more);
+    CHECK(report.find("shape matching, not calibrated") != std::string::npos);
+    CHECK(jsonOf(in("r.json"))["shape_strokes"] == 1);
+    works("replay " + in("log"));
+    float lowest = 100;
+    for (const Vec3& position : readPly(in("s.ply")).positions)
+      if (position.y > 20 && std::abs(position.x - 50) < 4 && std::abs(position.z - 50) < 4)
+        lowest = std::min(lowest, position.y);
+    return lowest;
+  };
+  CHECK(top("") < 27);
+  CHECK(top(" --undo 1") > 28);
+}
+
 TEST_CASE("what does not go with a scene is refused, and says why") {
   const ScratchFolder folder;
   const std::string bad = (folder / "bad.json").string();
@@ -129,6 +167,8 @@ TEST_CASE("what does not go with a scene is refused, and says why") {
     CHECK_MESSAGE(outcome.text.find(text) != std::string::npos, outcome.text);
   };
   refused("touch dam --edit push", 2, "--edit: matter that moves by itself cannot be sculpted");
+  refused("touch jelly --edit carve", 2, "--edit: carve takes away, and a soft body keeps the cells");
+  refused("touch jelly --edit push --tool-radius 3", 2, "the cells of the body are 6 mm wide");
   refused("touch dam --tool ball", 2, "--tool: in matter a hand holds the scene's ball");
   refused("touch dam --motion turn", 2, "--motion: matter moves by itself");
   refused("touch dam --backend cuda", 2, "--backend: cuda feels only what stands still");
@@ -243,6 +283,33 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   const Outcome none = palpate("touch \"" + in("none.ply") + " in water\" --path builtin:press");
   CHECK(none.code == 1);
   CHECK(says(none.text, "none.ply in water: cannot be read"));
+}
+
+TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
+  if (!hasDisplay()) return;
+  const auto played = play("jelly --size 480x360 --rate 250 --backend cpu --edit push", R"(
+0.1 mouse 240 216
+0.3 key space down
+0.5 button left down
+0.6 wheel 4
+2.0 state %/touch.json
+2.1 button left up
+2.2 key space up
+2.6 state %/dent.json
+2.7 key ctrl+z
+3.0 state %/undone.json
+3.1 key 3
+3.3 state %/carve.json
+3.4 quit
+)");
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  CHECK(played->state("touch.json")["contact"] == true);
+  CHECK(played->state("dent.json")["strokes"] == 1);
+  CHECK(played->state("dent.json")["undoable"] == 1);
+  CHECK(played->state("dent.json")["changed"] == true);
+  CHECK(played->state("undone.json")["undoable"] == 0);
+  const std::string message = played->state("carve.json")["last_message"];
+  CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
 }
 
 }  // namespace palpate

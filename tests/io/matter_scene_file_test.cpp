@@ -65,6 +65,10 @@ TEST_CASE("a scene of matter is read with all that it says") {
                             .poisson = 0.3,
                             .shape = SoftShape::ball,
                             .pinned_mm = {{DVec3(0), DVec3(100, 1, 60)}}});
+  const MatterScene matched = parseMatterScene(softWith(R"("stiffness": 0.2, "preset": "shape-matching")"));
+  CHECK(matched.preset == SoftPreset::shapeMatching);
+  CHECK(matched.stiffness == 0.2);
+  CHECK(parseMatterScene(softWith(R"("preset": "elastic", "poisson": 0.2)")).poisson == 0.2);
   const MatterScene scan = parseMatterScene(softWith(R"("model": "bunny.ply", "hole_mm": 12)"));
   CHECK(scan.hole_mm == 12);
   CHECK(scan.model == "bunny.ply");
@@ -84,6 +88,12 @@ TEST_CASE("a scene of matter that says something wrong is refused with the field
   CHECK(says(refusal(softWith(R"("model": 3)")), "model: is '3', which is no name of a file"));
   CHECK(says(refusal(softWith(R"("model": "")")), "which is no name of a file"));
   CHECK(says(refusal(softWith(R"("shape": "cone")")), "there are box, ball"));
+  CHECK(says(refusal(softWith(R"("preset": "rubber")")), "there are elastic, shape-matching"));
+  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "young_Pa": 1000)")),
+             "young_Pa: belongs to no soft body of preset shape-matching, which is not calibrated"));
+  CHECK(says(refusal(softWith(R"("preset": "shape-matching", "viscosity_Pa_s": 1)")), "viscosity_Pa_s: belongs to no"));
+  CHECK(says(refusal(softWith(R"("stiffness": 0.5)")), "stiffness: belongs to no soft body of preset elastic"));
+  CHECK(says(refusal(waterWith(R"("preset": "elastic")")), "preset: belongs to no scene of water"));
   CHECK(says(refusal(softWith(R"("pinned_mm": [1, 2, 3])")), "pinned_mm: is no list of 2 corners of a box"));
   CHECK(says(refusal(softWith(R"("pinned_mm": [[0, 0, 0], [1, 2]])")), "pinned_mm: is no list of 3 numbers"));
   CHECK(says(refusal(std::string(R"({"matter": "sand", "poisson": 0.3, )") + kLeast + "}"),

@@ -23,4 +23,36 @@ inline double farthestApart(const MatterSimulation& a, const MatterSimulation& b
   return farthest;
 }
 
+/// How near a simulation on a GPU is to the same one on the CPU.
+struct Alike {
+  double places_m, kinetic, compression;  ///< of the last two: a share, and the difference of shares
+  double leastForce_N, arm_m;    ///< forces are held against what there is and so much more, torques by that arm
+  double energyShare, energy_J;  ///< of the port
+};
+
+inline void checkAlike(const MatterSimulation& gpu, const MatterSimulation& cpu, const Alike& within) {
+  const auto near = [](const DVec3& a, const DVec3& b, double scale) { return glm::length(a - b) <= 1e-3 * scale; };
+  REQUIRE(gpu.state() == MatterState::running);
+  REQUIRE(cpu.state() == MatterState::running);
+  CHECK(farthestApart(gpu, cpu) < within.places_m);
+  CHECK(isWithin(within.kinetic, gpu.totals().kinetic_J, cpu.totals().kinetic_J));
+  CHECK(std::abs(gpu.totals().maxCompression - cpu.totals().maxCompression) < within.compression);
+  const MatterImpulses &is = gpu.impulses(), &expected = cpu.impulses();
+  const double given = glm::length(expected.gravity) + glm::length(expected.onWalls);
+  CHECK(near(gpu.totals().momentum, cpu.totals().momentum, given));
+  CHECK(near(is.gravity, expected.gravity, given));
+  CHECK(near(is.onWalls, expected.onWalls, given));
+  CHECK(near(is.onTools, expected.onTools, given));
+  for (std::size_t tool = 0; tool < gpu.answers().size(); ++tool) {
+    const ToolAnswer &answer = gpu.answers()[tool], &there = cpu.answers()[tool];
+    const double force = glm::length(there.force_N) + within.leastForce_N;
+    CHECK(near(answer.force_N, there.force_N, force));
+    CHECK(near(answer.reaction_N, there.reaction_N, force));
+    CHECK(near(answer.torque_Nm, there.torque_Nm, within.arm_m * force));
+    CHECK(glm::length(answer.place_m - there.place_m) < 1e-7);
+    CHECK(std::abs(gpu.portEnergy_J(tool) - cpu.portEnergy_J(tool)) <
+          within.energyShare * std::abs(cpu.portEnergy_J(tool)) + within.energy_J);
+  }
+}
+
 }  // namespace palpate

@@ -58,31 +58,17 @@ struct Both {
   }
 
   void checkAlike() const {
-    REQUIRE(gpu->state() == MatterState::running);
-    REQUIRE(cpu->state() == MatterState::running);
-    CHECK(farthestApart(*gpu, *cpu) < 1.5e-6);  // measured: 1.06 um on an H200
-    CHECK(isWithin(1e-3, gpu->totals().kinetic_J, cpu->totals().kinetic_J));
-    CHECK(std::abs(gpu->totals().maxCompression - cpu->totals().maxCompression) < 1e-4);
-    const double given = glm::length(cpu->impulses().gravity) + glm::length(cpu->impulses().onWalls);
-    CHECK(near(gpu->totals().momentum, cpu->totals().momentum, given));
-    CHECK(near(gpu->impulses().gravity, cpu->impulses().gravity, given));
-    CHECK(near(gpu->impulses().onWalls, cpu->impulses().onWalls, given));
-    CHECK(near(gpu->impulses().onTools, cpu->impulses().onTools, given));
-    for (std::size_t tool = 0; tool < gpu->answers().size(); ++tool) {
-      const ToolAnswer &is = gpu->answers()[tool], &expected = cpu->answers()[tool];
-      const double force = glm::length(expected.force_N) + 0.01;
-      CHECK(near(is.force_N, expected.force_N, force));
-      CHECK(near(is.reaction_N, expected.reaction_N, force));
-      CHECK(near(is.torque_Nm, expected.torque_Nm, 0.02 * force));
-      CHECK(glm::length(is.place_m - expected.place_m) < 1e-7);
-      CHECK(std::abs(gpu->portEnergy_J(tool) - cpu->portEnergy_J(tool)) <
-            1e-3 * std::abs(cpu->portEnergy_J(tool)) + 1e-9);
-    }
+    palpate::checkAlike(*gpu, *cpu,
+                        {.places_m = 1.5e-6,  // measured: 1.06 um on an H200
+                         .kinetic = 1e-3,
+                         .compression = 1e-4,
+                         .leastForce_N = 0.01,
+                         .arm_m = 0.02,
+                         .energyShare = 1e-3,
+                         .energy_J = 1e-9});
   }
 
  private:
-  static bool near(const DVec3& a, const DVec3& b, double scale) { return glm::length(a - b) <= 1e-3 * scale; }
-
   int step_ = 0;
 };
 

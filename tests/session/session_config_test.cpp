@@ -135,8 +135,12 @@ TEST_CASE("a scene of a soft body goes into the text as a whole, and takes tools
   config.matter->gain = 0;
   CHECK(faultOf(config) == "matter.gain");
   config.matter->gain = 1;
-  config.brush.emplace();
+  config.brush = BrushConfig{.radius_mm = config.matter->spacing_mm};
+  CHECK(faultOf(config).empty());
+  config.brush->kind = BrushKind::carve;
   CHECK(faultOf(config) == "brush.kind");
+  config.brush = BrushConfig{.radius_mm = config.matter->spacing_mm / 2};
+  CHECK(faultOf(config) == "brush.radius_mm");
 }
 
 TEST_CASE("what a text does not say is at its default") {

@@ -62,6 +62,78 @@ TEST_CASE("a soft body is touched, dented and recorded, and a replay gives the s
   CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
 }
 
+TEST_CASE("a soft body is sculpted: the dent stays, a replay gives the same forces, and undo takes it back") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "log").string();
+  const auto cpu = cpuBackend();
+  SessionConfig config = softSession();
+  config.brush = BrushConfig{.radius_mm = 10};
+  config.duration_s = 1;
+  const Path path(
+      {{0, {50, 33, 50}}, {0.2, {50, 25, 50}}, {0.5, {50, 25, 50}}, {0.6, {50, 40, 50}}, {1, {50, 40, 50}}});
+  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1, .journal = true});
+  const ServoResult result = runRecorded(session, file, path);
+  const auto top = [](const PointCloud& cloud) {
+    float lowest = 100;
+    for (const Vec3& position : cloud.positions)
+      if (position.y > 20 && glm::length(glm::vec2(position.x - 50, position.z - 50)) < 4)
+        lowest = std::min(lowest, position.y);
+    return lowest;
+  };
+  const SculptedCloud dented = session.sculpted();
+  CHECK(top(dented.cloud) < 27.5f);
+  SessionRecord record = readSessionLog(file);
+  const RecordedSession recorded = parseHeader(file, record.text);
+  CHECK(recorded.config.brush == config.brush);
+  Session again(recorded.config, modelOf(recorded.config), {.backend = *cpu, .threads = 2});
+  CHECK(sameTrace(result.trace(), runAgain(again, std::move(record), recorded).trace()));
+  again.finish();
+  CHECK(again.sculpted().cloud.positions == dented.cloud.positions);
+
+  session.finish();
+  const UndoneStrokes undone = session.undo(3, 0);
+  CHECK(undone.strokes == 1);
+  CHECK(undone.undone == 1);
+  CHECK(top(session.sculpted().cloud) > 29);
+  CHECK(session.undo(0, 1).redone == 1);
+  CHECK(top(session.sculpted().cloud) < 27.5f);
+}
+
+TEST_CASE("a brush that a soft body does not take is refused with why") {
+  const auto refused = [](const BrushConfig& brush, const char* why) {
+    SessionConfig config = softSession();
+    config.brush = brush;
+    CHECK_THROWS_WITH_AS(validate(config), doctest::Contains(why), ConfigError);
+  };
+  refused({.kind = BrushKind::carve}, "keeps the cells");
+  refused({.kind = BrushKind::paint}, "colours of its own");
+  refused({.radius_mm = 4.9}, "5 mm wide");
+  SessionConfig config = softSession();
+  config.brush = BrushConfig{.radius_mm = 5};
+  validate(config);
+  CHECK(config.takesBrush());
+  config.model.mm_per_unit = 2;  // in the hand its cells are twice as wide
+  CHECK_THROWS_WITH_AS(validate(config), doctest::Contains("10 mm wide"), ConfigError);
+  config = softSession();
+  config.matter = MatterScene{.matter = Matter::water};
+  CHECK_FALSE(config.takesBrush());
+}
+
+TEST_CASE("a body whose shapes are matched is felt and dented, and a log says that it is one") {
+  SessionConfig config = softSession();
+  config.matter->preset = SoftPreset::shapeMatching;
+  config.matter->stiffness = 0.25;
+  CHECK(parseConfig(configText(config)).matter == config.matter);
+  const auto cpu = cpuBackend();
+  Session session(config, modelOf(config), {.backend = *cpu, .threads = 1});
+  const ServoResult result = runAlone(session, pressed());
+  const TraceRow& last = result.trace().rows.back();
+  CHECK(last.contact);
+  CHECK(last.force_N.y > 0.1);
+  CHECK(30 - last.proxy.y > 0.5);
+  CHECK(30 - last.proxy.y < 4.9);
+}
+
 TEST_CASE("what a hand is given is what its body gets, whatever a millimetre of the model is to the hand") {
   for (const double mm_per_unit : {1.0, 0.5}) {
     CAPTURE(mm_per_unit);

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "engine/core/error.hpp"
+#include "engine/matter/soft_sculpture.hpp"
 #include "engine/touch/cpu_touch.hpp"
 #include "tests/touch/soft_scene.hpp"
 
@@ -238,7 +239,9 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing, and what f
   CHECK_FALSE(block.touch().query({.time_s = 0.3, .hip = {nan, 0, 0}}, 0).valid);
   CHECK(block.points().positions == before.positions);
   CHECK(block.touch().query(press(0.301, 4, 0.2), 0).valid);
-  CHECK_THROWS_WITH_AS(block.touch().setBrush(BrushOptions{}), doctest::Contains("cannot be sculpted"), UsageError);
+  for (const BrushKind kind : {BrushKind::carve, BrushKind::paint})
+    CHECK_THROWS_WITH_AS(block.touch().setBrush(BrushOptions{.kind = kind, .radius = 10}),
+                         doctest::Contains("changes no shape"), UsageError);
   CHECK_FALSE(block.touch().editScope().edits);
 }
 
@@ -284,6 +287,182 @@ TEST_CASE("against the clock nobody waits for a step, what is too slow is left o
   CHECK(most > 0.5);
   CHECK(block.world().impulses().onTools.y > 0.01);
   CHECK(block.world().time_s() + block.touch().simulation()->leftOut_s() == doctest::Approx(0.5).epsilon(0.1));
+}
+
+namespace {
+
+// With a brush that leaves tau of the way to the hand.
+SoftTouching withBrush(BrushKind kind, double radius = 12) {
+  SoftTouching options;
+  options.touch.brush = BrushOptions{.kind = kind, .tau = 0.5, .beta = 0.1, .radius = radius};
+  return options;
+}
+
+std::vector<Vec3> shapeOf(const SoftScene& scene) {
+  const std::span<const Vec3> rest =
+      const_cast<MatterSimulation&>(scene.world()).sculpture()->body().rest().displacements();
+  return {rest.begin(), rest.end()};
+}
+
+// Of the points so far from the middle of the top.
+double topOf(SoftScene& scene, float from = 0, float to = 3) {
+  const PointCloud now = scene.points();
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const Vec3& began = scene.cloud().positions[i];
+    const float away = glm::length(glm::vec2(began.x - 50, began.z - 50));
+    if (began.y < 39.9f || away < from || away > to) continue;
+    sum += static_cast<double>(now.positions[i].y);
+    ++count;
+  }
+  return sum / count;
+}
+
+// From far above to that place, and there; from a time on, s. The last answer.
+Contact goDown(SoftScene& scene, double& time_s, double y, int ticks, double x = 50) {
+  Contact last;
+  for (int k = 0; k < ticks; ++k, time_s += 1e-3)
+    last = scene.touch().query({.time_s = time_s, .hip = {x, y + 4 * std::max(0.0, 1 - 2.0 * k / ticks), 50}}, 0);
+  return last;
+}
+
+void wait(SoftScene& scene, double& time_s, int ticks) {
+  for (int k = 0; k < ticks; ++k, time_s += 1e-3) scene.touch().query({.time_s = time_s, .hip = {50, 60, 50}}, 0);
+}
+
+}  // namespace
+
+TEST_CASE("a dent that a hand pushed stays when it has gone, as deep as it was less what its spring never gives") {
+  SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
+  double time_s = 0;
+  wait(block, time_s, 600);
+  const double top = topOf(block), deep = top - 6;
+  FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0, .most_N = 5});
+  const Contact held = goDown(block, time_s, deep, 2500);
+  REQUIRE(held.touching);
+  // It has yielded until the spring is as long as tau.
+  const DVec3 force = spring.add(held, {50, deep, 50}, 1e-3);
+  CHECK(force.y == doctest::Approx(0.25).epsilon(0.15));
+  auto& world = const_cast<MatterSimulation&>(block.world());
+  const double elastic_mm =
+      1e3 * world.localCompliance_m_N(1e-3 * held.proxy, 0.5e-3 * block.radius(), {0, -1, 0}) * 0.25;
+  wait(block, time_s, 1500);
+  const double dent = top - topOf(block);
+  MESSAGE("dent of " << dent << " mm by a hand 6 mm deep; the spring has 0.5, elastic " << elastic_mm);
+  CHECK(dent == doctest::Approx(6 - 0.5 - elastic_mm).epsilon(0.08));
+  // Nothing is felt in it, and it is felt at its bottom.
+  CHECK_FALSE(goDown(block, time_s, top - 3, 300).touching);
+  CHECK(goDown(block, time_s, top - 6, 300).touching);
+  CHECK(block.touch().shapeStrokes()->counts().strokes == 1);
+}
+
+TEST_CASE(
+    "a brush changes how the body rests within its reach alone, and its strokes are undone and done again to the bit") {
+  SoftScene block = touched(softBlock(), withBrush(BrushKind::push, 7));
+  double time_s = 0;
+  wait(block, time_s, 300);
+  const std::vector<Vec3> none(shapeOf(block).size(), Vec3(0));
+  CHECK(shapeOf(block) == none);
+  const double began = topOf(block);
+  goDown(block, time_s, began - 4, 600);
+  wait(block, time_s, 400);
+  const std::vector<Vec3> first = shapeOf(block);
+  const SoftLattice& lattice = const_cast<MatterSimulation&>(block.world()).sculpture()->body().lattice();
+  double most = 0;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    const double away = glm::distance(1e3 * DVec3(lattice.rest()[i]), DVec3(50, 40, 50));
+    if (away > 7 + 4 + 2 * 5 + 1) CHECK(first[i] == Vec3(0));
+    most = std::max(most, static_cast<double>(-first[i].y));
+  }
+  CHECK(most > 1e-3);
+  goDown(block, time_s, began - 3, 600, 38);
+  wait(block, time_s, 300);
+  const std::vector<Vec3> second = shapeOf(block);
+  CHECK(second != first);
+  const double dented = topOf(block);
+  ShapeStrokes& strokes = *block.touch().shapeStrokes();
+  CHECK(strokes.counts().strokes == 2);
+  CHECK(strokes.counts().undoable == 2);
+  CHECK(strokes.undo());
+  CHECK(shapeOf(block) == first);
+  CHECK(strokes.undo());
+  CHECK(shapeOf(block) == none);
+  // Its points have gone along before anybody asks again.
+  CHECK(topOf(block) - dented > 1);
+  CHECK_FALSE(strokes.undo());
+  CHECK(strokes.counts().redoable == 2);
+  wait(block, time_s, 800);
+  CHECK(std::abs(topOf(block) - began) < 0.05);
+  CHECK(strokes.redo());
+  CHECK(shapeOf(block) == first);
+  CHECK(strokes.counts().version == 5);
+}
+
+TEST_CASE("what a hand feels is what the body gets while the body yields to its brush") {
+  SoftScene block = touched(softBlock(), withBrush(BrushKind::push));
+  FeltSpring spring({.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0.002, .most_N = 5});
+  DVec3 felt(0);
+  for (int k = 0; k < 900; ++k) {
+    const Pose pose = press(1e-3 * k, 5, 0.5);
+    felt += 1e-3 * spring.add(block.touch().query(pose, 0), pose.hip, 1e-3);
+  }
+  const MatterImpulses& given = block.world().impulses();
+  CHECK(felt.y > 0.1);
+  // What the hand feels is behind what yields in a tick, and what the body gets is before it.
+  CHECK(std::abs(given.onTools.y - felt.y) < 0.04 * felt.y);
+  const DVec3 missing = block.world().totals().momentum - (given.gravity - given.onWalls - given.onTools);
+  CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
+}
+
+TEST_CASE(
+    "each brush of a shape does on a soft body what it is named for, and paths give the same bytes with any threads") {
+  for (const BrushKind kind : {BrushKind::inflate, BrushKind::smooth, BrushKind::grab, BrushKind::flatten}) {
+    CAPTURE(static_cast<int>(kind));
+    SoftTouching options = withBrush(kind, 14);
+    options.touch.brush->tau = 0.2;
+    SoftScene block = touched(softBlock(), options);
+    options.threads = 1;
+    SoftScene same = touched(softBlock(), options);
+    double time_s = 0;
+    wait(block, time_s, 300);
+    const double began = topOf(block);
+    if (kind == BrushKind::smooth || kind == BrushKind::flatten) {
+      block.touch().setBrush(withBrush(BrushKind::inflate, 8).touch.brush);  // a hill
+      goDown(block, time_s, began - 1.5, 1500);
+      wait(block, time_s, 300);
+      block.touch().setBrush(options.touch.brush);
+    }
+    const double hill = topOf(block) - began, over = topOf(block) - topOf(block, 7, 10);
+    for (int k = 0; k < 700; ++k, time_s += 1e-3) {
+      const double along = kind == BrushKind::grab ? 6 * std::max(0.0, k / 700.0 - 0.3) : 0;
+      block.touch().query(
+          {.time_s = time_s, .hip = {50 + along, began + hill - 1.5 + 3 * std::max(0.0, 1 - k / 200.0), 50}}, 0);
+    }
+    wait(block, time_s, 800);
+    const double after = topOf(block) - began;
+    if (kind == BrushKind::inflate) CHECK(after > 0.3);
+    if (kind == BrushKind::smooth || kind == BrushKind::flatten) {
+      CHECK(over > 0.5);
+      CHECK(topOf(block) - topOf(block, 7, 10) < 0.7 * over);
+    }
+    if (kind == BrushKind::grab) {
+      double along = 0;
+      for (const Vec3& node : shapeOf(block)) along = std::max(along, static_cast<double>(node.x));
+      CHECK(along > 1e-3);
+    }
+    double again_s = 0;
+    wait(same, again_s, 300);
+    const auto play = [&](SoftScene& scene, double begin_s) {
+      for (int k = 0; k < 200; ++k)
+        scene.touch().query({.time_s = begin_s + 1e-3 * k, .hip = {50, 42 - 0.02 * k, 50}}, 0);
+    };
+    SoftScene other = touched(softBlock(), options);
+    double other_s = 0;
+    wait(other, other_s, 300);
+    play(same, again_s);
+    play(other, other_s);
+    CHECK(shapeOf(same) == shapeOf(other));
+  }
 }
 
 }  // namespace palpate

@@ -1,0 +1,51 @@
+#include "engine/touch/soft_brush.hpp"
+
+#include "engine/core/check.hpp"
+
+namespace palpate {
+
+namespace {
+
+// Places about one that make its surface, in spacings of the cells: as many as the points of any cloud that do.
+const double kSupport_spacings = static_cast<double>(shared::kSupportSpacings) / kPlacesOfSpacing;
+
+struct NowPlace {
+  std::uint32_t number;
+  DVec3 place;  // in units
+  Vec3 normal;
+};
+
+}  // namespace
+
+std::size_t sculpt(SoftSculpture& sculpture, const PlacedBrush& brush, double unit_m) {
+  PALPATE_CHECK(changesShape(brush.kind()));
+  if (!brush.acts()) return 0;
+  const SoftBody& body = sculpture.body();
+  const SoftSurface& surface = sculpture.surface();
+  const bool smooths = brush.kind() == BrushKind::smooth;
+  const double support = kSupport_spacings * body.lattice().spacing_m() / unit_m;
+  const double reach = brush.radius() + (smooths ? support : 0);
+  std::vector<NowPlace> near;
+  for (std::uint32_t i = 0; i < surface.size(); ++i)
+    if (const DVec3 place = DVec3(surface.placeOf(body, i)) / unit_m; glm::distance(place, brush.center()) < reach)
+      near.push_back({.number = i, .place = place, .normal = surface.normalOf(body, i)});
+  std::vector<PlaceWay> ways;
+  for (const NowPlace& at : near) {
+    if (!(glm::distance(at.place, brush.center()) < brush.radius())) continue;
+    DVec3 to;
+    if (smooths) {
+      const auto forEachNear = [&](double radius, auto&& visit) {
+        for (const NowPlace& other : near)
+          if (const DVec3 offset = other.place - at.place; glm::length(offset) < radius) visit(offset, other.normal);
+      };
+      to = brush.smoothed(at.place,
+                          surfaceOf({.radius = support, .kind = SurfaceKind::sphere}, DVec3(at.normal), forEachNear));
+    } else {
+      to = brush.brushed(at.place, DVec3(at.normal)).position;
+    }
+    if (to != at.place) ways.push_back({.place = at.number, .way = unit_m * (to - at.place)});
+  }
+  return sculpture.yield(ways);
+}
+
+}  // namespace palpate

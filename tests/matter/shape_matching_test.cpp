@@ -1,0 +1,191 @@
+// Shape matching: no force from what is rigid, none that the body has by itself, and no energy out of nothing.
+#include <glm/gtc/quaternion.hpp>
+#include <random>
+
+#include "engine/matter/soft_scene.hpp"
+#include "engine/matter/soft_world.hpp"
+#include "tests/matter/soft_bodies.hpp"
+#include "tests/matter/soft_truths.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr SoftMaterial kMass{.young_Pa = 1, .poisson = 0, .density_kg_m3 = 1000};
+constexpr double kStep_s = 1e-3;
+
+struct MatchedBody {
+  SoftSolid solid;
+  SoftBody body;
+  double step_s;
+  WorkerTeam team{2};
+
+  MatchedBody(SoftSolid made, double stiffness, double step = kStep_s)
+      : solid(std::move(made)),
+        body(solid.lattice, kMass, {}, MatchingRules::inSubstep(stiffness, step)),
+        step_s(step) {}
+
+  DVec3 placeOf(std::size_t i) const { return DVec3(solid.lattice.rest()[i]) + DVec3(body.displacements()[i]); }
+  SoftSums substep() { return body.substep(DVec3(0), step_s, team); }
+  DVec3 angularMomentum() const {
+    DVec3 sum(0);
+    for (std::size_t i = 0; i < body.size(); ++i)
+      sum += static_cast<double>(body.masses()[i]) * glm::cross(placeOf(i), DVec3(body.velocities()[i]));
+    return sum;
+  }
+  // Every node somewhere else, by up to that many spacings, and as fast, in spacings a step.
+  void scatter(float far, float fast, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<float> to(-1, 1);
+    for (std::size_t i = 0; i < body.size(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        body.displacements()[i][axis] += far * 0.005f * to(random);
+        body.velocities()[i][axis] += fast * 0.005f / static_cast<float>(step_s) * to(random);
+      }
+  }
+};
+
+// Nine spacings along one side, so that the last region is narrower, and an odd number of cells along the others.
+SoftSolid block() { return boxSolid(DVec3(0.02), kSoftSpacing_m * DVec3(9, 5, 3), kSoftSpacing_m); }
+
+}  // namespace
+
+TEST_CASE("a body whose shapes are matched has no force from a turn and a way, nor from turning on and going on") {
+  for (const double angle : {0.0, 0.8, 3.1}) {
+    CAPTURE(angle);
+    MatchedBody matched(block(), 0.5);
+    const DVec3 axis = glm::normalize(DVec3(1, -2, 0.5)), speed(0.3, -0.2, 0.1);
+    const DQuat turn = glm::angleAxis(angle, axis);
+    for (std::size_t i = 0; i < matched.body.size(); ++i) {
+      const DVec3 rest(matched.solid.lattice.rest()[i]);
+      matched.body.displacements()[i] = turn * rest + DVec3(0.03, 0.01, 0) - rest;
+      matched.body.velocities()[i] = speed + glm::cross(4.0 * axis, turn * rest);
+    }
+    double most = 0;
+    for (const DVec3& force : matched.body.forces(matched.team)) most = std::max(most, glm::length(force));
+    // Of the force that a node gets for a way of a spacing.
+    const double whole = 0.5 / (kStep_s * kStep_s) * kSoftSpacing_m * 1000 * std::pow(kSoftSpacing_m, 3);
+    CHECK(most < 1e-5 * whole);
+    CHECK(matched.body.strainEnergy_J() < 1e-9 * whole * kSoftSpacing_m);
+  }
+}
+
+TEST_CASE("matched shapes give a body neither momentum nor a turn, scattered, flat and inside out") {
+  for (const int how : {0, 1, 2}) {
+    CAPTURE(how);
+    MatchedBody matched(block(), 0.8);
+    if (how > 0)
+      for (std::size_t i = 0; i < matched.body.size(); ++i)
+        matched.body.displacements()[i].y = (how == 1 ? -1.0f : -1.8f) * (matched.solid.lattice.rest()[i].y - 0.03f);
+    matched.scatter(how == 0 ? 0.4f : 0.01f, 0.1f, 4);
+    const DVec3 turning = matched.angularMomentum();
+    DVec3 momentum(0);
+    double scale = 0;
+    for (std::size_t i = 0; i < matched.body.size(); ++i) {
+      const auto mass = static_cast<double>(matched.body.masses()[i]);
+      momentum += mass * DVec3(matched.body.velocities()[i]);
+      scale += mass * glm::length(DVec3(matched.body.velocities()[i]));
+    }
+    for (int k = 0; k < 50; ++k) matched.substep();
+    const SoftSums after = matched.substep();
+    CHECK(glm::length(after.momentum - momentum) < 1e-5 * scale);
+    CHECK(glm::length(matched.angularMomentum() - turning) < 1e-4 * scale * 0.05);
+  }
+}
+
+TEST_CASE("energy never grows, whatever the substep is, and everything returns to its shape") {
+  for (const double step_s : {1e-4, 1e-3, 2e-2})
+    for (const double stiffness : {0.05, 0.5, 0.95})
+      for (const bool flat : {false, true}) {
+        CAPTURE(step_s);
+        CAPTURE(stiffness);
+        CAPTURE(flat);
+        MatchedBody matched(block(), stiffness, step_s);
+        if (flat)
+          for (std::size_t i = 0; i < matched.body.size(); ++i)
+            matched.body.displacements()[i].z = 0.02f - matched.solid.lattice.rest()[i].z;
+        matched.scatter(flat ? 0.02f : 0.45f, 0.1f, 5);
+        double kinetic = 0;
+        for (std::size_t i = 0; i < matched.body.size(); ++i)
+          kinetic += static_cast<double>(matched.body.masses()[i]) *
+                     glm::dot(DVec3(matched.body.velocities()[i]), DVec3(matched.body.velocities()[i])) / 2;
+        const double first = matched.body.strainEnergy_J() + kinetic;
+        double last = first;
+        for (int k = 0; k < 3000; ++k) {
+          const double now = matched.substep().kinetic_J + matched.body.strainEnergy_J();
+          REQUIRE(now <= last + 1e-3 * first);
+          last = now;
+        }
+        // What is left is the motion as a whole.
+        CHECK(matched.body.strainEnergy_J() < 1e-5 * first);
+      }
+}
+
+TEST_CASE("the pull of matched shapes is the slope of their energy, less by what it will have gone by then") {
+  constexpr double kStiffness = 0.3;
+  MatchedBody matched(block(), kStiffness);
+  matched.scatter(0.2f, 0, 6);
+  const std::vector<DVec3> forces = matched.body.forces(matched.team);
+  double most = 0;
+  for (const DVec3& force : forces) most = std::max(most, glm::length(force));
+  for (const std::size_t node : {std::size_t{0}, std::size_t{61}, std::size_t{100}, matched.body.size() - 1})
+    for (int axis = 0; axis < 3; ++axis) {
+      constexpr float kWay = 2e-6f;
+      float& at = matched.body.displacements()[node][axis];
+      const float before = at;
+      at = before + kWay;
+      const double more_J = matched.body.strainEnergy_J(), up = static_cast<double>(at);
+      at = before - kWay;
+      const double less_J = matched.body.strainEnergy_J(), way = up - static_cast<double>(at);
+      at = before;
+      CHECK(std::abs((1 - kStiffness) * (more_J - less_J) / way + forces[node][axis]) < 2e-3 * most);
+    }
+}
+
+TEST_CASE("a body of matched shapes bends, rests in the shape that it was given, and needs one substep") {
+  MatterScene scene = softBlock();
+  scene.preset = SoftPreset::shapeMatching;
+  CHECK(planOf(scene).substeps == 1);
+  CHECK(planOf(softBlock()).substeps > 4);
+  scene.tool = {};
+  SoftWorld world(scene, {.threads = 1});
+  SoftWorld three(scene, {.threads = 3});
+  run(world, 2500);
+  run(three, 2500);
+  CHECK(world.positionsById() == three.positionsById());
+  CHECK(world.observe().kinetic_J < 1e-8);
+  const double weight = 0.05 * 0.05 * 0.04 * 1000 * kGravity_m_s2;
+  const DVec3 before = world.impulses().onWalls;
+  run(world, 200);
+  CHECK(isWithin(0.01, -(world.impulses().onWalls - before).y / 0.2, weight));
+  SoftSculpture& sculpture = *world.sculpture();
+  std::vector<PlaceWay> ways;
+  for (std::uint32_t i = 0; i < sculpture.surface().size(); ++i)
+    if (sculpture.surface().placeOf(world.body(), i).y > 0.038f) ways.push_back({.place = i, .way = {0, -1e-3, 0}});
+  for (int tick = 0; tick < 5; ++tick) sculpture.yield(ways);
+  sculpture.endStroke();
+  const auto top = [&] {
+    double sum = 0;
+    for (const PlaceWay& way : ways) sum += static_cast<double>(sculpture.surface().placeOf(world.body(), way.place).y);
+    return sum / static_cast<double>(ways.size());
+  };
+  const double sculpted = top();
+  CHECK(sculpted < 0.037);
+  run(world, 2500);
+  CHECK(std::abs(top() - sculpted) < 1e-4);
+  CHECK(world.observe().kinetic_J < 1e-8);
+}
+
+TEST_CASE("random hands get no energy out of matched shapes, and momentum is what walls, pins and balls took") {
+  const SoftMaker matched = [](const MatterScene& scene, std::size_t tools, const SoftSolid* solid,
+                               std::span<const SurfacePlace> points) {
+    MatterScene other = scene;
+    other.preset = SoftPreset::shapeMatching;
+    return softOnCpu()(other, tools, solid, points);
+  };
+  checkSoftPortEnergy(matched, 2, 800);
+  checkSoftMomentum(matched, 300);
+  checkPinsHold(matched, 50);
+}
+
+}  // namespace palpate
