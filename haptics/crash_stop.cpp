@@ -4,7 +4,7 @@
 #include <atomic>
 #include <mutex>
 
-#include "engine/core/check.hpp"
+#include "engine/core/error.hpp"
 #include "haptics/crash_handlers.hpp"
 
 namespace palpate {
@@ -27,7 +27,7 @@ void stopGuardedDevices() noexcept {
 CrashStop::CrashStop(HapticDevice& device) {
   const std::scoped_lock lock(places);
   while (slot_ < kMostDevices && devices[slot_].load()) ++slot_;
-  PALPATE_CHECK_LT(slot_, kMostDevices);
+  if (slot_ == kMostDevices) throw Error("{} devices have a force already, and there may be no more", kMostDevices);
   devices[slot_].store(&device);
   if (guarded++ == 0) putCrashHandlersInPlace();
 }

@@ -13,7 +13,7 @@ namespace palpate {
 /// console or a user's session that is closed; a program that is ended from the task manager is not asked.
 class CrashStop {
  public:
-  /// Up to kMostDevices may be guarded at a time; more stop the program (a bug).
+  /// Throws Error where kMostDevices are guarded already.
   explicit CrashStop(HapticDevice& device);
   ~CrashStop();
   CrashStop(const CrashStop&) = delete;

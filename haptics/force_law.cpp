@@ -52,8 +52,12 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
     reset();
     return DVec3(0);
   }
-  if (contact.force_N) return given(contact, dt_s);
+  if (contact.force_N) {
+    stretching_.reset();
+    return given(*contact.force_N, contact.velocity, dt_s);
+  }
   const DVec3 force_N = spring(contact, pose.hip, dt_s, stretching_);
+  if (custom_) return given(custom_.function(custom_.user, contact, pose, dt_s, force_N), contact.velocity, dt_s);
   if (!isFinite(force_N) || !isFinite(contact.normal) || !std::isfinite(dt_s)) {
     reset();
     return DVec3(0);
@@ -67,15 +71,14 @@ DVec3 ForceLaw::update(const Contact& contact, const Pose& pose, double dt_s) no
   return force_N_;
 }
 
-// Matter may also pull, as what a ball carries along does.
-DVec3 ForceLaw::given(const Contact& contact, double dt_s) noexcept {
-  stretching_.reset();
-  if (!isFinite(*contact.force_N) || !std::isfinite(dt_s)) {
+// Such a force may also pull, as what a ball carries along in matter does.
+DVec3 ForceLaw::given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept {
+  if (!isFinite(force_N) || !std::isfinite(dt_s)) {
     reset();
     return DVec3(0);
   }
-  demand_N_ = glm::length(*contact.force_N);
-  force_N_ = limited(*contact.force_N, contact.velocity, dt_s);
+  demand_N_ = glm::length(force_N);
+  force_N_ = limited(force_N, velocity, dt_s);
   return force_N_;
 }
 

@@ -22,6 +22,16 @@ struct ForceOptions {
   bool operator==(const ForceOptions&) const = default;
 };
 
+/// A force law of another program's: the force on the hand, N, for one tick of contact. `usual_N` is that of spring and
+/// damper. On the servo thread; it allocates nothing, waits for nobody and throws nothing.
+struct CustomForce {
+  DVec3 (*function)(void* user, const Contact& contact, const Pose& pose, double dt_s,
+                    const DVec3& usual_N) noexcept = nullptr;
+  void* user = nullptr;
+
+  explicit operator bool() const { return function != nullptr; }
+};
+
 /// Remembers the last tick; one per session.
 class ForceLaw {
  public:
@@ -30,6 +40,10 @@ class ForceLaw {
 
   const ForceOptions& options() const { return options_; }
   const ModelScale& scale() const { return scale_; }
+
+  /// From now on the force of a contact is what `custom` says, in place of spring and damper; every limit stays, but that
+  /// it may pull as well. It has no say in the force of a tool of many points.
+  void setCustom(const CustomForce& custom) { custom_ = custom; }
 
   /// Lowers maxForce_N and the stiffness to what a device can bear.
   void limitTo(double peakForce_N, double stiffness_N_per_mm = std::numeric_limits<double>::infinity()) noexcept;
@@ -58,11 +72,12 @@ class ForceLaw {
 
  private:
   DVec3 spring(const Contact& contact, const DVec3& hip, double dt_s, RateEstimate& stretching) const noexcept;
-  DVec3 given(const Contact& contact, double dt_s) noexcept;
+  DVec3 given(const DVec3& force_N, const DVec3& velocity, double dt_s) noexcept;
   DVec3 limited(const DVec3& target_N, const DVec3& velocity, double dt_s) const noexcept;
 
   ForceOptions options_;
   ModelScale scale_;
+  CustomForce custom_;
   RateEstimate stretching_;                ///< of the way from HIP to proxy, mm/s
   std::vector<RateEstimate> stretchings_;  ///< of a tool, point by point
   DVec3 force_N_{0};                       ///< at the last tick

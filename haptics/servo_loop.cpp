@@ -79,7 +79,8 @@ ServoResult ServoLoop::run(const TickObserver& observer) {
 
 std::size_t ServoLoop::play(const TickObserver& observer, ServoResult& result) {
   std::list<CrashStop> crashes;
-  for (const Hand& hand : hands_) crashes.emplace_back(hand.device());
+  for (const Hand& hand : hands_)  // a script has nobody to protect, and leaves the program's signals alone
+    if (hand.device().limits().handHeld) crashes.emplace_back(hand.device());
   if (!options_.realtime) return playAtOnce(observer, result);
   return hands_.front().device().paces() ? playByDevice(result) : playByClock(result);
 }

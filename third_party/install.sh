@@ -29,6 +29,11 @@ packages=(
   libstb-dev                 # PNG writing and reading
   libnanoflann-dev           # k-d tree: normals and spacing on load, reference neighbour sets
   libhidapi-dev              # 3D mice and gamepads (its back end over the kernel's nodes: libhidapi-hidraw0)
+  pybind11-dev               # the Python module
+  python3-dev                # and its headers
+  python3-numpy              # whose arrays go in and out
+  python3-pytest             # its tests
+  mypy                       # and its types
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs

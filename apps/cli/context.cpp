@@ -51,12 +51,7 @@ Device& Context::device() {
 
 bool Context::hasRealGpu() const {
   if (device_) return !device_->isCpu();
-  try {
-    return gpuFor({.gpu = gpu_}).type != VK_PHYSICAL_DEVICE_TYPE_CPU;
-  } catch (const GpuError&) {
-    if (!gpu_.empty()) throw;
-    return false;
-  }
+  return palpate::hasRealGpu({.gpu = gpu_});
 }
 
 Device& Context::sightDevice(const std::string& gpu) {

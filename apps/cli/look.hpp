@@ -4,7 +4,7 @@
 #include "apps/cli/model.hpp"
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/up.hpp"
-#include "engine/render/camera.hpp"
+#include "haptics/session/framing.hpp"
 
 namespace palpate {
 
@@ -22,12 +22,6 @@ std::optional<LengthUnit> unitNamed(std::string_view name);
 /// What the options say, or the model.
 Upright uprightOf(const Model& model, const LookOptions& options);
 LengthUnit unitOf(const PointCloud& cloud, const LookOptions& options);
-
-/// What a picture of the model shows, with room for the discs of a few points.
-Framing framingOf(const Model& model, UpAxis up);
-/// The radius of all discs, model units, where the model says one, or its points have no spacing that would give them one:
-/// all are in one place. 0 where discs have their own.
-double discRadiusOf(const Model& model);
 
 /// The lowest and the highest place that a picture shows, along up, in the file's coordinates.
 struct HeightRange {

@@ -9,6 +9,7 @@
 #include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "haptics/session/backends.hpp"
+#include "haptics/session/model.hpp"
 
 namespace palpate {
 
@@ -38,21 +39,6 @@ std::unique_ptr<MatterSimulation> softBody(Context& context, const std::string& 
   return startSoft(context, backend, scene, options, model->solid, model->points);
 }
 
-// What stands in water or sand: its file, or its shape, becomes a field.
-std::shared_ptr<const MatterModel> standingModel(Context& context, const MatterScene& scene,
-                                                 const MatterOptions& options) {
-  planOf(scene, options.memory_bytes);  // before the file is read
-  const Stopwatch watch;
-  PointCloud cloud = isBuiltInModel(scene.model)
-                         ? builtInModel(scene, options.threads)
-                         : readCloud(scene.model, &context.log(), {.pointsOnly = true}).cloud;
-  const std::size_t points = cloud.size();
-  auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, options.threads);
-  context.log().say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
-                    watch.elapsed_us() * 1e-3);
-  return model;
-}
-
 }  // namespace
 
 std::unique_ptr<MatterSimulation> startSoft(Context& context, const std::string& backend, const MatterScene& scene,
@@ -67,7 +53,8 @@ std::unique_ptr<MatterSimulation> startMatter(Context& context, const std::strin
                                               MatterOptions options) {
   options.threads = context.threads();
   if (scene.matter != Matter::soft) {
-    if (!scene.model.empty()) options.model = standingModel(context, scene, options);
+    planOf(scene, options.memory_bytes);  // before the file is read
+    options.model = standingModel(scene, {.log = context.log(), .threads = options.threads});
     return context.backends().named(backend).simulate(scene, options);
   }
   if (backend == "vulkan") options.memory_bytes = std::max(options.memory_bytes, context.device().ownMemory() / 2);

@@ -115,7 +115,8 @@ TouchReport reportOf(Session& session, const ServoResult& result, const Sculpted
         .substeps = planOf(*config.matter).substeps,
         .gain = config.matter->gain,
         .elasticity = config.matter->matter == Matter::soft ? elasticityInWords(*config.matter) : std::string(),
-        .leftOut_s = session.backend().simulation()->leftOut_s()};
+        .leftOut_s = session.simulation()->leftOut_s(),
+        .ports = session.simulation()->portEnergies()};
   if (const ShapeStrokes* const shape = backend.shapeStrokes(); shape && config.brush) report.shape = shape->counts();
   // A proxy that stands for many lies nowhere, and in real time a frame is older than the pose by a time of its own.
   // Of a depth camera's frames the first one alone is known here, and matter has no surface.

@@ -87,15 +87,21 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
                                   nameOf(kMatters, matter.matter), matter.substeps, matter.gain);
   if (!matter.elasticity.empty()) words += "; " + matter.elasticity;
   if (matter.leftOut_s > 0) words += fmt::format("; {:.3f} s behind the clock, left out", matter.leftOut_s);
+  for (const PortEnergy& port : matter.ports)
+    words += fmt::format("; a hand put in {:.3g} mJ, {:.3g} at the least", 1e3 * port.now_J, 1e3 * port.least_J);
   return words;
 }
 
 Json toJson(const MatterReport& matter) {
+  Json ports = Json::array();
+  for (const PortEnergy& port : matter.ports)
+    ports.push_back({{"energy_mJ", 1e3 * port.now_J}, {"least_energy_mJ", 1e3 * port.least_J}});
   return {{"kind", nameOf(kMatters, matter.matter)},
           {"substeps", matter.substeps},
           {"gain", matter.gain},
           {"elasticity", matter.elasticity.empty() ? Json(nullptr) : Json(matter.elasticity)},
-          {"left_out_s", matter.leftOut_s}};
+          {"left_out_s", matter.leftOut_s},
+          {"ports", ports}};
 }
 
 }  // namespace

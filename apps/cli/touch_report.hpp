@@ -50,6 +50,7 @@ struct MatterReport {
   double gain = 1;             ///< of the forces
   std::string elasticity;      ///< of a soft body, in words
   double leftOut_s = 0;        ///< by which it stayed behind the clock
+  std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
 /// What a touch session came to.

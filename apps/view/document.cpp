@@ -193,6 +193,7 @@ void Document::carryOut(const ViewRequests& requests) {
   if (requests.endPlaying) session_->endPlaying();
   if (requests.exportTicks) writeTicks();
   if (requests.restart) restart();
+  if (requests.parameter) session_->setParameter(requests.parameter->first, requests.parameter->second);
   if (requests.holdFrames) holdFrames();
   if (requests.stepFrame && session_->isHeldStill())
     messages_.say("what is sculpted is one frame; K lets the frames go on");

@@ -130,6 +130,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewR
   if (status.session) {
     drawBrush(status, settings.brush, settings.view, requests);
     drawFeel(status, settings.feel, settings.forcesOn);
+    drawMatter(status, requests);
     drawLook(status, settings.view, requests);
     drawMeasure(status, settings.view, requests);
     drawSession(status, requests);
@@ -235,6 +236,22 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("0: slippery; from 1 on the stylus hardly slides");
   drag("largest force", feel.maxForce_N, 0.02f, 0, kTouchPeakForce_N, "%.2f N");
   ImGui::TextDisabled("%s", status.session->machine().c_str());
+}
+
+void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {
+  if (status.parameters.empty() || !header("Matter", true)) return;
+  if (button(status.simulationHeld ? "Go on##matter" : "Hold", em(4))) requests.holdFrames = true;
+  help("K");
+  ImGui::SameLine();
+  if (button("Begin anew")) requests.restart = true;
+  help("N");
+  for (const SimulationParameter& parameter : status.parameters) {
+    double value = parameter.value;
+    const auto speed = static_cast<float>((parameter.high - parameter.low) / 1000);
+    if (drag(parameter.label.c_str(), value, speed, parameter.low, parameter.high, ("%.4g " + parameter.unit).c_str()))
+      requests.parameter = {parameter.name, value};
+    help("from the next step on; a recording ends");
+  }
 }
 
 void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {

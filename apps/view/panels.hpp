@@ -39,6 +39,8 @@ struct ViewStatus {
   const std::deque<float>* pictures_ms = nullptr;  ///< from picture to picture
   double fps = 0;
   std::vector<PassRecord> passes;  ///< of the last picture of the model
+  std::vector<SimulationParameter> parameters;  ///< of what moves by itself
+  bool simulationHeld = false;
 };
 
 class Panels {
@@ -74,6 +76,7 @@ class Panels {
   void drawModel(const ViewStatus& status, ViewRequests& requests);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
+  void drawMatter(const ViewStatus& status, ViewRequests& requests);
   void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawSession(const ViewStatus& status, ViewRequests& requests);

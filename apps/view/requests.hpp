@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace palpate {
 
@@ -23,6 +24,7 @@ struct ViewRequests {
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;
   std::string open, saveAs, record, play;
+  std::optional<std::pair<std::string, double>> parameter;  ///< of what moves by itself, and its value
   std::string trueLength;  ///< in mm, of what is measured, as it was typed; empty: none
 };
 

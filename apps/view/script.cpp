@@ -143,10 +143,14 @@ ScriptAction actionOf(Line& line, const std::string& what) {
   if (what == "impatient" || what == "patient") return ImpatientAction{what == "impatient"};
   if (what == "ask") return AskAction{};
   if (what == "click") return ClickAction{line.rest("the name")};
+  if (what == "set") {
+    const std::string name = line.word("the parameter");
+    return SetAction{name, line.number("its value")};
+  }
   if (what == "quit") return WindowEvent(CloseEvent{});
   line.fail(
       fmt::format("'{}' is none of key, mouse, button, wheel, push, drop, text, resize, minimise, restore, screenshot, "
-                  "state, save, record, replay, impatient, patient, ask, click, quit",
+                  "state, save, record, replay, impatient, patient, ask, click, set, quit",
                   what));
 }
 

@@ -110,6 +110,7 @@ void Viewer::act(const ScriptAction& action) {
     if (const auto* replay = std::get_if<ReplayAction>(&action); replay && session) document_.play(replay->file);
     if (const auto* impatient = std::get_if<ImpatientAction>(&action)) script_.setImpatient(impatient->on);
     if (std::holds_alternative<AskAction>(action)) document_.askFromNowOn();
+    if (const auto* set = std::get_if<SetAction>(&action); set && session) session->setParameter(set->name, set->value);
     if (const auto* click = std::get_if<ClickAction>(&action)) this->click(click->name);
   });
 }

@@ -36,6 +36,9 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["up"] = nameOf(view.upOf(session.model()));
   state["color"] = nameIn(kColorNames, view.color);
   state["tool_radius_mm"] = brush.radius_mm;
+  if (const SimulationControl* const simulation = session.simulation())
+    for (const SimulationParameter& parameter : simulation->parameters())
+      state["parameters"][parameter.name] = parameter.value;
   state["strokes"] = session.strokes().strokes;
   state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
@@ -84,6 +87,10 @@ ViewStatus Viewer::status() {
   status.measured = measure_.distance();
   if (session) {
     status.model = session->file();
+    if (const SimulationControl* const simulation = session->simulation()) {
+      status.parameters = simulation->parameters();
+      status.simulationHeld = simulation->isHeld();
+    }
     status.upright = session->model().upright;
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));

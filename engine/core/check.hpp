@@ -1,17 +1,13 @@
-// Checks for bugs of ours: a broken invariant prints the operands and stops the program.
+// Checks for bugs of ours: a broken invariant prints the operands and stops the program; in the library, whose host goes
+// on, it is an exception (haptics/library/bug.cpp).
 #pragma once
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <cstdlib>
-
 namespace palpate {
 
-[[noreturn]] inline void stopOnBug(const char* file, int line, const char* what, const std::string& operands) {
-  std::fprintf(stderr, "%s:%d: check failed: %s%s\n", file, line, what, operands.c_str());
-  std::abort();
-}
+/// Stops the program. What is linked as a library has a definition of its own in place of that of check.cpp.
+[[noreturn]] void stopOnBug(const char* file, int line, const char* what, const std::string& operands);
 
 }  // namespace palpate
 

@@ -27,19 +27,33 @@ class UsageError : public Error {
   using Error::Error;
 };
 
+/// A GPU that there is not, that cannot do what is needed, or that failed.
+class GpuError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// A file that cannot be read or written. `line` is 1-based.
 class FileError : public Error {
  public:
-  FileError(const std::filesystem::path& file, std::string_view what) : Error("{}: {}", file.string(), what) {}
+  FileError(const std::filesystem::path& file, std::string_view what)
+      : FileError(file, 0, fmt::format("{}: {}", file.string(), what)) {}
   static FileError atLine(const std::filesystem::path& file, std::uint64_t line, std::string_view what) {
-    return FileError(fmt::format("{}:{}: {}", file.string(), line, what));
+    return FileError(file, line, fmt::format("{}:{}: {}", file.string(), line, what));
   }
   static FileError atByte(const std::filesystem::path& file, std::uint64_t offset, std::string_view what) {
-    return FileError(fmt::format("{}: byte {}: {}", file.string(), offset, what));
+    return FileError(file, 0, fmt::format("{}: byte {}: {}", file.string(), offset, what));
   }
 
+  const std::filesystem::path& file() const { return file_; }
+  std::uint64_t line() const { return line_; }  ///< 0 where no line is known
+
  private:
-  explicit FileError(const std::string& text) : Error("{}", text) {}
+  FileError(const std::filesystem::path& file, std::uint64_t line, const std::string& text)
+      : Error("{}", text), file_(file), line_(line) {}
+
+  std::filesystem::path file_;
+  std::uint64_t line_ = 0;
 };
 
 }  // namespace palpate

@@ -58,6 +58,23 @@ GpuDescription gpuFor(const DeviceOptions& options) {
   return gpus[choose(instance, gpus, options.gpu)];
 }
 
+bool hasRealGpu(const DeviceOptions& options) {
+  try {
+    return gpuFor(options).type != VK_PHYSICAL_DEVICE_TYPE_CPU;
+  } catch (const GpuError&) {
+    if (!options.gpu.empty()) throw;
+    return false;
+  }
+}
+
+std::vector<GpuDescription> gpusHere() {
+  try {
+    return describeGpus(Instance(Validation::off));
+  } catch (const GpuError&) {
+    return {};
+  }
+}
+
 Device::Device(const DeviceOptions& options)
     : instance_(std::make_unique<Instance>(options.validation, options.windowExtensions)),
       shows_(options.shows),

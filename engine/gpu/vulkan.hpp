@@ -12,11 +12,6 @@ namespace palpate {
 
 using DeviceAddress = VkDeviceAddress;
 
-/// A Vulkan call that failed, or a device that cannot do what is needed.
-class GpuError : public Error {
- public:
-  using Error::Error;
-};
 /// The device is gone; nothing on it can be used any more.
 class DeviceLost : public GpuError {
  public:

@@ -60,6 +60,7 @@ shared::MatterSetting settingOf(const MatterSimulation& world, const BoundaryBod
           .bodyReach = ball.extent() + support,
           .fall = scene.gravity_m_s2 * plan.substep_s,
           .bodySupport = support,
+          .ballRadius = static_cast<float>(scene.tool.radius_mm * 1e-3),
           .bodyKept = ball.kept(),
           .bodyPush = ball.push(),
           .listed = listed_m(scene, plan),
@@ -103,14 +104,19 @@ GpuMatterWorld::GpuMatterWorld(Device& device, Queue& queue, const MatterScene& 
       passes_(device, scene.matter),
       calm_(device, queue, "calm matter", timingOf(options)),
       swift_(device, queue, "swift matter", timingOf(options)) {
-  memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
   std::vector<Vec4> bodyPoints = copyOf(ball_.points());
   if (model() != nullptr) bodyPoints.insert(bodyPoints.end(), model()->nodes().begin(), model()->nodes().end());
   upload(device_, queue_, memory_.bodyPoints, bodyPoints);
   upload(device_, queue_, memory_.bodyFirsts, copyOf(ball_.grid().firsts()));
+  takeParameters();
+  reset();
+}
+
+void GpuMatterWorld::takeParameters() {
+  memory_.setting.mapped<shared::MatterSetting>()[0] = settingOf(*this, ball_, sizes_);
+  sizes_.substeps = plan().substeps;
   record(calm_, false);
   record(swift_, true);
-  reset();
 }
 
 void GpuMatterWorld::record(CommandList& step, bool swift) {
@@ -145,7 +151,8 @@ void GpuMatterWorld::begin() {
 void GpuMatterWorld::placeTools(std::span<const HandPose>) {}  // they begin at no distance from the hands
 
 MatterSimulation::StepReport GpuMatterWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
-  const std::span<shared::HandStep> hands = memory_.hands.mapped<shared::HandStep>();
+  const std::span<shared::HandStep> hands =
+      memory_.hands.mapped<shared::HandStep>().first(std::size_t{sizes_.substeps} * sizes_.tools);
   writeHandSteps(from, to, plan().substep_s, hands);
   for (std::size_t k = 0; k < hands.size() && tools() > 0; ++k)
     hands[k].grown = static_cast<float>(grown_m(k % tools()));

@@ -46,7 +46,7 @@ SoftSizes sizesOf(const SoftLayout& layout, std::span<const char> pinned, std::s
           .hasPins = std::ranges::count(pinned, 0) != std::ssize(pinned)};
 }
 
-shared::SoftSetting settingOf(const MatterScene& scene, const MatterPlan& plan, const SoftLayout& layout) {
+shared::SoftSetting settingOf(const MatterScene& scene, const MatterPlan& plan, float beyond) {
   const SoftMaterial material = materialOf(scene);
   return {.rules = softRules(material, plan.spacing_m),
           .spring = springOnGpu(scene, plan),
@@ -55,7 +55,7 @@ shared::SoftSetting settingOf(const MatterScene& scene, const MatterPlan& plan, 
           .fall = scene.gravity_m_s2 * plan.substep_s,
           .step = static_cast<float>(plan.substep_s),
           .spacing = static_cast<float>(plan.spacing_m),
-          .beyond = layout.beyond,
+          .beyond = beyond,
           .damping = static_cast<float>(kTouchDamping / touchFrequency(material, plan.spacing_m)),
           .friction = static_cast<float>(scene.friction)};
 }
@@ -101,20 +101,37 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
       masses_(nodeMasses(solid.lattice, scene.density_kg_m3 * solid.lattice.volume_m3())),
       pinned_(nodesWithin(solid.lattice, pinsOf(scene))),
       mass_kg_(scene.density_kg_m3 * solid.lattice.volume_m3()),
+      touchFrequency_rad_s_(touchFrequency(materialOf(scene), plan().spacing_m)),
       sizes_(sizesOf(layout, pinned_, points.size(), tools(), plan())),
       memory_(device, sizes_),
       passes_(device),
       timesPasses_(options.timesPasses),
       step_(device, queue, "soft", timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections) {
   PALPATE_CHECK(scene.matter == Matter::soft);
-  for (std::size_t i = 0; i < masses_.size(); ++i)
-    if (pinned_[i] == 0)
-      gravityOfSubstep_ += static_cast<double>(masses_[i]) * DVec3(Vec3(scene.gravity_m_s2 * plan().substep_s));
-  memory_.setting.mapped<shared::SoftSetting>()[0] = settingOf(scene, plan(), layout);
+  memory_.setting.mapped<shared::SoftSetting>()[0].beyond = layout.beyond;
   uploadBody(layout);
   uploadPoints(solid.lattice, points, layout);
-  recordStep();
+  takeParameters();
   reset();
+}
+
+void GpuSoftWorld::takeParameters() {
+  shared::SoftSetting& setting = memory_.setting.mapped<shared::SoftSetting>()[0];
+  setting = settingOf(scene(), plan(), setting.beyond);
+  const double frequency_rad_s = touchFrequency(materialOf(scene()), plan().spacing_m);
+  if (const double times = frequency_rad_s / touchFrequency_rad_s_; times != 1) stiffenSkin(times * times);
+  touchFrequency_rad_s_ = frequency_rad_s;
+  gravityOfSubstep_ = DVec3(0);
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    if (pinned_[i] == 0) gravityOfSubstep_ += static_cast<double>(masses_[i]) * DVec3(setting.fall);
+  sizes_.substeps = plan().substeps;
+  recordStep();
+}
+
+void GpuSoftWorld::stiffenSkin(double times) {
+  auto skin = download<Vec4>(device_, queue_, memory_.skin, std::size_t{shared::kSkinVec4s} * sizes_.skin);
+  for (std::size_t i = 0; i < skin.size(); i += shared::kSkinVec4s) skin[i].w *= static_cast<float>(times);
+  upload(device_, queue_, memory_.skin, skin);
 }
 
 void GpuSoftWorld::uploadBody(const SoftLayout& layout) {
@@ -167,7 +184,8 @@ void GpuSoftWorld::begin() {
 }
 
 MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
-  writeHandSteps(from, to, plan().substep_s, memory_.hands.mapped<shared::HandStep>());
+  const std::size_t hands = std::size_t{sizes_.substeps} * sizes_.tools;
+  writeHandSteps(from, to, plan().substep_s, memory_.hands.mapped<shared::HandStep>().first(hands));
   queue_.wait(queue_.submit(step_), device_.defaultWait());
   const std::span<const std::byte> state = memory_.stateRead.mapped<const std::byte>();
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(state.subspan(SoftMemory::kSums).data());

@@ -69,12 +69,14 @@ class GpuSoftWorld final : public MatterSimulation {
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points, const SoftLayout& layout);
   void begin() override;
+  void takeParameters() override;
   void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
   void uploadBody(const SoftLayout& layout);
   void uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  void stiffenSkin(double times);
   void recordStep();
   std::vector<Vec3> ofNodes(std::size_t vec4) const;
   void setNodes(std::size_t vec4, std::span<const Vec3> byId);
@@ -87,6 +89,7 @@ class GpuSoftWorld final : public MatterSimulation {
   std::vector<char> pinned_;
   double mass_kg_;
   DVec3 gravityOfSubstep_{0};  // on the free nodes, kg m/s
+  double touchFrequency_rad_s_;
   SoftSizes sizes_;
   SoftMemory memory_;
   SoftPasses passes_;

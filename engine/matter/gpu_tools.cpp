@@ -41,6 +41,7 @@ ToolReport reportOf(const shared::ToolState& tool, const HandPose& hand) {
   return {.springImpulse = tool.springImpulse,
           .impulse = tool.impulse,
           .angular = tool.angular,
+          .modelImpulse = tool.modelImpulse,
           .portWork_J = static_cast<double>(tool.portWork),
           .place_m = hand.place_m + DVec3(tool.lag),
           .velocity_m_s = tool.velocity};

@@ -14,6 +14,8 @@ class MatterLaw {
  public:
   virtual ~MatterLaw() = default;
 
+  /// With other parameters from now on; whatever it remembers stays.
+  virtual void change(const MatterScene& scene, const MatterPlan& plan) = 0;
   /// From places that were predicted to those that the substep ends with: settles each slot once. `sums`: one for each
   /// block, empty, with an exchange for each body.
   virtual void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,

@@ -32,7 +32,7 @@ std::uint32_t MatterSizes::tiles() const { return cells / shared::kScanTile + 1;
 
 MatterMemory::MatterMemory(Device& device, const MatterSizes& sizes)
     : setting(Buffer::of<shared::MatterSetting>(device, 1, Memory::upload, "matter setting")),
-      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{sizes.substeps} * sizes.tools, Memory::upload,
+      hands(Buffer::of<shared::HandStep>(device, std::uint64_t{kMostSubsteps} * sizes.tools, Memory::upload,
                                          "matter hands")),
       state(device, stateBytes(sizes), Memory::device, "matter state"),
       stateRead(device, stateBytes(sizes), Memory::readback, "matter state read"),

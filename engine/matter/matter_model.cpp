@@ -16,11 +16,15 @@ namespace {
 // Cells in which the model is filled, and nodes of the field: half a spacing apart.
 constexpr double kNodesInSpacing = 2;
 constexpr int kNodesInSupport = static_cast<int>(kNodesInSpacing * kSupport_spacings);
-// Nodes beyond the outermost cell: as far as weights reach into it.
-constexpr int kBeyond = kNodesInSupport + 2;
 constexpr std::size_t kOfBlock = 256;
 // Points of a built-in model in a square of a spacing, on each of the six sides of its box.
 constexpr double kPointsInSquare = 30, kMostPoints = 4e5;
+
+// Nodes beyond the outermost cell: as far as weights reach into it, and the middle of a ball that touches it.
+int nodesBeyond(const MatterScene& scene) {
+  const double ball = std::ceil(kNodesInSpacing * scene.tool.radius_mm / scene.spacing_mm);
+  return std::max(kNodesInSupport, static_cast<int>(ball)) + 2;
+}
 
 // Points where the scene has the model, m.
 std::vector<SurfacePlace> placed(PointCloud cloud, const MatterScene& scene, unsigned threads) {
@@ -48,15 +52,15 @@ struct Filled {
   DVec3 at(const IVec3& node) const { return DVec3(field.corner) + spacing_m * DVec3(node); }
 };
 
-Filled filledOf(const LatticeBox& box) {
+Filled filledOf(const LatticeBox& box, int beyond) {
   Filled filled{.spacing_m = box.spacing_m};
-  filled.field.corner = box.corner + (0.5 - kBeyond) * box.spacing_m;
+  filled.field.corner = box.corner + (0.5 - beyond) * box.spacing_m;
   filled.field.nodesPerMetre = static_cast<float>(1 / box.spacing_m);
-  filled.field.nodes = box.cells + 2 * kBeyond;
+  filled.field.nodes = box.cells + 2 * beyond;
   filled.share.resize(std::size_t(filled.field.nodes.x) * std::size_t(filled.field.nodes.y) *
                       std::size_t(filled.field.nodes.z));
   for (std::size_t cell = 0; cell < box.filled.size(); ++cell)
-    filled.share[filled.nodeOf(box.cellOf(cell) + kBeyond)] = box.filled[cell];
+    filled.share[filled.nodeOf(box.cellOf(cell) + beyond)] = box.filled[cell];
   return filled;
 }
 
@@ -93,13 +97,14 @@ double shareAt(const Filled& filled, const IVec3& node, std::span<const Beside> 
 
 }  // namespace
 
-MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned threads) {
+MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned threads)
+    : points_(placed(std::move(cloud), scene, threads)) {
   const double spacing_m = scene.spacing_mm * 1e-3, support_m = kSupport_spacings * spacing_m;
-  const std::vector<SurfacePlace> points = placed(std::move(cloud), scene, threads);
   WorkerTeam team(threads);
-  const Filled filled = filledOf(fillScan(points, spacing_m / kNodesInSpacing, scene.hole_mm * 1e-3, team).box);
+  const Filled filled = filledOf(fillScan(points_, spacing_m / kNodesInSpacing, scene.hole_mm * 1e-3, team).box,
+                                 nodesBeyond(scene));
   std::vector<Vec3> places;
-  for (const SurfacePlace& point : points) places.push_back(point.rest);
+  for (const SurfacePlace& point : points_) places.push_back(point.rest);
   const PointTree tree(places);
   const std::vector<Beside> cells = weightsOfCells();
   std::vector<Vec2> nodes(filled.share.size());
@@ -112,7 +117,7 @@ MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned th
       double distance2 = 0;
       tree.nearest(Vec3(filled.at(node)), {&nearest, 1}, {&distance2, 1});
       const double point = (filled.share[n] > 0.5f ? -1 : 1) * std::sqrt(distance2);
-      nodes[n] = Vec2(share, std::min(plane * support_m, point));
+      nodes[n] = Vec2(share, share > 0 ? std::min(plane * support_m, point) : point);
     }
   });
   field_ = filled.field;
@@ -126,6 +131,10 @@ MatterModel::MatterModel(PointCloud cloud, const MatterScene& scene, unsigned th
     middle_ += cell_m3 * static_cast<double>(filled.share[n]) * filled.at(filled.placeOf(n));
   }
   middle_ /= volume_m3_;
+}
+
+std::size_t leaveOut(std::vector<Vec3>& places, const MatterModel& model) {
+  return std::erase_if(places, [&](const Vec3& place) { return model.at(place).distance < model.field().nearest; });
 }
 
 PointCloud builtInModel(const MatterScene& scene, unsigned threads) {

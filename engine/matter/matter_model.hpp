@@ -8,6 +8,7 @@
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/matter/matter_scene.hpp"
+#include "engine/matter/soft_lattice.hpp"
 #include "shaders/shared/matter_model.h"
 
 namespace palpate {
@@ -37,15 +38,21 @@ class MatterModel {
 
   const shared::ModelField& field() const { return field_; }
   std::span<const Vec4> nodes() const { return nodes_; }
+  /// Of its surface, m.
+  std::span<const SurfacePlace> points() const { return points_; }
   double volume_m3() const { return volume_m3_; }
   const DVec3& middle() const { return middle_; }  ///< of the volume, m
 
  private:
   shared::ModelField field_{};
   std::vector<Vec4> nodes_;
+  std::vector<SurfacePlace> points_;
   double volume_m3_ = 0;
   DVec3 middle_{0};
 };
+
+/// Takes what would begin in the model out of `places` (m). How many that are.
+std::size_t leaveOut(std::vector<Vec3>& places, const MatterModel& model);
 
 /// The points of a built-in model, dense enough for the scene. Throws UsageError for a name that there is not.
 PointCloud builtInModel(const MatterScene& scene, unsigned threads = 0);

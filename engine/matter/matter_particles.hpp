@@ -50,6 +50,8 @@ class MatterParticles {
 
   std::size_t size() const { return positions_.size(); }
   const Config& config() const { return config_; }
+  /// Length of the substeps from now on, s.
+  void setStep(float step_s) { config_.step_s = step_s; }
 
   /// Where all of them go by themselves: velocities change by `change` (m/s), places follow. Lists are made again, and
   /// slots sorted, where one has gone so far that they may miss a neighbour. False where they are too crowded for that.

@@ -68,6 +68,7 @@ void MatterPasses::recordPrediction(CommandList& list, const MatterMemory& memor
                                           .firsts = memory.sort.firsts.address(),
                                           .hands = memory.hands.address(),
                                           .tools = tools(memory),
+                                          .bodyPoints = memory.bodyPoints.address(),
                                           .particles = sizes.particles,
                                           .counts = sizes.cells + 1,
                                           .threads = threads,

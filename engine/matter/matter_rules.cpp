@@ -67,6 +67,8 @@ shared::WaterRules waterRules(const Fluid& fluid) {
   rules.wallDrag = static_cast<float>(drag * layers / (support * support));
   rules.nearest = static_cast<float>(fluid.spacing_m / 2);
   rules.step = static_cast<float>(fluid.substep_s);
+  rules.cohesion = static_cast<float>(fluid.cohesion_N_m * fluid.substep_s /
+                                      (fluid.density_kg_m3 * std::pow(fluid.spacing_m, 3)));
   return rules;
 }
 
@@ -74,6 +76,7 @@ shared::WaterRules waterRules(const MatterScene& scene, const MatterPlan& plan) 
   return waterRules(Fluid{.spacing_m = plan.spacing_m,
                           .density_kg_m3 = scene.density_kg_m3,
                           .viscosity_Pa_s = scene.viscosity_Pa_s,
+                          .cohesion_N_m = scene.cohesion_N_m,
                           .substep_s = plan.substep_s});
 }
 

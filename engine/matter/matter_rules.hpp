@@ -38,7 +38,7 @@ struct LatticeSums {
 LatticeSums latticeSums(double support_spacings);
 
 struct Fluid {
-  double spacing_m = 0, density_kg_m3 = 0, viscosity_Pa_s = 0, substep_s = 0;
+  double spacing_m = 0, density_kg_m3 = 0, viscosity_Pa_s = 0, cohesion_N_m = 0, substep_s = 0;
 };
 shared::WaterRules waterRules(const Fluid& fluid);
 shared::WaterRules waterRules(const MatterScene& scene, const MatterPlan& plan);

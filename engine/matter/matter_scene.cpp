@@ -31,8 +31,14 @@ void requireFields(const MatterScene& scene) {
   for (int k = 0; k < 3; ++k)
     if (!(scene.fill_mm[k] <= scene.box_mm[k]))
       throw Error("fill_mm: is {} along {}, where the box is {}", scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
+  requireBetween("fill_at_mm", scene.fill_at_mm, 0, kMostBox_mm);
+  for (int k = 0; k < 3; ++k)
+    if (!(scene.fill_at_mm[k] + scene.fill_mm[k] <= scene.box_mm[k] * (1 + 1e-9)))
+      throw Error("fill_at_mm: puts the fill up to {:g} along {}, where the box is {:g}",
+                  scene.fill_at_mm[k] + scene.fill_mm[k], "xyz"[k], scene.box_mm[k]);
   requireBetween("density_kg_m3", scene.density_kg_m3, 1, 1e5);
   requireBetween("viscosity_Pa_s", scene.viscosity_Pa_s, 0, 1e4);
+  requireBetween("cohesion_N_m", scene.cohesion_N_m, 0, 100);
   requireBetween("friction", scene.friction, 0, 10);
   requireBetween("gravity_m_s2", scene.gravity_m_s2, -1000, 1000);
   requireBetween("gain", scene.gain, 0, 1e4);
@@ -63,7 +69,7 @@ void requireTool(const MatterScene& scene) {
 double nodesOfModel(const MatterScene& scene) {
   if (scene.model.empty()) return 0;
   const auto [low, high] = modelBox_mm(scene);
-  const DVec3 nodes = 2.0 * (high - low) / scene.spacing_mm + 14.0;
+  const DVec3 nodes = 2.0 * (high - low + 2.0 * scene.tool.radius_mm) / scene.spacing_mm + 14.0;
   return nodes.x * nodes.y * nodes.z;
 }
 
@@ -88,22 +94,24 @@ void requireModel(const MatterScene& scene) {
 // Shortest substep at which the grains at the bottom of the fill overlap by a fiftieth of their diameter, at a contact
 // above and one below.
 double grainSubstep(const MatterScene& scene, double spacing_m) {
-  const double drop = std::abs(glm::dot(scene.gravity_m_s2, scene.fill_mm * 1e-3));
+  const double drop = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
   return drop > 0 ? std::sqrt(0.02 * kGrainShare / drop) * spacing_m : kMatterStep_s;
 }
 
 // Speed of sound that keeps the compression below what is promised: a two-hundredth at rest, and that of matter which
-// has fallen by its own height.
-double neededSpeedOfSound(const MatterScene& scene) {
-  const double drop = std::abs(glm::dot(scene.gravity_m_s2, scene.fill_mm * 1e-3));
-  return std::sqrt(200 * drop);
+// has fallen by its own height; the same within a drop of three spacings' radius, as if its cohesion were a surface tension.
+double neededSpeedOfSound(const MatterScene& scene, double spacing_m) {
+  constexpr double kSmallestDrop_spacings = 3;
+  const double fall = std::abs(glm::dot(scene.gravity_m_s2, (scene.fill_at_mm + scene.fill_mm) * 1e-3));
+  const double inDrop = 2 * scene.cohesion_N_m / (scene.density_kg_m3 * kSmallestDrop_spacings * spacing_m);
+  return std::sqrt(200 * (fall + inDrop));
 }
 
 // Substeps in a step, as a real number.
 double neededSubsteps(const MatterScene& scene, double spacing_m) {
   const double bySound = scene.matter == Matter::sand
                              ? kMatterStep_s / grainSubstep(scene, spacing_m)
-                             : kMatterStep_s * neededSpeedOfSound(scene) / (kStiffness * spacing_m);
+                             : kMatterStep_s * neededSpeedOfSound(scene, spacing_m) / (kStiffness * spacing_m);
   const double fall_m_s = std::sqrt(2 * glm::length(scene.gravity_m_s2) * glm::length(scene.box_mm) * 1e-3);
   const double byFall = kMatterStep_s * fall_m_s / (kMostWay_spacings * spacing_m);
   const double viscosity_m2_s = scene.matter == Matter::water ? scene.viscosity_Pa_s / scene.density_kg_m3 : 0;
@@ -193,7 +201,8 @@ std::vector<Vec3> placesAtRest(const MatterScene& scene, std::uint64_t memory_by
   places.reserve(plan.particles);
   for (std::uint32_t z = 0; z < plan.lattice.z; ++z)
     for (std::uint32_t y = 0; y < plan.lattice.y; ++y)
-      for (std::uint32_t x = 0; x < plan.lattice.x; ++x) places.emplace_back((DVec3(x, y, z) + 0.5) * plan.spacing_m);
+      for (std::uint32_t x = 0; x < plan.lattice.x; ++x) 
+        places.emplace_back(scene.fill_at_mm * 1e-3 + (DVec3(x, y, z) + 0.5) * plan.spacing_m);
   if (scene.matter == Matter::sand)
     for (std::size_t i = 0; i < places.size(); ++i)
       places[i] += static_cast<float>(plan.spacing_m) * unevenness(static_cast<std::uint32_t>(i));
@@ -214,10 +223,19 @@ const std::vector<std::pair<std::string_view, MatterScene>>& builtInScenes() {
         .density_kg_m3 = 1600}},
       {"statue in water",
        {.box_mm = {200, 180, 200},
-        .fill_mm = {200, 150, 200},
+        .fill_mm = {200, 60, 200},
         .spacing_mm = 10,
         .model = "builtin:sculpture",
         .model_mm = {120, 120, 120}}},
+      {"drop",
+       {.box_mm = {48, 48, 48},
+        .fill_mm = {16, 16, 16},
+        .fill_at_mm = {16, 16, 16},
+        .spacing_mm = 1,
+        .cohesion_N_m = 0.0728,
+        .gravity_m_s2 = {0, 0, 0},
+        .tool = {.radius_mm = 3, .mass_kg = 1.2e-4},
+        .gain = 100}},
       {"jelly",
        {.matter = Matter::soft,
         .box_mm = {160, 120, 160},

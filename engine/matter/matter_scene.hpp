@@ -47,12 +47,14 @@ struct MatterTool {
 struct MatterScene {
   Matter matter = Matter::water;
   DVec3 box_mm{100};  ///< inner sides, mm
-  /// The corner at 0 is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
+  /// A corner is filled so far at the beginning, at rest. A soft body stands in the middle of the floor, as
   /// large as fits into this. mm
   DVec3 fill_mm{100, 50, 100};
+  DVec3 fill_at_mm{0};  ///< corner of the fill, in place of that at 0; not of a soft body, mm
   double spacing_mm = 5;         ///< of the particles or nodes at rest: one stands for its cube, mm
   double density_kg_m3 = 1000;   ///< at rest, of the matter in bulk, kg/m^3
   double viscosity_Pa_s = 1e-3;  ///< dynamic; not of sand, Pa s
+  double cohesion_N_m = 0;  ///< what holds drops together and makes them round; of water alone, N/m
   double friction = 0.5;         ///< Coulomb's coefficient of grains or a soft body, and walls; not of water, 1
   double young_Pa = 2e4;         ///< Young's modulus; of soft bodies alone, Pa
   double poisson = 0.45;         ///< Poisson's ratio, from 0 to 0.49; of soft bodies alone, 1

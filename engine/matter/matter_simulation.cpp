@@ -4,6 +4,7 @@
 
 #include "engine/core/check.hpp"
 #include "engine/core/error.hpp"
+#include "engine/matter/matter_parameters.hpp"
 #include "engine/matter/matter_pressure.hpp"
 #include "engine/matter/matter_rules.hpp"
 
@@ -35,15 +36,13 @@ std::shared_ptr<const MatterModel> modelFor(const MatterScene& scene, const Matt
 MatterSimulation::MatterSimulation(const MatterScene& scene, const MatterOptions& options, std::vector<Vec3> places)
     : scene_(scene),
       plan_(planOf(scene, options.memory_bytes)),
+      memory_bytes_(options.memory_bytes),
       model_(modelFor(scene, options)),
       beginning_(insideOf(std::move(places), scene, plan_.spacing_m)),
       balls_(options.tools),
       answers_(options.tools) {
   PALPATE_CHECK(options.tools == 0 || scene.tool.radius_mm > 0);
-  if (model_)
-    leftOut_ = std::erase_if(beginning_, [&](const Vec3& place) {
-      return model_->at(place).distance < model_->field().nearest;
-    });
+  if (model_) leftOut_ = leaveOut(beginning_, *model_);
 }
 
 void MatterSimulation::reset() {
@@ -56,6 +55,15 @@ void MatterSimulation::reset() {
   state_ = MatterState::running;
   steps_ = 0;
   begin();
+}
+
+void MatterSimulation::change(const MatterScene& scene) {
+  MatterScene same = scene;
+  for (const SimulationParameter& had : parametersOf(scene_)) setParameter(same, had.name, had.value);
+  PALPATE_CHECK(same == scene_);
+  plan_ = planOf(scene, memory_bytes_);
+  scene_ = scene;
+  takeParameters();
 }
 
 void MatterSimulation::step(std::span<const HandPose> hands) {
@@ -91,6 +99,7 @@ void MatterSimulation::take(const StepReport& report) {
     answers_[k] = {.force_N = -scene_.gain * tool.springImpulse / kMatterStep_s,
                    .torque_Nm = scene_.gain * tool.angular / kMatterStep_s,
                    .reaction_N = tool.impulse / kMatterStep_s,
+                   .byModel_N = tool.modelImpulse / kMatterStep_s,
                    .place_m = tool.place_m,
                    .velocity_m_s = tool.velocity_m_s};
   }

@@ -59,6 +59,7 @@ struct ToolAnswer {
   DVec3 force_N{0};     ///< of the spring and damper on the hand, times the scene's gain
   DVec3 torque_Nm{0};   ///< of the matter on the ball about its middle, times the gain
   DVec3 reaction_N{0};  ///< of the matter on the ball: the sum of the impulses exchanged, over the step
+  DVec3 byModel_N{0};     ///< on the ball, of the model that stands in the matter and stops it
   DVec3 place_m{0};       ///< of the ball at the end
   DVec3 velocity_m_s{0};  ///< of the ball at the end
 };
@@ -68,6 +69,7 @@ struct ToolReport {
   DVec3 springImpulse{0};  ///< of the hand, through the spring and damper
   DVec3 impulse{0};        ///< of the matter
   DVec3 angular{0};        ///< of the matter, about its middle
+  DVec3 modelImpulse{0};   ///< of the model that stands in the matter
   double portWork_J = 0;   ///< of the hand
   DVec3 place_m{0};        ///< at the end
   DVec3 velocity_m_s{0};   ///< at the end
@@ -94,9 +96,13 @@ class MatterSimulation {
 
   const MatterScene& scene() const { return scene_; }
   const MatterPlan& plan() const { return plan_; }
+  std::uint64_t memory_bytes() const { return memory_bytes_; }  ///< that it may take
   std::size_t particles() const { return beginning_.size(); }
   /// Puts everything back to where it began; tools are placed anew by the next step.
   void reset();
+  /// Goes on with a scene that differs from the present one by parameters alone (matter_parameters.hpp). Throws Error as
+  /// planOf() does; nothing is changed then.
+  void change(const MatterScene& scene);
   /// kMatterStep_s further. `hands`: one for each tool, where they are at the end of the step; the first ones say where
   /// the tools begin.
   void step(std::span<const HandPose> hands = {});
@@ -183,6 +189,8 @@ class MatterSimulation {
  private:
   /// Everything stands where it begins.
   virtual void begin() = 0;
+  /// The scene and the plan have other parameters than before.
+  virtual void takeParameters() = 0;
   /// Balls stand where the hands are.
   virtual void placeTools(std::span<const HandPose> hands) = 0;
   /// All substeps of a step, or as many as the state lets it, while hands go from one place to another.
@@ -203,6 +211,7 @@ class MatterSimulation {
 
   MatterScene scene_;
   MatterPlan plan_;
+  std::uint64_t memory_bytes_;
   std::shared_ptr<const MatterModel> model_;
   std::size_t leftOut_ = 0;
   std::vector<Vec3> beginning_;

@@ -42,6 +42,12 @@ void MatterWorld::begin() {
   particles_ = std::make_unique<MatterParticles>(particlesOf(scene(), plan(), model()), beginning());
 }
 
+void MatterWorld::takeParameters() {
+  law_->change(scene(), plan());
+  particles_->setStep(static_cast<float>(plan().substep_s));
+  for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
+}
+
 void MatterWorld::placeTools(std::span<const HandPose> hands) {
   for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
 }
@@ -51,6 +57,7 @@ MatterSimulation::StepReport MatterWorld::run(std::span<const HandPose> from, st
   for (std::uint32_t s = 0; s < plan().substeps && report.state == MatterState::running; ++s) {
     for (std::size_t k = 0; k < tools_.size(); ++k) {
       tools_[k].predict(between(from[k], to[k], (s + 1.0) / plan().substeps));
+      if (model() != nullptr) tools_[k].stopAt(*model(), std::min(scene().tool.radius_mm * 1e-3, grown_m(k)));
       bodies_[k].moveTo(tools_[k].motion(), grown_m(k));
     }
     report.state = substep(report);

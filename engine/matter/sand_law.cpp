@@ -36,7 +36,9 @@ struct Contacts {
 
 class SandLaw final : public MatterLaw {
  public:
-  explicit SandLaw(const shared::GrainRules& rules) : rules_(rules) {}
+  SandLaw(const MatterScene& scene, const MatterPlan& plan) : rules_(grainRules(scene, plan)) {}
+
+  void change(const MatterScene& scene, const MatterPlan& plan) override { rules_ = grainRules(scene, plan); }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
              WorkerTeam& team) override {
@@ -178,7 +180,7 @@ class SandLaw final : public MatterLaw {
 }  // namespace
 
 std::unique_ptr<MatterLaw> sandLaw(const MatterScene& scene, const MatterPlan& plan) {
-  return std::make_unique<SandLaw>(grainRules(scene, plan));
+  return std::make_unique<SandLaw>(scene, plan);
 }
 
 }  // namespace palpate

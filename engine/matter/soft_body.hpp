@@ -45,6 +45,9 @@ class SoftBody {
   SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std::span<const PlaceBox> pinned,
            const std::optional<MatchingRules>& matching = std::nullopt);
 
+  /// From now on another one; the masses stay, and so does whether shapes are matched.
+  void setMaterial(const SoftMaterial& material, const std::optional<MatchingRules>& matching = std::nullopt);
+
   const SoftLattice& lattice() const { return lattice_; }
   std::size_t size() const { return moved_.size(); }
   /// Puts every node where it rests.

@@ -43,6 +43,12 @@ SoftContact::SoftContact(const SoftBody& body, std::span<const SurfacePlace> sur
       reach_m_(static_cast<float>(body.lattice().spacing_m() / 2)),
       places_(skinOf(body.lattice(), body.masses(), surface, config.frequency_rad_s)) {}
 
+void SoftContact::change(const Config& config) {
+  const double times = config.frequency_rad_s / config_.frequency_rad_s;
+  for (SkinPlace& place : places_) place.stiffness *= static_cast<float>(times * times);
+  config_ = config;
+}
+
 SoftContact::Moved SoftContact::now(const SoftBody& body, const SkinPlace& place) const {
   Vec3 moved(0), velocity(0);
   forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) {

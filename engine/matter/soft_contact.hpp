@@ -36,6 +36,9 @@ class SoftContact {
   };
   SoftContact(const SoftBody& body, std::span<const SurfacePlace> surface, const Config& config);
 
+  /// Of another material from now on; the box and the balls are the same.
+  void change(const Config& config);
+
   /// Looks which places may meet walls or balls within `duration_s`.
   void list(const SoftBody& body, std::span<const BodyMotion> balls, double duration_s, WorkerTeam& team);
   /// Loads the body for a substep with what walls and balls do to the listed places. Adds to `wallImpulse`, and to

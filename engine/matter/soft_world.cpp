@@ -66,6 +66,12 @@ void SoftWorld::begin() {
   press_.begin(body_, {}, kMatterStep_s, team_);
 }
 
+void SoftWorld::takeParameters() {
+  body_.setMaterial(materialOf(scene()), matchingOf(scene(), plan()));
+  contact_.change(contactOf(scene(), plan()));
+  for (ToolBody& tool : tools_) tool.setSpring(toolSpring(scene().tool, plan().substep_s));
+}
+
 void SoftWorld::placeTools(std::span<const HandPose> hands) {
   for (std::size_t k = 0; k < tools_.size(); ++k) tools_[k].placeAt(hands[k]);
 }

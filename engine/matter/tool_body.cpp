@@ -39,6 +39,14 @@ void ToolBody::predict(const HandPose& hand) {
   hand_ = hand;
 }
 
+void ToolBody::stopAt(const MatterModel& model, double radius_m) {
+  const shared::StoppedBall stopped =
+      shared::stoppedBall(model.at(Vec3(motion_.place)), static_cast<float>(radius_m), Vec3(motion_.velocity));
+  motion_.place += DVec3(stopped.move);
+  motion_.velocity += DVec3(stopped.change);
+  report_.modelImpulse += spring_.mass * DVec3(stopped.change);
+}
+
 void ToolBody::react(const Exchange& exchange) {
   const DVec3 change = exchange.impulse / spring_.mass;
   motion_.velocity += change;

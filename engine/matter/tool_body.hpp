@@ -18,10 +18,14 @@ class ToolBody {
  public:
   explicit ToolBody(const shared::ToolSpringOf<double>& spring) : spring_(spring) {}
 
+  /// With another substep from now on.
+  void setSpring(const shared::ToolSpringOf<double>& spring) { spring_ = spring; }
   /// Where the hand is, and the ball, at rest.
   void placeAt(const HandPose& hand);
   /// A substep by itself, towards a hand that moves to `hand` meanwhile.
   void predict(const HandPose& hand);
+  /// Out of a model that stands still, as a ball of that radius.
+  void stopAt(const MatterModel& model, double radius_m);
   /// What the matter has done to it meanwhile.
   void react(const Exchange& exchange);
 

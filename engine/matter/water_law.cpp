@@ -19,9 +19,13 @@ Lanes lanesOf(const Vec4& values) { return Lanes::at(&values.x); }
 
 class WaterLaw final : public MatterLaw {
  public:
-  explicit WaterLaw(const shared::WaterRules& rules) : rules_(rules) {
-    sideBySide_.push = Lanes(rules.push);
-    sideBySide_.drag = Lanes(rules.drag);
+  WaterLaw(const MatterScene& scene, const MatterPlan& plan) { change(scene, plan); }
+
+  void change(const MatterScene& scene, const MatterPlan& plan) override {
+    rules_ = waterRules(scene, plan);
+    sideBySide_.push = Lanes(rules_.push);
+    sideBySide_.drag = Lanes(rules_.drag);
+    sideBySide_.cohesion = Lanes(rules_.cohesion);
   }
 
   void solve(MatterParticles& particles, std::span<const BoundaryBody> bodies, std::span<BlockSums> sums,
@@ -110,7 +114,7 @@ class WaterLaw final : public MatterLaw {
         body.forEachNear(place, [&](const BoundaryMeeting& met) { sum += met.volume * shared::wendland(met.r); });
       const Fixed& fixed = pairs.fixed[i - begin] = fixedAt(particles.config(), place);
       sum += fixed.walls.sum + fixed.model.sum;
-      particles.pressed()[i] = Vec4(place, std::max(shared::compressionOf(rules_, sum), 0.0f));
+      particles.pressed()[i] = Vec4(place, shared::compressionOf(rules_, sum));
     }
   }
 
@@ -119,7 +123,9 @@ class WaterLaw final : public MatterLaw {
     const Vec4* const velocities = particles.velocities().data();
     const Vec4* const places = particles.pressed().data();
     const Vec4 place = places[slot], velocity = velocities[slot];
-    const Lanes x(place.x), y(place.y), z(place.z), w(place.w), vx(velocity.x), vy(velocity.y), vz(velocity.z);
+    const Lanes x(place.x), y(place.y), z(place.z), vx(velocity.x), vy(velocity.y), vz(velocity.z);
+    const Lanes pressed(shared::pressing(place.w)), atSurface(shared::atSurface(place.w));
+    const Lanes perSupport(1 / rules_.support), one(1);
     const shared::WaterRulesOf<Lanes> rules = sideBySide_;
     const float* const pulls = pairs.pulls.data() + particles.lists().firstOf(slot);
     glm::vec<3, Lanes> change(Lanes(0), Lanes(0), Lanes(0));
@@ -129,7 +135,13 @@ class WaterLaw final : public MatterLaw {
           fourOf(neighbours.data() + k, [&](Neighbour other) { return lanesOf(velocities[other.slot]); });
       const glm::vec<3, Lanes> offset(x - others.x, y - others.y, z - others.z);
       const glm::vec<3, Lanes> relative(moving.x - vx, moving.y - vy, moving.z - vz);
-      change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k), w + others.w, relative);
+      change += shared::changeByNeighbour<Lanes>(rules, offset, Lanes::at(pulls + k),
+                                                 pressed + shared::pressing<Lanes>(others.w), relative);
+      if (rules_.cohesion == 0) continue;
+      // Copies that fill up a list attract no more than they push.
+      const Lanes there = areThere(k, particles.lists().of(slot).size());
+      const Lanes r = min(sqrt(glm::dot(offset, offset)) * perSupport, one);
+      change += there * shared::changeByCohesion<Lanes>(rules, offset, r, atSurface + shared::atSurface<Lanes>(others.w));
     }
     return {change.x.sum(), change.y.sum(), change.z.sum()};
   }
@@ -140,8 +152,8 @@ class WaterLaw final : public MatterLaw {
     const Vec3 velocity(particles.velocities()[slot]);
     Vec3 change{0};
     body.forEachNear(Vec3(place), [&](const BoundaryMeeting& met) {
-      const Vec3 part = met.volume * shared::changeByNeighbour(rules_, met.offset, shared::wendlandPull(met.r), place.w,
-                                                               met.velocity - velocity);
+      const Vec3 part = met.volume * shared::changeByNeighbour(rules_, met.offset, shared::wendlandPull(met.r),
+                                                               shared::pressing(place.w), met.velocity - velocity);
       exchange.add(-static_cast<double>(particles.config().mass_kg) * DVec3(part), DVec3(met.arm));
       change += part;
     });
@@ -155,7 +167,7 @@ class WaterLaw final : public MatterLaw {
     const Pairs& pairs = pairs_[block];
     const std::span<const Vec4> places = std::as_const(particles).pressed();
     for (std::size_t i = begin; i < end; ++i) {
-      const float compression = places[i].w;
+      const float compression = shared::pressing(places[i].w);
       const Vec3 velocity(std::as_const(particles).velocities()[i]);
       Vec3 change = changeByNeighbours(particles, pairs, i);
       for (std::size_t b = 0; b < bodies.size(); ++b) change += changeByBody(particles, bodies[b], i, sums.bodies[b]);
@@ -176,7 +188,7 @@ class WaterLaw final : public MatterLaw {
 }  // namespace
 
 std::unique_ptr<MatterLaw> waterLaw(const MatterScene& scene, const MatterPlan& plan) {
-  return std::make_unique<WaterLaw>(waterRules(scene, plan));
+  return std::make_unique<WaterLaw>(scene, plan);
 }
 
 }  // namespace palpate

@@ -78,7 +78,8 @@ MeshReport examine(const Mesh& mesh) {
   return report;
 }
 
-void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii) {
+void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii,
+               std::filesystem::path* keptAs) {
   const PointCloud& vertices = mesh.vertices;
   double farthest = 0;
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -87,7 +88,7 @@ void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell,
   }
   constexpr double kFinest = 1e-3;  // of a cell
   const bool wide = farthest * static_cast<double>(std::numeric_limits<float>::epsilon()) > kFinest * cell;
-  writeCloud(file, vertices, {.ascii = ascii, .triangles = &mesh.triangles, .doubles = wide});
+  writeCloud(file, vertices, {.ascii = ascii, .triangles = &mesh.triangles, .doubles = wide, .keptAs = keptAs});
 }
 
 }  // namespace palpate

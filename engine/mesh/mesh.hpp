@@ -38,7 +38,8 @@ MeshReport examine(const Mesh& mesh);
 
 /// Writes vertices (x y z nx ny nz [red green blue]) and faces (a list of three each). Coordinates are doubles where
 /// single precision would not hold a thousandth of `cell`, the lattice's, model units. The file appears under its name
-/// only when it is whole. Throws FileError.
-void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii);
+/// only when it is whole; `keptAs` is CloudWriteOptions'. Throws FileError.
+void writeMesh(const std::filesystem::path& file, const Mesh& mesh, double cell, bool ascii,
+               std::filesystem::path* keptAs = nullptr);
 
 }  // namespace palpate

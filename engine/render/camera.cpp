@@ -98,19 +98,14 @@ DVec3 parseVector(std::string_view text, std::string_view word) {
   return v;
 }
 
-struct CameraText {
-  std::optional<DVec3> eye, target, up;
-  std::optional<double> fov_deg;
-};
-
 template <class T>
 void setOnce(std::optional<T>& field, T value, std::string_view key) {
   if (field) throw UsageError("camera: '{}' is given twice", key);
   field = value;
 }
 
-CameraText parseCamera(std::string_view text) {
-  CameraText given;
+CameraRequest parseCamera(std::string_view text) {
+  CameraRequest given;
   while (true) {
     const std::size_t begin = text.find_first_not_of(" \t");
     if (begin == std::string_view::npos) return given;
@@ -153,7 +148,10 @@ Camera Camera::fitting(const PointCloud& cloud, double aspect, double fov_deg, c
 }
 
 Camera Camera::parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing) {
-  const CameraText given = parseCamera(text);
+  return asked(parseCamera(text), cloud, aspect, framing);
+}
+
+Camera Camera::asked(const CameraRequest& given, const PointCloud& cloud, double aspect, const Framing& framing) {
   const double fov_deg = given.fov_deg.value_or(45);
   if (!(fov_deg >= 1 && fov_deg <= 170)) throw UsageError("camera: fov={} is not between 1 and 170 degrees", fov_deg);
   Camera camera = fitting(cloud, aspect, fov_deg, framing);

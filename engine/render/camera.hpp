@@ -16,6 +16,12 @@ struct Framing {
   double margin = 0;  ///< around each point, model units: the disc as which it is drawn
 };
 
+/// What somebody says of a camera; what is missing comes from Camera::fitting(). Places in file coordinates.
+struct CameraRequest {
+  std::optional<DVec3> eye, target, up;
+  std::optional<double> fov_deg;  ///< vertical, 1 to 170
+};
+
 /// A pinhole camera. Positions are model units relative to the cloud's origin, as in PointCloud::positions.
 /// Eye space: x right, y up, depth along the view direction. Pictures have pixel (0, 0) at the top left.
 struct Camera {
@@ -36,8 +42,9 @@ struct Camera {
                         double margin = 0);
   static Camera fitting(const PointCloud& cloud, double aspect, double fov_deg = 45, const Framing& framing = {});
 
-  /// Reads `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces; what is
-  /// missing comes from fitting(). `eye` and `target` are in file coordinates. Throws UsageError.
+  /// As asked for. Throws UsageError for what makes no camera.
+  static Camera asked(const CameraRequest& request, const PointCloud& cloud, double aspect, const Framing& framing = {});
+  /// The same from `eye=x,y,z target=x,y,z up=x,y,z fov=degrees`, any of them in any order, separated by spaces.
   static Camera parse(std::string_view text, const PointCloud& cloud, double aspect, const Framing& framing = {});
 
   /// Sets near and far so that `bounds` lies between them as far as it lies before the eye.

@@ -13,7 +13,8 @@ namespace palpate {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 4> kWaterColor{86, 140, 196, 255}, kSandColor{198, 168, 118, 255};
+constexpr std::array<std::uint8_t, 4> kWaterColor{86, 140, 196, 255}, kSandColor{198, 168, 118, 255},
+    kModelColor{206, 202, 194, 255};
 // Against the clock: what it has missed beyond that it does not make up for, as its answers would only come later.
 constexpr std::uint32_t kMostAtOnce = 2;
 // A hand feels no less than that; a ball beside the matter answers nothing.
@@ -28,11 +29,20 @@ MatterBox boxOf(const MatterScene& scene) {
   return {.size = scene.box_mm * kMatterUnit_m, .periodic = scene.periodic};
 }
 
+void append(std::vector<Vec3>& to, std::span<const Vec3> more) { to.insert(to.end(), more.begin(), more.end()); }
+
 std::vector<Vec3> inUnits(std::span<const Vec3> values_m) {
   std::vector<Vec3> values(values_m.size());
   std::ranges::transform(values_m, values.begin(),
                          [](const Vec3& value) { return value * static_cast<float>(1 / kMatterUnit_m); });
   return values;
+}
+
+void addModel(const MatterModel& model, std::vector<Vec3>& positions, std::vector<Vec3>& normals) {
+  for (const SurfacePlace& point : model.points()) {
+    positions.push_back(point.rest * static_cast<float>(1 / kMatterUnit_m));
+    normals.push_back(point.normal);
+  }
 }
 
 }  // namespace
@@ -44,6 +54,7 @@ MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const Mat
       steps_(std::move(simulation), options.hands, options.realtime ? kMostAtOnce : 0),
       answers_(options.hands),
       surface_(boxOf(steps_.world().scene()), steps_.world().plan().spacing_m, options.threads) {
+  if (const MatterModel* const model = steps_.world().model()) addModel(*model, stillPositions_, stillNormals_);
   PALPATE_CHECK(steps_.world().scene().tool.radius_mm > 0);
   if (options.realtime) thread_.emplace(steps_);
 }
@@ -71,7 +82,8 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
                   .fresh = age_s <= 0,
                   .valid = answer.state == MatterState::running,
                   .dataTime_s = answer.question.time_s};
-  if (!contact.valid || !answer.moves || left <= 0 || !(glm::length(tool.reaction_N) > kLeastForce_N)) return contact;
+  if (!contact.valid || !answer.moves || left <= 0 || !(glm::length(tool.reaction_N) + glm::length(tool.byModel_N) > kLeastForce_N))
+    return contact;
   // The ball goes on as it did, and its spring is stretched by what the hand has moved meanwhile, less that.
   const DVec3 went_m = age_s * tool.velocity_m_s;
   const DVec3 moved_m = pose.hip * kMatterUnit_m - answer.question.hands[hand].place_m;
@@ -94,9 +106,11 @@ void MatterTouch::finish() {
 
 std::size_t MatterTouch::readBack(PointCloud& cloud) const {
   const std::vector<Vec3> places = steps_.world().positionsById();
-  PALPATE_CHECK_EQ(cloud.size(), places.size());
+  PALPATE_CHECK_EQ(cloud.size(), places.size() + stillPositions_.size());
   surface_.normalsOf(places, up_, cloud.normals);
-  const std::vector<Vec3> positions = inUnits(places);
+  append(cloud.normals, stillNormals_);
+  std::vector<Vec3> positions = inUnits(places);
+  append(positions, stillPositions_);
   std::size_t moved = 0;
   for (std::size_t i = 0; i < positions.size(); ++i) moved += positions[i] != cloud.positions[i] ? 1 : 0;
   cloud.positions = positions;
@@ -109,6 +123,9 @@ bool MatterTouch::takeFrame(CloudFrame& frame) {
   frame.positions = inUnits(view_.positions);
   frame.velocities = inUnits(view_.velocities);
   surface_.normalsOf(view_.positions, up_, frame.normals);
+  append(frame.positions, stillPositions_);
+  append(frame.normals, stillNormals_);
+  frame.velocities.resize(frame.positions.size(), Vec3(0));
   frame.colors.clear();
   frame.ids.clear();
   return true;
@@ -118,12 +135,15 @@ void MatterTouch::setBrush(const std::optional<BrushOptions>& brush) {
   if (brush) throw UsageError("matter that moves by itself cannot be sculpted");
 }
 
-PointCloud cloudOf(const MatterScene& scene, unsigned threads) {
-  const std::vector<Vec3> places = placesAtRest(scene);
+PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned threads) {
+  std::vector<Vec3> places = placesAtRest(scene);
+  if (model != nullptr) leaveOut(places, *model);
   PointCloud cloud;
   cloud.positions = inUnits(places);
   MatterSurface(boxOf(scene), scene.spacing_mm * kMatterUnit_m, threads).normalsOf(places, upOf(scene), cloud.normals);
   cloud.colors.assign(places.size(), scene.matter == Matter::sand ? kSandColor : kWaterColor);
+  if (model != nullptr) addModel(*model, cloud.positions, cloud.normals);
+  cloud.colors.resize(cloud.size(), kModelColor);
   cloud.storedAs.comments = {"comment units: mm"};
   if (const auto up = upOfCameras(DVec3(upOf(scene))))
     cloud.storedAs.comments.push_back(fmt::format("comment up: {}", nameOf(*up)));

@@ -65,10 +65,12 @@ class MatterTouch final : public TouchBackend {
   TouchShortfalls shortfalls_;
   mutable MatterSurface surface_;  // of the one who shows it
   MatterView view_;
+  std::vector<Vec3> stillPositions_, stillNormals_;  // of a model that stands in the matter, units
   std::optional<MatterThread> thread_;  // against the clock; goes first
 };
 
-/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Throws Error as planOf() does.
-PointCloud cloudOf(const MatterScene& scene, unsigned threads);
+/// The points of a scene as it begins, mm: a cloud that is felt by MatterTouch. Those of `model`, which stands in the matter
+/// where it is not null, follow those of the particles. Throws Error as planOf() does.
+PointCloud cloudOf(const MatterScene& scene, const MatterModel* model, unsigned threads);
 
 }  // namespace palpate

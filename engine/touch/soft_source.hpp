@@ -12,9 +12,8 @@
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/touch_backend.hpp"
-#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
-#include "engine/touch/stepped_control.hpp"
+#include "engine/touch/stepping_control.hpp"
 
 namespace palpate {
 
@@ -51,6 +50,7 @@ struct SurfaceQuestion {
 
 struct SoftSourceOptions {
   std::size_t points = 0;       ///< of the surface
+  std::size_t hands = 1;
   double radius = 0;            ///< support radius of what is felt, model units
   double toolReach = 0;         ///< of the first hand's tool, from its HIP, model units
   std::uint32_t mostAtOnce = 0; ///< steps for a frame; those beyond it are left out; 0: any number
@@ -60,7 +60,7 @@ struct SoftSourceOptions {
 /// frame before; so does a brush, in each of the steps. Where time goes back the scene begins anew, in the shape that
 /// it has. So a frame's bytes follow from all that was asked before, and in virtual time from the poses. ask() is for
 /// one thread, makeFrame() and hasNewer() for another one, and the rest for any.
-class SoftSource final : public CloudSource, public SteppedControl {
+class SoftSource final : public CloudSource, public SteppingControl {
  public:
   /// `world` has a surface.
   SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
@@ -97,6 +97,7 @@ class SoftSource final : public CloudSource, public SteppedControl {
     std::uint32_t steps = 0; // that it has pressed on end
   };
   void restart();
+  std::uint32_t stepsTo(double time_s);
   void sculpt(std::uint32_t steps);
   bool turned(bool done);
   void countStrokes();
@@ -111,6 +112,8 @@ class SoftSource final : public CloudSource, public SteppedControl {
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;    // of which touch each press is
+  std::optional<std::int64_t> last_;     // number of the step that the questions have come to
+  std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
   double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;
   std::atomic<std::uint32_t> beginnings_ = 0;

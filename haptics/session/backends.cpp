@@ -72,7 +72,7 @@ std::unique_ptr<TouchBackend> BackendKind::matterTouch(const BackendRequest& req
   if (request.config.matter->matter == Matter::soft) return softTouch(request);
   const std::size_t hands = request.tools.size();
   return std::make_unique<MatterTouch>(
-      simulate(*request.config.matter, {.threads = request.threads, .tools = hands}),
+      simulate(*request.config.matter, {.threads = request.threads, .tools = hands, .model = request.model.standing}),
       MatterTouchOptions{.hands = hands,
                          .threads = request.threads,
                          .realtime = request.config.realtime,
@@ -91,6 +91,7 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
   auto source = std::make_unique<SoftSource>(std::move(world),
                                              SoftSourceOptions{.points = request.model.cloud.size(),
+                                                               .hands = request.tools.size(),
                                                                .radius = request.surface.radius,
                                                                .toolReach = reach,
                                                                .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});

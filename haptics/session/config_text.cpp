@@ -39,6 +39,10 @@ class Writer {
     json_[name] = value ? Json(*value) : Json(nullptr);
   }
   void field(const char* name, const DVec3& value) const { json_[name] = {value.x, value.y, value.z}; }
+  void field(const char* name, const std::optional<DVec3>& value) const {
+    json_[name] = nullptr;
+    if (value) field(name, *value);
+  }
   // Two corners of a box.
   void field(const char* name, const std::optional<std::array<DVec3, 2>>& value) const {
     json_[name] = nullptr;
@@ -129,6 +133,14 @@ class Reader {
       const auto xyz = json.get<std::array<double, 3>>();
       value = {xyz[0], xyz[1], xyz[2]};
     });
+  }
+  void field(const char* name, std::optional<DVec3>& value) {
+    value.reset();
+    const auto found = json_.find(name);
+    if (found == json_.end() || found->is_null())
+      known_.emplace_back(name);
+    else
+      field(name, value.emplace());
   }
   void field(const char* name, std::optional<std::array<DVec3, 2>>& value) {
     take(name, [&](const Json& json) {
@@ -323,9 +335,11 @@ void describe(auto&& in, auto& config, const MatterScene*) {
   in.field("matter", config.matter, kMatters);
   in.field("box_mm", config.box_mm);
   in.field("fill_mm", config.fill_mm);
+  in.field("fill_at_mm", config.fill_at_mm);
   in.field("spacing_mm", config.spacing_mm);
   in.field("density_kg_m3", config.density_kg_m3);
   in.field("viscosity_Pa_s", config.viscosity_Pa_s);
+  in.field("cohesion_N_m", config.cohesion_N_m);
   in.field("friction", config.friction);
   in.field("young_Pa", config.young_Pa);
   in.field("poisson", config.poisson);
@@ -333,6 +347,8 @@ void describe(auto&& in, auto& config, const MatterScene*) {
   in.field("stiffness", config.stiffness);
   in.field("shape", config.shape, kSoftShapes);
   in.field("model", config.model);
+  in.field("model_mm", config.model_mm);
+  in.field("model_at_mm", config.model_at_mm);
   in.field("hole_mm", config.hole_mm);
   in.field("pinned_mm", config.pinned_mm);
   in.field("gravity_m_s2", config.gravity_m_s2);

@@ -194,6 +194,12 @@ void LiveSession::setFeel(const SurfaceConfig& surface, const ForceOptions& forc
   between([&] { session_.setFeel(surface, force, method); });
 }
 
+void LiveSession::setParameter(std::string_view name, double value) {
+  if (servo_.lost) return;
+  endRecording();
+  between([&] { session_.setParameter(name, value); });
+}
+
 bool LiveSession::undoStrokes(std::size_t undo, std::size_t redo) {
   if (servo_.lost) return false;
   endRecording();

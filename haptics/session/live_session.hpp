@@ -68,6 +68,9 @@ class LiveSession {
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
 
+  /// A parameter of a simulation, from the next step on (Session::setParameter()). Ends a recording.
+  void setParameter(std::string_view name, double value);
+
   /// Holds the frames of a depth camera, or lets them go on; the hand is without force for a moment. Whether they are
   /// held now; nothing where none are played.
   std::optional<bool> holdFrames();
@@ -78,7 +81,7 @@ class LiveSession {
   /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
   bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
   /// Of a model that moves by itself; null where it does not.
-  SimulationControl* simulation() { return session_.backend().simulation(); }
+  SimulationControl* simulation() const { return session_.simulation(); }
   /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has
   /// no more. A session whose configuration has no stream sculpts the points; one that has it goes on from them once it
   /// lets its frames go on. Throws what a query could not.

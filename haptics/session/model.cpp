@@ -11,6 +11,7 @@
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "engine/matter/soft_model.hpp"
 #include "engine/touch/matter_touch.hpp"
 #include "haptics/session/bounds.hpp"
@@ -56,7 +57,13 @@ Model loadModel(const ModelConfig& config, const ModelLoading& loading) {
       {.normalsFromFaces = config.normals == NormalSource::face, .pointsOnly = true, .allPoints = config.allPoints});
   if (!stored.leftOut.empty())
     loading.log.say("{}: left out are {}; all points can be asked for", config.file, stored.leftOut);
-  Model model{.cloud = std::move(stored.cloud), .cameras = std::move(stored.cameras)};
+  Model model = modelOf(std::move(stored.cloud), config, loading);
+  model.cameras = std::move(stored.cameras);
+  return model;
+}
+
+Model modelOf(PointCloud points, const ModelConfig& config, const ModelLoading& loading) {
+  Model model{.cloud = std::move(points)};
   PointCloud& cloud = model.cloud;
   // Before normals are estimated, so that all who read the file find the same.
   model.upright = findUp(cloud);
@@ -82,10 +89,13 @@ void placeInScene(Model& model, const MatterScene& scene) {
 }
 
 // A scene of water or sand as it begins.
-Model matterModel(const SessionConfig& config, unsigned threads) {
-  Model model{.cloud = cloudOf(*config.matter, threads)};
+Model matterModel(const SessionConfig& config, const ModelLoading& loading) {
+  Model model;
+  planOf(*config.matter);  // before a file is read
+  model.standing = standingModel(*config.matter, loading);
+  model.cloud = cloudOf(*config.matter, model.standing.get(), loading.threads);
   placeInScene(model, *config.matter);
-  measure(model, config.model, threads);
+  measure(model, config.model, loading.threads);
   // Particles fill a body: how far apart they lie says nothing of a surface.
   constexpr double kDisc_spacings = 0.85;  // two thirds of a spacing would close a lattice at rest
   model.spacing = model.wideSpacing = config.matter->spacing_mm;
@@ -116,9 +126,21 @@ Model softModel(const SessionConfig& config, const ModelLoading& loading) {
 
 }  // namespace
 
+std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading) {
+  if (scene.model.empty()) return nullptr;
+  PointCloud cloud = isBuiltInModel(scene.model) ? builtInModel(scene, loading.threads)
+                                                 : readCloud(scene.model, &loading.log, {.pointsOnly = true}).cloud;
+  const Stopwatch watch;
+  const std::size_t points = cloud.size();
+  auto model = std::make_shared<const MatterModel>(std::move(cloud), scene, loading.threads);
+  loading.log.say("{}: {} points are a field of {} nodes: {:.0f} ms", scene.model, points, model->nodes().size(),
+                  watch.elapsed_us() * 1e-3);
+  return model;
+}
+
 Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.matter)
-    return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading.threads);
+    return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading.log);
   Model model;

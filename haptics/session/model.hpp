@@ -19,6 +19,7 @@
 
 namespace palpate {
 
+class MatterModel;
 struct SoftModel;
 
 struct Model {
@@ -34,6 +35,8 @@ struct Model {
   double ballRadius = 0;            ///< of the ball that a hand holds in such points, model units; 0: it has none
   /// What a soft body is at rest, whose points are the cloud; null: it is none.
   std::shared_ptr<const SoftModel> soft;
+  /// What stands in water or sand; its points are the last of the cloud. Null: nothing does.
+  std::shared_ptr<const MatterModel> standing;
   Upright upright;         ///< by the shape
   /// What a picture shows (coreBoundsOf()); all when not given.
   std::optional<Bounds> shown;
@@ -57,10 +60,16 @@ struct ModelLoading {
   unsigned threads = 0;  ///< 0: one per core
   NormalEstimator estimate = estimateNormalsOnCpu;
 };
+/// A cloud that is in memory: sees to normals as the configuration says, whose file is only its name.
+Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);
 /// Reads the file, and sees to normals as the configuration says. Throws FileError, UsageError.
 Model loadModel(const ModelConfig& config, const ModelLoading& loading);
 /// The same of a whole configuration, whose model may be a stream: that is the cloud of its first frame, then.
 Model loadModel(const SessionConfig& config, const ModelLoading& loading);
+
+/// What stands in a scene of water or sand: its file is read, or its shape sampled, and becomes a field. Null where nothing
+/// does. Throws FileError, and Error where it is not closed.
+std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const ModelLoading& loading);
 
 /// What is given, mm per unit; where that is 0 what the cloud's file says (scaleSaidIn()), or else the longest side is
 /// 100 mm.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/matter/matter_parameters.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
@@ -50,6 +51,12 @@ class Recorders final : public TickRecorder {
 };
 
 }  // namespace
+
+HandSpring springOf(const ForceLaw& law) {
+  return {.stiffness_N_per_unit = law.options().stiffness_N_per_mm * law.scale().mm_per_unit,
+          .damping_N_s_per_unit = law.options().damping_N_s_per_mm * law.scale().mm_per_unit,
+          .most_N = law.options().maxForce_N};
+}
 
 Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts)
     : kind_(parts.backend),
@@ -108,6 +115,12 @@ void Session::setFeel(const SurfaceConfig& surface, const ForceOptions& force, c
   config_ = std::move(next);
 }
 
+void Session::setParameter(std::string_view name, double value) {
+  if (!simulation()) throw Error("{}: the model does not move by itself", name);
+  simulation()->set(name, value);
+  palpate::setParameter(*config_.matter, name, value);
+}
+
 void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
   if (config_.stream && config_.stream->live)
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
@@ -151,9 +164,7 @@ void Session::setSprings(std::span<const OpenHand> hands) {
     ForceLaw law(config_.force, model_->scale);
     const DeviceLimits limits = hand.device->limits();
     law.limitTo(limits.peakForce_N, limits.mostStiffness_N_per_mm);
-    springs.push_back({.stiffness_N_per_unit = law.options().stiffness_N_per_mm * model_->scale.mm_per_unit,
-                       .damping_N_s_per_unit = law.options().damping_N_s_per_mm * model_->scale.mm_per_unit,
-                       .most_N = law.options().maxForce_N});
+    springs.push_back(springOf(law));
   }
   backend_->setSprings(springs);
 }
@@ -165,19 +176,22 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
     touching.push_back({.device = *hand.device,
                         .law = ForceLaw(config_.force, model_->scale),
                         .options = {.map = hand.map, .passivity = hand.passivity}});
+  if (!touching.empty()) touching.front().law.setCustom(options.law);
+  const bool realtime = config_.realtime || options.realtime;
+  const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   Recorders recorders(recording_.get(), options.recorder);
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
-                 {.rate_Hz = config_.rate_Hz,
-                  .duration_s = durationOf(hands) + 1 / config_.rate_Hz,  // the path's end is a tick too
+                 {.rate_Hz = rate_Hz,
+                  .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
                   .begin_s = options.begin_s,
                   .endless = options.endless,
-                  .realtime = config_.realtime,
+                  .realtime = realtime,
                   .clock = options.clock,
                   .stop = options.stop,
                   .forcesOn = options.forcesOn,
                   .recorder = &recorders});
   if (options.endless) return loop.run();  // whoever shows it takes the edits in
-  const TickObserver relays = relay_.begin(config_.rate_Hz, config_.realtime);
+  const TickObserver relays = relay_.begin(rate_Hz, realtime);
   if (!options.observer) return loop.run(relays);
   return loop.run([&](const TraceRow& row) {
     if (relays) relays(row);

@@ -33,6 +33,7 @@ struct SessionParts {
 /// How a run goes beside what the configuration says of it. All that is pointed to outlives it.
 struct RunOptions {
   double begin_s = 0;                             ///< the time of the first tick
+  double rate_Hz = 0;                             ///< ticks per second; 0: as the configuration says
   bool endless = false;                           ///< against the wall clock until `stop`
   SteppedClock* clock = nullptr;                  ///< in place of the machine's (ServoOptions::clock)
   const std::atomic<bool>* stop = nullptr;        ///< ends it when it becomes true
@@ -40,6 +41,8 @@ struct RunOptions {
   TickRecorder* recorder = nullptr;               ///< notified of each tick
   TickObserver observer;                          ///< after each tick in virtual time
   ContactQuery* query = nullptr;                  ///< asked in place of the back end, to which it passes on
+  bool realtime = false;                          ///< against the wall clock, whatever the configuration says
+  CustomForce law;                                ///< the first hand's, in place of spring and damper (ForceLaw)
 };
 
 /// The points as a session leaves them.
@@ -47,6 +50,9 @@ struct SculptedCloud {
   PointCloud cloud;
   std::size_t edited = 0;  ///< stand elsewhere than in the file, have another colour, are gone, or are new
 };
+
+/// What a hand with this law is to a surface that gives way.
+HandSpring springOf(const ForceLaw& law);
 
 /// One thread uses it at a time; the one that runs it is the servo thread in real time.
 class Session {
@@ -86,6 +92,11 @@ class Session {
   void setBrush(const std::optional<BrushConfig>& brush);
   /// What is felt, and how neighbours are found, from now on. Between runs.
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force, const std::string& method);
+
+  /// What governs a model that moves by itself; null where it does not.
+  SimulationControl* simulation() const { return backend_->simulation(); }
+  /// A parameter of a simulation, as SimulationControl::set() has it. Throws Error where nothing is simulated, too.
+  void setParameter(std::string_view name, double value);
 
   /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
   /// run. `onFault` hears at once, on the log's thread, what cannot be written; SessionRecording::takeFault() has it

@@ -109,8 +109,6 @@ void validate(const MatterScene& scene, const SessionConfig& config) {
     if (!(scene.gain > 0)) throw ConfigError("matter.gain", "is 0; what is not felt is not pressed");
     return;
   }
-  if (!scene.model.empty())
-    throw ConfigError("matter.model", "a model in matter is not felt yet; palpate simulate moves what is about it");
   if (scene.tool.radius_mm == 0) throw ConfigError("matter.tool.radius_mm", "is 0; a hand holds a ball");
   if (config.tool.kind != ToolKind::point) throw ConfigError("tool.kind", "in matter a hand holds the scene's ball");
 }

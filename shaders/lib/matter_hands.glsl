@@ -24,6 +24,7 @@ void predictTool(uint t, uint substep) {
   if (!begins) return;
   args.tools.at[t].impulse = vec3(0);
   args.tools.at[t].angular = vec3(0);
+  args.tools.at[t].modelImpulse = vec3(0);
 }
 
 #endif

@@ -25,7 +25,7 @@ MatterCells particleCells() {
 WaterRules waterRules() {
   return WaterRules(SETTING.water.support, SETTING.water.restSum, SETTING.water.wallSum, SETTING.water.wallInset,
                     SETTING.water.push, SETTING.water.wallPush, SETTING.water.drag, SETTING.water.wallDrag,
-                    SETTING.water.nearest, SETTING.water.step);
+                    SETTING.water.nearest, SETTING.water.step, SETTING.water.cohesion);
 }
 
 GrainRules grainRules() {

@@ -39,5 +39,5 @@ void main() {
   const WallEffect walls = wallsAt(rules, place);
   const ModelAt model = modelAbout(place);
   sum += bodyWeights + wallsBesideModel(walls, model).sum + modelEffect(rules, model, walls).sum;
-  args.pressed.at[slot] = vec4(place, max(compressionOf(rules, sum), 0));
+  args.pressed.at[slot] = vec4(place, compressionOf(rules, sum));
 }

@@ -9,6 +9,19 @@ layout(push_constant, scalar) uniform Push { MatterPredictArgs args; };
 
 #include "shaders/lib/matter_setting.glsl"
 #include "shaders/lib/matter_hands.glsl"
+#include "shaders/lib/matter_model.glsl"
+
+// The ball does not go into the model that stands in the matter.
+void stopTool(uint t) {
+  if (!hasModel()) return;
+  const vec3 velocity = args.tools.at[t].velocity, place = args.tools.at[t].place;
+  const float radius = min(SETTING.ballRadius, args.tools.at[t].grown);
+  const StoppedBall stopped = stoppedBall(modelAbout(place), radius, velocity);
+  args.tools.at[t].lag += stopped.move;
+  args.tools.at[t].place = place + stopped.move;
+  args.tools.at[t].velocity = velocity + stopped.change;
+  args.tools.at[t].modelImpulse += SETTING.spring.mass * stopped.change;
+}
 
 shared uint farthest;  // of the workgroup
 
@@ -28,5 +41,7 @@ void main() {
   }
   barrier();
   if (gl_LocalInvocationIndex == 0) atomicMax(args.control.now.farthest, farthest);
-  if (i < args.toolCount) predictTool(i, args.substep);
+  if (i >= args.toolCount) return;
+  predictTool(i, args.substep);
+  stopTool(i);
 }

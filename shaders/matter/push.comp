@@ -16,7 +16,14 @@ layout(push_constant, scalar) uniform Push { MatterPushArgs args; };
 
 WaterRules rules;
 vec4 place;  // w: compression
+float pressed;  // the part of it that pushes
 vec3 velocity;
+
+vec3 byNeighbour(vec3 offset, float r, float compression, vec3 relative) {
+  const vec3 change = changeByNeighbour(rules, offset, wendlandPull(r), pressed + pressing(compression), relative);
+  if (rules.cohesion == 0) return change;
+  return change + changeByCohesion(rules, offset, r, atSurface(place.w) + atSurface(compression));
+}
 
 vec3 changeByNeighbours(uint slot) {
   const uint count = args.listLengths.at[slot], before = args.control.now.parity * args.particles;
@@ -34,7 +41,7 @@ vec3 changeByNeighbours(uint slot) {
       const vec3 offset = offsetFrom(four[k], others[k].xyz, place.xyz, size);
       const float r = length(offset) * perSupport;
       if (first + k < count && r < 1)
-        change += changeByNeighbour(rules, offset, wendlandPull(r), place.w + others[k].w, relative[k]);
+        change += byNeighbour(offset, r, others[k].w, relative[k]);
     }
   }
   return change;
@@ -42,7 +49,7 @@ vec3 changeByNeighbours(uint slot) {
 
 void meetPoint(BodyMeeting met, uint number) {
   const vec3 change =
-      met.volume * changeByNeighbour(rules, met.offset, wendlandPull(met.r), place.w, met.velocity - velocity);
+      met.volume * changeByNeighbour(rules, met.offset, wendlandPull(met.r), pressed, met.velocity - velocity);
   noteExchange(change, met.arm);
 }
 
@@ -54,13 +61,14 @@ void main() {
   if (isParticle) {
     rules = waterRules();
     place = args.pressed.at[slot];
+    pressed = pressing(place.w);
     velocity = velocityOf(slot);
     change = changeByNeighbours(slot);
     const WallEffect walls = wallsAt(rules, place.xyz);
     const ModelAt model = modelAbout(place.xyz);
-    byWalls = changeByWalls(rules, wallsBesideModel(walls, model), place.w, velocity);
-    byModel = changeByWalls(rules, modelEffect(rules, model, walls), place.w, velocity);
+    byWalls = changeByWalls(rules, wallsBesideModel(walls, model), pressed, velocity);
+    byModel = changeByWalls(rules, modelEffect(rules, model, walls), pressed, velocity);
   }
   change += changeByTools(isParticle, place.xyz) + byWalls + byModel;
-  settleSlot(isParticle, place.xyz, velocity, change, byWalls, byModel, place.w);
+  settleSlot(isParticle, place.xyz, velocity, change, byWalls, byModel, pressed);
 }

@@ -26,6 +26,14 @@ PALPATE_FORMULA Real wendlandPull(Real r) {
   return Real(20.0) * t * t * t;
 }
 
+// How two particles of which one is at a free surface attract each other, for a difference of two places: they push each
+// other away where they are nearer than kCohesionRest, in support radii, and feel nothing of each other from 1 on.
+const float kCohesionRest = 0.35f;
+PALPATE_FORMULA Real cohesionPull(Real r) {
+  const Real t = max(Real(1.0) - r, Real(0.0));
+  return (r - Real(kCohesionRest)) * t * t;
+}
+
 // Of all weight about a place the share beyond a plane that is r support radii away; a half where it is 0.
 PALPATE_FORMULA Real shareBeyond(Real r) {
   const Real t = clamp(Real(1.0) - r, Real(0.0), Real(1.0));
@@ -53,10 +61,18 @@ PALPATE_STRUCT(WaterRules) {
   Real wallDrag;        // of a velocity, for a share of 1 / m in a layer
   Real nearest;         // no particle comes nearer to a wall
   Real step;            // s
+  Real cohesion;        // 1, for a cohesion of 1 and one particle of the two that is at a surface
 };
 PALPATE_SINGLE(WaterRules);
 
+// Below 0 where something is missing about the particle: at a free surface.
 PALPATE_FORMULA Real compressionOf(PALPATE_OF(WaterRules) rules, Real sum) { return sum / rules.restSum - Real(1.0); }
+
+// The part of a compression that pushes: a free surface pulls at nothing.
+PALPATE_FORMULA Real pressing(Real compression) { return max(compression, Real(0.0)); }
+
+// How much a particle is one of a free surface, from 0 to 1: of the first layer of a plane one an eighth is missing.
+PALPATE_FORMULA Real atSurface(Real compression) { return min(max(Real(-10.0) * compression, Real(0.0)), Real(1.0)); }
 
 // The change of a particle's velocity by a neighbour. `offset` leads from the neighbour to the particle, `pull` is
 // wendlandPull() of its length, `compressions` the sum of both, neither below 0, and `relative` the neighbour's velocity
@@ -65,6 +81,13 @@ PALPATE_FORMULA Real compressionOf(PALPATE_OF(WaterRules) rules, Real sum) { ret
 PALPATE_FORMULA PALPATE_VEC3 changeByNeighbour(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real pull,
                                                Real compressions, PALPATE_VEC3 relative) {
   return rules.push * pull * compressions * offset + rules.drag * pull * relative;
+}
+
+// The same by cohesion, for a neighbour r support radii away; `surfaces`: atSurface() of both together. Forces between pairs
+// (Tartakovsky, Meakin 2005), but of the free surface alone: where they act within a liquid, too, they hold it in the order
+// of a crystal, and it stops to flow.
+PALPATE_FORMULA PALPATE_VEC3 changeByCohesion(PALPATE_OF(WaterRules) rules, PALPATE_VEC3 offset, Real r, Real surfaces) {
+  return -rules.cohesion * surfaces * cohesionPull(r) * offset;
 }
 
 // The walls of a box from 0 to `size` about a place in it: along an axis.

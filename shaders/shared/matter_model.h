@@ -83,6 +83,19 @@ PALPATE_FUNCTION vec3 keptOut(ModelField field, ModelAt at) {
   return max(field.nearest - at.distance, 0.0f) * at.outwards;
 }
 
+// How a ball that a hand holds meets the model: it goes out of it at once, and no further into it.
+struct StoppedBall {
+  vec3 move;    // m
+  vec3 change;  // of its velocity, m/s
+};
+PALPATE_FUNCTION StoppedBall stoppedBall(ModelAt at, float radius, vec3 velocity) {
+  const float deep = radius - at.distance;
+  StoppedBall stopped;
+  stopped.move = max(deep, 0.0f) * at.outwards;
+  stopped.change = deep > 0.0f ? -min(dot(velocity, at.outwards), 0.0f) * at.outwards : vec3(0.0f);
+  return stopped;
+}
+
 // What the model is to a particle of water, as a wall that is bent: inside stands what is like it, at rest density. Where
 // it meets walls, shares are combined as if they were independent of each other.
 PALPATE_FUNCTION WallEffect modelEffect(WaterRules rules, ModelAt at, WallEffect walls) {

@@ -16,6 +16,7 @@ struct MatterPredictArgs {
   PALPATE_ADDRESS(Uints) firsts;      // out: `counts` zeros
   PALPATE_ADDRESS(HandSteps) hands;   // substep by substep
   PALPATE_ADDRESS(ToolStates) tools;
+  PALPATE_ADDRESS(Vec4s) bodyPoints;  // of a ball; the nodes of the model stand behind them
   uint particles;
   uint counts;
   uint threads;
@@ -23,7 +24,7 @@ struct MatterPredictArgs {
   uint substep;  // in its step
   uint ahead;    // substeps beyond this one for which lists are to be good
 };
-PALPATE_SIZE(MatterPredictArgs, 96);
+PALPATE_SIZE(MatterPredictArgs, 104);
 
 // The cell of each particle, and its place among those of the cell in the order of their arrival.
 struct MatterCountArgs {

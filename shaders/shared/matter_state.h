@@ -71,6 +71,7 @@ struct MatterSetting {
   float bodyReach;    // of its points and their support from there, m
   vec3 fall;          // what gravity adds to a velocity in a substep, m/s
   float bodySupport;  // m
+  float ballRadius;   // m
   float bodyKept;     // so far from its middle nothing is within the ball, m
   float bodyPush;     // what is goes outwards so far in a substep at most, m
   float listed;       // so far lists reach, m
@@ -82,7 +83,7 @@ struct MatterSetting {
   uint bodyPoints;
   uint mostListed;  // in a list, a multiple of kListedAtOnce
 };
-PALPATE_SIZE(MatterSetting, 268);
+PALPATE_SIZE(MatterSetting, 276);
 
 // A hand at the end of a substep.
 struct HandStep {
@@ -109,9 +110,10 @@ struct ToolState {
   vec3 springImpulse;  // since the step began, as what follows: kg m/s
   vec3 impulse;        // of the matter
   vec3 angular;        // of the matter, about its middle, kg m^2/s
+  vec3 modelImpulse;   // of the model that stands in the matter
   float portWork;      // of the hand, J
 };
-PALPATE_SIZE(ToolState, 128);
+PALPATE_SIZE(ToolState, 140);
 
 PALPATE_SHARED_END
 

@@ -3,6 +3,7 @@
 
 #include "engine/io/ply_reader.hpp"
 #include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
 
 namespace palpate {
 
@@ -246,6 +247,69 @@ TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and s
   CHECK(played->state("undone.json")["undoable"] == 0);
   const std::string message = played->state("carve.json")["last_message"];
   CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
+}
+
+TEST_CASE("in the window gravity, viscosity and gain change while water moves, and what there is not is said") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/tank.json --size 640x640 --rate 500 --backend cpu", R"(
+0.01 state %/begin.json
+0.02 set gravity_x_m_s2 -15
+0.03 set viscosity_Pa_s 2
+0.10 state %/set.json
+0.12 set salt 3
+0.14 state %/refused.json
+0.16 set gain -1
+0.18 state %/bounds.json
+0.60 screenshot %/tilted.png
+0.62 key N
+0.80 state %/reset.json
+0.90 quit
+)", "", [](const std::filesystem::path& folder) { std::ofstream(folder / "tank.json") << kTank; });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto begin = played->state("begin.json")["parameters"], set = played->state("set.json")["parameters"];
+  CHECK(begin["gravity_x_m_s2"] == 0);
+  CHECK(begin["viscosity_Pa_s"] == 1e-3);
+  CHECK(begin["gain"] == 1);
+  CHECK(set["gravity_x_m_s2"] == -15);
+  CHECK(set["viscosity_Pa_s"] == 2);
+  CHECK(set["gravity_y_m_s2"] == begin["gravity_y_m_s2"]);
+  CHECK(says(played->state("refused.json")["last_message"], "salt: is no parameter of water"));
+  CHECK(says(played->state("bounds.json")["last_message"], "gain: is -1; it is from 0 to 1000"));
+  CHECK(played->state("bounds.json")["parameters"] == set);
+  CHECK(says(played->state("reset.json")["last_message"], "the scene begins anew"));
+  CHECK(played->state("reset.json")["parameters"] == set);
+}
+
+TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn and saved with it") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make torus -n 6000 -o " + in("ring.ply"));
+  std::ofstream(in("ring.json")) << R"({"matter": "water", "box_mm": [80, 130, 80], "fill_mm": [80, 30, 80],
+    "spacing_mm": 10, "model": "ring.ply", "model_mm": [60, 60, 60], "tool": {"radius_mm": 12, "mass_kg": 0.01}})";
+  std::ofstream(in("down.csv")) << "t_s,x,y,z\n0,62,110,40\n0.2,62,40,40\n0.5,62,40,40\n";
+  works("touch " + in("ring.json") + " --path " + in("down.csv") + " --backend cpu --trace " + in("t.csv") + " --json " +
+        in("r.json") + " --save " + in("s.ply") + " --log " + in("log"));
+  const std::vector<Row> rows = readTrace(in("t.csv"));
+  CHECK(rows.front().force == DVec3(0));
+  CHECK(rows.back().force.y > 0.5);
+  CHECK(rows.back().proxy.y > rows.back().hip.y + 2);
+  const auto report = jsonOf(in("r.json"));
+  CHECK(report["points"].get<std::size_t>() > 6000);
+  REQUIRE(report["matter"]["ports"].size() == 1);
+  CHECK(report["matter"]["ports"][0]["energy_mJ"].get<double>() > 1);
+  CHECK(report["matter"]["ports"][0]["least_energy_mJ"].get<double>() >= -1);
+  // The particles come first; what stands there has not moved.
+  const PointCloud saved = readPly(in("s.ply"));
+  CHECK(saved.size() == report["points"]);
+  CHECK(report["moved_points"].get<std::size_t>() <= saved.size() - 6000);
+  works("replay " + in("log"));
+  // The same without a file for the scene.
+  works("info \"" + in("ring.ply") + " in water\"");
+  works("render \"" + in("ring.ply") + " in sand\" -o " + in("p.png") + " --size 320x240");
+  works("info \"soft " + in("ring.ply") + "\"");
+  const Outcome none = palpate("touch \"" + in("none.ply") + " in water\" --path builtin:press");
+  CHECK(none.code == 1);
+  CHECK(says(none.text, "none.ply in water: cannot be read"));
 }
 
 }  // namespace palpate

@@ -11,9 +11,11 @@
 #include <csignal>
 #include <deque>
 #include <functional>
+#include <list>
 #include <new>
 #include <vector>
 
+#include "engine/core/error.hpp"
 #include "haptics/servo_loop.hpp"
 #include "tests/haptics/doomed_session.hpp"
 
@@ -151,6 +153,19 @@ TEST_CASE("after a session the handlers are those from before it") {
   }
   ::sigaction(SIGTERM, nullptr, &after);
   CHECK((after.sa_handler == before.sa_handler));
+}
+
+TEST_CASE("more devices than can be guarded are an error, and those that are stay guarded") {
+  const SharedNote note;
+  RecordingDevice device(*note);
+  {
+    std::list<CrashStop> guarded;
+    for (int i = 0; i < CrashStop::kMostDevices; ++i) guarded.emplace_back(device);
+    CHECK_THROWS_AS(guarded.emplace_back(device), Error);
+    guarded.pop_back();
+    guarded.emplace_back(device);
+  }
+  const CrashStop after(device);
 }
 
 }  // namespace palpate

@@ -194,4 +194,32 @@ TEST_CASE("a force that is given is felt as it is, pulls included, within the sa
   CHECK(law.update({.touching = true, .force_N = DVec3(1)}, below(1), kTick_s) == DVec3(0));
 }
 
+TEST_CASE("a law of another program's has the say in contact, knows the usual force, and keeps within the limits") {
+  struct Seen {
+    DVec3 usual_N{0}, force_N{0.1, 0, -0.2};
+    int calls = 0;
+  } seen;
+  ForceLaw law({.stiffness_N_per_mm = 0.5, .damping_N_s_per_mm = 0, .maxForce_N = 2, .maxRise_N_per_s = 500}, ModelScale{10});
+  law.setCustom({[](void* user, const Contact&, const Pose&, double, const DVec3& usual_N) noexcept {
+                   auto& its = *static_cast<Seen*>(user);
+                   its.usual_N = usual_N;
+                   ++its.calls;
+                   return its.force_N;
+                 },
+                 &seen});
+  const auto felt_N = [&] { return law.update(onPlane(below(1)), below(1), kTick_s); };
+  CHECK(felt_N() == DVec3(0.1, 0, -0.2));  // pulls as well
+  CHECK(glm::distance(seen.usual_N, DVec3(0, 0, 5)) < 1e-12);  // 10 mm at 0.5 N/mm
+  seen.force_N = {0, 9, 0};
+  CHECK(glm::distance(felt_N(), DVec3(0.1, 0, -0.2)) <= 0.5 + 1e-12);
+  for (int i = 0; i < 30; ++i) felt_N();
+  CHECK(glm::distance(felt_N(), DVec3(0, 2, 0)) < 1e-9);
+  seen.force_N = {0, kNaN, 0};
+  CHECK(felt_N() == DVec3(0));
+  const int calls = seen.calls;
+  CHECK(law.update({.proxy = {1, 2, 0}, .valid = true}, below(1), kTick_s) == DVec3(0));  // nothing is touched
+  CHECK(law.update({.touching = true}, below(1), kTick_s) == DVec3(0));                   // a fault
+  CHECK(seen.calls == calls);
+}
+
 }  // namespace palpate

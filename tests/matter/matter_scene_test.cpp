@@ -66,7 +66,7 @@ TEST_CASE("particles begin on a lattice, half a spacing from the walls") {
 TEST_CASE("there are scenes that need no file, and another name is told which") {
   for (const std::string_view name : matterSceneNames()) CHECK(refusal(matterSceneNamed(name)) == "taken");
   CHECK_THROWS_WITH(matterSceneNamed("lava"),
-                    "there is no scene 'lava'; there are water, dam, sand, statue in water, jelly, soft statue");
+                    "there is no scene 'lava'; there are water, dam, sand, statue in water, drop, jelly, soft statue");
 }
 
 }  // namespace palpate

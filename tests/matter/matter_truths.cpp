@@ -171,4 +171,64 @@ void checkJumpingHand(const MatterMaker& make, int steps) {
   }
 }
 
+MatterScene floatingBlock(double cohesion_N_m) {
+  return {.box_mm = {36, 30, 30},
+          .fill_mm = {16, 8, 8},
+          .fill_at_mm = {10, 11, 11},
+          .spacing_mm = 1,
+          .viscosity_Pa_s = 5e-3,
+          .cohesion_N_m = cohesion_N_m,
+          .gravity_m_s2 = {0, 0, 0}};
+}
+
+namespace {
+
+struct Spread {
+  DVec3 middle{0}, width{0}, spin{0};  // root mean squares about the middle; spin: the sum of arms times velocities
+};
+
+Spread spreadOf(const MatterSimulation& world) {
+  const std::vector<Vec3> places = world.positionsById(), velocities = world.velocitiesById();
+  const double each = 1 / static_cast<double>(places.size());
+  Spread spread;
+  for (const Vec3& place : places) spread.middle += each * DVec3(place);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const DVec3 arm = DVec3(places[i]) - spread.middle;
+    spread.width += each * arm * arm;
+    spread.spin += each * glm::cross(arm, DVec3(velocities[i]));
+  }
+  spread.width = glm::sqrt(spread.width);
+  return spread;
+}
+
+}  // namespace
+
+void checkCohesion(const MatterMaker& make, int steps, double ratio) {
+  MatterScene slippery = floatingBlock(0.0728);
+  slippery.viscosity_Pa_s = 0;  // which takes spin, as it takes relative velocities whichever way they go
+  const auto block = atRest(make, floatingBlock(0.0728)), without = atRest(make, floatingBlock(0)),
+             turning = atRest(make, slippery);
+  constexpr double kTurn_rad_s = 2;
+  const Spread begin = spreadOf(*block);
+  std::vector<Vec3> velocities;
+  for (const Vec3& place : turning->positionsById())
+    velocities.emplace_back(glm::cross(DVec3(kTurn_rad_s, 0, 0), DVec3(place) - begin.middle));
+  turning->setVelocities(velocities);
+  const DVec3 spin = spreadOf(*turning).spin;
+  for (MatterSimulation* world : {block.get(), without.get(), turning.get()}) run(*world, steps);
+  const Spread is = spreadOf(*block);
+  CHECK(is.width.x / std::max(is.width.y, is.width.z) <= ratio);
+  CHECK(is.width.x / std::max(is.width.y, is.width.z) > 0.9);
+  CHECK(glm::length(is.middle - begin.middle) < 1e-7);
+  // A substep moves by what it changes velocities by, which keeps spin but for the length of the substep.
+  CHECK(glm::length(spreadOf(*turning).spin - spin) <= 1e-2 * glm::length(spin));
+  CHECK(block->impulses().onWalls == DVec3(0));
+  double farthest = 0;
+  for (const Vec3& place : block->positionsById())
+    farthest = std::max(farthest, glm::length(DVec3(place) - is.middle));
+  CHECK(farthest < 0.0102);  // a corner in the beginning
+  for (int axis = 0; axis < 3; ++axis)
+    CHECK(isWithin(1e-3, spreadOf(*without).width[axis], begin.width[axis]));
+}
+
 }  // namespace palpate

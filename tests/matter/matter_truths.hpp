@@ -22,6 +22,12 @@ void checkWallsHold(const MatterMaker& make, int steps);
 /// The same bytes by both, and again after a reset; with a tool in water, or in sand.
 void checkSameBytes(const MatterMaker& one, const MatterMaker& other, Matter matter, int steps);
 
+/// A long block of water in the air, 1 mm apart, with cohesion.
+MatterScene floatingBlock(double cohesion_N_m);
+/// That block becomes rounder, none of it is lost, and it has the momentum and the angular momentum that it had; without
+/// cohesion it stays as it is. After so many steps its length over its width is at most `ratio`, of 2.
+void checkCohesion(const MatterMaker& make, int steps, double ratio);
+
 /// Buoyancy within 3 %, on a ball of that radius; means over some steps after others.
 void checkBuoyancy(const MatterMaker& make, double radius_m, int settling, int steps);
 void checkRandomHands(const MatterMaker& make, int hands, int steps);
@@ -32,6 +38,14 @@ void checkSlope(const MatterMaker& make, double friction);
 /// Does not creep, and keeps its momentum's account.
 void checkHeap(const MatterMaker& make, const DVec3& fill_mm, int falling, int resting);
 void checkBallInSand(const MatterMaker& make);
+
+/// The same bytes with a parameter from the beginning on as where it is set then.
+void checkParametersAreTaken(const MatterMaker& make, int steps);
+/// Where one is set in mid-run nothing jumps, and momentum is accounted for; what is refused changes nothing.
+void checkParametersKeepMotion(const MatterMaker& make, int steps);
+
+/// A ball without matter about it goes no nearer to a sphere than the two radii, and feels that.
+void checkBallStopsAtModel(const MatterMaker& make);
 
 /// A tank of water or sand with an analytic shape in the middle of it.
 MatterScene modelInTank(std::string_view shape, double size_mm, Matter matter = Matter::water);

@@ -190,4 +190,8 @@ TEST_CASE("a ball that begins in water or sand grows there, and pushes out what 
   for (const Matter matter : {Matter::water, Matter::sand}) checkBallBeginsInside(onCpu(), matter, 600);
 }
 
+TEST_CASE("a ball is stopped by what stands in the matter, slides along it, and puts no energy out") {
+  checkBallStopsAtModel(onCpu());
+}
+
 }  // namespace palpate

@@ -107,4 +107,54 @@ void checkBallBeginsInside(const MatterMaker& make, Matter matter, int steps) {
   CHECK(isWithin(0.1, world->answers()[0].reaction_N.y, expected));
 }
 
+void checkBallStopsAtModel(const MatterMaker& make) {
+  constexpr double kSphere_m = 0.03, kBall_m = 0.015;
+  MatterScene scene{.box_mm = {120, 150, 120},
+                    .fill_mm = {0, 0, 0},
+                    .spacing_mm = 5,
+                    .model = "builtin:sphere",
+                    .model_mm = {60, 60, 60}};
+  scene.tool = {.radius_mm = kBall_m * 1e3, .mass_kg = 0.05};
+  const DVec3 middle(0.06, kSphere_m, 0.06), above = middle + DVec3(0, 0.06, 0);
+  for (const DVec3& way : {DVec3(0, -1, 0), glm::normalize(DVec3(1, -2, 0.5)), DVec3(0)}) {
+    const auto world = make(scene, 1, {});
+    HandPose hand{.place_m = above};
+    if (way != DVec3(0)) hand.place_m = middle - 0.06 * way;
+    double least_J = 0;
+    const auto step = [&](const DVec3& move) {
+      hand.place_m += move;
+      world->step({&hand, 1});
+      least_J = std::min(least_J, world->portEnergy_J(0));
+    };
+    for (int k = 0; k < 100; ++k) step(2.5e-4 * way);  // to 35 mm from the middle, and stays there
+    for (int k = 0; k < 300; ++k) step(DVec3(0));
+    REQUIRE(world->state() == MatterState::running);
+    const ToolAnswer& answer = world->answers()[0];
+    if (way == DVec3(0)) {  // beside it a ball feels nothing
+      CHECK(answer.byModel_N == DVec3(0));
+      CHECK(glm::length(answer.force_N) == 0);
+      continue;
+    }
+    const DVec3 out = answer.place_m - middle;
+    CHECK(isWithin(0.03, glm::length(out), kSphere_m + kBall_m));
+    CHECK(glm::dot(glm::normalize(out), -way) > 0.999);
+    // At rest the spring holds what the model does.
+    CHECK(glm::length(answer.force_N) > 5);
+    CHECK(glm::dot(glm::normalize(answer.force_N), -way) > 0.99);
+    CHECK(glm::length(answer.byModel_N - answer.force_N) <= 0.01 * glm::length(answer.force_N));
+    // Sideways nothing holds it, and it stays on the surface.
+    const DVec3 side = glm::normalize(glm::cross(way, DVec3(0.3, 0.2, 1)));
+    for (int k = 0; k < 100; ++k) {
+      step(1e-4 * side);
+      const double far_m = glm::length(world->answers()[0].place_m - middle);
+      CHECK(far_m > 0.96 * (kSphere_m + kBall_m));
+    }
+    CHECK(glm::dot(world->answers()[0].place_m - middle - out, side) > 5e-3);
+    for (int k = 0; k < 200; ++k) step(-5e-4 * way);
+    CHECK(world->answers()[0].byModel_N == DVec3(0));
+    CHECK(least_J >= -1e-3);
+    CHECK(world->portEnergy_J(0) >= -1e-3);
+  }
+}
+
 }  // namespace palpate

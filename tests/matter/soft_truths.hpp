@@ -43,6 +43,8 @@ void checkSameSoftBytes(const SoftMaker& one, const SoftMaker& other, int steps)
 void checkSoftDivergence(const SoftMaker& make);
 /// A hand that jumps gives a bounded force or ends the simulation.
 void checkSoftJump(const SoftMaker& make, int steps);
+/// Those that begin with a parameter go as those that are given it.
+void checkSoftParameters(const SoftMaker& make, int steps);
 /// Those of nodes that are pinned stay 0.
 void checkPinsHold(const SoftMaker& make, int steps);
 

@@ -36,4 +36,8 @@ TEST_CASE("water that stands in a tank comes to rest, and does not grow") {
 
 TEST_CASE("no particle is ever beyond a wall") { checkWallsHold(onCpu(), 300); }
 
+TEST_CASE("cohesion makes a block in the air rounder, and gives it neither a push nor a turn") {
+  checkCohesion(onCpu(), 300, 1.6);
+}
+
 }  // namespace palpate

@@ -52,4 +52,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a ball that begins in water grows there, on the G
   CHECK(missingMomentum(*gpu) <= 1e-5);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball is stopped by what stands in the matter, and slides along it") {
+  checkBallStopsAtModel(onGpu(device));
+}
+
 }  // namespace palpate

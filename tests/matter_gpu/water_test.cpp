@@ -90,4 +90,13 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "what becomes swift at once is listed in each 
   CHECK(world.state() == MatterState::running);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU water coheres as it does on the CPU") {
+  const MatterScene block = floatingBlock(0.0728);
+  const auto gpu = onGpu(device)(block, 0, placesAtRest(block)), cpu = onCpu()(block, 0, placesAtRest(block));
+  run(*gpu, 10);
+  run(*cpu, 10);
+  CHECK(farthestApart(*gpu, *cpu) < 1e-6);
+  checkCohesion(onGpu(device), 60, 1.95);
+}
+
 }  // namespace palpate

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/error.hpp"
 #include "engine/matter/tool_body.hpp"
 #include "engine/touch/matter_touch.hpp"
 
@@ -21,6 +22,7 @@ constexpr DVec3 kForce_N(0.3, 1.2, -0.4), kPlace_m(0.02, 0.03, 0.04), kVelocity_
 struct Told {
   std::vector<HandPose> from, to;  // of the first hand, step by step
   int begun = 0;
+  std::vector<double> gains;  // as they were changed to
   MatterState state = MatterState::running;
   std::atomic<bool> waits = false;
 };
@@ -38,6 +40,7 @@ class ToldSimulation final : public MatterSimulation {
 
  private:
   void begin() override { ++told_.begun; }
+  void takeParameters() override { told_.gains.push_back(scene().gain); }
   void placeTools(std::span<const HandPose>) override {}
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override {
     told_.waits.wait(true);
@@ -233,6 +236,23 @@ TEST_CASE("a failed simulation answers nothing that is valid, and one that is he
   told.state = MatterState::crowded;
   CHECK_FALSE(touch.query({.time_s = 0.003, .hip = DVec3(9)}, 0).valid);
   CHECK(touch.simulation()->failure() == "has too many particles in one place");
+}
+
+TEST_CASE("a parameter is taken with the next step, once, and what is refused changes nothing") {
+  Told told;
+  MatterSteps steps = stepsOf(told);
+  steps.goTo(at(0, {1, 0, 0}));
+  steps.set("gain", 7);
+  steps.set("gain", 8);
+  CHECK(told.gains.empty());
+  CHECK(steps.parameters().back().value == 8);
+  CHECK(steps.world().scene().gain == 3);
+  CHECK_THROWS_WITH_AS(steps.set("gain", -1), "gain: is -1; it is from 0 to 1000", Error);
+  CHECK_THROWS_AS(steps.set("young_Pa", 1e4), Error);
+  steps.goTo(at(0.001, {1, 0, 0}));
+  steps.goTo(at(0.002, {1, 0, 0}));
+  CHECK(told.gains == std::vector<double>{8});
+  CHECK(steps.world().scene().gain == 8);
 }
 
 }  // namespace palpate

@@ -45,7 +45,7 @@ std::vector<Contact> played(MatterTouch& touch, double rate_Hz, double until_s) 
 }
 
 PointCloud pointsOf(MatterTouch& touch, const MatterScene& scene) {
-  PointCloud cloud = cloudOf(scene, 1);
+  PointCloud cloud = cloudOf(scene, nullptr, 1);
   touch.finish();
   touch.readBack(cloud);
   return cloud;
@@ -268,7 +268,7 @@ TEST_CASE("whoever waits for a simulation that nobody has asked waits for nothin
   const MatterScene scene = tank();
   MatterTouch touch = touched(scene, {.realtime = true});
   touch.finish();
-  const PointCloud begin = cloudOf(scene, 1);
+  const PointCloud begin = cloudOf(scene, nullptr, 1);
   const auto fallen_mm = [&] {  // of a particle at the top
     return begin.positions.back().y - pointsOf(touch, scene).positions.back().y;
   };

@@ -1,0 +1,208 @@
+// Clouds and meshes in Python: views of what the library holds.
+#include "apps/python/arrays.hpp"
+
+namespace palpate::python {
+
+using CloudPointer = std::shared_ptr<PyCloud>;
+using Vector = std::array<double, 3>;
+
+namespace {
+
+pp_rows colorsOf(py::array& kept, const py::object& given, py::ssize_t count) {
+  const py::array any = py::array::ensure(given);
+  if (!any) PyErr_Clear();
+  const auto keep = [&]<class Number>(Number) {
+    kept = py::array_t<Number, py::array::c_style>(any);
+    return pp::rows(static_cast<const Number*>(kept.data()));
+  };
+  if (any && any.ndim() == 2 && any.shape(0) == count && any.shape(1) == 3) {
+    if (any.dtype().is(py::dtype::of<std::uint8_t>())) return keep(std::uint8_t{});
+    if (any.dtype().is(py::dtype::of<std::uint16_t>())) return keep(std::uint16_t{});
+  }
+  if (any && any.dtype().kind() != 'f')
+    throw py::type_error("colors: uint8 (0 to 255), uint16 (0 to 65535) or float (0 to 1) is wanted, not " +
+                         std::string(py::str(any.dtype())));
+  kept = threeColumns(given, "colors", count);
+  return rowsOf(kept);
+}
+
+py::object fieldOf(const CloudPointer& cloud, const py::object& owner, const char* name) {
+  std::uint64_t count = 0;
+  pp::check(pp_cloud_attribute_count(cloud->cloud().handle(), &count));
+  for (std::uint64_t i = 0; i < count; ++i) {
+    pp_attribute attribute{};
+    pp::check(pp_cloud_get_attribute(cloud->cloud().handle(), i, &attribute));
+    if (std::string(attribute.name) != name) continue;
+    py::array view(py::dtype(std::string(attribute.type)), {cloud->view().count}, {}, attribute.data, owner);
+    view.attr("setflags")(py::arg("write") = false);
+    return view;
+  }
+  throw py::key_error(name);
+}
+
+std::vector<std::string> attributesOf(const CloudPointer& cloud) {
+  std::uint64_t count = 0;
+  pp::check(pp_cloud_attribute_count(cloud->cloud().handle(), &count));
+  std::vector<std::string> names;
+  for (std::uint64_t i = 0; i < count; ++i) {
+    pp_attribute attribute{};
+    pp::check(pp_cloud_get_attribute(cloud->cloud().handle(), i, &attribute));
+    names.emplace_back(attribute.name);
+  }
+  return names;
+}
+
+/// File coordinates: where the points lie as floats, if those are all there is to know, else a copy in doubles.
+py::object placesOf(const py::object& self) {
+  const auto cloud = self.cast<CloudPointer>();
+  const pp_points points = cloud->view();
+  const auto count = static_cast<py::ssize_t>(points.count);
+  const bool atOrigin = points.origin[0] == 0 && points.origin[1] == 0 && points.origin[2] == 0;
+  py::array_t<double> places(std::vector<py::ssize_t>{count, 3});
+  double* const to = places.mutable_data();
+  bool asFloats = atOrigin;
+  {
+    py::gil_scoped_release released;
+    pp::check(pp_cloud_copy_places(cloud->cloud().handle(), to, points.count));
+    for (std::uint64_t i = 0; asFloats && i < 3 * points.count; ++i)
+      asFloats = to[i] == static_cast<double>(points.positions[i]);
+  }
+  if (asFloats) return viewOf(points.positions, {count, 3}, self);
+  places.attr("setflags")(py::arg("write") = false);
+  return places;
+}
+
+void bindMeshes(py::module_& module) {
+  py::class_<PyMesh, std::shared_ptr<PyMesh>>(module, "Mesh")
+      .def_property_readonly("vertices",
+                             [](const py::object& self) -> py::object {
+                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+                               const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
+                               return viewOf(mesh.vertices.positions, {count, 3}, self);
+                             })
+      .def_property_readonly("origin",
+                             [](const PyMesh& mesh) {
+                               const pp_points points = mesh.mesh().view().vertices;
+                               return Vector{points.origin[0], points.origin[1], points.origin[2]};
+                             })
+      .def_property_readonly("normals",
+                             [](const py::object& self) -> py::object {
+                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+                               const auto count = static_cast<py::ssize_t>(mesh.vertices.count);
+                               return viewOf(mesh.vertices.normals, {count, 3}, self);
+                             })
+      .def_property_readonly("triangles",
+                             [](const py::object& self) -> py::object {
+                               const pp_triangles mesh = self.cast<std::shared_ptr<PyMesh>>()->mesh().view();
+                               return viewOf(mesh.triangles, {static_cast<py::ssize_t>(mesh.count), 3}, self);
+                             })
+      .def_property_readonly("closed", [](const PyMesh& mesh) { return mesh.mesh().view().closed != 0; })
+      .def("save", [](const PyMesh& mesh, const py::object& path, bool ascii) {
+        const std::string file = fileOf(path);
+        pp_write_options options = pp_default_write_options();
+        options.ascii = ascii ? 1 : 0;
+        py::gil_scoped_release released;
+        mesh.mesh().write(file, options);
+      }, py::arg("file"), py::arg("ascii") = false,
+           "save(file, ascii=False)\n\nVertices with normals, and triangles.")
+      .def("__repr__", [](const PyMesh& mesh) {
+        const pp_triangles triangles = mesh.mesh().view();
+        return "<palpate.Mesh of " + std::to_string(triangles.count) + " triangles, " +
+               (triangles.closed ? "closed>" : "open>");
+      });
+}
+
+}  // namespace
+
+std::shared_ptr<PyCloud> PyCloud::of(const py::object& xyz, const py::object& normals, const py::object& colors) {
+  const py::array places = threeColumns(xyz, "xyz");
+  pp_cloud_arrays arrays = pp_default_cloud_arrays();
+  arrays.count = static_cast<std::uint64_t>(places.shape(0));
+  arrays.positions = rowsOf(places);
+  py::array facing, painted;  // kept until they are copied
+  if (!normals.is_none()) {
+    facing = threeColumns(normals, "normals", places.shape(0));
+    arrays.normals = rowsOf(facing);
+  }
+  if (!colors.is_none()) arrays.colors = colorsOf(painted, colors, places.shape(0));
+  py::gil_scoped_release released;
+  return std::make_shared<PyCloud>(pp::Cloud(arrays));
+}
+
+void bindClouds(py::module_& module) {
+  py::class_<PyCloud, CloudPointer>(module, "Cloud",
+                                     "Cloud(xyz, normals=None, colors=None)\n\n"
+                                     "Points, never changed once they are made. xyz: (N, 3), model units; doubles keep their\n"
+                                     "precision. normals: (N, 3), made unit length. colors: (N, 3), uint8 0 to 255, uint16 0 to\n"
+                                     "65535 or float 0 to 1. All are copied; what is shown is a view of palpate's own memory,\n"
+                                     "which cannot be written to and keeps the cloud.")
+      .def(py::init(&PyCloud::of), py::arg("xyz"), py::arg("normals") = py::none(), py::arg("colors") = py::none())
+      .def("__repr__", [](const PyCloud& cloud) {
+        const pp_points p = cloud.view();
+        const auto side = [&](int k) { return py::str("{:.6g}").format(p.max[k] - p.min[k]).cast<std::string>(); };
+        return "<palpate.Cloud of " + std::to_string(p.count) + " points" + (p.normals ? ", normals" : "") +
+               (p.colors ? ", colors" : "") + ", " + side(0) + " x " + side(1) + " x " + side(2) + ">";
+      })
+      .def("__len__", [](const PyCloud& cloud) { return cloud.view().count; })
+      .def_property_readonly("xyz", &placesOf,
+                             "(N, 3), file coordinates: a float32 view where that is all there is to know, else float64.")
+      .def_property_readonly("positions",
+                             [](const py::object& self) {
+                               const pp_points points = self.cast<CloudPointer>()->view();
+                               return viewOf(points.positions, {static_cast<py::ssize_t>(points.count), 3}, self);
+                             },
+                             "(N, 3) float32 view, relative to origin.")
+      .def_property_readonly("origin",
+                             [](const PyCloud& cloud) {
+                               const pp_points points = cloud.view();
+                               return Vector{points.origin[0], points.origin[1], points.origin[2]};
+                             })
+      .def_property_readonly("normals",
+                             [](const py::object& self) -> py::object {
+                               const pp_points points = self.cast<CloudPointer>()->view();
+                               if (!points.normals) return py::none();
+                               return viewOf(points.normals, {static_cast<py::ssize_t>(points.count), 3}, self);
+                             })
+      .def_property_readonly("colors",
+                             [](const py::object& self) -> py::object {
+                               const pp_points points = self.cast<CloudPointer>()->view();
+                               if (!points.colors) return py::none();
+                               return viewOf(points.colors, {static_cast<py::ssize_t>(points.count), 4}, self);
+                             })
+      .def_property_readonly("bounds",
+                             [](const PyCloud& cloud) {
+                               const pp_points p = cloud.view();
+                               return std::pair(Vector{p.min[0], p.min[1], p.min[2]}, Vector{p.max[0], p.max[1], p.max[2]});
+                             })
+      .def_property_readonly("attributes", &attributesOf)
+      .def("attribute", [](const py::object& self, const std::string& name) {
+        return fieldOf(self.cast<CloudPointer>(), self, name.c_str());
+      }, py::arg("name"));
+
+  bindMeshes(module);
+
+  module.def("read", [](const py::object& path, bool all_points, bool normals_from_faces) {
+    const std::string file = fileOf(path);
+    pp_read_options options = pp_default_read_options();
+    options.all_points = all_points ? 1 : 0;
+    options.normals_from_faces = normals_from_faces ? 1 : 0;
+    py::gil_scoped_release released;
+    return std::make_shared<PyCloud>(pp::Cloud::read(file, options));
+  }, py::arg("file"), py::arg("all_points") = false, py::arg("normals_from_faces") = false,
+      "read(file, all_points=False, normals_from_faces=False) -> Cloud\n\n"
+      "A cloud from a file of any format in formats_read(). all_points: of a reconstruction also those that its own\n"
+      "measures tell to be unreliable. Raises Error with file and line.");
+  module.def("write", [](const py::object& path, const PyCloud& cloud, bool ascii, bool keep) {
+    const std::string file = fileOf(path);
+    pp_write_options options = pp_default_write_options();
+    options.ascii = ascii ? 1 : 0;
+    options.keep = keep ? 1 : 0;
+    py::gil_scoped_release released;
+    cloud.cloud().write(file, options);
+  }, py::arg("file"), py::arg("cloud"), py::arg("ascii") = false, py::arg("keep") = false,
+      "write(file, cloud, ascii=False, keep=False)\n\n"
+      "By the file's ending, one of formats_written(). It appears under its name only when it is whole; keep: a file that is\n"
+      "there already is kept as NAME.EXT.bak. Raises Error with the file.");
+}
+
+}  // namespace palpate::python

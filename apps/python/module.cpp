@@ -1,0 +1,50 @@
+// The Python module palpate._palpate, over the C interface.
+#include "apps/python/arrays.hpp"
+
+namespace {
+
+using namespace palpate::python;
+
+/// Python's own class of errors, in palpate/_errors.py.
+void translate(const pp::Error& error) {
+  const py::object errors = py::module_::import("palpate._errors");
+  const py::object kind = errors.attr(error.status() == PP_ERROR_ARGUMENT ? "UsageError" : "Error");
+  const py::object file = error.file().empty() ? py::object(py::none()) : py::object(py::str(error.file()));
+  const py::object line = error.line() == 0 ? py::object(py::none()) : py::object(py::int_(error.line()));
+  const py::object made = kind(error.what(), py::arg("status") = pp_status_name(error.status()), py::arg("file") = file,
+                               py::arg("line") = line);
+  PyErr_SetObject(kind.ptr(), made.ptr());
+}
+
+std::vector<std::string> gpuNames() {
+  std::uint32_t count = 0;
+  pp::check(pp_gpu_count(&count));
+  std::vector<std::string> names;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::array<char, 256> name{};
+    pp::check(pp_gpu_name(i, name.data(), name.size()));
+    names.emplace_back(name.data());
+  }
+  return names;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_palpate, module) {
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const pp::Error& error) {
+      translate(error);
+    }
+  });
+  py::options options;
+  options.disable_function_signatures();
+  module.def("version", &pp::version);
+  module.def("gpus", &gpuNames, py::call_guard<py::gil_scoped_release>());
+  module.def("formats_read", &pp_formats_read);
+  module.def("formats_written", &pp_formats_written);
+  module.def("_tick_dtype", &palpate::python::tickType);
+  bindClouds(module);
+  bindSessions(module);
+}

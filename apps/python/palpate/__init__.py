@@ -1,0 +1,49 @@
+"""palpate: feel, see and sculpt point clouds.
+
+    import numpy as np, palpate as pp
+    cloud = pp.read("scan.laz")                      # or pp.Cloud(xyz, normals=n, colors=c)
+    with pp.Session(cloud, gpu="cpu") as s:
+        t = s.touch(path, surface="sharp")           # a structured array, one row a tick
+        s.push(path, radius_mm=4); s.undo()
+        picture = s.render((1280, 720))              # uint8, H x W x 4
+        s.mesh(lattice=256).save("m.ply")
+
+Positions are in model units (the coordinates of the cloud's file), lengths that a hand feels in mm, forces in N, times in s.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import _palpate
+from ._errors import Error, UsageError
+from ._palpate import Cloud, Mesh, formats_read, formats_written, gpus, read, write
+from ._session import Live, Session
+
+__all__ = [
+    "Cloud",
+    "Error",
+    "Live",
+    "Mesh",
+    "Session",
+    "UsageError",
+    "formats_read",
+    "formats_written",
+    "gpus",
+    "read",
+    "tick_dtype",
+    "write",
+]
+
+__version__: str = _palpate.version()
+
+if TYPE_CHECKING:
+    import numpy
+
+    tick_dtype: numpy.dtype[Any]  # of what touch() gives
+
+
+def __getattr__(name: str) -> Any:
+    if name == "tick_dtype":  # when it is first asked for: it takes NumPy, which takes longer than all of this
+        return _palpate._tick_dtype()
+    raise AttributeError(f"module 'palpate' has no attribute '{name}'")

@@ -1,0 +1,299 @@
+"""Sessions, over the C interface; what runs at the pace of a hand runs there."""
+
+from __future__ import annotations
+
+import atexit
+import struct
+import threading
+import time
+import weakref
+import zlib
+from typing import TYPE_CHECKING, Any, Callable
+
+from . import _palpate
+from ._errors import Error
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    from numpy.typing import NDArray
+
+_alive: weakref.WeakSet[Live] = weakref.WeakSet()
+
+
+class Session(_palpate._Session):
+    """A cloud that is felt, seen and sculpted.
+
+    Args:
+        cloud: the points; normals are estimated where it has none.
+        gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
+        mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
+        surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
+        radius_mm: support radius; None: by the spacing of the points.
+        friction: coefficient of a proxy that slides; 0 is none.
+        stiffness_N_per_mm, damping_N_s_per_mm, max_force_N: of the force.
+        rate_Hz: ticks per second.
+        estimate_normals: also where the cloud has some.
+        threads: of the CPU; 0: one per core.
+        undo_memory_MiB: for strokes that can be taken back.
+        law: a compiled force law in place of spring and damper: "libmine.so:law", or a numba cfunc.
+
+    Raises Error, and UsageError for an argument that is out of its bounds. Threads may share it and wait for one another.
+    """
+
+    def __init__(
+        self,
+        cloud: _palpate.Cloud,
+        gpu: int | str | None = None,
+        mm_per_unit: float | None = None,
+        *,
+        surface: str = "average",
+        radius_mm: float | None = None,
+        friction: float = 0,
+        stiffness_N_per_mm: float = 0.8,
+        damping_N_s_per_mm: float = 0.002,
+        max_force_N: float = 3.3,
+        rate_Hz: float = 1000,
+        estimate_normals: bool = False,
+        threads: int = 0,
+        undo_memory_MiB: float = 1024,
+        law: Any = None,
+    ) -> None:
+        super().__init__(
+            cloud,
+            None if gpu is None else str(gpu),
+            mm_per_unit,
+            surface=surface,
+            radius_mm=radius_mm,
+            friction=friction,
+            stiffness_N_per_mm=stiffness_N_per_mm,
+            damping_N_s_per_mm=damping_N_s_per_mm,
+            max_force_N=max_force_N,
+            rate_Hz=rate_Hz,
+            estimate_normals=estimate_normals,
+            threads=threads,
+            undo_memory_MiB=undo_memory_MiB,
+            law=law,
+        )
+        self._live: Live | None = None
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the session, and what is live of it; its clouds, meshes and arrays stay."""
+        if self._live is not None:
+            self._live._end()
+        super().close()
+
+    def push(self, path: Any, radius_mm: float = 6, **settings: Any) -> NDArray[Any]:
+        """Follows the path and pushes the points before it, as stroke() does."""
+        return self.stroke(path, "push", radius_mm=radius_mm, **settings)
+
+    def carve(self, path: Any, radius_mm: float = 6, **settings: Any) -> NDArray[Any]:
+        """Follows the path and takes points away, as stroke() does."""
+        return self.stroke(path, "carve", radius_mm=radius_mm, **settings)
+
+    def live(
+        self,
+        device: str | None = None,
+        rate: float = 0,
+        on_ticks: Callable[[NDArray[Any]], object] | None = None,
+        *,
+        path: Any = None,
+        builtin: str | None = None,
+        law: Any = None,
+        interval_s: float = 1 / 30,
+    ) -> Live:
+        """Begins ticks against the wall clock, on a servo thread that Python has no part in.
+
+        Args:
+            device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
+            rate: ticks per second; 0: the session's.
+            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`.
+            path: of a device that is none: an array as of touch(), followed once.
+            builtin: of sim and path: "press", "slide", "scan" or "orbit".
+            law: in place of the session's.
+        """
+        self._live_start(device, rate, builtin, path, law)
+        self._live = Live(self, on_ticks, interval_s)
+        return self._live
+
+    @property
+    def points(self) -> int:
+        """That the cloud had."""
+        return int(self._info()["points"])
+
+    @property
+    def mm_per_unit(self) -> float:
+        """Millimetres per model unit."""
+        return float(self._info()["mm_per_unit"])
+
+    @property
+    def spacing_mm(self) -> float:
+        """Mean distance of neighbouring points."""
+        return float(self._info()["spacing_mm"])
+
+    @property
+    def radius_mm(self) -> float:
+        """Support radius."""
+        return float(self._info()["radius_mm"])
+
+    @property
+    def rate_Hz(self) -> float:
+        """Ticks per second."""
+        return float(self._info()["rate_Hz"])
+
+    @property
+    def undoable(self) -> int:
+        """Strokes that can be taken back."""
+        return int(self._info()["undoable"])
+
+    @property
+    def redoable(self) -> int:
+        """Strokes that can be done again."""
+        return int(self._info()["redoable"])
+
+    @property
+    def machine(self) -> str:
+        """What answers, in words."""
+        return str(self._info()["machine"])
+
+    @property
+    def backend(self) -> str:
+        """ "vulkan" or "cpu"."""
+        return str(self._info()["backend"])
+
+    def __repr__(self) -> str:
+        try:
+            info = self._info()
+        except Error as error:
+            return f"<palpate.Session: {error}>"
+        return f"<palpate.Session of {info['points']} points on {info['machine']}, {info['undoable']} strokes>"
+
+    def _repr_png_(self) -> bytes:
+        """What a notebook shows."""
+        return _png(self.render((640, 400)))
+
+
+class Live:
+    """A session that runs against the clock, until stop(), or for as long as a `with` lasts."""
+
+    def __init__(
+        self, session: Session, on_ticks: Callable[[NDArray[Any]], object] | None, interval_s: float
+    ) -> None:
+        self._session = session
+        self._on_ticks = on_ticks
+        self._interval_s = interval_s
+        self._over = threading.Event()
+        self._failure: BaseException | None = None
+        self._failed = False
+        self._thread: threading.Thread | None = None
+        _alive.add(self)
+        if on_ticks is not None:
+            self._thread = threading.Thread(target=self._follow, name="palpate ticks", daemon=True)
+            self._thread.start()
+
+    def take(self) -> NDArray[Any]:
+        """The ticks since the last call; only where there is no on_ticks, which has them. Raises what ended the session."""
+        if self._on_ticks is not None:
+            raise Error("the ticks go to on_ticks", status="state")
+        return self._session._live_take()
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Waits until the session ends, or so long. True where it has ended; raises what went wrong on_ticks or with it."""
+        end = None if seconds is None else time.monotonic() + seconds
+        while self.running and (end is None or time.monotonic() < end):
+            left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))
+            if self._over.wait(left):
+                break
+        self._raise()
+        return not self.running
+
+    def stop(self) -> None:
+        """Waits for the tick under way; the device has no force then. Raises what went wrong on_ticks."""
+        self._end()
+        self._raise()
+
+    @property
+    def running(self) -> bool:
+        """False once it has ended, or was stopped."""
+        return not self._over.is_set() and self._session._live_running()
+
+    @property
+    def missed(self) -> int:
+        """Ticks whose time had passed, of those before the last one taken."""
+        return self._session._live_missed()
+
+    def set_forces(self, on: bool) -> None:
+        """No force while they are off; a ramp when they are on again."""
+        self._session._live_forces(on)
+
+    def __enter__(self) -> Live:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._end()
+        if kind is None:
+            self._raise()
+
+    def __repr__(self) -> str:
+        return f"<palpate.Live, {'running' if self.running else 'ended'}>"
+
+    def _follow(self) -> None:
+        try:
+            while not self._over.wait(self._interval_s):
+                self._pass_on()
+        except BaseException as failure:  # told in wait() and stop(), by the thread that asks
+            self._failure, self._failed = failure, True
+            self._over.set()
+
+    def _pass_on(self) -> None:
+        ticks = self._session._live_take()
+        if len(ticks) and self._on_ticks is not None:
+            self._on_ticks(ticks)
+
+    def _end(self) -> None:
+        if self not in _alive:
+            return
+        _alive.discard(self)
+        self._over.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+        self._session._live_stop()
+        if self._on_ticks is not None and not self._failed:
+            try:
+                self._pass_on()  # the last of them
+            except Exception as failure:
+                self._failure, self._failed = failure, True
+
+    def _raise(self) -> None:
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+
+def _png(rgba: NDArray[Any]) -> bytes:
+    height, width, _ = rgba.shape
+    rows = b"".join(b"\0" + rgba[y].tobytes() for y in range(height))
+
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    head = struct.pack(">IIBBBBB", width, height, 8, 6, 0, 0, 0)
+    return (
+        b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows, 6)) + chunk(b"IEND", b"")
+    )
+
+
+@atexit.register
+def _end_all() -> None:
+    for live in list(_alive):
+        live._end()

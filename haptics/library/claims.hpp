@@ -1,0 +1,38 @@
+// Who is in a call on a session: at most one thread that touches and one that looks.
+#pragma once
+
+#include <atomic>
+
+#include "haptics/library/failures.hpp"
+
+namespace palpate::library {
+
+enum class Claim : unsigned { touch = 1, look = 2, all = 3 };
+
+class Claims {
+ public:
+  /// Held while a call lasts. Throws ThreadError where another thread has what it wants.
+  class Held {
+   public:
+    Held(Claims& claims, Claim claim) : claims_(claims), bits_(static_cast<unsigned>(claim)) { claims_.take(bits_); }
+    ~Held() { claims_.taken_.fetch_and(~bits_, std::memory_order_release); }
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+
+   private:
+    Claims& claims_;
+    unsigned bits_;
+  };
+
+ private:
+  void take(unsigned bits) {
+    unsigned before = taken_.load(std::memory_order_relaxed);
+    do {
+      if (before & bits) throw ThreadError("another thread is in a call on this session that does not go with this one");
+    } while (!taken_.compare_exchange_weak(before, before | bits, std::memory_order_acquire));
+  }
+
+  std::atomic<unsigned> taken_ = 0;
+};
+
+}  // namespace palpate::library

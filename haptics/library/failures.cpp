@@ -1,0 +1,111 @@
+#include "haptics/library/failures.hpp"
+
+#include <new>
+#include <string>
+
+namespace palpate::library {
+
+namespace {
+
+struct Failure {
+  pp_status status = PP_OK;
+  std::string text, file;
+  std::uint64_t line = 0;
+};
+
+thread_local Failure last;
+
+pp_status note(pp_status status, const char* text, const FileError* about = nullptr) {
+  last.status = status;
+  last.text = text;
+  last.file = about ? about->file().string() : std::string();
+  last.line = about ? about->line() : 0;
+  return status;
+}
+
+// Of the exception that is being handled; throws std::bad_alloc where there is no room for its words.
+pp_status noteHandled() {
+  try {
+    throw;
+  } catch (const HandleError& error) {
+    return note(PP_ERROR_HANDLE, error.what());
+  } catch (const ThreadError& error) {
+    return note(PP_ERROR_THREAD, error.what());
+  } catch (const StateError& error) {
+    return note(PP_ERROR_STATE, error.what());
+  } catch (const DeviceError& error) {
+    return note(PP_ERROR_DEVICE, error.what());
+  } catch (const UnsupportedError& error) {
+    return note(PP_ERROR_UNSUPPORTED, error.what());
+  } catch (const BugFound& error) {
+    return note(PP_ERROR_BUG, error.what());
+  } catch (const UsageError& error) {
+    return note(PP_ERROR_ARGUMENT, error.what());
+  } catch (const FileError& error) {
+    return note(PP_ERROR_FILE, error.what(), &error);
+  } catch (const GpuError& error) {
+    return note(PP_ERROR_GPU, error.what());
+  } catch (const std::exception& error) {
+    return note(PP_ERROR_FAILED, error.what());
+  } catch (...) {
+    return note(PP_ERROR_FAILED, "something was thrown that is no error of palpate's");
+  }
+}
+
+}  // namespace
+
+pp_status noteFailure() noexcept {
+  try {
+    try {
+      throw;
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (...) {
+      return noteHandled();
+    }
+  } catch (...) {
+    // What is short enough is kept without an allocation.
+    last = {.status = PP_ERROR_MEMORY, .text = "out of memory", .file = {}, .line = 0};
+    return PP_ERROR_MEMORY;
+  }
+}
+
+}  // namespace palpate::library
+
+using palpate::library::last;
+
+pp_status pp_last_status(void) { return last.status; }
+const char* pp_last_error(void) { return last.text.c_str(); }
+const char* pp_last_error_file(void) { return last.file.c_str(); }
+uint64_t pp_last_error_line(void) { return last.line; }
+const char* pp_version(void) { return PALPATE_VERSION; }
+
+const char* pp_status_name(pp_status status) {
+  switch (status) {
+    case PP_OK:
+      return "ok";
+    case PP_ERROR_ARGUMENT:
+      return "argument";
+    case PP_ERROR_HANDLE:
+      return "handle";
+    case PP_ERROR_THREAD:
+      return "thread";
+    case PP_ERROR_STATE:
+      return "state";
+    case PP_ERROR_FILE:
+      return "file";
+    case PP_ERROR_GPU:
+      return "gpu";
+    case PP_ERROR_MEMORY:
+      return "memory";
+    case PP_ERROR_DEVICE:
+      return "device";
+    case PP_ERROR_UNSUPPORTED:
+      return "unsupported";
+    case PP_ERROR_FAILED:
+      return "failed";
+    case PP_ERROR_BUG:
+      return "bug";
+  }
+  return "unknown";
+}

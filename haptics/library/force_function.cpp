@@ -1,0 +1,57 @@
+#include "haptics/library/force_function.hpp"
+
+#include "engine/core/error.hpp"
+#include "haptics/devices/shared_library.hpp"
+
+namespace palpate::library {
+
+namespace {
+
+void put(const DVec3& vector, double (&to)[3]) {
+  for (int k = 0; k < 3; ++k) to[k] = vector[k];
+}
+
+pp_force_law loaded(const std::string& library) {
+  const std::size_t colon = library.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == library.size())
+    throw UsageError("law: '{}' is not LIBRARY:FUNCTION, as in libmine.so:law", library);
+  const std::string file = library.substr(0, colon), name = library.substr(colon + 1);
+  const LoadedLibrary opened = loadLibrary(file);
+  if (!opened.handle) throw Error("law: {}", opened.error);
+  void* const function = functionIn(opened.handle, name);
+  if (!function) throw Error("law: {} has no function {}", file, name);
+  return reinterpret_cast<pp_force_law>(function);
+}
+
+}  // namespace
+
+pp_contact contactOf(const Contact& contact, const DVec3& hip, const DVec3& force_N, double mm_per_unit) {
+  pp_contact told{};
+  put(contact.proxy, told.proxy);
+  put(contact.normal, told.normal);
+  put(force_N, told.force_N);
+  told.penetration_mm = contact.touching ? mm_per_unit * glm::length(contact.proxy - hip) : 0;
+  told.neighbours = contact.neighbours;
+  told.contact = contact.touching;
+  told.fresh = contact.fresh;
+  told.valid = contact.valid;
+  return told;
+}
+
+ForceFunction::ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit)
+    : law_(library.empty() ? law : loaded(library)), user_(user), mm_per_unit_(mm_per_unit) {}
+
+DVec3 ForceFunction::call(void* user, const Contact& contact, const Pose& pose, double dt_s,
+                          const DVec3& usual_N) noexcept {
+  const auto& self = *static_cast<const ForceFunction*>(user);
+  pp_pose told{};
+  told.t_s = pose.time_s;
+  put(pose.hip, told.hip);
+  told.feels = !pose.sculpts;
+  const pp_contact answer = contactOf(contact, pose.hip, usual_N, self.mm_per_unit_);
+  double force_N[3]{};
+  self.law_(self.user_, &told, &answer, dt_s, force_N);
+  return {force_N[0], force_N[1], force_N[2]};
+}
+
+}  // namespace palpate::library

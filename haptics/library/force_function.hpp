@@ -1,0 +1,31 @@
+// A force law that a program brings, in C or loaded from a library of its own.
+#pragma once
+
+#include <palpate/palpate.h>
+
+#include <string>
+
+#include "haptics/force_law.hpp"
+
+namespace palpate::library {
+
+class ForceFunction {
+ public:
+  ForceFunction() = default;
+  /// `library`: "libmine.so:function", in place of `law`; empty: none. Throws UsageError, and Error with the loader's words.
+  ForceFunction(pp_force_law law, void* user, const std::string& library, double mm_per_unit);
+
+  /// Valid as long as this stays where it is; nothing where the program has brought none.
+  CustomForce custom() { return law_ ? CustomForce{&call, this} : CustomForce{}; }
+
+ private:
+  static DVec3 call(void* user, const Contact& contact, const Pose& pose, double dt_s, const DVec3& usual_N) noexcept;
+
+  pp_force_law law_ = nullptr;
+  void* user_ = nullptr;
+  double mm_per_unit_ = 1;
+};
+
+pp_contact contactOf(const Contact& contact, const DVec3& hip, const DVec3& force_N, double mm_per_unit);
+
+}  // namespace palpate::library

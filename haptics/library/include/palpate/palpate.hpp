@@ -1,0 +1,244 @@
+// palpate: feel, see and sculpt point clouds in real time. The C interface (palpate.h, which says the units, threads and
+// the meaning of every option) with lifetimes and exceptions; C++17, header-only, so that it is compiled into your program
+// and only the C interface crosses to the library.
+#ifndef PALPATE_HPP
+#define PALPATE_HPP
+
+#include <palpate/palpate.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pp {
+
+/// What a call could not do, in palpate's words.
+class Error : public std::runtime_error {
+ public:
+  Error(pp_status status, const char* text, const char* file, std::uint64_t line)
+      : std::runtime_error(text), status_(status), file_(file), line_(line) {}
+
+  pp_status status() const { return status_; }
+  const std::string& file() const { return file_; }  ///< empty where it was about none
+  std::uint64_t line() const { return line_; }       ///< 0 where none is known
+
+ private:
+  pp_status status_;
+  std::string file_;
+  std::uint64_t line_;
+};
+
+/// Throws Error with the words of the last failure of this thread.
+inline void check(pp_status status) {
+  if (status != PP_OK) throw Error(status, pp_last_error(), pp_last_error_file(), pp_last_error_line());
+}
+
+inline std::string version() { return pp_version(); }
+
+/// Numbers of points in memory, three a row, which follow one another.
+inline pp_rows rows(const float* data) { return {data, PP_FLOAT32, 0, 0}; }
+inline pp_rows rows(const double* data) { return {data, PP_FLOAT64, 0, 0}; }
+inline pp_rows rows(const std::uint8_t* data) { return {data, PP_UINT8, 0, 0}; }
+inline pp_rows rows(const std::uint16_t* data) { return {data, PP_UINT16, 0, 0}; }
+
+/// A way of `count` places x y z, model units: one for each tick. The numbers stay yours.
+inline pp_path path(const double* places, std::uint64_t count) {
+  pp_path path = pp_default_path();
+  path.data = places;
+  path.rows = count;
+  return path;
+}
+/// The same with seconds first.
+inline pp_path timedPath(const double* rows, std::uint64_t count) {
+  pp_path timed = path(rows, count);
+  timed.columns = 4;
+  return timed;
+}
+
+namespace detail {
+
+/// A handle that is closed when it goes. Move-only.
+template <class Handle, pp_status (*kClose)(Handle)>
+class Owned {
+ public:
+  Owned() = default;
+  explicit Owned(Handle handle) : handle_(handle) {}
+  Owned(Owned&& other) noexcept : handle_(std::exchange(other.handle_, Handle{})) {}
+  Owned& operator=(Owned&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~Owned() { close(); }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+
+  /// For calls of the C interface.
+  Handle handle() const { return handle_; }
+  bool isOpen() const { return handle_.id != 0; }
+  /// Before it goes; without effect where it is closed already.
+  void close() {
+    if (isOpen()) kClose(std::exchange(handle_, Handle{}));
+  }
+
+ private:
+  Handle handle_{};
+};
+
+}  // namespace detail
+
+/// Points with normals and colours, never changed once they are made.
+class Cloud : public detail::Owned<pp_cloud, pp_cloud_close> {
+ public:
+  using Owned::Owned;
+  explicit Cloud(const pp_cloud_arrays& arrays) : Owned(created(arrays)) {}
+  /// Of any format that palpate knows. Throws Error with file and line.
+  static Cloud read(const std::string& file, const pp_read_options& options = pp_default_read_options()) {
+    pp_cloud cloud{};
+    check(pp_cloud_read(file.c_str(), &options, &cloud));
+    return Cloud(cloud);
+  }
+
+  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
+    check(pp_cloud_write(handle(), file.c_str(), &options));
+  }
+  /// Where the points lie, as long as this is open; nothing is copied.
+  pp_points view() const {
+    pp_points points{};
+    check(pp_cloud_view(handle(), &points));
+    return points;
+  }
+  std::uint64_t size() const { return view().count; }
+  /// x y z of each point in file coordinates, copied.
+  std::vector<double> places() const {
+    std::vector<double> places(3 * size());
+    check(pp_cloud_copy_places(handle(), places.data(), size()));
+    return places;
+  }
+
+ private:
+  static pp_cloud created(const pp_cloud_arrays& arrays) {
+    pp_cloud cloud{};
+    check(pp_cloud_create(&arrays, &cloud));
+    return cloud;
+  }
+};
+
+/// Triangles around points.
+class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
+ public:
+  using Owned::Owned;
+  pp_triangles view() const {
+    pp_triangles triangles{};
+    check(pp_mesh_view(handle(), &triangles));
+    return triangles;
+  }
+  void write(const std::string& file, const pp_write_options& options = pp_default_write_options()) const {
+    check(pp_mesh_write(handle(), file.c_str(), &options));
+  }
+};
+
+/// A cloud that is felt, seen and sculpted.
+class Session : public detail::Owned<pp_session, pp_session_close> {
+ public:
+  using Owned::Owned;
+  explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
+      : Owned(made(cloud, options)) {}
+
+  pp_session_info info() const {
+    pp_session_info info = pp_default_session_info();
+    check(pp_session_get_info(handle(), &info));
+    return info;
+  }
+
+  /// Follows the path in virtual time and only feels.
+  std::vector<pp_tick> touch(const pp_path& path) {
+    std::vector<pp_tick> ticks(ticksOf(path));
+    std::uint64_t count = 0;
+    check(pp_session_touch(handle(), &path, ticks.data(), ticks.size(), &count));
+    ticks.resize(count);
+    return ticks;
+  }
+  /// One tick of a servo loop of your own.
+  pp_contact touch(const pp_pose& pose) {
+    pp_contact contact;
+    check(pp_touch(handle(), &pose, &contact));
+    return contact;
+  }
+  void lift() { check(pp_touch_lift(handle())); }
+
+  void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
+  void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
+  void setFeel(const pp_feel& feel) { check(pp_session_set_feel(handle(), &feel)); }
+  /// Follows the path with a brush.
+  std::vector<pp_tick> stroke(const pp_path& path, const pp_brush& brush = pp_default_brush()) {
+    std::vector<pp_tick> ticks(ticksOf(path));
+    std::uint64_t count = 0;
+    check(pp_session_stroke(handle(), &path, &brush, ticks.data(), ticks.size(), &count));
+    ticks.resize(count);
+    return ticks;
+  }
+  /// How many strokes there were to take back, or to do again.
+  std::uint64_t undo(std::uint64_t strokes = 1) {
+    std::uint64_t done = 0;
+    check(pp_session_undo(handle(), strokes, &done));
+    return done;
+  }
+  std::uint64_t redo(std::uint64_t strokes = 1) {
+    std::uint64_t done = 0;
+    check(pp_session_redo(handle(), strokes, &done));
+    return done;
+  }
+  void follow() { check(pp_session_follow(handle())); }
+  Cloud cloud() {
+    pp_cloud cloud{};
+    check(pp_session_cloud(handle(), &cloud));
+    return Cloud(cloud);
+  }
+
+  /// Rows from the top, RGBA.
+  std::vector<std::uint8_t> render(const pp_picture_options& options = pp_default_picture_options()) {
+    std::vector<std::uint8_t> rgba(std::size_t{4} * options.width * options.height);
+    check(pp_session_render(handle(), &options, rgba.data(), rgba.size()));
+    return rgba;
+  }
+  Mesh mesh(const pp_mesh_options& options = pp_default_mesh_options()) {
+    pp_mesh mesh{};
+    check(pp_session_mesh(handle(), &options, &mesh));
+    return Mesh(mesh);
+  }
+
+  void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
+  /// The ticks since the last call, `most` of them at most.
+  std::vector<pp_tick> takeTicks(std::size_t most = 4096) {
+    std::vector<pp_tick> ticks(most);
+    std::uint64_t count = 0;
+    check(pp_live_take(handle(), ticks.data(), ticks.size(), &count));
+    ticks.resize(count);
+    return ticks;
+  }
+  pp_live_state liveState() const {
+    pp_live_state state = pp_default_live_state();
+    check(pp_live_get_state(handle(), &state));
+    return state;
+  }
+  void setForces(bool on) { check(pp_live_set_forces(handle(), on ? 1 : 0)); }
+  void stopLive() { check(pp_live_stop(handle())); }
+
+ private:
+  static pp_session made(const Cloud& cloud, const pp_session_options& options) {
+    pp_session session{};
+    check(pp_session_open(cloud.handle(), &options, &session));
+    return session;
+  }
+  std::uint64_t ticksOf(const pp_path& path) const {
+    std::uint64_t count = 0;
+    check(pp_path_ticks(handle(), &path, &count));
+    return count;
+  }
+};
+
+}  // namespace pp
+
+#endif

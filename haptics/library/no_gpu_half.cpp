@@ -1,0 +1,29 @@
+// Stands in for gpu_half.cpp where palpate is built without Vulkan.
+#include "haptics/library/failures.hpp"
+#include "haptics/library/gpu_half.hpp"
+
+namespace palpate::library {
+
+namespace {
+
+[[noreturn]] void refuse(const char* what) {
+  throw UnsupportedError("{}: this palpate was built without Vulkan (PALPATE_VULKAN=OFF)", what);
+}
+
+}  // namespace
+
+std::vector<std::string> gpuNames() { return {}; }
+bool hasRealGpu() { return false; }
+void writePicture(const std::string&, const Image&) { refuse("a picture"); }
+
+struct GpuHalf::State {};
+
+GpuHalf::GpuHalf(std::string) {}
+GpuHalf::~GpuHalf() = default;
+std::unique_ptr<BackendKind> GpuHalf::backend() { refuse("a session on a GPU"); }
+void GpuHalf::follow(const EditBatch&) noexcept {}
+void GpuHalf::forgetPicture() {}
+Image GpuHalf::draw(const Model&, const Journal*, const PictureRequest&) { refuse("a picture"); }
+Mesh GpuHalf::mesh(const PointCloud&, const MeshPlan&) { refuse("a mesh"); }
+
+}  // namespace palpate::library

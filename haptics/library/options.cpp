@@ -1,0 +1,247 @@
+#include "haptics/library/options.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "haptics/session/bounds.hpp"
+#include "haptics/tick_pacer.hpp"
+
+namespace palpate::library {
+
+namespace {
+
+constexpr std::size_t kLeastSize = 8;  // of any struct that begins with its size
+
+std::size_t bytesOf(std::int32_t type) {
+  switch (type) {
+    case PP_FLOAT32:
+      return sizeof(float);
+    case PP_FLOAT64:
+      return sizeof(double);
+    case PP_UINT8:
+      return sizeof(std::uint8_t);
+    case PP_UINT16:
+      return sizeof(std::uint16_t);
+    default:
+      return 0;
+  }
+}
+
+NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name) {
+  if (!rows.data) return {};
+  const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
+  if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
+    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
+  constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
+  return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
+}
+
+DVec3 vectorFrom(const double (&v)[3], std::string_view name) {
+  const DVec3 vector(v[0], v[1], v[2]);
+  if (!isFinite(vector)) throw UsageError("{}: is not finite", name);
+  return vector;
+}
+
+double numberAt(const std::byte* row, std::int32_t type, std::size_t column) {
+  if (type == PP_FLOAT32) return loadScalar<float>(row + column * sizeof(float));
+  return loadScalar<double>(row + column * sizeof(double));
+}
+
+void checkPath(const pp_path& path) {
+  if (path.type != PP_FLOAT32 && path.type != PP_FLOAT64)
+    throw UsageError("path: its type is {}; PP_FLOAT32 and PP_FLOAT64 there are", path.type);
+  if (path.columns != 3 && path.columns != 4)
+    throw UsageError("path: has {} columns; it has 3 (x y z, a row for each tick) or 4 (seconds first)", path.columns);
+  if (path.rows == 0 || !path.data) throw UsageError("path: has no rows");
+}
+
+}  // namespace
+
+void checkSize(std::uint32_t size, std::size_t known, std::string_view name) {
+  if (size >= kLeastSize && size <= known) return;
+  throw UsageError("{}: its size is {}, and this palpate, {}, knows {} bytes; fill it by its pp_default function", name,
+                   size, PALPATE_VERSION, known);
+}
+
+std::string textOf(const char* text) { return text ? text : ""; }
+
+CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
+  return {.count = arrays.count,
+          .positions = rowsFrom(arrays.positions, false, "positions"),
+          .normals = rowsFrom(arrays.normals, false, "normals"),
+          .colors = rowsFrom(arrays.colors, true, "colors")};
+}
+
+SurfaceConfig surfaceFrom(const pp_feel& feel) {
+  SurfaceConfig surface{.kind = chosen(kSurfaceKinds, feel.surface, SurfaceKind::average, "feel.surface"),
+                        .friction = feel.friction};
+  if (feel.radius_mm != 0) surface.radius_mm = feel.radius_mm;
+  return surface;
+}
+
+ForceOptions forceFrom(const pp_feel& feel) {
+  return {.stiffness_N_per_mm = feel.stiffness_N_per_mm,
+          .damping_N_s_per_mm = feel.damping_N_s_per_mm,
+          .maxForce_N = feel.max_force_N};
+}
+
+BrushConfig brushFrom(const pp_brush& brush) {
+  return {.kind = chosen(kBrushKinds, brush.kind, BrushKind::push, "brush.kind"),
+          .tau_mm = brush.tau_mm,
+          .beta = brush.beta,
+          .radius_mm = brush.radius_mm,
+          .strength = brush.strength,
+          .falloff = brush.falloff,
+          .color = {brush.color[0], brush.color[1], brush.color[2]},
+          .keepsDensity = brush.keeps_density != 0};
+}
+
+PictureRequest pictureFrom(const pp_picture_options& options) {
+  if (options.samples != 1 && options.samples != 4) throw UsageError("samples: {} is neither 1 nor 4", options.samples);
+  PictureRequest request{.width = options.width, .height = options.height, .samples = options.samples};
+  if (options.has_eye) request.camera.eye = vectorFrom(options.eye, "eye");
+  if (options.has_target) request.camera.target = vectorFrom(options.target, "target");
+  if (options.has_up) request.camera.up = vectorFrom(options.up, "up");
+  request.camera.fov_deg = options.fov_deg;
+  request.color = chosen(kColorNames, options.color, ColorBy::rgb, "color");
+  if (options.has_background) request.background = {options.background[0], options.background[1], options.background[2]};
+  return request;
+}
+
+MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale) {
+  if (options.lattice < 1 || options.lattice > kFinestLattice)
+    throw UsageError("lattice: {} is not between 1 and {}", options.lattice, kFinestLattice);
+  if (!(options.radius_mm >= 0 && options.radius_mm <= bounds::kLongest_mm))
+    throw UsageError("radius_mm: {} is not between 0 and {}", options.radius_mm, bounds::kLongest_mm);
+  return {.lattice = options.lattice,
+          .surface = chosen(kMeshSurfaces, options.surface, MeshSurface::sphere, "surface"),
+          .radius = scale.toUnits(options.radius_mm)};
+}
+
+Path pathFrom(const pp_path* given, double rate_Hz) {
+  const pp_path path = optionsFrom(&required(given, "path"), pp_default_path(), "path");
+  checkPath(path);
+  const auto stride =
+      path.stride != 0 ? path.stride : static_cast<std::int64_t>(path.columns * bytesOf(path.type));
+  const auto* row = static_cast<const std::byte*>(path.data);
+  std::vector<PathKey> keys;
+  keys.reserve(path.rows);
+  const std::size_t first = path.columns - 3;
+  for (std::uint64_t i = 0; i < path.rows; ++i, row += stride) {
+    PathKey key{.t_s = first ? numberAt(row, path.type, 0) : static_cast<double>(i) / rate_Hz};
+    for (std::size_t k = 0; k < 3; ++k) key.position[static_cast<int>(k)] = numberAt(row, path.type, first + k);
+    if (!isFinite(key.position) || !std::isfinite(key.t_s)) throw UsageError("path: row {} is not finite", i);
+    if (key.t_s < 0) throw UsageError("path: row {} is at {} s, before the session begins", i, key.t_s);
+    if (!keys.empty() && !(keys.back().t_s < key.t_s))
+      throw UsageError("path: row {} is at {} s, which is not after the row before it", i, key.t_s);
+    keys.push_back(key);
+  }
+  return Path(std::move(keys));
+}
+
+std::uint64_t ticksOf(const Path& path, double rate_Hz) { return plannedTicks(rate_Hz, path.duration_s() + 1 / rate_Hz); }
+
+}  // namespace palpate::library
+
+using palpate::BrushConfig;
+using palpate::ForceOptions;
+using palpate::MeshOptions;
+using palpate::PictureRequest;
+using palpate::SessionConfig;
+
+pp_cloud_arrays pp_default_cloud_arrays(void) {
+  pp_cloud_arrays arrays{};
+  arrays.size = sizeof arrays;
+  return arrays;
+}
+
+pp_read_options pp_default_read_options(void) {
+  pp_read_options options{};
+  options.size = sizeof options;
+  return options;
+}
+
+pp_write_options pp_default_write_options(void) {
+  pp_write_options options{};
+  options.size = sizeof options;
+  return options;
+}
+
+pp_feel pp_default_feel(void) {
+  const ForceOptions force;
+  pp_feel feel{};
+  feel.size = sizeof feel;
+  feel.stiffness_N_per_mm = force.stiffness_N_per_mm;
+  feel.damping_N_s_per_mm = force.damping_N_s_per_mm;
+  feel.max_force_N = force.maxForce_N;
+  return feel;
+}
+
+pp_session_options pp_default_session_options(void) {
+  const SessionConfig config;
+  pp_session_options options{};
+  options.size = sizeof options;
+  options.rate_Hz = config.rate_Hz;
+  options.undo_memory_MiB = config.undo.memory_MiB;
+  return options;
+}
+
+pp_session_info pp_default_session_info(void) {
+  pp_session_info info{};
+  info.size = sizeof info;
+  return info;
+}
+
+pp_path pp_default_path(void) {
+  pp_path path{};
+  path.size = sizeof path;
+  path.type = PP_FLOAT64;
+  path.columns = 3;
+  return path;
+}
+
+pp_brush pp_default_brush(void) {
+  const BrushConfig usual;
+  pp_brush brush{};
+  brush.size = sizeof brush;
+  brush.falloff = usual.falloff;
+  brush.tau_mm = usual.tau_mm;
+  brush.beta = usual.beta;
+  brush.radius_mm = usual.radius_mm;
+  brush.strength = usual.strength;
+  for (int k = 0; k < 3; ++k) brush.color[k] = usual.color[static_cast<std::size_t>(k)];
+  brush.color[3] = 255;
+  brush.keeps_density = usual.keepsDensity ? 1 : 0;
+  return brush;
+}
+
+pp_picture_options pp_default_picture_options(void) {
+  const PictureRequest usual;
+  pp_picture_options options{};
+  options.size = sizeof options;
+  options.width = usual.width;
+  options.height = usual.height;
+  options.samples = usual.samples;
+  options.fov_deg = 45;
+  return options;
+}
+
+pp_mesh_options pp_default_mesh_options(void) {
+  pp_mesh_options options{};
+  options.size = sizeof options;
+  options.lattice = MeshOptions{}.lattice;
+  return options;
+}
+
+pp_live_options pp_default_live_options(void) {
+  pp_live_options options{};
+  options.size = sizeof options;
+  return options;
+}
+
+pp_live_state pp_default_live_state(void) {
+  pp_live_state state{};
+  state.size = sizeof state;
+  return state;
+}

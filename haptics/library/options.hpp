@@ -1,0 +1,74 @@
+// What a program hands over, read and checked: structs that begin with their size, arrays, paths.
+#pragma once
+
+#include <palpate/palpate.h>
+
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/core/error.hpp"
+#include "engine/core/named_values.hpp"
+#include "engine/io/cloud_arrays.hpp"
+#include "engine/mesh/mesh_plan.hpp"
+#include "haptics/path.hpp"
+#include "haptics/session/model.hpp"
+#include "haptics/session/picture_request.hpp"
+#include "haptics/session/session_config.hpp"
+
+namespace palpate::library {
+
+/// Throws UsageError where it is null.
+template <class T>
+T& required(T* given, std::string_view name) {
+  if (!given) throw UsageError("{}: is null", name);
+  return *given;
+}
+
+/// Throws UsageError for a size that no palpate up to this one has had. The first field of any such struct is its size.
+void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
+
+/// What is given, over the defaults as far as the program knows the struct; the defaults where it is null.
+template <class Options>
+Options optionsFrom(const Options* given, Options options, std::string_view name) {
+  if (!given) return options;
+  checkSize(given->size, sizeof(Options), name);
+  std::memcpy(&options, given, given->size);
+  options.size = sizeof(Options);
+  return options;
+}
+
+/// Writes as much of `value` as the program knows of the struct.
+template <class Info>
+void giveInfo(Info* to, Info value, std::string_view name) {
+  checkSize(required(to, name).size, sizeof(Info), name);
+  value.size = to->size;
+  std::memcpy(to, &value, to->size);
+}
+
+/// Null is empty.
+std::string textOf(const char* text);
+
+/// A value of a table by its name; `usual` where there is no name. Throws UsageError that lists the names.
+template <class Table>
+auto chosen(const Table& table, const char* name, typename Table::value_type::second_type usual, std::string_view field) {
+  if (!name) return usual;
+  if (const auto value = valueNamed(table, name)) return *value;
+  std::string all;
+  for (const auto& [known, value] : table) all += (all.empty() ? "" : ", ") + std::string(known);
+  throw UsageError("{}: '{}' is not known; there is {}", field, name, all);
+}
+
+CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
+SurfaceConfig surfaceFrom(const pp_feel& feel);
+ForceOptions forceFrom(const pp_feel& feel);
+BrushConfig brushFrom(const pp_brush& brush);
+PictureRequest pictureFrom(const pp_picture_options& options);
+MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale);
+/// Rows become keys; a row of three columns is a tick. Throws UsageError that names the first row which cannot be.
+Path pathFrom(const pp_path* path, double rate_Hz);
+/// So that a path of three columns has a tick for each of its rows.
+std::uint64_t ticksOf(const Path& path, double rate_Hz);
+
+}  // namespace palpate::library

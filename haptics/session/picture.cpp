@@ -1,0 +1,54 @@
+#include "haptics/session/picture.hpp"
+
+#include <algorithm>
+
+#include "engine/edit/journal.hpp"
+#include "engine/gpu/device.hpp"
+#include "engine/render/frame.hpp"
+#include "haptics/session/framing.hpp"
+
+namespace palpate {
+
+void SessionPicture::follow(const EditBatch& batch) {
+  if (!drawn_ || batch.points.empty()) return;
+  try {
+    drawn_->catchUp(batch.points);
+  } catch (...) {
+    drawn_.reset();  // the next picture copies all points again
+    throw;
+  }
+}
+
+Image SessionPicture::draw(const Model& model, const Journal* journal, const PictureRequest& request) {
+  Frame::checkSize(request.width, request.height);
+  if (drawn_ && journal && journal->points().size() > drawn_->count()) drawn_.reset();
+  if (!drawn_) {
+    constexpr std::size_t kLeastNew = 1 << 16;
+    const std::size_t present = journal ? journal->points().size() : model.cloud.size();
+    const std::size_t spare = journal ? std::max(kLeastNew, 2 * present - model.cloud.size()) : 0;
+    drawn_.emplace(sight_, model.cloud,
+                   DrawnOptions{.spare = static_cast<std::uint32_t>(spare),
+                                .painted = journal != nullptr,
+                                .spacing = model.spacingOfDiscs(),
+                                .edited = journal != nullptr});
+    if (journal && journal->version() > 0) drawn_->catchUp(journal->points());
+  }
+  drawn_->closeSurface();
+  const UpAxis up = model.upright.up;
+  const FrameOptions options{.color = request.color,
+                             .splatRadius = discRadiusOf(model),
+                             .up = directionOf(up),
+                             .shown = model.shown,
+                             .background = request.background};
+  const double aspect = static_cast<double>(request.width) / request.height;
+  const Camera camera = Camera::asked(request.camera, model.cloud, aspect, framingOf(model, up));
+  Frame frame(sight_, request.width, request.height, request.samples > 1 ? 2 : 1);
+  CommandList list(sight_, sight_.throughputQueue(), "picture");
+  list.begin();
+  frame.record(list, *drawn_, camera, options);
+  list.end();
+  sight_.throughputQueue().run(list);
+  return frame.readColor();
+}
+
+}  // namespace palpate

@@ -1,0 +1,21 @@
+// What is asked of a picture. Knows no Vulkan.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "engine/render/camera.hpp"
+#include "engine/render/frame_options.hpp"
+
+namespace palpate {
+
+struct PictureRequest {
+  std::uint32_t width = 1280, height = 720;  ///< pixels
+  std::uint32_t samples = 4;                 ///< of a pixel: 1 or 4
+  CameraRequest camera;                      ///< what is missing: the model from the front, a little above
+  ColorBy color = ColorBy::rgb;
+  std::optional<std::array<std::uint8_t, 3>> background;  ///< RGB; a quiet gradient when not given
+};
+
+}  // namespace palpate

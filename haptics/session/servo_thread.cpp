@@ -1,0 +1,31 @@
+#include "haptics/session/servo_thread.hpp"
+
+namespace palpate {
+
+ServoThread::ServoThread(Session& session, const OpenHand& hand, const Options& options)
+    : thread_([this, &session, hand, options] { run(session, hand, options); }) {}
+
+void ServoThread::run(Session& session, const OpenHand& hand, const Options& options) {
+  try {
+    const ServoResult result = session.run({&hand, 1}, {.rate_Hz = options.rate_Hz,
+                                                        .endless = true,
+                                                        .stop = &stop_,
+                                                        .forcesOn = options.forcesOn,
+                                                        .recorder = &feed_,
+                                                        .realtime = true,
+                                                        .law = options.law});
+    deviceFailed_ = result.deviceFailed;
+    if (result.deviceFailed) fault_ = result.fault;
+    if (result.queryLost) fault_ = session.backend().machine() + " was lost: what it gave before is kept";
+  } catch (const std::exception& error) {
+    fault_ = error.what();
+  }
+  ended_ = true;
+}
+
+void ServoThread::stop() {
+  stop_ = true;
+  if (thread_.joinable()) thread_.join();
+}
+
+}  // namespace palpate

@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# Installs the library of a build folder into a scratch one, and builds and runs programs of other people's against that
+# alone, in C, C++ and, where the module was built, Python: by CMake's package, and by pkg-config where there is one.
+#   tests/consumers/run.sh BUILD_FOLDER [PYTHON]
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "$1" && pwd)
+python=${2:-python3}
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+fail() { echo "consumers: $*" >&2; exit 1; }
+
+for component in library dev python; do
+  cmake --install "$build" --prefix "$scratch/installed" --component "$component" > "$scratch/install.log"
+done
+library=$(find "$scratch/installed" -name 'libpalpate.so.0')
+[ -n "$library" ] || fail "there is no libpalpate.so.0"
+
+# Nothing but the C interface is exported, all of the header is, and the library says its name.
+header="$scratch/installed/include/palpate/palpate.h"
+exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
+strays=$(grep -v '^pp_' <<< "$exported" || true)
+[ -z "$strays" ] || fail "exported are also: $strays"
+declared=$(sed -n 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' "$header" | sort)
+[ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the header declares too little"
+[ "$declared" = "$exported" ] || fail "header and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
+readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
+for other in glfw imgui X11; do
+  if readelf -d "$library" | grep NEEDED | grep -qi "$other"; then fail "the library needs $other"; fi
+done
+
+# A tree that has been moved works as well.
+mv "$scratch/installed" "$scratch/moved"
+cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release > "$scratch/configure.log" \
+  || fail "$(cat "$scratch/configure.log")"
+cmake --build "$scratch/build"
+"$scratch/build/press" | tee "$scratch/felt.txt"
+awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
+
+# A model that anybody can write: a plane with a hump.
+awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
+  printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
+"$scratch/build/dent" "$scratch/hump.csv" "$scratch/dented.ply"
+[ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
+
+if command -v pkg-config > /dev/null; then
+  export PKG_CONFIG_PATH
+  PKG_CONFIG_PATH=$(dirname "$(find "$scratch/moved" -name palpate.pc)")
+  # shellcheck disable=SC2046
+  ${CC:-cc} -o "$scratch/press" "$here/press.c" $(pkg-config --cflags --libs palpate) -lm
+  LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so.0)") "$scratch/press"
+else
+  echo "consumers: skipped: pkg-config, which is not here"
+fi
+
+module=$(find "$scratch/moved" -name 'palpate' -path '*dist-packages*')
+if [ -n "$module" ]; then
+  PYTHONPATH=$(dirname "$module") "$python" "$here/dent.py" "$scratch/hump.csv" "$scratch/python.ply"
+  [ "$(head -c 3 "$scratch/python.ply")" = ply ] || fail "Python saved nothing"
+else
+  echo "consumers: skipped: Python, whose module was not built"
+fi
+echo "consumers: all of them ran"

@@ -1,0 +1,203 @@
+// Clouds from arrays and files, and back, through the C interface.
+#include <fstream>
+#include <limits>
+#include <thread>
+
+#include "tests/library/ball.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+TEST_CASE("a cloud has the points that it was made from, and shows them without copying") {
+  const BallArrays<float> ball(1'000);
+  pp_cloud_arrays arrays = ball.arrays();
+  std::vector<std::uint8_t> colors(3 * ball.count());
+  for (std::size_t i = 0; i < colors.size(); ++i) colors[i] = static_cast<std::uint8_t>(i * 7);
+  arrays.colors = {colors.data(), PP_UINT8, 0, 0};
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  pp_points points{}, again{};
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &again));
+  REQUIRE(points.count == 1'000);
+  CHECK(points.positions == again.positions);
+  CHECK(std::equal(ball.positions.begin(), ball.positions.end(), points.positions));
+  for (std::size_t i = 0; i < 3 * points.count; ++i) CHECK(std::abs(points.normals[i] - ball.normals[i]) < 1e-6f);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) CHECK(points.colors[4 * i + k] == colors[3 * i + k]);
+    CHECK(points.colors[4 * i + 3] == 255);
+  }
+  CHECK(points.max[2] == doctest::Approx(kBallRadius).epsilon(5e-3));
+  CHECK(points.min[0] == doctest::Approx(-kBallRadius).epsilon(5e-3));
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("doubles far from the origin keep their last bit") {
+  const BallArrays<double> ball(500, {4.5e6, -3e5, 1234.5});
+  const pp_cloud_arrays arrays = ball.arrays();
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  std::vector<double> places(3 * ball.count());
+  PP_REQUIRE_OK(pp_cloud_copy_places(cloud, places.data(), ball.count()));
+  CHECK(places == ball.positions);
+  pp_points points{};
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+  CHECK(points.origin[0] != 0);
+  CHECK(points.min[0] > 4.4e6);
+  for (std::size_t i = 0; i < 3 * points.count; ++i) CHECK(std::abs(points.positions[i]) < 1e3f);
+  CHECK(pp_cloud_copy_places(cloud, places.data(), ball.count() - 1) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("rows may lie apart, and turned round") {
+  const std::vector<double> table{1, 2, 3, -1, 4, 5, 6, -1, 7, 8, 9, -1};  // with a fourth column that is not meant
+  pp_cloud_arrays arrays = pp_default_cloud_arrays();
+  arrays.count = 3;
+  arrays.positions = {table.data() + 8, PP_FLOAT64, 0, -4 * static_cast<std::int64_t>(sizeof(double))};
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  pp_points points{};
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+  const std::vector<float> wanted{7, 8, 9, 4, 5, 6, 1, 2, 3};
+  CHECK(std::equal(wanted.begin(), wanted.end(), points.positions));
+  CHECK(points.normals == nullptr);
+  CHECK(points.colors == nullptr);
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("arrays that cannot be points are refused with the row") {
+  BallArrays<float> ball(100);
+  ball.positions[3 * 42 + 1] = std::numeric_limits<float>::quiet_NaN();
+  pp_cloud_arrays arrays = ball.arrays();
+  pp_cloud cloud{};
+  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("row 42"));
+  CHECK(cloud.id == 0);
+  arrays.positions.data = nullptr;
+  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("positions"));
+  arrays.positions = {ball.positions.data(), PP_UINT8, 0, 0};
+  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
+  arrays.positions.type = 77;
+  CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
+  CHECK(pp_cloud_create(nullptr, &cloud) == PP_ERROR_ARGUMENT);
+  arrays = ball.arrays();
+  ball.positions[3 * 42 + 1] = 0;
+  CHECK(pp_cloud_create(&arrays, nullptr) == PP_ERROR_ARGUMENT);
+}
+
+TEST_CASE("a struct of an older program has the defaults for the rest, and one of no known size is refused") {
+  const BallArrays<float> ball(10);
+  pp_cloud_arrays arrays = ball.arrays();
+  arrays.normals = {reinterpret_cast<const void*>(16), 77, 0, 0};  // behind what the program says that it knows
+  arrays.size = offsetof(pp_cloud_arrays, normals);
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  pp_points points{};
+  PP_REQUIRE_OK(pp_cloud_view(cloud, &points));
+  CHECK(points.normals == nullptr);
+  PP_CHECK_OK(pp_cloud_close(cloud));
+  for (const std::uint32_t size : {0u, 4u, static_cast<std::uint32_t>(sizeof arrays) + 8, 3'000'000'000u}) {
+    arrays.size = size;
+    CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
+    CHECK(lastErrorSays("pp_default"));
+  }
+}
+
+TEST_CASE("a cloud that is written and read again is the same, in each format that keeps all of it") {
+  const ScratchFolder folder;
+  const BallArrays<float> ball(300);
+  const pp_cloud_arrays arrays = ball.arrays();
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  for (const char* name : {"ball.ply", "ball.pcd", "ball.npy"}) {
+    CAPTURE(name);
+    const std::string file = (folder / name).string();
+    PP_REQUIRE_OK(pp_cloud_write(cloud, file.c_str(), nullptr));
+    pp_cloud back{};
+    PP_REQUIRE_OK(pp_cloud_read(file.c_str(), nullptr, &back));
+    pp_points points{};
+    PP_REQUIRE_OK(pp_cloud_view(back, &points));
+    REQUIRE(points.count == ball.count());
+    CHECK(std::equal(ball.positions.begin(), ball.positions.end(), points.positions));
+    CHECK(points.normals != nullptr);
+    PP_CHECK_OK(pp_cloud_close(back));
+  }
+  CHECK(pp_cloud_write(cloud, (folder / "ball.xlsx").string().c_str(), nullptr) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays(".ply"));
+  CHECK(std::string(pp_formats_written()).find(".las") != std::string::npos);
+  CHECK(std::string(pp_formats_read()).find(".npz") != std::string::npos);
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("a file that is there is replaced, or kept where that is asked for") {
+  const ScratchFolder folder;
+  const BallCloud ball(100);
+  const std::string file = (folder / "ball.ply").string();
+  std::ofstream(file) << "mine";
+  pp_write_options options = pp_default_write_options();
+  options.keep = 1;
+  PP_REQUIRE_OK(pp_cloud_write(ball.cloud, file.c_str(), &options));
+  CHECK(std::filesystem::exists(folder / "ball.ply.bak"));
+  options.keep = 0;
+  PP_REQUIRE_OK(pp_cloud_write(ball.cloud, file.c_str(), &options));
+  CHECK_FALSE(std::filesystem::exists(folder / "ball.ply.bak2"));
+}
+
+TEST_CASE("a file that lies is refused with its name and line") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "bad.ply").string();
+  std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+                         "end_header\n0 0 0\n1 two 3\n";
+  pp_cloud cloud{};
+  CHECK(pp_cloud_read(file.c_str(), nullptr, &cloud) == PP_ERROR_FILE);
+  CHECK(pp_last_status() == PP_ERROR_FILE);
+  CHECK(std::string(pp_last_error_file()) == file);
+  CHECK(pp_last_error_line() == 9);
+  CHECK(lastErrorSays("bad.ply:9"));
+  CHECK(pp_cloud_read((folder / "none.ply").string().c_str(), nullptr, &cloud) == PP_ERROR_FILE);
+  CHECK(pp_cloud_read(nullptr, nullptr, &cloud) == PP_ERROR_ARGUMENT);
+  CHECK(std::string(pp_last_error_file()).empty());
+}
+
+TEST_CASE("attributes that a file has besides are named and shown") {
+  const ScratchFolder folder;
+  const std::string file = (folder / "scan.ply").string();
+  std::ofstream(file) << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+                         "property ushort intensity\nend_header\n0 0 0 17\n1 2 3 60000\n";
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_read(file.c_str(), nullptr, &cloud));
+  std::uint64_t count = 0;
+  PP_REQUIRE_OK(pp_cloud_attribute_count(cloud, &count));
+  REQUIRE(count == 1);
+  pp_attribute attribute{};
+  PP_REQUIRE_OK(pp_cloud_get_attribute(cloud, 0, &attribute));
+  CHECK(std::string(attribute.name) == "intensity");
+  CHECK(std::string(attribute.type) == "uint16");
+  CHECK(static_cast<const std::uint16_t*>(attribute.data)[1] == 60000);
+  CHECK(pp_cloud_get_attribute(cloud, 1, &attribute) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("each thread has the words of its own failure") {
+  pp_cloud cloud{};
+  CHECK(pp_cloud_read("/nowhere/none.ply", nullptr, &cloud) == PP_ERROR_FILE);
+  const std::string mine = pp_last_error();
+  pp_status theirs = PP_ERROR_BUG;
+  std::thread([&] { theirs = pp_last_status(); }).join();
+  CHECK(theirs == PP_OK);
+  std::thread([&] { pp_cloud_close({}); }).join();
+  CHECK(mine == pp_last_error());
+  CHECK(pp_last_status() == PP_ERROR_FILE);
+}
+
+TEST_CASE("the version of the header is that of the library, and each status has a name") {
+  const std::string version = std::to_string(PALPATE_VERSION_MAJOR) + "." + std::to_string(PALPATE_VERSION_MINOR) + "." +
+                              std::to_string(PALPATE_VERSION_PATCH);
+  CHECK(pp_version() == version);
+  for (int status = PP_OK; status <= PP_ERROR_BUG; ++status)
+    CHECK(std::string(pp_status_name(static_cast<pp_status>(status))) != "unknown");
+  CHECK(std::string(pp_status_name(static_cast<pp_status>(99))) == "unknown");
+}
+
+}  // namespace palpate

@@ -1,0 +1,148 @@
+// A servo thread of the library's own: its ticks come in blocks, its law and its edits take effect, and it ends.
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "tests/library/ball.hpp"
+#include "tests/library/own_law.hpp"
+
+namespace palpate {
+
+namespace {
+
+/// Takes ticks until there are so many, or 20 s have passed.
+std::vector<pp_tick> takeTicks(pp_session session, std::size_t wanted, std::size_t block = 64) {
+  std::vector<pp_tick> all;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (all.size() < wanted && std::chrono::steady_clock::now() < end) {
+    std::vector<pp_tick> ticks(block);
+    std::uint64_t count = 0;
+    PP_REQUIRE_OK(pp_live_take(session, ticks.data(), ticks.size(), &count));
+    REQUIRE(count <= block);
+    all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
+    if (count == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return all;
+}
+
+pp_live_options along(const pp_path& path) {
+  pp_live_options options = pp_default_live_options();
+  options.path = &path;
+  options.rate_Hz = 500;
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("a live hand follows its path against the clock, and its ticks come in order and once") {
+  const OpenBall ball;
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 49};
+  const pp_path path = pathOf(rows, 4);
+  const pp_live_options options = along(path);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
+  CHECK(info.live == 1);
+  const auto ticks = takeTicks(ball.session, 150);
+  REQUIRE(ticks.size() >= 150);
+  for (std::size_t i = 1; i < ticks.size(); ++i) CHECK(ticks[i].t_s > ticks[i - 1].t_s);
+  const pp_tick& last = ticks.back();
+  CHECK(last.contact == 1);
+  CHECK(last.hip[2] == doctest::Approx(49));
+  CHECK(last.force_N[2] == doctest::Approx(0.8 * last.penetration_mm).epsilon(0.01));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  pp_live_state state = pp_default_live_state();
+  takeTicks(ball.session, 1);
+  PP_REQUIRE_OK(pp_live_get_state(ball.session, &state));
+  CHECK(state.running == 0);
+  CHECK(state.ticks >= ticks.size());
+  std::uint64_t count = 1;
+  pp_tick tick{};
+  while (count > 0) PP_REQUIRE_OK(pp_live_take(ball.session, &tick, 1, &count));
+}
+
+TEST_CASE("while a session is live it does nothing that would not go with it, and goes on afterwards") {
+  const OpenBall ball;
+  const auto press = pressPath(1);
+  const pp_path path = pathOf(press);
+  const pp_live_options options = along(path);
+  std::uint64_t count = 0;
+  pp_tick tick{};
+  CHECK(pp_live_take(ball.session, &tick, 1, &count) == PP_ERROR_STATE);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_STATE);
+  std::vector<pp_tick> ticks(200);
+  CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
+  CHECK(lastErrorSays("pp_live_stop"));
+  CHECK(pp_session_undo(ball.session, 1, nullptr) == PP_ERROR_STATE);
+  CHECK(pp_session_set_brush(ball.session, nullptr) == PP_ERROR_STATE);
+  const pp_pose pose{.t_s = 0, .hip = {0, 0, 49}};
+  pp_contact contact{};
+  CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_STATE);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  CHECK(touch(ball.session, path).size() == 200);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // and is closed with it
+}
+
+TEST_CASE("a live hand sculpts with the brush that was set, and all of it can be taken back") {
+  const OpenBall ball;
+  const auto before = placesOf(ball.session);
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 46, 0.3, 0, 0, 46, 0.4, 0, 0, 60};
+  const pp_path path = pathOf(rows, 4);
+  const pp_live_options options = along(path);
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  takeTicks(ball.session, 250);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  CHECK(placesOf(ball.session) != before);
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 100, nullptr));
+  CHECK(placesOf(ball.session) == before);
+}
+
+TEST_CASE("forces can be taken away and a law given, while the hand goes on") {
+  Calls calls;
+  const OpenBall ball;
+  // Once they are back, forces wait until the hand has been outside.
+  const std::vector<double> rows{0, 0, 0, 51, 0.02, 0, 0, 49, 0.5, 0, 0, 49, 0.6, 0, 0, 55, 0.8, 0, 0, 55, 0.9, 0, 0, 49};
+  const pp_path path = pathOf(rows, 4);
+  pp_live_options options = along(path);
+  options.law = ownLaw;
+  options.law_user = &calls;
+  PP_REQUIRE_OK(pp_live_set_forces(ball.session, 0));
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));
+  const auto without = takeTicks(ball.session, 60, 8);
+  CHECK(std::ranges::all_of(without, [](const pp_tick& tick) { return lengthOf(tick.force_N) == 0; }));
+  CHECK(without.back().contact == 1);
+  PP_REQUIRE_OK(pp_live_set_forces(ball.session, 1));
+  double most_N = 0;
+  for (const pp_tick& tick : takeTicks(ball.session, 900)) most_N = std::max(most_N, tick.force_N[0]);
+  CHECK(most_N == doctest::Approx(1.25));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  CHECK(calls.count > 100);
+}
+
+TEST_CASE("a device that is not there, and options that do not go together, are refused in words") {
+  const OpenBall ball;
+  pp_live_options options = pp_default_live_options();
+  CHECK(pp_live_start(ball.session, nullptr) == PP_ERROR_ARGUMENT);  // a path without one
+  options.device = "mouse-of-glass";
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("mouse-of-glass"));
+  options.device = "sim";
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
+  options.builtin = "nothing";
+  CHECK(pp_live_start(ball.session, &options) != PP_OK);
+  options.builtin = "press";
+  options.rate_Hz = 1e9;
+  CHECK(pp_live_start(ball.session, &options) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("rate_Hz"));
+  options.rate_Hz = 0;
+  PP_REQUIRE_OK(pp_live_start(ball.session, &options));  // a simulated stylus in a simulated hand
+  CHECK(takeTicks(ball.session, 100).size() >= 100);
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+}
+
+}  // namespace palpate

@@ -1,0 +1,143 @@
+// Sculpting through the C interface: what changes, what does not, and that all of it can be taken back.
+#include <algorithm>
+#include <set>
+
+#include "tests/library/ball.hpp"
+
+namespace palpate {
+
+namespace {
+
+pp_brush pushOf(double radius_mm) {
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = radius_mm;
+  return brush;
+}
+
+using Place = std::array<double, 3>;
+std::multiset<Place> setOf(const std::vector<double>& places) {
+  std::multiset<Place> set;
+  for (std::size_t i = 0; i < places.size(); i += 3) set.insert({places[i], places[i + 1], places[i + 2]});
+  return set;
+}
+
+}  // namespace
+
+TEST_CASE("a stroke dents the ball where it passed and nowhere else, and undo gives back every bit") {
+  const OpenBall ball;
+  const auto before = placesOf(ball.session);
+  const auto path = pressPath(4, 150, 50);
+  const auto ticks = stroke(ball.session, pathOf(path), pushOf(5));
+  CHECK(ticks.size() == 200);
+  const auto after = placesOf(ball.session);
+  CHECK(after != before);
+  double lowest = 1e9, farthest = 0;
+  const auto was = setOf(before);
+  for (std::size_t i = 0; i < after.size(); i += 3) {
+    if (was.contains({after[i], after[i + 1], after[i + 2]})) continue;
+    lowest = std::min(lowest, after[i + 2]);
+    farthest = std::max(farthest, std::hypot(after[i] - 0.3, after[i + 1] + 0.2));
+  }
+  CHECK(lowest < kBallRadius - 2);
+  CHECK(farthest < 5 + 2);  // the brush, and the support radius about it
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
+  CHECK(info.undoable == 1);
+  CHECK(info.redoable == 0);
+  CHECK(info.edits > 100);
+
+  std::uint64_t done = 0;
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 5, &done));
+  CHECK(done == 1);
+  CHECK(placesOf(ball.session) == before);
+  PP_REQUIRE_OK(pp_session_redo(ball.session, 1, &done));
+  CHECK(done == 1);
+  CHECK(setOf(placesOf(ball.session)) == setOf(after));
+  PP_REQUIRE_OK(pp_session_redo(ball.session, 1, &done));
+  CHECK(done == 0);
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
+}
+
+TEST_CASE("feeling changes nothing, before a stroke and after one, and what was dented is felt") {
+  const OpenBall ball;
+  const auto path = pressPath(1);
+  const auto untouched = placesOf(ball.session);
+  const double first_N = touch(ball.session, pathOf(path)).back().force_N[2];
+  CHECK(placesOf(ball.session) == untouched);
+  const auto deep = pressPath(4, 150, 100);
+  stroke(ball.session, pathOf(deep), pushOf(5));
+  const auto dented = placesOf(ball.session);
+  const auto ticks = touch(ball.session, pathOf(path));
+  CHECK(ticks.back().force_N[2] < 0.5 * first_N);  // the surface has gone away from there
+  CHECK(placesOf(ball.session) == dented);
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, nullptr));
+  CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == doctest::Approx(first_N).epsilon(1e-6));
+}
+
+TEST_CASE("a brush that is set sculpts tick by tick, but not where the pose only feels") {
+  const OpenBall ball;
+  const auto path = pressPath(4, 150, 20);
+  const pp_brush brush = pushOf(5);
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  const auto before = placesOf(ball.session);
+  for (const std::uint32_t feels : {1u, 0u}) {
+    for (std::size_t i = 0; i < path.size() / 3; ++i) {
+      const pp_pose pose{.t_s = 1e-3 * static_cast<double>(i), .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]},
+                         .feels = feels};
+      pp_contact contact{};
+      PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+    }
+    CHECK((placesOf(ball.session) != before) == (feels == 0));
+  }
+  // A path is felt only, whatever brush is set, and the brush stays.
+  const auto dented = placesOf(ball.session);
+  touch(ball.session, pathOf(path));
+  CHECK(placesOf(ball.session) == dented);
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, nullptr));
+  std::uint64_t done = 0;
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 1, &done));
+  CHECK(done == 1);
+  CHECK(placesOf(ball.session) == before);
+}
+
+TEST_CASE("carving takes points away, painting gives them colours") {
+  const OpenBall ball;
+  const auto path = pressPath(4, 150, 50);
+  pp_brush brush = pushOf(5);
+  brush.kind = "carve";
+  stroke(ball.session, pathOf(path), brush);
+  pp_cloud carved{};
+  PP_REQUIRE_OK(pp_session_cloud(ball.session, &carved));
+  pp_points points{};
+  PP_REQUIRE_OK(pp_cloud_view(carved, &points));
+  const auto places = setOf(placesOf(ball.session));
+  std::size_t above = 0;
+  for (const Place& p : places) above += std::hypot(p[0] - 0.3, p[1] + 0.2) < 2 && p[2] > kBallRadius - 1;
+  CHECK(above == 0);
+  PP_CHECK_OK(pp_cloud_close(carved));
+  brush.kind = "paint";
+  brush.color[0] = 10;
+  brush.color[1] = 200;
+  brush.color[2] = 30;
+  brush.strength = 1;
+  const auto deeper = pressPath(6, 150, 50);
+  stroke(ball.session, pathOf(deeper), brush);
+  pp_cloud painted{};
+  PP_REQUIRE_OK(pp_session_cloud(ball.session, &painted));
+  PP_REQUIRE_OK(pp_cloud_view(painted, &points));
+  REQUIRE(points.colors);
+  std::size_t green = 0;
+  for (std::size_t i = 0; i < points.count; ++i) green += points.colors[4 * i + 1] > 190 && points.colors[4 * i] < 60;
+  CHECK(green > 10);
+  CHECK(green < 2'000);
+  PP_CHECK_OK(pp_cloud_close(painted));
+  brush.kind = "scrub";
+  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("push, carve"));
+  brush.kind = nullptr;
+  brush.radius_mm = -1;
+  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("radius_mm"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,123 @@
+// Threads that use one session at a time as they may, and as they may not.
+#include <atomic>
+#include <thread>
+
+#include "tests/allocation_count.hpp"
+#include "tests/library/ball.hpp"
+
+namespace palpate {
+
+namespace {
+
+pp_pose poseAt(std::size_t tick, double z) {
+  return {.t_s = 1e-3 * static_cast<double>(tick), .hip = {0.3, -0.2, z}};
+}
+
+}  // namespace
+
+TEST_CASE("a tick of a host's own servo loop allocates nothing") {
+  pp_session_options options = cpuOptions();
+  SUBCASE("as long as it takes") {}
+  SUBCASE("with a budget") { options.budget_us = 500; }
+  const OpenBall ball(options);
+  pp_contact contact{};
+  pp_pose pose = poseAt(0, 52);
+  PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+  countedThread = std::this_thread::get_id();
+  allocations = 0;
+  int wrong = 0;
+  counting = true;
+  for (std::size_t i = 1; i < 400; ++i) {
+    pose = poseAt(i, 52 - 0.01 * static_cast<double>(i));
+    wrong += pp_touch(ball.session, &pose, &contact) != PP_OK;
+  }
+  counting = false;
+  countedThread = std::thread::id();
+  CHECK(wrong == 0);
+  CHECK(contact.contact == 1);
+  CHECK(allocations == 0);
+}
+
+TEST_CASE("one thread touches and sculpts while another takes in what it did") {
+  pp_session_options options = cpuOptions();
+  options.budget_us = 2'000;
+  const OpenBall ball(options);
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 5;
+  PP_REQUIRE_OK(pp_session_set_brush(ball.session, &brush));
+  const auto before = placesOf(ball.session);
+  std::atomic<bool> done = false;
+  std::atomic<int> wrong = 0;
+  std::thread servo([&] {
+    pp_contact contact{};
+    for (std::size_t i = 0; i < 500; ++i) {
+      const pp_pose pose = poseAt(i, 52 - 0.012 * static_cast<double>(i));
+      wrong += pp_touch(ball.session, &pose, &contact) != PP_OK;
+    }
+    done = true;
+  });
+  pp_session_info info = pp_default_session_info();
+  while (!done) {
+    wrong += pp_session_follow(ball.session) != PP_OK;
+    wrong += pp_session_get_info(ball.session, &info) != PP_OK;
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  }
+  servo.join();
+  CHECK(wrong == 0);
+  CHECK(placesOf(ball.session) != before);
+  PP_REQUIRE_OK(pp_session_undo(ball.session, 100, nullptr));
+  CHECK(placesOf(ball.session) == before);
+}
+
+TEST_CASE("calls that do not go together: the later one says so, and the session is unharmed") {
+  // The law is called in the middle of pp_session_touch(), on a thread of its own.
+  struct Shared {
+    pp_session session{};
+    std::atomic<bool> inside = false, goOn = false;
+  } shared;
+  pp_session_options options = cpuOptions();
+  options.law_user = &shared;
+  options.law = [](void* user, const pp_pose*, const pp_contact* contact, double, double force_N[3]) {
+    auto& its = *static_cast<Shared*>(user);
+    its.inside = true;
+    while (!its.goOn) std::this_thread::yield();
+    for (int k = 0; k < 3; ++k) force_N[k] = contact->force_N[k];
+  };
+  OpenBall ball(options);
+  shared.session = ball.session;
+  const auto press = pressPath(1);
+  std::thread other([&] { touch(shared.session, pathOf(press)); });
+  while (!shared.inside) std::this_thread::yield();
+  pp_session_info info = pp_default_session_info();
+  const pp_pose pose{};
+  pp_contact contact{};
+  CHECK(pp_session_get_info(ball.session, &info) == PP_ERROR_THREAD);
+  CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_THREAD);
+  CHECK(pp_session_undo(ball.session, 1, nullptr) == PP_ERROR_THREAD);
+  CHECK(pp_session_close(ball.session) == PP_ERROR_THREAD);
+  CHECK_FALSE(std::string(pp_last_error()).empty());
+  shared.goOn = true;
+  other.join();
+  PP_CHECK_OK(pp_session_get_info(ball.session, &info));
+  CHECK(touch(ball.session, pathOf(press)).back().contact == 1);
+}
+
+TEST_CASE("several sessions on one cloud are touched by as many threads") {
+  const BallCloud cloud;
+  const auto press = pressPath(1);
+  std::vector<double> last(12);
+  std::vector<std::thread> threads;
+  for (double& force_N : last)
+    threads.emplace_back([&] {
+      const pp_session_options options = cpuOptions();
+      pp_session session{};
+      PP_REQUIRE_OK(pp_session_open(cloud.cloud, &options, &session));
+      force_N = touch(session, pathOf(press)).back().force_N[2];
+      PP_CHECK_OK(pp_session_close(session));
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const double force_N : last) CHECK(force_N == last.front());
+  CHECK(last.front() > 0.5);
+}
+
+}  // namespace palpate

@@ -1,0 +1,266 @@
+// What is felt through the C interface, held against a ball whose surface is known.
+#include <algorithm>
+#include <limits>
+
+#include "tests/library/ball.hpp"
+#include "tests/library/own_law.hpp"
+
+namespace palpate {
+
+namespace {
+
+double radiusOf(const double (&p)[3]) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]); }
+
+pp_feel feelOf(const char* surface) {
+  pp_feel feel = pp_default_feel();
+  feel.surface = surface;
+  return feel;
+}
+
+}  // namespace
+
+TEST_CASE("a hand in a ball is pushed out along the ball's radius, by stiffness times depth") {
+  pp_session_options options = cpuOptions();
+  const pp_feel feel = feelOf("sphere");
+  options.feel = &feel;
+  const OpenBall ball(options);
+  const auto path = pressPath(1.5);
+  const auto ticks = touch(ball.session, pathOf(path));
+  REQUIRE(ticks.size() == path.size() / 3);
+  CHECK(ticks.front().contact == 0);
+  CHECK(lengthOf(ticks.front().force_N) == 0);
+  const pp_tick& last = ticks.back();
+  CHECK(last.contact == 1);
+  CHECK(last.valid == 1);
+  CHECK(last.fresh == 1);
+  CHECK(last.neighbours > 10);
+  CHECK(radiusOf(last.proxy) == doctest::Approx(kBallRadius).epsilon(2e-4));
+  CHECK(last.penetration_mm == doctest::Approx(kBallRadius - radiusOf(last.hip)).epsilon(0.01));
+  CHECK(lengthOf(last.force_N) == doctest::Approx(0.8 * last.penetration_mm).epsilon(1e-6));
+  for (int k = 0; k < 3; ++k) {
+    CHECK(last.force_N[k] / lengthOf(last.force_N) == doctest::Approx(last.proxy[k] / kBallRadius).epsilon(0.01));
+    CHECK(last.normal[k] == doctest::Approx(last.proxy[k] / kBallRadius).epsilon(0.01));
+  }
+}
+
+TEST_CASE("a path of three columns has a tick for each row, there and then, and the same one gives the same ticks") {
+  const OpenBall ball;
+  const auto path = pressPath(1, 37, 5);
+  const auto ticks = touch(ball.session, pathOf(path));
+  REQUIRE(ticks.size() == 42);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    CHECK(ticks[i].t_s == static_cast<double>(i) / 1000);
+    for (std::size_t k = 0; k < 3; ++k) CHECK(ticks[i].hip[k] == path[3 * i + k]);
+  }
+  const auto again = touch(ball.session, pathOf(path));
+  CHECK(std::equal(ticks.begin(), ticks.end(), again.begin(), [](const pp_tick& a, const pp_tick& b) {
+    return std::equal(std::begin(a.force_N), std::end(a.force_N), b.force_N) &&
+           std::equal(std::begin(a.proxy), std::end(a.proxy), b.proxy) && a.neighbours == b.neighbours;
+  }));
+}
+
+TEST_CASE("a path with times is linear between its rows, and as long as they say") {
+  const OpenBall ball;
+  const std::vector<double> rows{0.01, 0, 0, 60, 0.05, 0, 0, 52};
+  const auto ticks = touch(ball.session, pathOf(rows, 4));
+  REQUIRE(ticks.size() == 51);
+  CHECK(ticks[0].hip[2] == 60);
+  CHECK(ticks[30].hip[2] == doctest::Approx(56));
+  CHECK(ticks[50].hip[2] == doctest::Approx(52));
+}
+
+TEST_CASE("single precision and rows that lie apart are the same path") {
+  const OpenBall ball;
+  const std::vector<double> path{0, 0, 51, 0, 0, 50, 0, 0, 49};
+  const std::vector<float> apart{0, 0, 51, -1, 0, 0, 50, -1, 0, 0, 49, -1};
+  pp_path narrow = pp_default_path();
+  narrow.type = PP_FLOAT32;
+  narrow.rows = 3;
+  narrow.data = apart.data();
+  narrow.stride = 4 * sizeof(float);
+  const auto one = touch(ball.session, pathOf(path)), other = touch(ball.session, narrow);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(one[i].hip[2] == other[i].hip[2]);
+    CHECK(one[i].force_N[2] == other[i].force_N[2]);
+  }
+}
+
+TEST_CASE("a path that cannot be followed is refused with its row, and nothing is written past the room") {
+  const OpenBall ball;
+  std::vector<double> rows{0, 0, 0, 51, 0.01, 0, 0, 50, 0.01, 0, 0, 49};
+  std::uint64_t count = 7;
+  pp_path path = pathOf(rows, 4);
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("row 2"));
+  rows[8] = 0.02;
+  PP_CHECK_OK(pp_path_ticks(ball.session, &path, &count));
+  CHECK(count == 21);
+  std::vector<pp_tick> ticks(21, pp_tick{.t_s = -1});
+  CHECK(pp_session_touch(ball.session, &path, ticks.data(), 20, &count) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("21"));
+  CHECK(ticks[0].t_s == -1);
+  rows[11] = std::numeric_limits<double>::infinity();
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  rows[11] = 49;
+  rows[0] = -1;
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  path.columns = 5;
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  path.columns = 3;
+  path.rows = 0;
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  path.rows = 4;
+  path.type = PP_UINT8;
+  CHECK(pp_path_ticks(ball.session, &path, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch(ball.session, nullptr, ticks.data(), 20, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch(ball.session, &path, nullptr, 20, &count) == PP_ERROR_ARGUMENT);
+}
+
+TEST_CASE("options that a session cannot have are refused by their name") {
+  const BallCloud ball(100);
+  const auto refused = [&](auto&& change, const char* words) {
+    pp_session_options options = cpuOptions();
+    change(options);
+    pp_session session{};
+    CHECK(pp_session_open(ball.cloud, &options, &session) == PP_ERROR_ARGUMENT);
+    CHECK_MESSAGE(lastErrorSays(words), pp_last_error());
+    CHECK(session.id == 0);
+  };
+  refused([](auto& o) { o.rate_Hz = 0; }, "rate_Hz");
+  refused([](auto& o) { o.mm_per_unit = -1; }, "mm_per_unit");
+  refused([](auto& o) { o.budget_us = -1; }, "budget_us");
+  refused([](auto& o) { o.undo_memory_MiB = 0; }, "undo.memory_MiB");
+  refused([](auto& o) { o.law_library = "nothing"; }, "LIBRARY:FUNCTION");
+  refused([](auto& o) { o.size = 12345; }, "pp_default");
+  pp_feel feel = feelOf("velvet");
+  refused([&](auto& o) { o.feel = &feel; }, "velvet");
+  feel = feelOf("sharp");
+  feel.stiffness_N_per_mm = 1e9;
+  refused([&](auto& o) { o.feel = &feel; }, "stiffness");
+  pp_session session{};
+  CHECK(pp_session_open(ball.cloud, nullptr, nullptr) == PP_ERROR_ARGUMENT);
+  pp_cloud_arrays none = pp_default_cloud_arrays();
+  pp_cloud empty{};
+  PP_REQUIRE_OK(pp_cloud_create(&none, &empty));
+  CHECK(pp_session_open(empty, nullptr, &session) == PP_ERROR_ARGUMENT);
+  PP_CHECK_OK(pp_cloud_close(empty));
+}
+
+TEST_CASE("a cloud without normals is felt, too, and a log hears that they are estimated") {
+  const BallArrays<float> arrays(5'000);
+  pp_cloud_arrays bare = arrays.arrays();
+  bare.normals = {};
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_create(&bare, &cloud));
+  std::string heard;
+  pp_session_options options = cpuOptions();
+  options.log = [](void* user, const char* line) { *static_cast<std::string*>(user) += line; };
+  options.log_user = &heard;
+  pp_session session{};
+  PP_REQUIRE_OK(pp_session_open(cloud, &options, &session));
+  CHECK(heard.find("normals are estimated") != std::string::npos);
+  const auto path = pressPath(1.5);
+  CHECK(touch(session, pathOf(path)).back().force_N[2] > 0.5);
+  PP_CHECK_OK(pp_session_close(session));
+  PP_CHECK_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("tick by tick a hand feels what it feels along a path") {
+  const OpenBall ball;
+  const auto path = pressPath(1);
+  const auto ticks = touch(ball.session, pathOf(path));
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    const pp_pose pose{.t_s = ticks[i].t_s, .hip = {path[3 * i], path[3 * i + 1], path[3 * i + 2]}};
+    pp_contact contact{};
+    PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+    CHECK(contact.valid == 1);
+    CHECK(contact.contact == ticks[i].contact);
+    for (int k = 0; k < 3; ++k) {
+      CHECK(contact.proxy[k] == ticks[i].proxy[k]);
+      CHECK(contact.force_N[k] == doctest::Approx(ticks[i].force_N[k]).epsilon(1e-12));
+    }
+    CHECK(contact.penetration_mm == ticks[i].penetration_mm);
+    CHECK(contact.neighbours == ticks[i].neighbours);
+  }
+  pp_pose pose{.t_s = 1, .hip = {0, 0, std::numeric_limits<double>::quiet_NaN()}};
+  pp_contact contact{};
+  CHECK(pp_touch(ball.session, &pose, &contact) == PP_ERROR_ARGUMENT);
+  CHECK(pp_touch(ball.session, nullptr, &contact) == PP_ERROR_ARGUMENT);
+  CHECK(pp_touch(ball.session, &pose, nullptr) == PP_ERROR_ARGUMENT);
+}
+
+TEST_CASE("a hand that was lifted has not come through the surface on which side it is put down") {
+  const OpenBall ball;
+  pp_contact contact{};
+  const auto at = [&](double t_s, double z) {
+    const pp_pose pose{.t_s = t_s, .hip = {0, 0, z}};
+    PP_REQUIRE_OK(pp_touch(ball.session, &pose, &contact));
+  };
+  at(0, 51);
+  at(0.001, 49);
+  CHECK(contact.contact == 1);
+  PP_CHECK_OK(pp_touch_lift(ball.session));
+  at(0.002, 40);  // far inside: nothing is in reach
+  CHECK(contact.contact == 0);
+  CHECK(lengthOf(contact.force_N) == 0);
+}
+
+TEST_CASE("what is felt can be changed, but for the support radius") {
+  const OpenBall ball;
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(ball.session, &info));
+  CHECK(info.points == 20'000);
+  CHECK(info.mm_per_unit == 1);
+  CHECK(info.radius_mm == doctest::Approx(4 * info.spacing_mm).epsilon(0.2));
+  CHECK(std::string(info.backend) == "cpu");
+  CHECK_FALSE(std::string(info.machine).empty());
+  const auto path = pressPath(1);
+  const double soft_N = touch(ball.session, pathOf(path)).back().force_N[2];
+  pp_feel feel = pp_default_feel();
+  feel.stiffness_N_per_mm = 1.6;
+  PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
+  CHECK(touch(ball.session, pathOf(path)).back().force_N[2] == doctest::Approx(2 * soft_N));
+  feel.max_force_N = 0.5;
+  PP_REQUIRE_OK(pp_session_set_feel(ball.session, &feel));
+  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == doctest::Approx(0.5));
+  feel.radius_mm = 3;
+  CHECK(pp_session_set_feel(ball.session, &feel) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("radius_mm"));
+}
+
+TEST_CASE("a force law of the program's own has the say, within the limits") {
+  Calls calls;
+  pp_session_options options = cpuOptions();
+  options.law = ownLaw;
+  options.law_user = &calls;
+  const OpenBall ball(options);
+  const auto path = pressPath(1);
+  const auto ticks = touch(ball.session, pathOf(path));
+  CHECK(calls.count > 100);
+  CHECK(calls.usual_N == doctest::Approx(0.8 * ticks.back().penetration_mm).epsilon(1e-6));
+  CHECK(calls.lastHip_z == path.back());
+  CHECK(ticks.back().force_N[0] == doctest::Approx(1.25));  // as the law says, whatever the surface
+  CHECK(ticks.back().force_N[2] == doctest::Approx(0));
+  calls.size_N = 50;
+  CHECK(lengthOf(touch(ball.session, pathOf(path)).back().force_N) == doctest::Approx(3.3));
+}
+
+TEST_CASE("a force law is loaded from a library by its name") {
+  pp_session_options options = cpuOptions();
+  const std::string law = std::string(PALPATE_OWN_LAW) + ":half_as_stiff";
+  options.law_library = law.c_str();
+  const OpenBall ball(options);
+  const auto path = pressPath(1);
+  const pp_tick last = touch(ball.session, pathOf(path)).back();
+  CHECK(last.force_N[2] == doctest::Approx(0.4 * last.penetration_mm).epsilon(1e-3));
+  const BallCloud other(100);
+  pp_session session{};
+  const std::string none = std::string(PALPATE_OWN_LAW) + ":nothing";
+  options.law_library = none.c_str();
+  CHECK(pp_session_open(other.cloud, &options, &session) == PP_ERROR_FAILED);
+  CHECK(lastErrorSays("has no function nothing"));
+  options.law_library = "libnowhere.so:law";
+  CHECK(pp_session_open(other.cloud, &options, &session) == PP_ERROR_FAILED);
+}
+
+}  // namespace palpate

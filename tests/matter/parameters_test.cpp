@@ -1,0 +1,64 @@
+// Numbers of a scene that change while it runs.
+#include "engine/matter/matter_parameters.hpp"
+
+#include <algorithm>
+
+#include "tests/matter/matter_truths.hpp"
+#include "tests/matter/soft_truths.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+TEST_CASE("parameters are those of the matter, as the scene has them, and setting one sets that one alone") {
+  MatterScene scene;
+  std::vector<std::string> names;
+  for (const SimulationParameter& parameter : parametersOf(scene)) {
+    names.push_back(parameter.name);
+    CHECK(parameter.value >= parameter.low);
+    CHECK(parameter.value <= parameter.high);
+  }
+  CHECK(names == std::vector<std::string>{"viscosity_Pa_s", "cohesion_N_m", "gravity_x_m_s2", "gravity_y_m_s2",
+                                          "gravity_z_m_s2", "gain"});
+  for (const Matter matter : {Matter::water, Matter::sand, Matter::soft}) {
+    scene = {};
+    scene.matter = matter;
+    for (const SimulationParameter& parameter : parametersOf(scene)) {
+      CAPTURE(parameter.name);
+      MatterScene changed = scene;
+      const double value = (parameter.low + 3 * parameter.high) / 4;
+      setParameter(changed, parameter.name, value);
+      CHECK(changed != scene);
+      std::vector<SimulationParameter> expected = parametersOf(scene);
+      std::ranges::find(expected, parameter.name, &SimulationParameter::name)->value = value;
+      CHECK(parametersOf(changed) == expected);
+      setParameter(changed, parameter.name, parameter.value);
+      CHECK(changed == scene);
+    }
+  }
+}
+
+TEST_CASE("a parameter that there is not, or a value beyond its bounds, is refused with what there is") {
+  MatterScene scene;
+  const MatterScene before = scene;
+  const auto refused = [&](std::string_view name, double value) {
+    try {
+      setParameter(scene, name, value);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string("taken");
+  };
+  CHECK(says(refused("friction", 0.5), "is no parameter of water"));
+  CHECK(says(refused("spacing_mm", 5), "there are viscosity_Pa_s, cohesion_N_m"));
+  CHECK(says(refused("viscosity_Pa_s", -1), "viscosity_Pa_s: is -1; it is from 0 to 50"));
+  CHECK(says(refused("gravity_y_m_s2", std::nan("")), "gravity_y_m_s2: is nan"));
+  CHECK(scene == before);
+}
+
+TEST_CASE("a simulation that is given a parameter goes on as one that has it") {
+  checkParametersAreTaken(onCpu(), 20);
+  checkParametersKeepMotion(onCpu(), 60);
+  checkSoftParameters(softOnCpu(), 40);
+}
+
+}  // namespace palpate

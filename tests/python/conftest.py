@@ -1,0 +1,37 @@
+"""A ball whose surface is known, and ways into it."""
+
+from __future__ import annotations
+
+import numpy as np
+import palpate as pp
+import pytest
+
+RADIUS = 50.0
+
+
+def ball_arrays(count: int = 20_000) -> tuple[np.ndarray, np.ndarray]:
+    """Even on a sphere (Fibonacci lattice), float64, with exact normals."""
+    i = np.arange(count)
+    z = 1 - (2 * i + 1) / count
+    r = np.sqrt(1 - z * z)
+    turn = 2 * np.pi * i / 1.618033988749895
+    normals = np.column_stack([r * np.cos(turn), r * np.sin(turn), z])
+    return RADIUS * normals, normals
+
+
+def press_path(depth: float, down: int = 100, rest: int = 100) -> np.ndarray:
+    """Along z from 2 above the ball to `depth` below its surface, and a rest; a row for each tick."""
+    z = np.concatenate([np.linspace(RADIUS + 2, RADIUS - depth, down), np.full(rest, RADIUS - depth)])
+    return np.column_stack([np.full_like(z, 0.3), np.full_like(z, -0.2), z])
+
+
+@pytest.fixture
+def ball() -> pp.Cloud:
+    xyz, normals = ball_arrays()
+    return pp.Cloud(xyz, normals=normals)
+
+
+@pytest.fixture
+def session(ball: pp.Cloud):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as opened:
+        yield opened

@@ -1,0 +1,29 @@
+"""A program with types, as mypy reads it; it is not run."""
+
+from __future__ import annotations
+
+import numpy as np
+import palpate as pp
+from numpy.typing import NDArray
+
+
+def strongest(file: str) -> float:
+    cloud: pp.Cloud = pp.read(file)
+    with pp.Session(cloud, gpu="cpu", surface="sharp") as session:
+        ticks: NDArray[np.void] = session.touch(np.zeros((10, 3)))
+        picture: NDArray[np.uint8] = session.render((320, 200), eye=(1.0, 2.0, 3.0))
+        print(picture.shape, session.mesh(lattice=64).triangles.shape, pp.tick_dtype.names)
+        with session.live(builtin="press", on_ticks=lambda block: print(len(block))) as live:
+            live.wait(1)
+        pp.write("out.ply", session.cloud())
+    return float(ticks["penetration_mm"].max())
+
+
+def failing() -> int | None:
+    try:
+        pp.read("nowhere.ply")
+    except pp.UsageError:
+        return None
+    except pp.Error as error:
+        return error.line
+    return 0

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Whether the types that the Python package tells are right, by mypy; 77: there is none.
+#   tests/python/types.sh PYTHON FOLDER
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+"$1" -m mypy --version > /dev/null 2>&1 || { echo "types.sh: skipped: mypy is not here"; exit 77; }
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+cd "$scratch"
+export MYPYPATH=$2 PYTHONPATH=$2
+"$1" -m mypy --strict --cache-dir "$scratch/cache" "$2/palpate" "$here/typed.py"
+"$1" -m mypy.stubtest palpate --ignore-missing-stub --allowlist "$here/stubtest_allowlist.txt"

@@ -1,0 +1,87 @@
+# `cpack --preset release`: packages for Debian: libpalpate0, libpalpate-dev, palpate, python3-palpate. Built here, for this
+# release of Debian; what they depend on is what they are linked to.
+set(files ${CMAKE_CURRENT_LIST_DIR}/debian)
+set(made ${CMAKE_BINARY_DIR}/debian)
+
+# What every package says of itself, with the notices of what is compiled in, as Debian's packages have them.
+set(notices "")
+foreach(package libglm-dev nlohmann-json3-dev libnanoflann-dev libstb-dev libvulkan-volk-dev libvulkan-dev libcli11-dev
+                libimgui-dev libfmt-dev libhidapi-dev libglfw3-dev pybind11-dev)
+  if(EXISTS /usr/share/doc/${package}/copyright)
+    file(READ /usr/share/doc/${package}/copyright text)
+    string(APPEND notices "==== ${package}\n\n${text}\n\n")
+  else()
+    string(APPEND notices "==== ${package}: its notice is not on the machine that built this\n\n")
+  endif()
+endforeach()
+file(WRITE ${made}/third-party-notices "${notices}")
+string(TIMESTAMP today "%a, %d %b %Y 00:00:00 +0000" UTC)
+configure_file(${files}/changelog.in ${made}/changelog @ONLY)
+file(ARCHIVE_CREATE OUTPUT ${made}/changelog.gz PATHS ${made}/changelog FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+foreach(pair "library;libpalpate0" "dev;libpalpate-dev" "program;palpate" "python;python3-palpate")
+  list(GET pair 0 component)
+  list(GET pair 1 package)
+  install(FILES ${files}/copyright ${made}/changelog.gz DESTINATION share/doc/${package} COMPONENT ${component})
+  if(NOT component STREQUAL dev)  # it has headers of its own alone
+    install(FILES ${made}/third-party-notices DESTINATION share/doc/${package} COMPONENT ${component})
+  endif()
+endforeach()
+
+if(TARGET palpate)
+  # The manual is what the program says of itself.
+  add_custom_command(OUTPUT ${made}/palpate.1.gz DEPENDS palpate ${files}/manual.sh VERBATIM
+    COMMAND bash ${files}/manual.sh $<TARGET_FILE:palpate> ${PROJECT_VERSION} ${made}/palpate.1.gz)
+  add_custom_target(palpate_manual ALL DEPENDS ${made}/palpate.1.gz)
+  install(FILES ${made}/palpate.1.gz DESTINATION share/man/man1 COMPONENT program)
+  install(FILES ${files}/palpate.bash RENAME palpate DESTINATION share/bash-completion/completions COMPONENT program)
+  install(FILES ${files}/palpate.desktop DESTINATION share/applications COMPONENT program)
+  install(FILES ${files}/palpate.svg DESTINATION share/icons/hicolor/scalable/apps COMPONENT program)
+  install(FILES ${files}/palpate.xml DESTINATION share/mime/packages COMPONENT program)
+  install(FILES ${CMAKE_CURRENT_LIST_DIR}/70-palpate.rules DESTINATION lib/udev/rules.d COMPONENT program)
+endif()
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_CONTACT "The owner of palpate <palpate@localhost>")
+set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_COMPONENTS_ALL "")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+set(no_licence "No licence has been chosen by the owner of palpate.")
+
+# package(COMPONENT NAME SECTION SUMMARY TEXT DEPENDS)
+macro(package component name section summary text depends)
+  list(APPEND CPACK_COMPONENTS_ALL ${component})
+  string(TOUPPER ${component} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}\n.\n${no_licence}")
+  set(CPACK_COMPONENT_${upper}_DESCRIPTION "${CPACK_DEBIAN_${upper}_DESCRIPTION}")
+  set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}")
+endmacro()
+if(TARGET palpate)
+  package(program palpate science "feel, see and sculpt point clouds in real time"
+          "Lets a person feel a point cloud of millions of points with a haptic stylus or a\nmouse, see it and sculpt it, on any Vulkan GPU or without one."
+          "fonts-dejavu-core")
+  set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers")
+endif()
+if(TARGET palpate_library)
+  package(library libpalpate0 libs "point clouds that can be felt - shared library"
+          "The C interface of palpate: sessions that feel, see and sculpt point clouds." "")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libvulkan1")
+  package(dev libpalpate-dev libdevel "point clouds that can be felt - development files"
+          "Headers for C and C++, and files for CMake and pkg-config." "libpalpate0 (= ${PROJECT_VERSION})")
+endif()
+if(TARGET palpate_python)
+  get_property(python_version GLOBAL PROPERTY PALPATE_PYTHON_VERSION)
+  package(python python3-palpate python "point clouds that can be felt - Python 3 module"
+          "NumPy arrays in, forces, points, pictures and meshes out."
+          "libpalpate0 (>= ${PROJECT_VERSION}), python3 (>= ${python_version}), python3 (<< ${python_version}.999), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${files}/postinst;${files}/prerm")
+endif()
+include(CPack)
