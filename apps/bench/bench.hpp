@@ -99,6 +99,8 @@ void addCoexistBench(Options& bench, Context& context, Command& command);
 void addStreamBench(Options& bench, Context& context, Command& command);
 /// What a step of water and sand costs, at sizes that are asked for.
 void addMatterBench(Options& bench, Context& context, Command& command);
+/// How fast files are read, of any format.
+void addReadBench(Options& bench, Context& context, Command& command);
 /// What edits change that they may not, on models and on clouds that are uneven in the ways of real ones: strokes of
 /// each brush, judged by what is known of the points before and after alone (engine/cloud/edit_judge.hpp).
 void addLocalityBench(Options& bench, Context& context, Command& command);

@@ -6,6 +6,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "engine/cloud/normals.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/mesh_format.hpp"
 #include "engine/io/saving.hpp"
 
 namespace palpate {
@@ -18,6 +19,7 @@ struct ConvertOptions {
   ScaleOptions scale;
   std::string intrinsics;
   double depthScale = 0;
+  std::int64_t samples = 0;
 };
 
 bool ontoItself(const ConvertOptions& options) {
@@ -66,12 +68,19 @@ std::vector<std::string> columnsOf(const ConvertOptions& options, const CloudFor
   return names;
 }
 
+std::size_t samplesOf(const ConvertOptions& options, const CloudFormat& from) {
+  if (options.samples > 0 && !from.ofTriangles)
+    throw UsageError("--samples is of meshes; {} holds points", from.name);
+  return static_cast<std::size_t>(options.samples);
+}
+
 ConvertInput readInput(Context& context, const ConvertOptions& options) {
   if (!isRgbdFolder(options.input)) {
     const CloudFormat& from = cloudFormats().toRead(options.input);
     return {.stored = readCloud(options.input, &context.log(),
                                 {.normalsFromFaces = options.normals == "face",
                                  .allPoints = options.allPoints,
+                                 .samples = samplesOf(options, from),
                                  .columns = columnsOf(options, from)}),
             .format = std::string(from.name)};
   }
@@ -137,6 +146,9 @@ void addConvert(Options& app, Context& context, Command& command) {
   sub.add("--columns", options->columns,
           "what the columns of a file of text are, as in x,y,z,intensity,red,green,blue; else as its first line says")
       .typeName("NAMES");
+  sub.add("--samples", options->samples,
+          fmt::format("points to sample from a mesh (OBJ, STL, OFF, glTF), spread evenly; default: {}", kUsualSamples))
+      .check(wholeBetween(1, 2e9));
   sub.add("--intrinsics", options->intrinsics, "the depth camera, JSON; else as its folder says").typeName("FILE");
   sub.add("--depth-scale", options->depthScale, "values of depth pictures per metre; else as their folder says")
       .check(between(1e-3, 1e6));

@@ -40,8 +40,11 @@ ViewRequests Keyboard::withControl(int key) const {
   const bool shift = isShiftDown();
   return {.undo = key == GLFW_KEY_Z && !shift,
           .redo = (key == GLFW_KEY_Z && shift) || key == GLFW_KEY_Y,
-          .save = key == GLFW_KEY_S,
-          .quit = key == GLFW_KEY_Q};
+          .save = key == GLFW_KEY_S && !shift,
+          .quit = key == GLFW_KEY_Q,
+          .browse = key == GLFW_KEY_O            ? std::optional(FileTask::open)
+                    : key == GLFW_KEY_S && shift ? std::optional(FileTask::saveAs)
+                                                 : std::nullopt};
 }
 
 ViewRequests Keyboard::alone(int key, WindowSettings& settings) const {

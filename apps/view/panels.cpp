@@ -116,6 +116,7 @@ ViewRequests Panels::draw(const ViewStatus& status, WindowSettings& settings) {
   drawMessages(status, view);
   drawQuestion(status, requests);
   drawSaveQuestion(status, requests);
+  drawFiles(status, requests);
   return requests;
 }
 
@@ -154,6 +155,8 @@ void Panels::drawModel(const ViewStatus& status, ViewRequests& requests) {
     ImGui::ProgressBar(static_cast<float>(*status.loading), {-1, 0});
   }
   if (!header("Models", !status.session && !status.loading)) return;
+  if (button("Browse...")) browse(FileTask::open, status);
+  help("Ctrl+O");
   ImGui::PushItemWidth(em(11.5));
   const bool entered = field("file.ply", open_);
   ImGui::PopItemWidth();
@@ -274,6 +277,7 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
     ImGui::PopItemWidth();
     ImGui::TextDisabled("%llu triangles, last change %.1f ms", static_cast<unsigned long long>(status.meshTriangles),
                         status.meshTime_ms);
+    if (status.meshTriangles > 0 && button("Export mesh...")) browse(FileTask::exportMesh, status);
   }
   checkbox("cameras", view.cameras);
   help("F: from where the pictures of the model were taken, where its files say it");
@@ -297,11 +301,27 @@ void Panels::drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests
   help("P: writes a picture of the window to a file");
 }
 
+void Panels::drawPlace(const PlaceInfo& info) {
+  const auto row = [](const char* name, const std::string& value) { ImGui::TextWrapped("%s %s", name, value.c_str()); };
+  const auto vector = [](const DVec3& value) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", value.x, value.y, value.z); };
+  row("place", vector(info.place));
+  if (info.point) {
+    row("point", fmt::format("{} at {}", *info.point, vector(info.position)));
+    row("normal", vector(info.normal));
+  }
+  for (const auto& [name, value] : info.attributes) row(name.c_str(), value);
+  if (info.stiffness_N_mm)
+    row("stiffness", fmt::format("{:.3g} N/mm: {}", *info.stiffness_N_mm, info.stiffnessOf));
+  else
+    row("stiffness", info.stiffnessOf);
+}
+
 void Panels::drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests) {
   if (view.measures) ImGui::SetNextItemOpen(true);
   if (!header("Measure")) return;
   checkbox("pick two places", view.measures);
   help("D: the left button picks places of the model; turn the view beside it, or with the other buttons");
+  if (status.picked) drawPlace(*status.picked);
   if (!status.measured) {
     ImGui::TextDisabled(view.measures ? "click two places of the model" : "nothing is measured");
     return;
@@ -340,6 +360,8 @@ void Panels::drawSession(const ViewStatus& status, ViewRequests& requests) {
   if ((button(replaces ? "Replace" : "Save as") || (entered && !replaces)) && saveAs_[0])
     requests.saveAs = saveAs_.data();
   if (replaces) help("there is a file of this name");
+  if (button("Save to...")) browse(FileTask::saveAs, status);
+  help("Ctrl+Shift+S");
   field("session.log", log_);
   help(where.c_str());
   ImGui::SameLine();

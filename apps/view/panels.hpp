@@ -6,7 +6,9 @@
 #include <optional>
 #include <span>
 
+#include "apps/view/file_browser.hpp"
 #include "apps/view/gui.hpp"
+#include "apps/view/place_info.hpp"
 #include "apps/view/requests.hpp"
 #include "apps/view/settings.hpp"
 
@@ -32,6 +34,7 @@ struct ViewStatus {
   std::optional<ScaleBar> scaleBar;  ///< at the depth of the camera's target
   Upright upright;                   ///< by the model's shape
   LengthUnit unit = LengthUnit::unknown;
+  std::optional<PlaceInfo> picked;     ///< the last place that was
   std::optional<double> measured;      ///< between two places that were picked, units
   std::optional<HeightRange> heights;  ///< where colours are those of heights
   double meshTime_ms = 0;
@@ -54,6 +57,8 @@ class Panels {
   std::optional<DVec2> placeOf(const std::string& name) const;
   /// In the pictures to come, brings what is named so into view where a panel is scrolled away from it. Empty: nothing.
   void scrollTo(const std::string& name);
+  /// Looks for a file: beside the model, or where it is saved.
+  void browse(FileTask task, const ViewStatus& status);
   /// The least width of a window that has room for the panel, the curves and a model between them, pixels.
   double roomyWidth_px() const { return double{em(56)}; }
   /// From where to where nothing is drawn over the model, from the left, in a window of that width, pixels.
@@ -78,6 +83,9 @@ class Panels {
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
   void drawMatter(const ViewStatus& status, ViewRequests& requests);
   void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
+  void drawFiles(const ViewStatus& status, ViewRequests& requests);
+  bool drawEntries();
+  void drawPlace(const PlaceInfo& info);
   void drawMeasure(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawSession(const ViewStatus& status, ViewRequests& requests);
   void drawPlots(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
@@ -93,6 +101,12 @@ class Panels {
   const Gui& gui_;
   std::array<char, 512> open_{}, saveAs_{}, log_{}, trueLength_{};
   bool paused_ = false;
+  struct Files {
+    FileTask task;
+    FileBrowser browser;
+    std::array<char, 512> name{}, folder{};
+  };
+  std::optional<Files> files_;  // while a file is looked for
   std::map<std::string, DVec2> places_;
   std::string scrollTo_;
   struct Curves {

@@ -112,7 +112,7 @@ void Panels::drawHelp(ViewSettings& view) {
        {"1 to 8", "feel, push, carve, inflate, smooth, grab, paint, flatten"},
        {"[  ]", "smaller, larger brush"},
        {"Ctrl+Z,  Ctrl+Shift+Z", "undo, redo"},
-       {"Ctrl+S", "save"},
+       {"Ctrl+S, Ctrl+Shift+S, Ctrl+O", "save;  to another file;  open a file"},
        {"Backspace", "forces off, and on again"},
        {"M", "triangles (marching cubes), or points"},
        {"D,  F", "measure between two places,  cameras on and off"},

@@ -11,6 +11,9 @@ namespace palpate {
 /// or to have done with it.
 enum class StylusRequest { hold, letGo, lockOrUnlock, putAway };
 
+/// What a file is looked for.
+enum class FileTask { open, saveAs, exportMesh };
+
 /// What a person asks for.
 struct ViewRequests {
   bool undo = false, redo = false, save = false, resetView = false, screenshot = false, exportTicks = false,
@@ -23,7 +26,8 @@ struct ViewRequests {
   std::optional<int> axis;                                  ///< to look along
   bool fromBehind = false;
   std::optional<StylusRequest> stylus;
-  std::string open, saveAs, record, play;
+  std::optional<FileTask> browse;  ///< a file is to be looked for
+  std::string open, saveAs, exportMesh, record, play;
   std::optional<std::pair<std::string, double>> parameter;  ///< of what moves by itself, and its value
   std::string trueLength;  ///< in mm, of what is measured, as it was typed; empty: none
 };

@@ -37,6 +37,13 @@ void ShownMesh::make(const WindowSession& session, std::uint32_t lattice) {
   if (session.edits() > 0) mesh_->update(points);
 }
 
+std::filesystem::path ShownMesh::write(const std::string& file) const {
+  if (triangleCount() == 0) throw Error("{}: there are no triangles to write; M makes some", file);
+  std::filesystem::path kept;
+  writeMesh(file, mesh_->download(), static_cast<double>(mesh_->plan().lattice.cell), false, &kept);
+  return kept;
+}
+
 void ShownMesh::clear() {
   mesh_.reset();
   isAnnounced_ = false;

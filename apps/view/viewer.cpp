@@ -131,6 +131,7 @@ void Viewer::click(const std::string& name) {
 void Viewer::carryOut(const ViewRequests& requests) {
   document_.answer(requests);
   if (!requests.open.empty()) document_.open(requests.open);
+  if (requests.browse) panels_.browse(*requests.browse, status());
   if (requests.quit) closing_ = Closing::asked;
   if (requests.stylus) pointing_.carryOut(*requests.stylus, pointed());
   if (requests.switchForces) {
@@ -142,10 +143,17 @@ void Viewer::carryOut(const ViewRequests& requests) {
   messages_.tryTo([&] {
     document_.carryOut(requests);
     if (!requests.trueLength.empty()) setTrueLength(requests.trueLength);
+    if (!requests.exportMesh.empty()) exportMesh(requests.exportMesh);
     if (requests.screenshot) screen_.keep(document_.freeName("", "png"), true);
   });
   if (requests.resetView) fitCamera();
   if (requests.axis) viewpoint_.lookAlong(*requests.axis, !requests.fromBehind, settings_.view.upOf(session->model()));
+}
+
+void Viewer::exportMesh(const std::string& file) {
+  screen_.waitForLast();
+  const std::filesystem::path kept = shown_.mesh().write(file);
+  messages_.say(file + " is written" + (kept.empty() ? "" : "; what was there before is " + kept.string()));
 }
 
 // Of the model that is open.

@@ -54,6 +54,8 @@ class Viewer {
   void keepClear(const UVec2& before_px, const UVec2& now_px);
   void fitCamera();
   void setTrueLength(const std::string& text);
+  void exportMesh(const std::string& file);
+  void findPlaceInfo();
   Pointed pointed();
   ViewStatus status();
   ViewStatus::ScaleBar scaleOfPicture() const;
@@ -72,6 +74,10 @@ class Viewer {
   Keyboard keyboard_;
   PointingDevices pointing_;
   Measure measure_;
+  struct {
+    std::uint64_t version = 0;  // of what is measured
+    std::optional<PlaceInfo> info;
+  } picked_;
   BrushNotes brushNotes_;
   ScriptPlayer script_;
   enum class Closing { no, asked, done } closing_ = Closing::no;

@@ -60,6 +60,18 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   state["backend"] = session.backendName();
 }
 
+Json toJson(const PlaceInfo& info) {
+  Json attributes = Json::object();
+  for (const auto& [name, value] : info.attributes) attributes[name] = value;
+  return {{"place", jsonOf(info.place)},
+          {"point", info.point ? Json(*info.point) : Json(nullptr)},
+          {"position", jsonOf(info.position)},
+          {"normal", jsonOf(info.normal)},
+          {"attributes", attributes},
+          {"stiffness_N_per_mm", info.stiffness_N_mm ? Json(*info.stiffness_N_mm) : Json(nullptr)},
+          {"stiffness_of", info.stiffnessOf}};
+}
+
 }  // namespace
 
 // The bar is drawn with the panels: a part of the picture would be as coarse as that is while something moves.
@@ -68,6 +80,14 @@ ViewStatus::ScaleBar Viewer::scaleOfPicture() const {
   const double length = scaleBarLength(viewpoint_.camera(), size);
   const double width_px = length * viewpoint_.camera().focal_px(size.height) / viewpoint_.targetDistance();
   return {.width_px = width_px, .length = length};
+}
+
+// Looks at all points: once for each place.
+void Viewer::findPlaceInfo() {
+  if (!document_.session() || measure_.places().empty()) picked_.info.reset();
+  if (picked_.version == measure_.version() || !document_.session()) return;
+  picked_.version = measure_.version();
+  if (!measure_.places().empty()) picked_.info = placeInfo(*document_.session(), measure_.places().back());
 }
 
 ViewStatus Viewer::status() {
@@ -85,6 +105,8 @@ ViewStatus Viewer::status() {
   status.recent = document_.recent();
   status.unit = unitOf(view, session);
   status.measured = measure_.distance();
+  findPlaceInfo();
+  status.picked = picked_.info;
   if (session) {
     status.model = session->file();
     if (const SimulationControl* const simulation = session->simulation()) {
@@ -126,6 +148,7 @@ void Viewer::writeState(const std::string& file) {
              {"pictures_of_model", shown_.picture().made()},
              {"cameras_shown", shown_.lines().cameras()},
              {"measured", document_.session() && measure_.distance() ? Json(*measure_.distance()) : Json(nullptr)},
+             {"picked", picked_.info ? toJson(*picked_.info) : Json(nullptr)},
              {"picked_depth", shown_.picture().picked().depth},
              {"asks_about_changes", document_.asksAboutChanges()},
              {"asks_how_to_save", document_.saveQuestion().has_value()},

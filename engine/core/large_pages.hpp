@@ -11,4 +11,8 @@ inline constexpr std::size_t kLargePage = std::size_t{2} << 20;  ///< bytes
 /// in small ones keeps many threads waiting for the system. What the system makes of it shows in nothing but time.
 void askForLargePages(void* memory, std::size_t bytes) noexcept;
 
+/// Has the system give memory now that is about to be written for the first time, instead of at that time. From any
+/// threads, for parts that differ: to give it takes longer than to write it.
+void fetchPages(void* memory, std::size_t bytes) noexcept;
+
 }  // namespace palpate

@@ -51,6 +51,10 @@ void ChunkedFile::fill(std::size_t wanted) {
     }
     end_ += got;
   }
+  sayProgress();
+}
+
+void ChunkedFile::sayProgress() const {
   if (onProgress_ && size_ && *size_ > 0)
     onProgress_(std::min(1.0, static_cast<double>(offset_ + end_) / static_cast<double>(*size_)));
 }
@@ -60,7 +64,7 @@ void ChunkedFile::fillTogether(std::size_t wanted) {
   const std::uint64_t from = offset_ + end_, left = size_ && *size_ > from ? *size_ - from : 0;
   const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(wanted - end_, left));
   if (wanted <= end_ || bytes < 2 * kChunk) return;
-  buffer_.resize(std::max(buffer_.size(), end_ + bytes));
+  buffer_.resize(std::max(buffer_.size(), end_ + bytes + 1));  // and room to find that nothing follows
   std::atomic<std::size_t> whole = bytes;  // up to the first byte that did not come
   parallelBlocks(bytes, kChunk, 0, [&](std::size_t begin, std::size_t end) {
     const std::size_t got = readAt(file_, from + begin, {buffer_.data() + end_ + begin, end - begin});
@@ -70,6 +74,31 @@ void ChunkedFile::fillTogether(std::size_t wanted) {
   if (!seekTo(file_, from + whole))
     throw FileError::atByte(path_, from, fmt::format("cannot be read: {}", std::strerror(errno)));
   end_ += whole;
+}
+
+void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
+                             const std::function<void(std::span<const std::byte>, std::uint64_t)>& take) {
+  const std::uint64_t blocks = (bytes + block - 1) / block;
+  std::atomic<std::uint64_t> next = 0;
+  const auto read = [&](std::size_t) {
+    BareVector<std::byte> buffer(static_cast<std::size_t>(std::min<std::uint64_t>(block, bytes)));
+    for (std::uint64_t k; (k = next++) < blocks;) {
+      const std::uint64_t before = k * block;
+      const std::span<std::byte> piece(buffer.data(),
+                                       static_cast<std::size_t>(std::min<std::uint64_t>(block, bytes - before)));
+      const std::size_t got = readAt(file_, offset_ + before, piece);
+      if (got < piece.size())
+        throw FileError::atByte(path_, offset_ + before + got,
+                                fmt::format("the file ends before the {} bytes from byte {} on", bytes, offset_));
+      take(piece, before);
+    }
+  };
+  parallelParts(static_cast<std::size_t>(std::min<std::uint64_t>(blocks, threadCount(threads))), read);
+  offset_ += bytes;
+  begin_ = end_ = 0;
+  if (!seekTo(file_, offset_))
+    throw FileError::atByte(path_, offset_, fmt::format("cannot be read: {}", std::strerror(errno)));
+  sayProgress();
 }
 
 bool ChunkedFile::skip(std::uint64_t bytes) {

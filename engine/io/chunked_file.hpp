@@ -41,6 +41,11 @@ class ChunkedFile {
     begin_ += bytes;
     offset_ += bytes;
   }
+  /// Gives the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block` bytes, the last one
+  /// shorter, each with how many come before it. They are read by then, and none is kept. Throws FileError with the byte
+  /// where the file ends before.
+  void readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
+                  const std::function<void(std::span<const std::byte>, std::uint64_t before)>& take);
   /// Passes over `bytes`; false when the file ends before.
   bool skip(std::uint64_t bytes);
 
@@ -53,6 +58,7 @@ class ChunkedFile {
  private:
   void fill(std::size_t wanted);
   void fillTogether(std::size_t wanted);
+  void sayProgress() const;
   char lineEndOfFirstLine(std::size_t longest);
 
   std::filesystem::path path_;

@@ -56,6 +56,10 @@ struct CloudReadOptions {
   bool pointsOnly = false;
   /// Of a reconstruction also the points that its own measures tell to be unreliable (colmap_reliability.hpp).
   bool allPoints = false;
+  /// Of a mesh: how many points are sampled from it; 0: as many as its reader thinks right.
+  std::size_t samples = 0;
+  /// That read LAS and LAZ; 0: one per core. What is read does not depend on it.
+  unsigned threads = 0;
   /// Of lines of text: what their columns are, in place of what the file says (CloudFormat::isText); empty: that.
   std::vector<std::string> columns = {};
 };
@@ -88,6 +92,10 @@ struct CloudFormat {
   void (*write)(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options) = nullptr;
   /// What of a cloud a file of the format cannot hold, in words.
   std::vector<std::string> (*lacks)(const StoredCloud& stored) = nullptr;
+  /// Whose baggage a writer keeps (FormatBaggage::format); empty: of its own name.
+  std::string_view family = {};
+  /// Files of it are of triangles: read, they become points; without triangles nothing is written or saved.
+  bool ofTriangles = false;
 };
 
 }  // namespace palpate

@@ -10,8 +10,10 @@
 #include "engine/io/bag_file.hpp"
 #include "engine/io/colmap_dense_format.hpp"
 #include "engine/io/colmap_format.hpp"
+#include "engine/io/e57_format.hpp"
 #include "engine/io/gaussian_format.hpp"
 #include "engine/io/las_format.hpp"
+#include "engine/io/mesh_format.hpp"
 #include "engine/io/npy_format.hpp"
 #include "engine/io/pcd_format.hpp"
 #include "engine/io/ply_format.hpp"
@@ -65,9 +67,15 @@ const CloudFormat& CloudFormats::toWrite(const std::filesystem::path& file) cons
   throw UsageError("{}: clouds are written as {}; name it so", file.string(), endingsWritten());
 }
 
-const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file) const {
+const CloudFormat& CloudFormats::toSave(const std::filesystem::path& file, bool triangles) const {
   const CloudFormat* format = named(formats_, file);
-  return format && format->write ? *format : formats_.front();
+  return format && format->write && (triangles || !format->ofTriangles) ? *format : formats_.front();
+}
+
+std::string CloudFormats::endingToSave(const std::filesystem::path& file) const {
+  const CloudFormat* format = named(formats_, file);
+  if (!format || &toSave(file) == format) return file.extension().string();
+  return std::string(formats_.front().endings.front());
 }
 
 std::string CloudFormats::namesRead() const {
@@ -89,12 +97,19 @@ const CloudFormats& cloudFormats() {
   static const std::array formats{
       plyFormat(),
       lasFormat(),
+      lazFormat(),
+      copcFormat(),
+      e57Format(),
       pcdFormat(),
       npyFormat(),
       npzFormat(),
       xyzFormat(),
       csvFormat(),
       ptsFormat(),
+      objFormat(),
+      stlFormat(),
+      offFormat(),
+      gltfFormat(),
       colmapFormat(),
       colmapDenseFormat(),
       gaussianFormat(),
@@ -107,7 +122,8 @@ std::vector<std::string> lostOnTheWay(const StoredCloud& stored, const CloudForm
   std::vector<std::string> lost = stored.lost;
   for (std::string& what : to.lacks(stored)) lost.push_back(std::move(what));
   const auto& baggage = stored.cloud.storedAs.baggage;
-  if (baggage && baggage->format != to.name && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
+  const std::string_view keeps = to.family.empty() ? to.name : to.family;
+  if (baggage && baggage->format != keeps && !baggage->sentence.empty()) lost.push_back(baggage->sentence);
   return lost;
 }
 
@@ -124,7 +140,7 @@ StoredCloud readCloud(const std::filesystem::path& file, Log* log, const CloudRe
 
 void writeCloud(const std::filesystem::path& file, const PointCloud& cloud, const CloudWriteOptions& options,
                 const CloudFormats& formats) {
-  formats.toSave(file).write(file, cloud, options);
+  formats.toSave(file, options.triangles != nullptr).write(file, cloud, options);
 }
 
 }  // namespace palpate

@@ -16,9 +16,14 @@ class CloudFormats {
   const CloudFormat& toRead(const std::filesystem::path& file) const;
   /// By the file's ending. Throws UsageError, naming the endings that there are, for another one.
   const CloudFormat& toWrite(const std::filesystem::path& file) const;
-  /// By the file's ending; where nobody knows it the first one, as for reading: what was opened can be saved.
-  const CloudFormat& toSave(const std::filesystem::path& file) const;
+  /// By the file's ending; where nobody knows it, or it is of one that holds no points but `triangles`, and there are
+  /// none, the first one, as for reading: what was opened can be saved.
+  const CloudFormat& toSave(const std::filesystem::path& file, bool triangles = false) const;
+  /// That of a file beside this one which is of the format toSave(): its own, or where that is another one's the first
+  /// one's.
+  std::string endingToSave(const std::filesystem::path& file) const;
 
+  std::span<const CloudFormat> all() const { return formats_; }
   std::string namesRead() const;       ///< "PLY, XYZ, COLMAP, COLMAP dense, 3DGS"
   std::string endingsRead() const;     ///< ".ply, .xyz, a COLMAP folder"
   std::string endingsWritten() const;  ///< as above

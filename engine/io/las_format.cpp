@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstring>
 
 #include "engine/core/system_file.hpp"
 #include "engine/io/las_reader.hpp"
@@ -12,17 +13,28 @@ namespace palpate {
 
 namespace {
 
-/// By their first bytes, as compressed ones have another ending, and its reader says what they are.
-bool holdsLas(const std::filesystem::path& path) {
+constexpr std::string_view kFamily = "LAS";
+
+enum class Kind { none, las, laz, copc };
+
+/// By the first bytes of a file.
+Kind kindOf(const std::filesystem::path& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  if (!std::filesystem::is_regular_file(path, ignored)) return Kind::none;
   std::FILE* file = openFile(path, "rb");
-  if (!file) return false;
-  std::array<char, 4> begin{};
-  const bool whole = std::fread(begin.data(), 1, begin.size(), file) == begin.size();
+  if (!file) return Kind::none;
+  std::array<std::byte, kCopcHead> bytes{};
+  const std::span begin(bytes.data(), std::fread(bytes.data(), 1, bytes.size(), file));
   std::fclose(file);
-  return whole && std::string_view(begin.data(), begin.size()) == "LASF";
+  constexpr std::size_t kFormatAt = 104;
+  if (begin.size() < 4 || std::memcmp(begin.data(), "LASF", 4) != 0) return Kind::none;
+  if (begin.size() <= kFormatAt || !(static_cast<unsigned>(begin[kFormatAt]) & kLazBit)) return Kind::las;
+  return isCopc(begin) ? Kind::copc : Kind::laz;
 }
+
+bool holdsLas(const std::filesystem::path& path) { return kindOf(path) == Kind::las; }
+bool holdsLaz(const std::filesystem::path& path) { return kindOf(path) == Kind::laz; }
+bool holdsCopc(const std::filesystem::path& path) { return kindOf(path) == Kind::copc; }
 
 FileContents contentsOfLas(const std::filesystem::path& path) {
   const LasReader reader(path);
@@ -39,7 +51,7 @@ StoredCloud readLas(const std::filesystem::path& path, Log* log, const CloudRead
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
   StoredCloud stored;
   LasReader reader(path);
-  stored.cloud = reader.read(log, stored.lost);
+  stored.cloud = reader.read(log, stored.lost, options.threads);
   return stored;
 }
 
@@ -53,7 +65,24 @@ CloudFormat lasFormat() {
           .contents = contentsOfLas,
           .read = readLas,
           .write = writeLas,
-          .lacks = lacksOfLas};
+          .lacks = lacksOfLas,
+          .family = kFamily};
+}
+
+CloudFormat lazFormat() {
+  static constexpr std::array<std::string_view, 1> kEndings{".laz"};
+  return {.name = "LAZ",
+          .endings = kEndings,
+          .holds = holdsLaz,
+          .contents = contentsOfLas,
+          .read = readLas,
+          .write = writeLaz,
+          .lacks = lacksOfLas,
+          .family = kFamily};
+}
+
+CloudFormat copcFormat() {
+  return {.name = "COPC", .holds = holdsCopc, .contents = contentsOfLas, .read = readLas, .family = kFamily};
 }
 
 }  // namespace palpate

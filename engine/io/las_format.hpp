@@ -1,4 +1,5 @@
-// LAS 1.0 to 1.4, the files of laser scanners, as a format.
+// LAS 1.0 to 1.4, the files of laser scanners, as a format, and packed: LAZ, and COPC, which is LAZ by the nodes of an
+// octree.
 #pragma once
 
 #include "engine/io/cloud_format.hpp"
@@ -6,5 +7,8 @@
 namespace palpate {
 
 CloudFormat lasFormat();
+CloudFormat lazFormat();
+/// Is only read.
+CloudFormat copcFormat();
 
 }  // namespace palpate

@@ -177,9 +177,9 @@ LasHeader readLasHeader(const std::filesystem::path& file, std::span<const std::
   header.points = load<std::uint32_t>(begin, 107);
   checkPlaces(file, header);
   need(header.size);
-  if (header.format & 0xc0u)
-    throw FileError::atByte(file, 104,
-                            "the points are compressed (LAZ), which is not read; unpack the file to LAS first");
+  constexpr unsigned kPacked = 0x80;
+  header.packed = header.format & kPacked;
+  header.format &= ~kPacked;
   if (header.format >= kLasFormats)
     throw FileError::atByte(file, 104,
                             fmt::format("point format {}; 0 to {} are read", header.format, kLasFormats - 1));

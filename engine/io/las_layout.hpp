@@ -25,6 +25,7 @@ struct LasHeader {
   std::uint32_t pointsAt = kLasShortHeader;  ///< bytes before the first point
   std::uint32_t records = 0;
   unsigned format = 0;
+  bool packed = false;  ///< the points are compressed (LAZ)
   std::size_t pointBytes = 20;
   std::uint64_t points = 0;
   CoordinateGrid grid;

@@ -199,6 +199,24 @@ std::uint16_t LasPlan::color(const PointCloud& cloud, std::size_t i, std::size_t
   return static_cast<std::uint16_t>(now * colorStep_);
 }
 
+void LasPlan::encode(const PointCloud& cloud, std::size_t begin, std::size_t end, std::byte* rows) const {
+  const std::size_t rowBytes = pointBytes;
+  std::byte* row = rows;
+  for (std::size_t i = begin; i < end; ++i, row += rowBytes) {
+    const DVec3 place = grid.grid.nearest(cloud.fileCoordinates(i));
+    for (int k = 0; k < 3; ++k) {
+      const auto number = static_cast<std::int32_t>(place[k]);
+      std::memcpy(row + 4 * k, &number, sizeof number);
+    }
+    if (points.colorAt == 0 || !cloud.hasColors()) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint16_t value = color(cloud, i, k);
+      std::memcpy(row + points.colorAt + 2 * k, &value, sizeof value);
+    }
+  }
+  for (const LasSource& source : sources) source.encode(begin, end, rows, rowBytes);
+}
+
 std::vector<std::string> lasNamesGivingWay(const PointCloud& cloud) {
   std::vector<std::string> names;
   for (const Attribute& attribute : cloud.extra) {

@@ -26,6 +26,8 @@ class LasPlan {
   /// Throws FileError where a point would be longer than LAS can say.
   void check(const std::filesystem::path& file) const;
   const LasSource* sourceOf(std::string_view name) const;
+  /// Rows of points, into bytes that are zero.
+  void encode(const PointCloud& cloud, std::size_t begin, std::size_t end, std::byte* rows) const;
   std::uint16_t color(const PointCloud& cloud, std::size_t i, std::size_t channel) const;
 
   const LasBaggage* baggage = nullptr;  ///< null: the cloud comes from no LAS file

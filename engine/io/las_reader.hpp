@@ -1,13 +1,12 @@
-// Reading LAS: points by columns, many at a time, on all cores.
+// Reading LAS and LAZ: points by columns, many at a time, on all cores.
 #pragma once
 
-#include <atomic>
-#include <memory>
-
-#include "engine/core/bare_vector.hpp"
 #include "engine/core/log.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/copc.hpp"
+#include "engine/io/las_columns.hpp"
 #include "engine/io/las_layout.hpp"
+#include "engine/io/laz_layout.hpp"
 
 namespace palpate {
 
@@ -19,6 +18,7 @@ struct LasHead {
   std::vector<std::byte> descriptors;  ///< of extra bytes
   std::vector<LasExtraField> extra;
   std::vector<std::string> comments;  ///< as in StoredAs
+  std::optional<LazLayout> packing;   ///< where the points are packed
 };
 
 /// Reads front to back. Throws FileError with the byte that is wrong.
@@ -27,37 +27,23 @@ class LasReader {
   explicit LasReader(const std::filesystem::path& path);
 
   const LasHead& head() const { return head_; }
-  /// The cloud, once. What does not come along goes to `lost`, in words.
-  PointCloud read(Log* log, std::vector<std::string>& lost);
+  /// The cloud, once. What does not come along goes to `lost`, in words. `threads`: 0: one per core.
+  PointCloud read(Log* log, std::vector<std::string>& lost, unsigned threads = 0);
 
  private:
-  struct Column {
-    LasField field;
-    std::unique_ptr<std::atomic<bool>> used, rounded;  // a value other than zero; one that its type cannot hold
-    Attribute attribute;
-  };
-  struct ColorBits {
-    std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; and that differ between a value's bytes
+  /// Where points end and the records behind them begin.
+  struct Tail {
+    std::vector<std::byte> bytes;
+    std::uint64_t at = 0;
   };
   void checkCount() const;
-  void readPoints();
-  void grow(std::size_t to);
-  void decode(const std::byte* rows, std::size_t base, std::size_t count);
-  void decodeColors(const std::byte* rows, std::size_t base, std::size_t count);
-  void placePoints();
-  void placeColors();
-  void takeNormals(Log* log);
-  void takeColumns(std::vector<std::string>& lost);
-  void takeTail();
+  Tail readPlain(LasColumns& columns, unsigned threads);
+  Tail readPacked(LasColumns& columns, Log* log, std::vector<std::string>& lost);
+  std::shared_ptr<LasBaggage> packBaggage(const Tail& tail);
+  void takeNormals(PointCloud& cloud, Log* log) const;
 
   ChunkedFile file_;
   LasHead head_;
-  std::vector<Column> columns_;
-  BareVector<std::array<std::int32_t, 3>> places_;
-  BareVector<std::array<std::uint16_t, 3>> colors_;
-  ColorBits colorBits_;
-  std::shared_ptr<LasBaggage> baggage_;
-  PointCloud cloud_;
 };
 
 }  // namespace palpate

@@ -34,6 +34,12 @@ class RowOutput {
     if constexpr (std::endian::native == std::endian::big) std::reverse(bytes.begin(), bytes.end());
     text_.append(bytes.data(), bytes.data() + bytes.size());
   }
+  /// Of text, as a value of its row.
+  void word(std::string_view text) {
+    if (!atLineStart_) text_.push_back(between_);
+    atLineStart_ = false;
+    text_.append(text);
+  }
   /// A value given as double, stored as `type`.
   void real(ScalarType type, double number) {
     if (type == ScalarType::f64)

@@ -73,7 +73,8 @@ std::filesystem::path saveKeeping(const std::filesystem::path& file, PointCloud 
 }
 
 std::filesystem::path whereToSave(const std::filesystem::path& file) {
-  return cloudFormats().toRead(file).write ? file : nameBeside(file);
+  const CloudFormat& format = cloudFormats().toRead(file);
+  return format.write && !format.ofTriangles ? file : nameBeside(file);
 }
 
 std::filesystem::path nameBeside(const std::filesystem::path& file) {
@@ -83,7 +84,7 @@ std::filesystem::path nameBeside(const std::filesystem::path& file) {
   const std::filesystem::path whole = file.has_filename() ? file : file.parent_path();
   const std::string stem = (folder ? whole.filename() : whole.stem()).string();
   const std::string extension =
-      folder ? std::string(cloudFormats().toSave("").endings.front()) : whole.extension().string();
+      folder ? std::string(cloudFormats().toSave("").endings.front()) : cloudFormats().endingToSave(whole);
   for (int number = 1;; ++number) {
     const std::string ending = number == 1 ? "-sculpted" : fmt::format("-sculpted-{}", number);
     std::filesystem::path name = whole;

@@ -31,6 +31,7 @@ class ShapeMatching {
   /// `masses`: of the nodes, kg.
   ShapeMatching(const SoftLattice& lattice, std::span<const float> masses, const MatchingRules& rules);
 
+  /// From now on other ones.
   void setRules(const MatchingRules& rules) { rules_ = rules; }
   /// Nothing is turned.
   void begin();

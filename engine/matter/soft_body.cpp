@@ -74,11 +74,6 @@ SoftBody::SoftBody(const SoftLattice& lattice, const SoftMaterial& material, std
   reset();
 }
 
-void SoftBody::setMaterial(const SoftMaterial& material, const std::optional<MatchingRules>& matching) {
-  rules_ = softRules(material, lattice_.spacing_m());
-  if (matching_ && matching) matching_->setRules(*matching);
-}
-
 void SoftBody::reset() {
   moved_.assign(rest_.displacements().begin(), rest_.displacements().end());
   velocities_.assign(lattice_.nodes(), Vec3(0));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "engine/core/error.hpp"
 #include "engine/matter/matter_bounds.hpp"
@@ -59,6 +60,10 @@ SoftMaterial materialOf(const MatterScene& scene) {
 std::optional<MatchingRules> matchingOf(const MatterScene& scene, const MatterPlan& plan) {
   if (scene.preset != SoftPreset::shapeMatching) return std::nullopt;
   return MatchingRules::inSubstep(scene.stiffness, plan.substep_s);
+}
+
+double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
+  return 16 * (1 - scene.poisson * scene.poisson) / (3 * std::numbers::pi * std::numbers::pi * scene.young_Pa * radius_m);
 }
 
 double touchFrequencyOf(const MatterScene& scene, const MatterPlan& plan) {

@@ -7,20 +7,21 @@
 namespace palpate {
 
 MatterSteps::MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce)
-    : SteppingControl(*simulation, tools),
-      world_(std::move(simulation)),
-      tools_(tools),
-      mostAtOnce_(mostAtOnce),
-      between_(tools) {}
+    : SteppedControl(*simulation, tools, mostAtOnce), world_(std::move(simulation)), tools_(tools), between_(tools) {}
+
+void MatterSteps::restart() {
+  world_->reset();
+  hands_.clear();
+  forget();
+}
 
 MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   const std::span<const HandPose> hands(question.hands.data(), tools_);
-  if (takeReset()) {
-    restart();
-  }
+  const std::int64_t now = std::llround(question.time_s / kMatterStep_s);
+  if (takeReset() || goesBack(now)) restart();
   takeParameters(*world_);
   const bool held = isHeld();
-  const std::uint32_t steps = stepsTo(question.time_s);
+  const std::uint32_t steps = stepsTo(now, 1);
   // A hand that moves while everything stands still begins anew where it is then.
   if (hands_.empty() || held) hands_.assign(hands.begin(), hands.end());
   for (std::uint32_t k = 0; k < steps && !held; ++k) {
@@ -29,31 +30,14 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
       between_[i] = {.place_m = glm::mix(hands_[i].place_m, hands[i].place_m, share),
                      .orientation = glm::slerp(hands_[i].orientation, hands[i].orientation, share)};
     world_->step(between_);
-    for (std::size_t i = 0; i < tools_; ++i) tellEnergy(i, world_->portEnergy_J(i));
+    for (std::size_t i = 0; i < tools_; ++i) seeEnergy(i, world_->portEnergy_J(i));
   }
   if (!held) hands_.assign(hands.begin(), hands.end());
-  tell(world_->state());
+  see(world_->state());
   MatterAnswer answer{.question = question, .moves = !held, .state = world_->state()};
   std::ranges::copy(world_->answers(), answer.hands.begin());
   if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
   return answer;
-}
-
-void MatterSteps::restart() {
-  world_->reset();
-  forgetEnergies();
-  hands_.clear();
-  last_.reset();
-}
-
-std::uint32_t MatterSteps::stepsTo(double time_s) {
-  const std::int64_t now = std::llround(time_s / kMatterStep_s);
-  if (last_ && now < *last_) {
-    restart();
-  }
-  const std::int64_t steps = last_ ? now - *last_ : 1;
-  last_ = now;
-  return runOf(steps, mostAtOnce_);
 }
 
 void MatterSteps::show(double time_s) {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "engine/core/contact_query.hpp"
-#include "engine/touch/stepping_control.hpp"
+#include "engine/touch/stepped_control.hpp"
 
 namespace palpate {
 
@@ -34,7 +34,7 @@ struct MatterView {
 };
 
 /// goTo() is for one thread, take() for another one, and the rest for any.
-class MatterSteps final : public SteppingControl {
+class MatterSteps final : public SteppedControl {
  public:
   /// `simulation` has `tools` of them. `mostAtOnce`: steps in one goTo(); those beyond it are left out. 0: any number.
   MatterSteps(std::unique_ptr<MatterSimulation> simulation, std::size_t tools, std::uint32_t mostAtOnce);
@@ -49,16 +49,12 @@ class MatterSteps final : public SteppingControl {
 
  private:
   void restart();
-  std::uint32_t stepsTo(double time_s);
   void show(double time_s);
 
   std::unique_ptr<MatterSimulation> world_;
   std::size_t tools_;
-  std::uint32_t mostAtOnce_;
-  std::optional<std::int64_t> last_;  // number of the step that the questions have come to
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
-
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown
   std::mutex mutex_;
   std::optional<double> shownAt_s_;  // nothing: it was taken

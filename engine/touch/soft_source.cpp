@@ -11,7 +11,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kSameTime_s = 1e-7;
 // Against the clock a hand has felt the surface of a frame ago. Where it presses the simulation knows better how
 // deep: so much of what the two differ by is taken over at a time.
@@ -25,14 +24,10 @@ constexpr std::uint32_t kFirstCompliance = 50, kNextCompliance = 250;
 // The step that a time is in: a frame is never of a time to come.
 std::int64_t stepAt(double time_s) { return static_cast<std::int64_t>(std::floor((time_s + kSameTime_s) / kMatterStep_s)); }
 
-double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m) {
-  return 16 * (1 - scene.poisson * scene.poisson) / (3 * kPi * kPi * scene.young_Pa * radius_m);
-}
-
 }  // namespace
 
 SoftSource::SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options)
-    : SteppingControl(*world, options.hands), world_(std::move(world)), options_(options), slots_(kMostTouches) {
+    : SteppedControl(*world, options.hands, options.mostAtOnce), world_(std::move(world)), options_(options), slots_(kMostTouches) {
   PALPATE_CHECK(world_->hasSurface());
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, options_.toolReach);
   for (std::atomic<double>& compliance : compliances_)
@@ -43,14 +38,13 @@ void SoftSource::restart() {
   world_->reset();
   std::ranges::fill(slots_, Slot{});
   energies_J_.fill(0);
-  forgetEnergies();
-  last_.reset();
+  forget();
   beginnings_.fetch_add(1, std::memory_order_relaxed);
 }
 
 bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
-  if (wantsReset() || isTurned_) return true;
-  return !isHeld() && last_ != stepAt(time_s);
+  if (isToBeReset() || isTurned_) return true;
+  return !isHeld() && last() != stepAt(time_s);
 }
 
 // As often as there were steps: behind them, so that what the hand felt has pressed where the surface was. Presses go
@@ -120,15 +114,6 @@ StrokeCounts SoftSource::strokes() const noexcept {
           .version = counts_.version.load(kRelaxed)};
 }
 
-std::uint32_t SoftSource::stepsTo(double time_s) {
-  if (question_.count == 0) return 0;  // nobody has asked yet
-  const std::int64_t now = stepAt(time_s);
-  if (last_ && now < *last_) restart();
-  const std::int64_t steps = last_ ? now - *last_ : 0;
-  last_ = now;
-  return runOf(steps, options_.mostAtOnce);
-}
-
 DVec3 SoftSource::placeOf(const SurfaceTouch& touch, const Slot& slot) const {
   const double age_s = std::max(0.0, bodyTime_s_ - question_.feltAt_s);
   if (std::abs(question_.pointsTime_s - bodyTime_s_) < kSameTime_s || !slot.presses)
@@ -178,7 +163,7 @@ void SoftSource::advance(std::uint32_t steps) {
       slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
       energies_J_[presses_[n].hand] += world_->pressed()[n].work_J;
     }
-    for (std::size_t hand = 0; hand < options_.hands; ++hand) tellEnergy(hand, energies_J_[hand]);
+    for (std::size_t hand = 0; hand < options_.hands; ++hand) seeEnergy(hand, energies_J_[hand]);
   }
   sculpt(steps);
   for (std::size_t i = 0; i < question_.count && question_.goesOn; ++i) findCompliance(question_.touches[i], slots_[i]);
@@ -198,13 +183,18 @@ void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   if (const auto newest = asked_.load()) question_ = *newest;
   if (takeReset()) restart();
   takeParameters(*world_);
-  const std::uint32_t steps = stepsTo(time_s);
+  std::uint32_t steps = 0;
+  if (question_.count > 0) {  // somebody has asked
+    const std::int64_t now = stepAt(time_s);
+    if (goesBack(now)) restart();
+    steps = stepsTo(now, 0);
+  }
   if (isHeld())
     std::ranges::fill(slots_, Slot{});
   else
     advance(steps);
-  bodyTime_s_ = std::min(time_s, last_ ? static_cast<double>(*last_) * kMatterStep_s : time_s);
-  tell(world_->state());
+  bodyTime_s_ = std::min(time_s, last() ? static_cast<double>(*last()) * kMatterStep_s : time_s);
+  see(world_->state());
   isTurned_ = false;
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);

@@ -12,8 +12,9 @@
 #include "engine/core/shape_strokes.hpp"
 #include "engine/core/tool_shape.hpp"
 #include "engine/core/touch_backend.hpp"
+#include "engine/matter/matter_simulation.hpp"
 #include "engine/motion/cloud_source.hpp"
-#include "engine/touch/stepping_control.hpp"
+#include "engine/touch/stepped_control.hpp"
 
 namespace palpate {
 
@@ -60,7 +61,7 @@ struct SoftSourceOptions {
 /// frame before; so does a brush, in each of the steps. Where time goes back the scene begins anew, in the shape that
 /// it has. So a frame's bytes follow from all that was asked before, and in virtual time from the poses. ask() is for
 /// one thread, makeFrame() and hasNewer() for another one, and the rest for any.
-class SoftSource final : public CloudSource, public SteppingControl {
+class SoftSource final : public CloudSource, public SteppedControl {
  public:
   /// `world` has a surface.
   SoftSource(std::unique_ptr<MatterSimulation> world, const SoftSourceOptions& options);
@@ -97,7 +98,6 @@ class SoftSource final : public CloudSource, public SteppingControl {
     std::uint32_t steps = 0; // that it has pressed on end
   };
   void restart();
-  std::uint32_t stepsTo(double time_s);
   void sculpt(std::uint32_t steps);
   bool turned(bool done);
   void countStrokes();
@@ -112,7 +112,6 @@ class SoftSource final : public CloudSource, public SteppingControl {
   std::vector<Slot> slots_;
   std::vector<SurfacePress> presses_;
   std::vector<std::size_t> pressing_;    // of which touch each press is
-  std::optional<std::int64_t> last_;     // number of the step that the questions have come to
   std::array<double, kMostHands> energies_J_{};  // that hands have put in since the beginning
   double bodyTime_s_ = 0;                // the questions' time for which the body is as it is
   std::array<std::atomic<double>, kMostHands> compliances_;

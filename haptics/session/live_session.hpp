@@ -36,6 +36,7 @@ class LiveSession {
   LiveSession& operator=(const LiveSession&) = delete;
 
   const Model& model() const { return session_.model(); }
+  const SurfaceOptions& surface() const { return session_.surface(); }  ///< as it is felt, model units
   const SessionConfig& config() const { return session_.config(); }
   const std::string& file() const { return config().model.file; }
   /// Of the model as it was loaded, model units relative to its origin.

@@ -222,33 +222,6 @@ TEST_CASE("in the window water moves, is held, begins anew, is saved beside the 
   CHECK(contentOf(played->folder / "dam.json").find("\"water\"") != std::string::npos);
 }
 
-TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
-  if (!hasDisplay()) return;
-  const auto played = play("jelly --size 480x360 --rate 250 --backend cpu --edit push", R"(
-0.1 mouse 240 216
-0.3 key space down
-0.5 button left down
-0.6 wheel 4
-2.0 state %/touch.json
-2.1 button left up
-2.2 key space up
-2.6 state %/dent.json
-2.7 key ctrl+z
-3.0 state %/undone.json
-3.1 key 3
-3.3 state %/carve.json
-3.4 quit
-)");
-  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
-  CHECK(played->state("touch.json")["contact"] == true);
-  CHECK(played->state("dent.json")["strokes"] == 1);
-  CHECK(played->state("dent.json")["undoable"] == 1);
-  CHECK(played->state("dent.json")["changed"] == true);
-  CHECK(played->state("undone.json")["undoable"] == 0);
-  const std::string message = played->state("carve.json")["last_message"];
-  CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
-}
-
 TEST_CASE("in the window gravity, viscosity and gain change while water moves, and what there is not is said") {
   if (!hasDisplay()) return;
   const auto played = play("%/tank.json --size 640x640 --rate 500 --backend cpu", R"(
@@ -310,6 +283,33 @@ TEST_CASE("what stands in water stops the ball that a hand holds, and is drawn a
   const Outcome none = palpate("touch \"" + in("none.ply") + " in water\" --path builtin:press");
   CHECK(none.code == 1);
   CHECK(says(none.text, "none.ply in water: cannot be read"));
+}
+
+TEST_CASE("in the window a soft body takes a brush, gives its stroke back, and says which brush it does not take") {
+  if (!hasDisplay()) return;
+  const auto played = play("jelly --size 480x360 --rate 250 --backend cpu --edit push", R"(
+0.1 mouse 240 216
+0.3 key space down
+0.5 button left down
+0.6 wheel 4
+2.0 state %/touch.json
+2.1 button left up
+2.2 key space up
+2.6 state %/dent.json
+2.7 key ctrl+z
+3.0 state %/undone.json
+3.1 key 3
+3.3 state %/carve.json
+3.4 quit
+)");
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  CHECK(played->state("touch.json")["contact"] == true);
+  CHECK(played->state("dent.json")["strokes"] == 1);
+  CHECK(played->state("dent.json")["undoable"] == 1);
+  CHECK(played->state("dent.json")["changed"] == true);
+  CHECK(played->state("undone.json")["undoable"] == 0);
+  const std::string message = played->state("carve.json")["last_message"];
+  CHECK_MESSAGE(message.find("keeps the cells") != std::string::npos, message);
 }
 
 }  // namespace palpate

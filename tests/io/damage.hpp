@@ -17,6 +17,7 @@ namespace palpate::test {
 /// Bits are flipped, ends are cut, numbers become extreme.
 class Damage {
  public:
+  explicit Damage(std::uint32_t seed = 12345) : state_(seed) {}
   /// `head`: how many of the first bytes are numbers that say what the file holds.
   std::string of(std::string text, std::size_t head) {
     constexpr std::array<std::uint64_t, 6> kExtremes{0, 1, 0x7f, 0xff, 0x7fffffffffffffff, 0xffffffffffffffff};
@@ -47,7 +48,7 @@ class Damage {
     state_ = state_ * 1664525u + 1013904223u;
     return static_cast<std::size_t>((std::uint64_t{state_} * below) >> 32);
   }
-  std::uint32_t state_ = 12345;
+  std::uint32_t state_;
 };
 
 /// How many of so many damaged files are read; all others are refused. What is read is written again, and the table is

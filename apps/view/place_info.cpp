@@ -1,0 +1,85 @@
+#include "apps/view/place_info.hpp"
+
+#include <cstring>
+#include <limits>
+
+#include "apps/view/session.hpp"
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/matter/soft_scene.hpp"
+
+namespace palpate {
+
+namespace {
+
+// The nearest one that is there; null where there is none.
+const PointState* nearestTo(std::span<const PointState> points, const DVec3& place) {
+  const PointState* nearest = nullptr;
+  double least2 = std::numeric_limits<double>::infinity();
+  for (const PointState& point : points) {
+    if (point.gone()) continue;
+    const DVec3 apart = DVec3(point.position) - place;
+    const double distance2 = glm::dot(apart, apart);
+    if (!(distance2 < least2)) continue;
+    least2 = distance2;
+    nearest = &point;
+  }
+  return nearest;
+}
+
+std::string textOf(const Attribute& attribute, std::size_t point) {
+  return visitScalar(attribute.type, [&]<class T>(std::type_identity<T>) {
+    T value{};
+    std::memcpy(&value, attribute.data.data() + point * sizeof(T), sizeof(T));
+    if constexpr (sizeof(T) == 1)
+      return fmt::format("{}", static_cast<int>(value));
+    else
+      return fmt::format("{}", value);
+  });
+}
+
+// The spring of the hand, and the body below it.
+void findStiffness(const WindowSession& session, PlaceInfo& info) {
+  const double hand = session.feel().stiffness_N_per_mm;
+  const SessionConfig& config = session.config();
+  if (!config.matter) {
+    info.stiffness_N_mm = hand;
+    info.stiffnessOf = "the hand's spring; the model is rigid";
+    return;
+  }
+  const MatterScene& scene = *config.matter;
+  if (scene.matter != Matter::soft) {
+    info.stiffnessOf = "what flows has none";
+    return;
+  }
+  if (scene.preset == SoftPreset::shapeMatching) {
+    info.stiffnessOf = "matched shapes are not calibrated";
+    return;
+  }
+  const double radius_m = 0.5e-3 * session.model().scale.toMm(session.surface().radius);
+  const double body = 1e-3 / halfSpaceCompliance_m_N(scene, radius_m);
+  info.stiffness_N_mm = 1 / (1 / hand + 1 / (scene.gain * body));
+  info.stiffnessOf = fmt::format("the hand's spring of {:.3g} N/mm upon a half-space of {:.3g} N/mm", hand, scene.gain * body);
+}
+
+}  // namespace
+
+PlaceInfo placeInfo(const WindowSession& session, const DVec3& place) {
+  const PointCloud& cloud = session.model().cloud;
+  PlaceInfo info{.place = cloud.origin + place};
+  findStiffness(session, info);
+  if (session.config().moves()) return info;
+  const PointState* const point = nearestTo(session.journal().points(), place);
+  if (point == nullptr) return info;
+  info.point = point->number();
+  info.position = cloud.origin + DVec3(point->position);
+  info.normal = point->normal;
+  if (cloud.hasColors())
+    info.attributes.emplace_back("colour", fmt::format("{}, {}, {}", point->color & 255, point->color >> 8 & 255,
+                                                       point->color >> 16 & 255));
+  // A point that came later has what it took from the one beside it.
+  if (const std::size_t file = point->parent; file < cloud.size())
+    for (const Attribute& attribute : cloud.extra) info.attributes.emplace_back(attribute.name, textOf(attribute, file));
+  return info;
+}
+
+}  // namespace palpate

@@ -1,0 +1,90 @@
+#include "engine/io/mesh_format.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/core/error.hpp"
+#include "engine/io/mesh_import.hpp"
+#include "engine/io/mesh_writer.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+constexpr std::array<std::string_view, 1> kObj{".obj"}, kStl{".stl"}, kOff{".off"};
+constexpr std::array<std::string_view, 2> kGltf{".gltf", ".glb"};
+
+std::string madeFrom(const TriangleSoup& soup) { return fmt::format("{} triangles", soup.triangles.size()); }
+
+void needTriangles(const std::filesystem::path& file, const ImportedMesh& mesh) {
+  if (mesh.soup.triangles.empty()) throw FileError(file, "has no triangles; points are read from other formats");
+}
+
+FileContents contentsOfMesh(const std::filesystem::path& file) {
+  const ImportedMesh mesh = importMesh(file, file.extension().string());
+  needTriangles(file, mesh);
+  FileElement vertex{.name = "vertex", .count = kUsualSamples, .properties = {}};
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) vertex.properties.push_back({name});
+  if (!mesh.soup.colors.empty())
+    for (const char* name : {"red", "green", "blue"}) vertex.properties.push_back({name});
+  return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
+}
+
+StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
+  ImportedMesh mesh = importMesh(file, file.extension().string());
+  needTriangles(file, mesh);
+  if (options.normalsFromFaces) mesh.soup.normals.clear();
+  const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
+  SampledSoup sampled = sampleSoup(mesh.soup, count, kSeed);
+  if (sampled.cloud.empty()) throw FileError(file, fmt::format("none of its {} has an area", madeFrom(mesh.soup)));
+  const std::string name = file.filename().string();
+  if (log) log->say("{}: {} points, spread evenly over {}", name, sampled.cloud.size(), madeFrom(mesh.soup));
+  StoredCloud stored{.cloud = std::move(sampled.cloud), .triangles = {}, .lost = std::move(mesh.lost)};
+  stored.lost.insert(stored.lost.begin(), madeFrom(mesh.soup) + ", of which the points are samples");
+  if (sampled.flat > 0) stored.lost.push_back(fmt::format("{} triangles without an area", sampled.flat));
+  return stored;
+}
+
+StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
+  StoredCloud stored = readMesh(file, log, options);
+  stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says
+  return stored;
+}
+
+}  // namespace
+
+CloudFormat objFormat() {
+  return {.name = "OBJ",
+          .endings = kObj,
+          .contents = contentsOfMesh,
+          .read = readMesh,
+          .write = writeObj,
+          .lacks = lacksOfObj,
+          .ofTriangles = true};
+}
+
+CloudFormat stlFormat() {
+  return {.name = "STL",
+          .endings = kStl,
+          .contents = contentsOfMesh,
+          .read = readMesh,
+          .write = writeStl,
+          .lacks = lacksOfStl,
+          .ofTriangles = true};
+}
+
+CloudFormat offFormat() {
+  return {.name = "OFF",
+          .endings = kOff,
+          .contents = contentsOfMesh,
+          .read = readMesh,
+          .write = writeOff,
+          .lacks = lacksOfOff,
+          .ofTriangles = true};
+}
+
+CloudFormat gltfFormat() {
+  return {.name = "glTF", .endings = kGltf, .contents = contentsOfMesh, .read = readGltf, .ofTriangles = true};
+}
+
+}  // namespace palpate

@@ -1,0 +1,200 @@
+// The arithmetic coder of LASzip: symbols become parts of an interval, as wide as they are frequent, which is halved until
+// a byte of it is known; how frequent they are is counted on both sides while they pass (Said 2004, "Introduction to
+// arithmetic coding: theory and practice"; Isenburg 2013, "LASzip: lossless compression of LiDAR data").
+//
+// Decoder and encoder have the same functions: those of the encoder put a value into the stream and give it back, those of
+// the decoder give the one of the stream, whatever they are given. So what is coded, and in what order, is one text for
+// both (laz_point10.hpp and the others).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace palpate {
+
+/// How likely a bit is 0, by those that passed.
+class BitModel {
+ public:
+  static constexpr unsigned kShift = 13;  ///< the share of zeros is in parts of 2^13
+
+  std::uint32_t zeroShare() const { return zeroShare_; }
+  void count(bool isZero) {
+    zeros_ += isZero;
+    if (--untilUpdate_ == 0) update();
+  }
+
+ private:
+  void update();
+
+  std::uint32_t zeroShare_ = 1u << (kShift - 1), zeros_ = 1, all_ = 2;
+  std::uint32_t cycle_ = 4, untilUpdate_ = 4;
+};
+
+/// How likely each of several symbols is, by those that passed.
+class SymbolModel {
+ public:
+  static constexpr unsigned kShift = 15;  ///< shares are in parts of 2^15
+
+  SymbolModel() = default;
+  explicit SymbolModel(unsigned symbols);
+
+  bool isMade() const { return !counts_.empty(); }
+  unsigned last() const { return static_cast<unsigned>(counts_.size()) - 1; }
+  /// The share of all symbols before this one.
+  std::uint32_t before(unsigned symbol) const { return sums_[symbol]; }
+  /// The symbol that has `share` in its part; the last one where it is beyond all of them.
+  unsigned at(std::uint32_t share) const {
+    const std::size_t cell = share >> cellShift_;
+    unsigned low = cells_[cell], high = cells_[cell + 1] + 1;
+    while (high > low + 1) {
+      const unsigned middle = (low + high) / 2;
+      if (sums_[middle] > share)
+        high = middle;
+      else
+        low = middle;
+    }
+    return low;
+  }
+  void count(unsigned symbol) {
+    ++counts_[symbol];
+    if (--untilUpdate_ == 0) update();
+  }
+
+ private:
+  void update();
+
+  std::vector<std::uint32_t> counts_, sums_;
+  std::vector<std::uint16_t> cells_;  // the symbol at the beginning of each of equal parts, where a search begins
+  unsigned cellShift_ = 0;
+  std::uint32_t all_ = 0, cycle_ = 0, untilUpdate_ = 0;
+};
+
+/// What decoder and encoder have in common.
+class RangeCoder {
+ protected:
+  static constexpr std::uint32_t kShortest = 1u << 24;  // of the interval: shorter ones get a byte more
+  static constexpr unsigned kMostBits = 19;             // that are coded at a time without a model
+};
+
+/// Reads beyond its bytes as if zeros followed, and says so.
+class RangeDecoder : RangeCoder {
+ public:
+  static constexpr bool kEncodes = false;
+
+  explicit RangeDecoder(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
+    for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();
+  }
+
+  /// What was read is no stream of an encoder, or was read with other models: it ended too early, or named what there
+  /// is not.
+  bool isWrong() const { return wrong_; }
+  /// Bytes that were not needed: none where a stream was read to its end.
+  std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
+  void setWrong() { wrong_ = true; }
+
+  unsigned symbol(SymbolModel& model, unsigned = 0) {
+    const std::uint32_t whole = length_;
+    length_ >>= SymbolModel::kShift;
+    const unsigned found = model.at(value_ / length_);
+    const std::uint32_t low = model.before(found) * length_;
+    const std::uint32_t high = found == model.last() ? whole : model.before(found + 1) * length_;
+    value_ -= low;
+    length_ = high - low;
+    widen();
+    model.count(found);
+    return found;
+  }
+  bool bit(BitModel& model, bool = false) {
+    const std::uint32_t zeros = model.zeroShare() * (length_ >> BitModel::kShift);
+    const bool found = value_ >= zeros;
+    if (found) value_ -= zeros, length_ -= zeros;
+    if (!found) length_ = zeros;
+    widen();
+    model.count(!found);
+    return found;
+  }
+  /// `count`: at most 32.
+  std::uint32_t bits(unsigned count, std::uint32_t = 0) {
+    if (count > kMostBits) {
+      const std::uint32_t low = bits(16);
+      return bits(count - 16) << 16 | low;
+    }
+    length_ >>= count;
+    std::uint32_t found = value_ / length_;
+    value_ -= found * length_;
+    if (found >> count) wrong_ = true, found = 0;
+    widen();
+    return found;
+  }
+
+ private:
+  std::uint32_t next() {
+    if (at_ < end_) return static_cast<std::uint32_t>(*at_++);
+    wrong_ = true;
+    return 0;
+  }
+  void widen() {
+    while (length_ < kShortest) {
+      value_ = value_ << 8 | next();
+      length_ <<= 8;
+    }
+  }
+
+  const std::byte *at_, *end_;
+  std::uint32_t value_ = 0, length_ = 0xffffffffu;
+  bool wrong_ = false;
+};
+
+class RangeEncoder : RangeCoder {
+ public:
+  static constexpr bool kEncodes = true;
+
+  void setWrong() {}  ///< what is encoded is right
+
+  unsigned symbol(SymbolModel& model, unsigned value) {
+    const std::uint32_t part = length_ >> SymbolModel::kShift, low = model.before(value) * part;
+    const std::uint32_t high = value == model.last() ? length_ : model.before(value + 1) * part;
+    narrow(low, high - low);
+    model.count(value);
+    return value;
+  }
+  bool bit(BitModel& model, bool value) {
+    const std::uint32_t zeros = model.zeroShare() * (length_ >> BitModel::kShift);
+    narrow(value ? zeros : 0, value ? length_ - zeros : zeros);
+    model.count(!value);
+    return value;
+  }
+  std::uint32_t bits(unsigned count, std::uint32_t value) {
+    if (count > kMostBits) {
+      bits(16, value & 0xffffu);
+      bits(count - 16, value >> 16);
+      return value;
+    }
+    const std::uint32_t part = length_ >> count;
+    narrow(value * part, part);
+    return value;
+  }
+
+  /// The stream, of which the decoder needs every byte. Once, at the end.
+  std::vector<std::byte> finish();
+
+ private:
+  void narrow(std::uint32_t from, std::uint32_t length) {
+    base_ += from;
+    if (base_ < from) carry();
+    length_ = length;
+    while (length_ < kShortest) {
+      bytes_.push_back(static_cast<std::byte>(base_ >> 24));
+      base_ <<= 8;
+      length_ <<= 8;
+    }
+  }
+  void carry();
+
+  std::vector<std::byte> bytes_;
+  std::uint32_t base_ = 0, length_ = 0xffffffffu;
+};
+
+}  // namespace palpate

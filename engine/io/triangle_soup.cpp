@@ -1,0 +1,140 @@
+#include "engine/io/triangle_soup.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "engine/cloud/counter_random.hpp"
+#include "engine/core/parallel.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr double kFarthest = 1e30;  // as of all clouds
+
+/// Triangles by how much area there is up to their end.
+class AreaOfTriangles {
+ public:
+  explicit AreaOfTriangles(const TriangleSoup& soup) : soup_(soup) {
+    double sum = 0;
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+      const double area = areaOf(t);
+      if (!(area > 0)) {
+        ++flat_;
+        continue;
+      }
+      sum += area;
+      which_.push_back(static_cast<std::uint32_t>(t));
+      ends_.push_back(sum);
+    }
+  }
+
+  std::size_t flat() const { return flat_; }
+  double whole() const { return ends_.empty() ? 0 : ends_.back(); }
+  /// The place, among triangles that have an area, of the one that holds `area`, counted from the first on.
+  std::size_t holding(double area) const {
+    const auto end = std::ranges::upper_bound(ends_, area);
+    return std::min<std::size_t>(static_cast<std::size_t>(end - ends_.begin()), ends_.size() - 1);
+  }
+  std::uint32_t triangle(std::size_t place) const { return which_[place]; }
+  double begin(std::size_t place) const { return place == 0 ? 0 : ends_[place - 1]; }
+
+ private:
+  double areaOf(std::size_t t) const {
+    std::array<DVec3, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] = soup_.corners[soup_.triangles[t][k]];
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(std::abs(corners[k][axis]) < kFarthest)) return 0;
+    }
+    return 0.5 * glm::length(glm::cross(corners[1] - corners[0], corners[2] - corners[0]));
+  }
+
+  const TriangleSoup& soup_;
+  std::vector<std::uint32_t> which_;
+  std::vector<double> ends_;
+  std::size_t flat_ = 0;
+};
+
+struct Spot {
+  std::uint32_t triangle;
+  DVec3 shares;
+};
+
+/// The `i`th of `count` spots.
+Spot spotOf(const AreaOfTriangles& areas, std::size_t i, std::size_t count, std::uint64_t seed) {
+  constexpr double kPlastic = 1.32471795724474602596;  // its powers turn as evenly as two numbers can
+  const double step = areas.whole() / static_cast<double>(count);
+  const double shift = randomUnit(seed, 0);
+  const std::size_t place = areas.holding((static_cast<double>(i) + shift) * step);
+  // Which of the triangle's own spots it is: as many as came before have begun in it.
+  const double first = std::max(0.0, std::ceil(areas.begin(place) / step - shift));
+  const double own = static_cast<double>(i) - first;
+  const auto part = [](double value) { return value - std::floor(value); };
+  double u = part(randomUnit(seed, 2 * place + 1) + own / kPlastic);
+  double v = part(randomUnit(seed, 2 * place + 2) + own / (kPlastic * kPlastic));
+  if (u + v > 1) u = 1 - u, v = 1 - v;
+  return {areas.triangle(place), {1 - u - v, u, v}};
+}
+
+Vec3 normalAt(const TriangleSoup& soup, const Spot& spot) {
+  const auto& corners = soup.triangles[spot.triangle];
+  if (!soup.normals.empty()) {
+    DVec3 blended(0);
+    for (int k = 0; k < 3; ++k) blended += spot.shares[k] * DVec3(soup.normals[corners[static_cast<std::size_t>(k)]]);
+    const double length = glm::length(blended);
+    if (length > 1e-6 && std::isfinite(length)) return Vec3(blended / length);
+  }
+  const DVec3 a = soup.corners[corners[0]];
+  return Vec3(glm::normalize(glm::cross(soup.corners[corners[1]] - a, soup.corners[corners[2]] - a)));
+}
+
+std::array<std::uint8_t, 4> colorAt(const TriangleSoup& soup, const Spot& spot) {
+  const auto& corners = soup.triangles[spot.triangle];
+  std::array<std::uint8_t, 4> color{};
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    double value = 0.5;  // rounds
+    for (std::size_t k = 0; k < 3; ++k) value += spot.shares[static_cast<int>(k)] * soup.colors[corners[k]][channel];
+    color[channel] = static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0));
+  }
+  return color;
+}
+
+}  // namespace
+
+SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads) {
+  const AreaOfTriangles areas(soup);
+  SampledSoup result{.flat = areas.flat()};
+  if (!(areas.whole() > 0) || !std::isfinite(areas.whole())) return result;
+  Bounds box{DVec3(std::numeric_limits<double>::infinity()), DVec3(-std::numeric_limits<double>::infinity())};
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    for (const std::uint32_t corner : soup.triangles[t]) {
+      const DVec3& place = soup.corners[corner];
+      if (!(std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)}) < kFarthest)) continue;
+      box = {glm::min(box.min, place), glm::max(box.max, place)};
+    }
+  PointCloud& cloud = result.cloud;
+  cloud.origin = originFor(box);
+  cloud.positions.resize(count);
+  cloud.normals.resize(count);
+  if (!soup.colors.empty()) cloud.colors.resize(count);
+  parallelFor(count, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Spot spot = spotOf(areas, i, count, seed);
+      const auto& corners = soup.triangles[spot.triangle];
+      DVec3 place(0);
+      for (int k = 0; k < 3; ++k)
+        place += spot.shares[k] * (soup.corners[corners[static_cast<std::size_t>(k)]] - cloud.origin);
+      cloud.positions[i] = Vec3(place);
+      cloud.normals[i] = normalAt(soup, spot);
+      if (!soup.colors.empty()) cloud.colors[i] = colorAt(soup, spot);
+    }
+  });
+  return result;
+}
+
+}  // namespace palpate

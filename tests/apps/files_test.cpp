@@ -1,0 +1,94 @@
+// Files in the window: looking for one, saving to another, triangles to a file; and what is known of a place.
+#include "engine/io/ply_reader.hpp"
+#include "tests/apps/window_play.hpp"
+#include "tests/says.hpp"
+
+namespace palpate {
+
+TEST_CASE("in the window a file is looked for by folder and format, saved elsewhere, and its mesh is exported") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/ball.ply --size 900x640 --rate 250 --backend cpu", R"(
+0.05 key ctrl+o
+0.10 screenshot %/dialog.png
+0.15 click inner/
+0.30 state %/inner.json
+0.35 click ring.xyz
+0.50 click Open
+1.00 state %/opened.json
+1.05 key ctrl+shift+s
+1.10 click Up
+1.25 click Save
+2.00 state %/saved.json
+2.05 key ctrl+o
+2.10 key escape
+2.15 state %/cancelled.json
+2.20 key M
+3.00 click Export mesh...
+3.15 click Export
+3.40 state %/exported.json
+3.45 click Export mesh...
+3.60 click Replace
+3.80 state %/again.json
+4.00 quit
+)", "", [](const std::filesystem::path& folder) {
+    works("make sphere -n 3000 --size 40 -o " + (folder / "ball.ply").string());
+    std::filesystem::create_directory(folder / "inner");
+    works("make torus -n 3000 --size 40 -o " + (folder / "ring.ply").string());
+    works("convert " + (folder / "ring.ply").string() + " " + (folder / "inner" / "ring.xyz").string());
+    std::ofstream(folder / "inner" / "notes.doc") << "no cloud";
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const std::string opened = played->state("opened.json")["model"];
+  CHECK(opened.ends_with("inner/ring.xyz"));
+  const std::string saved = played->state("saved.json")["last_message"];
+  CHECK(says(saved, "ring.xyz is saved"));
+  CHECK(std::filesystem::exists(played->folder / "ring.xyz"));
+  CHECK(played->state("cancelled.json")["model"] == opened);
+  CHECK(says(played->state("exported.json")["last_message"], "ring-mesh.ply is written"));
+  CHECK(says(played->state("again.json")["last_message"], "what was there before is"));
+  const PointCloud mesh = readPly(played->folder / "inner" / "ring-mesh.ply");
+  CHECK(mesh.size() > 1000);
+  CHECK(mesh.hasNormals());
+  CHECK(std::filesystem::exists(played->folder / "inner" / "ring-mesh.ply.bak"));
+  CHECK(contentOf(played->folder / "inner" / "notes.doc") == "no cloud");
+}
+
+TEST_CASE("a place that is picked says which point is there, its normal, its attributes and how stiff it is") {
+  if (!hasDisplay()) return;
+  const auto played = play("%/ball.ply --size 480x480 --rate 250 --backend cpu --stiffness 0.6", R"(
+0.05 key tab
+0.10 key D
+0.15 mouse 240 240
+0.20 button left down
+0.25 button left up
+0.40 state %/picked.json
+0.45 quit
+)", "", [](const std::filesystem::path& folder) {
+    std::ofstream file(folder / "ball.ply");
+    file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
+            "property float nx\nproperty float ny\nproperty float nz\nproperty ushort intensity\nend_header\n";
+    // Evenly on a sphere of 50 about (10, 20, 30); what each is called follows from where it is.
+    const auto write = [&](const DVec3& n) {
+      file << 10 + 50 * n.x << ' ' << 20 + 50 * n.y << ' ' << 30 + 50 * n.z << ' ' << n.x << ' ' << n.y << ' ' << n.z << ' '
+           << static_cast<int>(1000 + 100 * n.y) << '\n';
+    };
+    for (int k = 0; k < 4002; ++k) {
+      const double y = 1 - 2 * (k + 0.5) / 4002, turn = 2.399963 * k, far = std::sqrt(1 - y * y);
+      write({far * std::cos(turn), y, far * std::sin(turn)});
+    }
+  });
+  REQUIRE_MESSAGE(played->outcome.code == 0, played->outcome.text);
+  const auto picked = played->state("picked.json")["picked"];
+  REQUIRE(!picked.is_null());
+  const DVec3 place(picked["place"][0], picked["place"][1], picked["place"][2]);
+  const DVec3 position(picked["position"][0], picked["position"][1], picked["position"][2]);
+  const DVec3 normal(picked["normal"][0], picked["normal"][1], picked["normal"][2]), middle(10, 20, 30);
+  CHECK(glm::length(place - middle) == doctest::Approx(50).epsilon(0.02));
+  CHECK(glm::length(position - place) < 5);
+  CHECK(glm::length(position - middle - 50.0 * normal) < 0.1);
+  CHECK(picked["attributes"]["intensity"] == std::to_string(static_cast<int>(1000 + 100 * normal.y)));
+  CHECK(picked["stiffness_N_per_mm"] == 0.6);
+  CHECK(says(picked["stiffness_of"], "rigid"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,132 @@
+// COPC: the octree's pages are walked, all points come, and what lies is refused.
+#include "engine/io/copc.hpp"
+
+#include <doctest/doctest.h>
+
+#include "tests/io/damage.hpp"
+#include "tests/io/laz_bytes.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+struct Node {
+  std::array<std::int32_t, 4> key;
+  std::uint64_t at;
+  std::int32_t bytes, points;  // -1 points: a page
+};
+
+/// A file of three nodes, two of them on a page of their own. Where its parts are is known, so that tests can damage them.
+struct CopcFile {
+  std::string text, rows;
+  std::size_t info = 375 + 54, root = 0, page = 0;
+
+  static constexpr std::size_t kEntry = 32;
+  void put(std::size_t at, const Node& node) {
+    for (std::size_t k = 0; k < 4; ++k) putAt(text, at + 4 * k, node.key[k]);
+    putAt(text, at + 16, node.at);
+    putAt(text, at + 24, node.bytes);
+    putAt(text, at + 28, node.points);
+  }
+};
+
+CopcFile copcFile() {
+  LasBytes las = variedFile(7, 900);
+  CopcFile file{.rows = las.points};
+  las.records = lasRecord("copc", 1, std::string(160, '\0'));
+  las.recordCount = 1;
+  const std::vector<std::size_t> counts{300, 500, 100};
+  file.text = packedFile(las, {.chunks = counts});
+  std::uint32_t body = 0;
+  std::memcpy(&body, file.text.data() + 96, sizeof body);
+  const LazLayout layout = lazLayoutFor(7, 36);
+  std::vector<std::pair<std::uint64_t, std::int32_t>> chunks;
+  std::uint64_t at = body + 8, row = 0;
+  for (const std::size_t count : counts) {
+    const auto rows = std::as_bytes(std::span(las.points)).subspan(row * 36, count * 36);
+    chunks.emplace_back(at, static_cast<std::int32_t>(encodeLazChunk(layout, rows).size()));
+    at += static_cast<std::uint64_t>(chunks.back().second);
+    row += count;
+  }
+  const std::size_t tail = file.text.size();
+  file.root = tail + 60, file.page = file.root + 2 * CopcFile::kEntry;
+  file.text += lasLongRecord("copc", 1000, std::string(4 * CopcFile::kEntry, '\0')) + lasLongRecord("late", 3, "stays");
+  putAt(file.text, 235, std::uint64_t{tail});
+  putAt(file.text, 243, std::uint32_t{2});
+  putAt(file.text, file.info + 40, std::uint64_t{file.root});
+  putAt(file.text, file.info + 48, std::uint64_t{2 * CopcFile::kEntry});
+  file.put(file.root, {{0, 0, 0, 0}, chunks[0].first, chunks[0].second, 300});
+  file.put(file.root + 32, {{1, 0, 1, 0}, file.page, 2 * CopcFile::kEntry, -1});
+  file.put(file.page, {{1, 0, 1, 0}, chunks[2].first, chunks[2].second, 100});
+  file.put(file.page + 32, {{2, 1, 3, 0}, chunks[1].first, chunks[1].second, 500});
+  return file;
+}
+
+}  // namespace
+
+TEST_CASE("all points of the octree come, in the order of the file, and what it was is said") {
+  const CopcFile file = copcFile();
+  const StoredCloud stored = reading(file.text);
+  CHECK(stored.cloud.size() == 900);
+  CHECK(stored.lost == std::vector<std::string>{"the octree of COPC: 3 nodes on 3 levels"});
+  const std::string back = written(stored.cloud);
+  CHECK(pointsOf(back).substr(0, file.rows.size()) == file.rows);
+  CHECK(back.ends_with("stays"));
+  CHECK(back.find("copc") == back.npos);
+  CHECK(stored.cloud.storedAs.baggage->sentence == "1 record of LAS: 'late' 3");
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.copc.laz", std::ios::binary) << file.text;
+  CHECK(cloudFormats().toRead(folder / "a.copc.laz").name == "COPC");
+  CHECK(contentsOf(folder / "a.copc.laz").elements.at(0).count == 900);
+}
+
+TEST_CASE("a hierarchy that goes in circles, or beside the file, is refused with its byte") {
+  const CopcFile good = copcFile();
+  const auto with = [&](std::size_t at, const Node& node) {
+    CopcFile file = good;
+    file.put(at, node);
+    return refusal(file.text);
+  };
+  const auto say = [](std::size_t at, const char* what) { return fmt::format(": byte {}: {}", at, what); };
+  const std::size_t root = good.root, page = good.page;
+  CHECK(refusal(good.text) == "read");
+  CHECK(with(page, {{1, 0, 1, 0}, root, 64, -1}).starts_with(say(page + 16, "the page of the hierarchy at byte")));
+  CHECK(with(page, {{1, 0, 1, 0}, page, 64, -1}).find("is named twice") != std::string::npos);
+  CHECK(with(root + 32, {{1, 0, 1, 0}, 1u << 30, 64, -1}).starts_with(say(root + 48, "a page of 64 bytes")));
+  CHECK(with(root + 32, {{1, 0, 1, 0}, page, 33, -1}).starts_with(say(root + 48, "a page of 33 bytes")));
+  CHECK(with(root + 32, {{1, 0, 1, 0}, page, -32, -1}).starts_with(say(root + 48, "a page of 0 bytes")));
+  CHECK(with(page, {{1, 2, 1, 0}, 0, 0, 0}).starts_with(say(page, "a node 1-2-1-0, which no octree has")));
+  CHECK(with(page, {{-1, 0, 0, 0}, 0, 0, 0}).starts_with(say(page, "a node -1-0-0-0")));
+  CHECK(with(page, {{31, 0, 0, 0}, 0, 0, 0}).starts_with(say(page, "a node 31-0-0-0")));
+  CHECK(with(page, {{1, 0, 1, 0}, root, 10, -2}).starts_with(say(page + 24, "a node of -2 points")));
+  CHECK(with(page, {{1, 0, 1, 0}, root, 10, 0}).starts_with(say(page + 24, "a node of 0 points in 10 bytes")));
+  CHECK(with(page, {{1, 0, 1, 0}, 100, 10, 5}).starts_with(say(page + 16, "a node at byte 100, beside the points")));
+  CHECK(with(page, {{1, 0, 1, 0}, std::uint64_t{1} << 63, 10, 5}).find("beside the points") != std::string::npos);
+  CHECK(with(page, {{0, 0, 0, 0}, 0, 0, 0}).find("the node 0-0-0-0 is there twice") != std::string::npos);
+  CHECK(with(page, {{1, 0, 1, 0}, 0, 0, 0}).starts_with(say(good.info + 40, "the nodes of the hierarchy have 800")));
+  std::uint64_t first = 0;
+  std::memcpy(&first, good.text.data() + root + 16, sizeof first);
+  CHECK(with(page, {{1, 0, 1, 0}, first + 5, 200, 100}).find("share what is there") != std::string::npos);
+  CopcFile far = good;
+  putAt(far.text, far.info + 40, std::uint64_t{1} << 50);
+  CHECK(refusal(far.text).starts_with(say(far.info + 40, "a page of 64 bytes of the hierarchy")));
+}
+
+TEST_CASE("whatever is damaged in a COPC file, it is read or refused") {
+  const CopcFile file = copcFile();
+  constexpr int kTries = 500;
+  const int read = readOfDamaged(file.text, ".laz", file.info + 160, kTries);
+  CHECK(read > 20);
+  CHECK(read < kTries - 20);
+  // The pages stand behind the points: turned around, they are among what is damaged most.
+  Damage damage;
+  for (int k = 0; k < kTries; ++k) {
+    const std::string pages = damage.of(file.text.substr(file.root, 4 * CopcFile::kEntry), 4 * CopcFile::kEntry);
+    std::string text = file.text;
+    text.replace(file.root, pages.size(), pages);
+    const std::string why = refusal(text);
+    CHECK((why == "read" || why.starts_with(": byte ")));
+  }
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,278 @@
+// E57: what its numbers become, where several scans are put, and files that are damaged.
+#include "engine/io/e57_format.hpp"
+
+#include <doctest/doctest.h>
+
+#include <fstream>
+
+#include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "tests/io/damage.hpp"
+#include "tests/io/e57_bytes.hpp"
+#include "tests/io/las_points.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+StoredCloud readingE57(const std::string& text, Log* log = nullptr) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.e57", std::ios::binary) << text;
+  return readCloud(folder / "a.e57", log);
+}
+
+std::string refusalOfE57(const std::string& text) {
+  try {
+    readingE57(text);
+  } catch (const FileError& error) {
+    const std::string message = error.what();
+    return message.substr(message.find(".e57") + 4);
+  }
+  return "read";
+}
+
+std::vector<double> ramp(int count, double begin, double step) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(begin + i * step);
+  return values;
+}
+
+std::vector<std::int64_t> cycle(int count, std::int64_t least, std::int64_t most) {
+  std::vector<std::int64_t> values;
+  for (int i = 0; i < count; ++i) values.push_back(least + (i * 7) % (most - least + 1));
+  return values;
+}
+
+constexpr int kCount = 3000;  // of a stream in several packets
+
+E57Part scanOf(bool single) {
+  return {.points = kCount,
+          .streams = {floats("cartesianX", ramp(kCount, 1, 0.25), single),
+                      floats("cartesianY", ramp(kCount, -2, 0.5), single),
+                      integers("cartesianZ", cycle(kCount, -500, 700), -1000, 1000, "scale=\"0.001\" offset=\"5\""),
+                      integers("intensity", cycle(kCount, 3, 1000), 3, 2000),
+                      integers("colorRed", cycle(kCount, 0, 255), 0, 255),
+                      integers("colorGreen", cycle(kCount, 0, 255), 0, 255),
+                      integers("colorBlue", cycle(kCount, 9, 9), 0, 255)}};
+}
+
+}  // namespace
+
+TEST_CASE("whole numbers of any width, scaled and real ones come out as they were put in") {
+  for (const bool single : {true, false}) {
+    E57Bytes file;
+    file.add(scanOf(single));
+    const StoredCloud stored = readingE57(file.text());
+    REQUIRE(stored.cloud.size() == kCount);
+    CHECK(stored.lost.empty());
+    const auto z = cycle(kCount, -500, 700), intensity = cycle(kCount, 3, 1000), red = cycle(kCount, 0, 255);
+    bool same = true;
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const double number = static_cast<double>(i);
+      same = same && stored.cloud.fileCoordinates(i) == DVec3(1 + 0.25 * number, -2 + 0.5 * number,
+                                                             static_cast<double>(z[i]) * 0.001 + 5);
+      same = same && valueOf(stored.cloud, "intensity", i) == static_cast<double>(intensity[i]);
+      same = same && stored.cloud.colors[i] == std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(red[i]),
+                                                                           static_cast<std::uint8_t>(red[i]), 9, 255};
+    }
+    CHECK(same);
+  }
+  for (const std::int64_t most : {std::int64_t{1}, std::int64_t{2}, std::int64_t{255}, std::int64_t{256},
+                                  std::int64_t{65535}, std::int64_t{65536}, std::int64_t{1} << 33, std::int64_t{1} << 51}) {
+    CAPTURE(most);
+    E57Bytes file;
+    std::vector<std::int64_t> values;
+    for (int i = 0; i < kCount; ++i) values.push_back(i % 2 ? most - i % (most + 1) : i % (most + 1));
+    E57Part part = scanOf(true);
+    part.streams[3] = integers("deep", values, 0, most);
+    file.add(part);
+    const PointCloud cloud = readingE57(file.text()).cloud;
+    bool same = true;
+    for (std::size_t i = 0; i < kCount; ++i) same = same && valueOf(cloud, "deep", i) == static_cast<double>(values[i]);
+    CHECK(same);
+  }
+}
+
+TEST_CASE("a number that never changes takes no bits, and comes all the same") {
+  E57Bytes file;
+  E57Part part = scanOf(true);
+  part.streams[3] = {.xml = "<intensity type=\"Integer\" minimum=\"77\" maximum=\"77\"/>"};
+  file.add(part);
+  CHECK(valueOf(readingE57(file.text()).cloud, "intensity", 2999) == 77);
+}
+
+TEST_CASE("scans are turned and moved to where their poses say, in double precision") {
+  E57Bytes file;
+  E57Part one = scanOf(false), other = one;
+  const double half = std::sqrt(0.5);
+  other.more = "<name>second</name><pose type=\"Structure\"><rotation><w>" + std::to_string(half) +
+               "</w><x/><y>0</y><z>" + std::to_string(half) +
+               "</z></rotation><translation><x>500000.125</x><y>4000000.5</y><z>-3</z></translation></pose>";
+  other.streams[3] = floats("gloss", ramp(kCount, 0, 1), true);
+  file.add(one);
+  file.add(other);
+  file.xmlBehind = "<images2D type=\"Vector\"><vectorChild/></images2D>";
+  const StoredCloud stored = readingE57(file.text());
+  REQUIRE(stored.cloud.size() == 2 * kCount);
+  for (std::size_t i = 0; i < kCount; i += 333) {
+    const DVec3 p = stored.cloud.fileCoordinates(i);
+    const DVec3 expected(-p.y + 500000.125, p.x + 4000000.5, p.z - 3);  // a quarter about z
+    CHECK(glm::length(stored.cloud.fileCoordinates(kCount + i) - expected) < 2e-9);
+  }
+  CHECK(valueOf(stored.cloud, "scan", kCount - 1) == 0);
+  CHECK(valueOf(stored.cloud, "scan", kCount) == 1);
+  CHECK(stored.cloud.hasColors());
+  CHECK(stored.lost == std::vector<std::string>{"'intensity', which not all scans have", "'gloss', which not all scans have",
+                                                "the poses of 2 scans, which are applied", "1 pictures"});
+}
+
+TEST_CASE("places by range and angles become those by axes; points without an echo are left out and counted") {
+  E57Bytes file;
+  E57Part part{.points = 4,
+               .streams = {floats("sphericalRange", {2, 3, 4, 5}, false),
+                           floats("sphericalAzimuth", {0, std::acos(0.0), 0, 1}, false),
+                           floats("sphericalElevation", {0, 0, std::acos(0.0), 1}, false),
+                           integers("sphericalInvalidState", {0, 0, 0, 2}, 0, 2)}};
+  file.add(part);
+  Log log(true);
+  const StoredCloud stored = readingE57(file.text(), &log);
+  REQUIRE(stored.cloud.size() == 3);
+  CHECK(glm::length(stored.cloud.fileCoordinates(0) - DVec3(2, 0, 0)) < 1e-12);
+  CHECK(glm::length(stored.cloud.fileCoordinates(1) - DVec3(0, 3, 0)) < 1e-12);
+  CHECK(glm::length(stored.cloud.fileCoordinates(2) - DVec3(0, 0, 4)) < 1e-12);
+  CHECK(stored.lost == std::vector<std::string>{"1 points that have no place"});
+}
+
+TEST_CASE("normals are turned with their scan") {
+  E57Bytes file;
+  E57Part part = scanOf(true);
+  part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // half a turn about x
+  part.streams.push_back(floats("nor:normalX", ramp(kCount, 0, 0), true));
+  part.streams.push_back(floats("nor:normalY", ramp(kCount, 0.6, 0), true));
+  part.streams.push_back(floats("nor:normalZ", ramp(kCount, 0.8, 0), true));
+  file.add(part);
+  const PointCloud cloud = readingE57(file.text()).cloud;
+  REQUIRE(cloud.hasNormals());
+  CHECK(glm::length(cloud.normals[5] - Vec3(0, -0.6f, -0.8f)) < 1e-6f);
+}
+
+TEST_CASE("colours are of 8 bits by the limits that the file names") {
+  E57Bytes file;
+  E57Part part = scanOf(true);
+  for (const std::size_t k : {4, 5, 6}) part.streams[k] = integers(k == 4 ? "colorRed" : k == 5 ? "colorGreen" : "colorBlue", cycle(kCount, 0, 60000), 0, 65535);
+  part.more = "<colorLimits><colorRedMinimum>0</colorRedMinimum><colorRedMaximum>65535</colorRedMaximum>"
+              "<colorGreenMinimum>0</colorGreenMinimum><colorGreenMaximum>14</colorGreenMaximum></colorLimits>";
+  file.add(part);
+  const PointCloud cloud = readingE57(file.text()).cloud;
+  CHECK(cloud.colors[1000] == std::array<std::uint8_t, 4>{27, 255, 27, 255});
+  CHECK(cloud.colors[1][1] == 128);
+}
+
+TEST_CASE("a page whose checksum does not fit is named, wherever it is") {
+  E57Bytes file;
+  file.add(scanOf(true));
+  const std::string good = file.text();
+  REQUIRE(refusalOfE57(good) == "read");
+  const std::size_t pages = good.size() / 1024;
+  for (const std::size_t page : {std::size_t{1}, pages / 2, pages - 1}) {
+    std::string text = good;
+    text[page * 1024 + 500] ^= 4;
+    CHECK(refusalOfE57(text) == fmt::format(": byte {}: page {} of {} is damaged: its checksum does not fit", page * 1024, page + 1, pages));
+    text = good;
+    text[page * 1024 + 1022] ^= 4;  // of the checksum itself
+    CHECK(refusalOfE57(text).find(fmt::format("page {} of", page + 1)) != std::string::npos);
+  }
+  CHECK(refusalOfE57(good.substr(0, 3000)).starts_with(": byte 3000: the file ends inside page 3"));
+  CHECK(refusalOfE57("ASTM-E58").starts_with(": byte 0: not an E57 file"));
+  CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).starts_with(": byte 16: the header promises"));
+}
+
+TEST_CASE("what lies under right checksums is refused with its byte") {
+  E57Bytes file;
+  file.add(scanOf(true));
+  const std::string good = E57Bytes::unpaged(file.text());
+  const auto with = [&](std::size_t at, auto value) {
+    std::string logical = good;
+    putAt(logical, at, value);
+    return refusalOfE57(E57Bytes::paged(logical));
+  };
+  const auto xml = [&](const std::string& what, const std::string& otherwise) {
+    std::string logical = good;
+    logical.replace(logical.find(what), what.size(), otherwise);
+    return refusalOfE57(E57Bytes::paged(logical));
+  };
+  CHECK(refusalOfE57(E57Bytes::paged(good)) == "read");
+  CHECK(with(8, std::uint32_t{2}).starts_with(": byte 8: E57 version 2"));
+  CHECK(with(24, std::uint64_t{1} << 40).starts_with(": byte 24: names byte"));
+  CHECK(with(24, std::uint64_t{1022}).starts_with(": byte 24: names byte 1022, where no data are"));
+  CHECK(with(32, std::uint64_t{1} << 40).starts_with(": byte 24: names 1099511627776 bytes"));
+  CHECK(with(40, std::uint64_t{512}).starts_with(": byte 40: pages of 512"));
+  CHECK(with(48, std::uint8_t{7}).starts_with(": byte 48: no section of points"));
+  CHECK(with(56, std::uint64_t{1} << 50).starts_with(": byte 56: names"));
+  CHECK(with(64, std::uint64_t{8}).starts_with(": byte 64: the points begin at byte 8, outside"));
+  CHECK(with(80, std::uint8_t{9}).starts_with(": byte 80: a packet of kind 9"));
+  CHECK(with(86, std::uint16_t{0xfffb}).starts_with(": byte 86: a packet of"));
+  CHECK(with(86, std::uint16_t{2}).starts_with(": byte 86: a packet of 3 bytes"));
+  CHECK(with(88, std::uint16_t{3}).starts_with(": byte 88: a packet of 3 streams; the points have 7"));
+  CHECK(with(90, std::uint16_t{0xffff}).starts_with(": byte 90: stream 1 has 65535 bytes"));
+  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3001\"").find("3001 points, and 3000 values of cartesianX") != std::string::npos);
+  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3e00\"").find("which is no number here") != std::string::npos);
+  CHECK(xml("</prototype>", "</prototypo>").find("no XML") != std::string::npos);
+  CHECK(xml("e57Root", "e57Ruut").starts_with(": "));
+  CHECK(xml("cartesianX", "cartesianQ").find("has no places of its points") != std::string::npos);
+  CHECK(xml("\"Float\"", "\"Flout\"").find("'Flout'") != std::string::npos);
+  E57Bytes packed;
+  packed.codecs = "<vectorChild/>";
+  packed.add(scanOf(true));
+  CHECK(refusalOfE57(packed.text()).find("packed in a way that has no standard") != std::string::npos);
+  E57Bytes nothing;
+  nothing.add({.points = 1'000'000'000'000, .streams = {{.xml = "<cartesianX type=\"Integer\" minimum=\"1\" maximum=\"1\"/>"}}});
+  CHECK(refusalOfE57(nothing.text()).find("of which nothing is stored") != std::string::npos);
+}
+
+TEST_CASE("whatever is damaged under right checksums, it is read or refused") {
+  E57Bytes file;
+  E57Part part = scanOf(true);
+  part.points = 100;
+  file.add(part);
+  const std::string good = E57Bytes::unpaged(file.text());
+  const std::size_t xmlAt = good.find("<?xml");
+  Damage damage;
+  int read = 0;
+  constexpr int kTries = 1500;
+  for (int k = 0; k < kTries; ++k) {
+    std::string logical = good;
+    const bool ofXml = k % 2;
+    const std::string part_ = ofXml ? good.substr(xmlAt) : good.substr(48, 200);
+    const std::string worse = damage.of(part_, part_.size());
+    logical.replace(ofXml ? xmlAt : 48, worse.size(), worse);
+    const std::string why = refusalOfE57(E57Bytes::paged(logical));
+    CHECK((why == "read" || why.starts_with(": ")));
+    read += why == "read";
+  }
+  CHECK(read > 50);
+  CHECK(read < kTries - 50);
+}
+
+TEST_CASE("files of the library that the standard is known by come out as their headers say") {
+  const std::filesystem::path folder = scannedFiles();
+  if (folder.empty()) {
+    MESSAGE("skipped: no scanned files");
+    return;
+  }
+  const PointCloud bunny = readCloud(folder / "bunnyInt32.e57").cloud;
+  REQUIRE(bunny.size() == 30571);
+  const Bounds box = boundsOf(bunny);
+  CHECK(glm::length(box.min + bunny.origin - DVec3(-0.094689, 0.040011, -0.061873)) < 1e-7);
+  CHECK(glm::length(box.max + bunny.origin - DVec3(0.061009, 0.187321, 0.058799)) < 1e-7);
+  const PointCloud cube = readCloud(folder / "ColouredCubeFloat.e57").cloud;
+  REQUIRE(cube.size() == 7680);
+  CHECK(cube.hasColors());
+  bool onFaces = true;
+  for (const Vec3& p : cube.positions)
+    onFaces = onFaces && std::abs(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 0.5f) < 1e-6f;
+  CHECK(onFaces);
+  CHECK_THROWS_WITH_AS(readCloud(folder / "bad-crc.e57"), doctest::Contains("byte 0: page 1 of 1 is damaged"), FileError);
+}
+
+}  // namespace palpate::test

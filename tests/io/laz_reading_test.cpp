@@ -1,0 +1,176 @@
+// Reading LAZ: that points come out bit by bit as they went in, and files that are damaged or lie.
+#include <doctest/doctest.h>
+
+#include "engine/core/checksum.hpp"
+#include "tests/io/damage.hpp"
+#include "tests/io/laz_bytes.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+std::string rowsOf(const std::string& text) { return pointsOf(written(reading(text).cloud)); }
+
+std::uint64_t checksumOf(const std::string& bytes) {
+  Checksum sum;
+  sum.add(std::as_bytes(std::span(bytes)));
+  return sum.value();
+}
+
+}  // namespace
+
+TEST_CASE("points of every format that is packed come out bit by bit") {
+  for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
+    for (const unsigned more : {0u, 3u})
+      for (const std::size_t count : {std::size_t{1}, std::size_t{2}, std::size_t{4000}}) {
+        CAPTURE(format);
+        CAPTURE(more);
+        CAPTURE(count);
+        const LasBytes las = variedFile(format, count, more);
+        const std::string rows = rowsOf(packedFile(las));
+        CHECK(rows.size() == las.points.size());
+        CHECK(rows == las.points);
+      }
+}
+
+TEST_CASE("chunks may be of any number of points, one for all, and their table may stand anywhere") {
+  const LasBytes las = variedFile(3, 3000), layered = variedFile(7, 3000);
+  CHECK(rowsOf(packedFile(las, {.chunks = {1, 999, 1, 1500, 499}})) == las.points);
+  CHECK(rowsOf(packedFile(layered, {.chunks = {1, 999, 1, 1500, 499}})) == layered.points);
+  CHECK(rowsOf(packedFile(las, {.chunked = false})) == las.points);
+  CHECK(rowsOf(packedFile(las, {.tableAtEnd = true})) == las.points);
+  CHECK(rowsOf(packedFile(layered, {.version4 = true})) == layered.points);
+  const std::string none = packedFile(variedFile(1, 0));
+  CHECK(reading(none).cloud.empty());
+  LasBytes tail = variedFile(6, 500);
+  tail.tail = lasLongRecord("late", 9, "behind the table");
+  tail.longRecords = 1;
+  const StoredCloud stored = reading(packedFile(tail));
+  CHECK(stored.cloud.storedAs.baggage->sentence == "1 record of LAS: 'late' 9");
+  CHECK(written(stored.cloud).ends_with(tail.tail));
+}
+
+TEST_CASE("chunks of the usual size, on both sides of their end, are unpacked on many threads") {
+  for (const std::size_t count : {std::size_t{50'000}, std::size_t{50'001}, std::size_t{220'000}}) {
+    CAPTURE(count);
+    const LasBytes las = variedFile(count > 200'000 ? 6 : 1, count);
+    const PointCloud cloud = reading(packedFile(las)).cloud;
+    REQUIRE(cloud.size() == count);
+    CHECK(pointsOf(written(cloud)) == las.points);
+  }
+}
+
+TEST_CASE("one chunk of very many points is unpacked piece by piece") {
+  const std::size_t count = 600'000;  // more than are unpacked at a time
+  const LasBytes las = variedFile(0, count);
+  CHECK(rowsOf(packedFile(las, {.chunked = false})) == las.points);
+}
+
+TEST_CASE("LAZ files of other programs come out as laz-perf unpacks them") {
+  const std::filesystem::path folder = scannedFiles();
+  if (folder.empty()) {
+    MESSAGE("skipped: no scanned files");
+    return;
+  }
+  struct Truth {
+    const char* name;
+    std::size_t points;
+    std::uint64_t rows;  // checksum of what laz-perf 0.0.7 gives
+  };
+  for (const Truth& truth : {Truth{"simple.laz", 1065, 0x6e3fea813c9358bfu},
+                             Truth{"plane.laz", 28185, 0x4e995f43a72d7fbau},
+                             Truth{"ellipsoid.laz", 100'000, 0xed2a0eb6a0fdb610u},
+                             Truth{"autzen_trim.laz", 110'000, 0x7d5e64d0bf3e4836u},
+                             Truth{"1_4_w_evlr.laz", 1000, 0xf3b0aa6f30a0d3a3u},
+                             Truth{"simple.copc.laz", 1065, 0x9e739c9013d0122du}}) {
+    CAPTURE(std::string(truth.name));
+    const StoredCloud stored = readCloud(folder / truth.name);
+    CHECK(stored.cloud.size() == truth.points);
+    const std::string back = written(stored.cloud);
+    std::uint16_t rowBytes = 0;
+    std::memcpy(&rowBytes, back.data() + 105, sizeof rowBytes);
+    CHECK(checksumOf(pointsOf(back).substr(0, truth.points * rowBytes)) == truth.rows);
+  }
+  CHECK(written(readCloud(folder / "simple.laz").cloud) == bytesOf(folder / "simple.las"));
+}
+
+TEST_CASE("a packed file that is damaged or lies is refused with its byte") {
+  const LasBytes las = variedFile(3, 3000);
+  const std::string good = packedFile(las, {.chunks = {1000, 2000}});
+  const std::size_t record = 227, data = record + 54;
+  std::uint32_t body = 0;
+  std::memcpy(&body, good.data() + 96, sizeof body);
+  std::int64_t table = 0;
+  std::memcpy(&table, good.data() + body, sizeof table);
+  const auto with = [&](std::size_t at, auto value) {
+    std::string text = good;
+    putAt(text, at, value);
+    return refusal(text);
+  };
+  const auto byte = [](std::size_t at) { return fmt::format(": byte {}: ", at); };
+  CHECK(refusal(good) == "read");
+  CHECK(with(record + 2, std::uint8_t{'m'}).starts_with(": byte 104: the points are packed (LAZ), and no record"));
+  CHECK(with(data, std::uint16_t{3}).starts_with(byte(data) + "packed in way 3"));
+  CHECK(with(data, std::uint16_t{0}).starts_with(byte(data) + "packed in way 0"));
+  CHECK(with(data + 2, std::uint16_t{1}).starts_with(byte(data + 2) + "coder 1"));
+  CHECK(with(data + 12, std::uint32_t{0}).starts_with(byte(data + 12) + "chunks of no points"));
+  CHECK(with(data + 32, std::uint16_t{2}).starts_with(byte(data + 32) + "points are packed as 2 items"));
+  CHECK(with(data + 34, std::uint16_t{9}).starts_with(byte(data + 34) + "item 1 is of kind 9"));
+  CHECK(with(data + 36, std::uint16_t{21}).starts_with(byte(data + 34) + "item 1 is of kind 6 and 21 bytes"));
+  CHECK(with(data + 38, std::uint16_t{1}).starts_with(byte(data + 34) + "item 1 is of version 1, as programs"));
+  CHECK(with(data + 38, std::uint16_t{3}).starts_with(byte(data + 34) + "item 1 is of version 3"));
+  CHECK(with(body, std::int64_t{12}).starts_with(byte(body) + "the table of chunks is at byte 12"));
+  CHECK(with(body, std::int64_t{1} << 60).starts_with(byte(body) + "the table of chunks is at byte"));
+  CHECK(with(body, std::int64_t{-7}).starts_with(byte(body) + "the table of chunks is at byte -7"));
+  const auto at = static_cast<std::size_t>(table);
+  CHECK(with(at, std::uint32_t{1}).starts_with(byte(at) + "a table of chunks of version 1"));
+  CHECK(with(at + 4, std::uint32_t{1}).starts_with(byte(at) + "the table has 1 chunks, and 2000 of 3000 points"));
+  CHECK(with(at + 4, std::uint32_t{0}).starts_with(byte(at) + "the table has 0 chunks"));
+  CHECK(with(at + 4, std::uint32_t{0xffffffff}).starts_with(byte(at) + "a table of 4294967295 chunks"));
+  CHECK(with(107, std::uint32_t{3001}).starts_with(byte(at) + "the table has 2 chunks, and 1 of 3001 points"));
+  CHECK(with(107, std::uint32_t{2999}).starts_with(byte(at) + "chunk 2 of 2 is said to have 2000 points"));
+  for (const std::size_t end : {std::size_t{body + 4}, body + std::size_t{100}, at, at + 6})
+    CHECK(refusal(good.substr(0, end)).starts_with(": byte "));
+  CHECK(refusal(good.substr(0, body + 4)).find("the file ends before it says where its table") != std::string::npos);
+}
+
+TEST_CASE("layers that are not what they say are refused with their byte") {
+  const std::string good = packedFile(variedFile(7, 2000, 2), {.chunks = {800, 1200}});
+  std::uint32_t body = 0;
+  std::memcpy(&body, good.data() + 96, sizeof body);
+  const std::size_t chunk = body + 8, rowBytes = 36 + 2;
+  const auto with = [&](std::size_t at, auto value) {
+    std::string text = good;
+    putAt(text, at, value);
+    return refusal(text);
+  };
+  CHECK(refusal(good) == "read");
+  CHECK(with(chunk + rowBytes, std::uint32_t{799}).find("a chunk of 799 points, where the table has 800") !=
+        std::string::npos);
+  CHECK(with(chunk + rowBytes + 4, std::uint32_t{0xffffff}).find("layer 1 of 12 has 16777215 bytes") !=
+        std::string::npos);
+  CHECK(with(chunk + rowBytes + 4, std::uint32_t{8}).find("ends inside them, or is damaged") != std::string::npos);
+}
+
+TEST_CASE("points with wave packets are refused where they are packed") {
+  LasBytes las = variedFile(3, 10);
+  std::string text = packedFile(las);
+  text[104] = static_cast<char>(0x80 | 5);
+  putAt(text, 105, std::uint16_t{63});
+  CHECK(refusal(text).starts_with(": byte 104: points of format 5 with wave packets"));
+}
+
+TEST_CASE("whatever is flipped, cut or made extreme in a packed file, it is read or refused") {
+  const LasBytes plain = variedFile(3, 300, 2), layered = variedFile(8, 300, 2);
+  const std::size_t heads[] = {227 + 54 + 34 + 24 + 8, 375 + 54 + 34 + 18 + 8 + 43 + 60};
+  int k = 0;
+  for (const std::string& good : {packedFile(plain, {.chunks = {100, 200}}), packedFile(layered, {.chunks = {100, 200}})}) {
+    REQUIRE(refusal(good) == "read");
+    constexpr int kTries = 800;
+    const int read = readOfDamaged(good, ".laz", heads[k++], kTries);
+    CHECK(read > 50);
+    CHECK(read < kTries - 50);
+  }
+}
+
+}  // namespace palpate::test

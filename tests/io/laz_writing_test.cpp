@@ -1,0 +1,65 @@
+// Writing LAZ: that LAS, packed and unpacked, is what it was.
+#include <doctest/doctest.h>
+
+#include "engine/io/saving.hpp"
+#include "tests/io/laz_bytes.hpp"
+
+namespace palpate::test {
+
+TEST_CASE("LAS through LAZ is LAS as it is written without that, byte by byte") {
+  for (const unsigned format : {0u, 1u, 2u, 3u, 6u, 7u, 8u})
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3000}}) {
+      CAPTURE(format);
+      CAPTURE(count);
+      LasBytes las = variedFile(format, count, 2);
+      las.records = lasRecord("LASF_Projection", 2112, "GEOGCS[...]") + lasRecord("somebody", 7, std::string(300, 'x'));
+      las.recordCount = 2;
+      las.padding = "\xdd\xcc";
+      las.tail = las.minor == 4 ? lasLongRecord("late", 9, std::string(7000, 'e')) : "bytes that nobody knows";
+      las.longRecords = las.minor == 4 ? 1 : 0;
+      const StoredCloud stored = reading(las.text());
+      const std::string packed = written(stored.cloud, ".laz");
+      CHECK(cloudFormats().toWrite("a.laz").lacks(stored).empty());
+      CHECK(lostOnTheWay(stored, cloudFormats().toWrite("a.laz")).empty());
+      CHECK((static_cast<unsigned>(packed[104]) & 0x80u) != 0);
+      const StoredCloud back = reading(packed);
+      CHECK(back.lost.empty());
+      CHECK(written(back.cloud) == written(stored.cloud));
+      CHECK(written(back.cloud, ".laz") == packed);
+    }
+}
+
+TEST_CASE("what is packed is as long as LASzip makes it, to the byte") {
+  const std::filesystem::path folder = scannedFiles();
+  if (folder.empty()) {
+    MESSAGE("skipped: no scanned files");
+    return;
+  }
+  const std::string ours = written(readCloud(folder / "simple.las").cloud, ".laz");
+  CHECK(pointsOf(ours) == pointsOf(bytesOf(folder / "simple.laz")));
+}
+
+TEST_CASE("a cloud of another format is packed as it would be written plainly") {
+  PointCloud cloud;
+  for (int i = 0; i < 60'000; ++i) {
+    cloud.positions.emplace_back(0.25f * static_cast<float>(i % 251), -1.5f, 0.5f * static_cast<float>(i / 251));
+    cloud.normals.emplace_back(0, i % 2 ? 1 : -1, 0);
+  }
+  const PointCloud back = reading(written(cloud, ".laz")).cloud;
+  REQUIRE(back.size() == cloud.size());
+  CHECK(back.normals == cloud.normals);
+  bool same = true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) same = same && back.fileCoordinates(i) == cloud.fileCoordinates(i);
+  CHECK(same);
+}
+
+TEST_CASE("wave packets are not packed, and an older file stays") {
+  const ScratchFolder folder;
+  const StoredCloud stored = reading(fileOf(4, 20).text());
+  std::ofstream(folder / "a.laz") << "an older file";
+  CHECK_THROWS_WITH_AS(writeCloud(folder / "a.laz", stored.cloud), doctest::Contains("wave packets are not packed"),
+                       FileError);
+  CHECK(bytesOf(folder / "a.laz") == "an older file");
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,274 @@
+// Meshes: what is written is read again as points of its surface, evenly spread; and what is no mesh is refused.
+#include "engine/io/mesh_format.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "engine/core/error.hpp"
+#include "engine/io/cloud_formats.hpp"
+#include "engine/io/mesh_import.hpp"
+#include "engine/io/saving.hpp"
+#include "engine/io/triangle_soup.hpp"
+#include "tests/io/damage.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+/// A box of 1 x 2 x 3, its faces anticlockwise seen from outside.
+struct Box {
+  PointCloud corners;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+
+  Box() {
+    for (unsigned k = 0; k < 8; ++k)
+      corners.positions.emplace_back(k & 1 ? 1.f : 0.f, k & 2 ? 2.f : 0.f, k & 4 ? 3.f : 0.f);
+    for (const auto& [a, b, c, d] : std::vector<std::array<std::uint32_t, 4>>{
+             {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}) {
+      triangles.push_back({a, b, c});
+      triangles.push_back({a, c, d});
+    }
+  }
+};
+
+/// Which of the six faces of the box a point is on; -1: none.
+int faceOf(const DVec3& p) {
+  constexpr double kNear = 1e-5;
+  const DVec3 size(1, 2, 3);
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(p[k]) < kNear) return 2 * k;
+    if (std::abs(p[k] - size[k]) < kNear) return 2 * k + 1;
+  }
+  return -1;
+}
+
+void checkSamples(const PointCloud& cloud, std::size_t count) {
+  REQUIRE(cloud.size() == count);
+  REQUIRE(cloud.hasNormals());
+  std::array<double, 6> onFace{};
+  bool all = true;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const int face = faceOf(cloud.fileCoordinates(i));
+    all = all && face >= 0;
+    if (face < 0) continue;
+    onFace[static_cast<std::size_t>(face)] += 1;
+    Vec3 outwards(0);
+    outwards[face / 2] = face % 2 ? 1.f : -1.f;
+    const DVec3 p = cloud.fileCoordinates(i);
+    const double edge = std::min({p.x, p.y, p.z, 1 - p.x, 2 - p.y, 3 - p.z, 1.0});
+    if (edge < -1e-5) all = false;
+    all = all && (glm::length(cloud.normals[i] - outwards) < 1e-5f || faceOf(p + DVec3(1e-4)) != faceOf(p - DVec3(1e-4)));
+  }
+  CHECK(all);
+  const double areas[] = {6, 6, 3, 3, 2, 2};
+  for (std::size_t k = 0; k < 6; ++k)
+    CHECK(std::abs(onFace[k] - areas[k] / 22 * static_cast<double>(count)) < 4);  // each of two triangles is off by one
+}
+
+std::string refusalOf(const std::filesystem::path& file) {
+  try {
+    readCloud(file);
+  } catch (const FileError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+}  // namespace
+
+TEST_CASE("points are as many as asked for on equal areas, without gaps, and the same for any threads") {
+  const Box box;
+  TriangleSoup soup{.triangles = box.triangles};
+  for (const Vec3& p : box.corners.positions) soup.corners.emplace_back(p);
+  for (const std::size_t count : {std::size_t{1}, std::size_t{7}, std::size_t{22'001}}) {
+    const SampledSoup one = sampleSoup(soup, count, 5, 1), three = sampleSoup(soup, count, 5, 3);
+    CHECK(one.cloud.size() == count);
+    CHECK(one.cloud.positions == three.cloud.positions);
+    CHECK(one.flat == 0);
+  }
+  checkSamples(sampleSoup(soup, 22'000, 5).cloud, 22'000);
+  CHECK(sampleSoup(soup, 100, 5).cloud.positions != sampleSoup(soup, 100, 6).cloud.positions);
+  // No gaps: on the largest face, every cell of a grid has about its share.
+  const PointCloud cloud = sampleSoup(soup, 22'000, 5).cloud;
+  std::array<int, 150> cells{};
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 p = cloud.fileCoordinates(i);
+    if (std::abs(p.x) > 1e-5) continue;
+    const auto cell = static_cast<std::size_t>(std::min(p.y * 5, 9.0)) * 15 + static_cast<std::size_t>(std::min(p.z * 5, 14.0));
+    ++cells[cell];
+  }
+  const auto [least, most] = std::ranges::minmax(cells);
+  CHECK(least >= 32);  // of 40; a random spread would leave some with 25
+  CHECK(most <= 48);
+}
+
+TEST_CASE("triangles without an area or with corners that are no places are left out and counted") {
+  TriangleSoup soup{.corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {std::nan(""), 0, 0}, {1e300, 0, 0}},
+                    .triangles = {{0, 1, 3}, {0, 1, 2}, {0, 0, 0}, {0, 1, 4}, {0, 2, 5}}};
+  const SampledSoup sampled = sampleSoup(soup, 500, 1);
+  CHECK(sampled.flat == 4);
+  REQUIRE(sampled.cloud.size() == 500);
+  for (const Vec3& p : sampled.cloud.positions) CHECK((p.x >= 0 && p.y >= 0 && p.x + p.y <= 1.0001f && p.z == 0));
+  soup.triangles = {{0, 1, 3}};
+  CHECK(sampleSoup(soup, 500, 1).cloud.empty());
+  CHECK(sampleSoup({}, 500, 1).cloud.empty());
+}
+
+TEST_CASE("normals and colours of corners are blended over their triangle") {
+  const TriangleSoup soup{.corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                          .normals = {{1, 0, 1}, {0, 0, 2}, {0, 0, 1}},
+                          .colors = {{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}},
+                          .triangles = {{0, 1, 2}}};
+  const PointCloud cloud = sampleSoup(soup, 1000, 3).cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 p = cloud.fileCoordinates(i), shares(1 - p.x - p.y, p.x, p.y);
+    const DVec3 normal = glm::normalize(shares.x * DVec3(1, 0, 1) + shares.y * DVec3(0, 0, 2) + shares.z * DVec3(0, 0, 1));
+    CHECK(glm::length(DVec3(cloud.normals[i]) - normal) < 1e-5);
+    for (int k = 0; k < 3; ++k)
+      CHECK(std::abs(cloud.colors[i][static_cast<std::size_t>(k)] - 255 * shares[k]) < 0.51);
+  }
+}
+
+TEST_CASE("OBJ, STL and OFF are read again as points of the same surface") {
+  const ScratchFolder folder;
+  const Box box;
+  for (const char* name : {"a.obj", "a.stl", "a.off"})
+    for (const bool ascii : {false, true}) {
+      CAPTURE(std::string(name));
+      writeCloud(folder / name, box.corners, {.ascii = ascii, .triangles = &box.triangles});
+      if (!canImportMeshes()) {
+        CHECK(refusalOf(folder / name).find("without which this program was built") != std::string::npos);
+        continue;
+      }
+      const StoredCloud stored = readCloud(folder / name, nullptr, {.samples = 4400});
+      checkSamples(stored.cloud, 4400);
+      CHECK(stored.lost == std::vector<std::string>{"12 triangles, of which the points are samples"});
+      CHECK(contentsOf(folder / name).madeFrom == "12 triangles");
+      CHECK(readCloud(folder / name).cloud.size() == kUsualSamples);
+    }
+}
+
+TEST_CASE("OBJ keeps normals and colours of corners, and coordinates far from zero") {
+  if (!canImportMeshes()) return;
+  const ScratchFolder folder;
+  Box box;
+  for (std::size_t k = 0; k < 8; ++k) {
+    box.corners.colors.push_back({200, 100, 50, 255});
+    box.corners.normals.emplace_back(0, 0, 1);
+  }
+  writeCloud(folder / "a.obj", box.corners, {.triangles = &box.triangles});
+  const PointCloud cloud = readCloud(folder / "a.obj", nullptr, {.samples = 100}).cloud;
+  REQUIRE(cloud.hasColors());
+  CHECK(cloud.colors[7] == std::array<std::uint8_t, 4>{200, 100, 50, 255});
+  CHECK(glm::length(cloud.normals[7] - Vec3(0, 0, 1)) < 1e-6f);
+  CHECK(faceOf(DVec3(cloud.positions[3]) + cloud.origin) >= 0);
+  const PointCloud flat = readCloud(folder / "a.obj", nullptr, {.normalsFromFaces = true, .samples = 100}).cloud;
+  CHECK(std::ranges::any_of(flat.normals, [](const Vec3& n) { return std::abs(n.z) < 0.5f; }));
+  box.corners.origin = {400000, 5000000, 0};
+  writeCloud(folder / "far.obj", box.corners, {.triangles = &box.triangles});
+  std::ifstream file(folder / "far.obj");
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  CHECK(text.find("v 400001 5000002 3") != std::string::npos);
+}
+
+TEST_CASE("glTF places its meshes as its nodes say, and has y up") {
+  if (!canImportMeshes()) return;
+  const ScratchFolder folder;
+  std::string bin;
+  for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
+    bin.append(reinterpret_cast<const char*>(&value), sizeof value);
+  for (const std::uint16_t index : {0, 1, 2}) bin.append(reinterpret_cast<const char*>(&index), sizeof index);
+  bin.resize(44, '\0');
+  std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+                     R"("nodes":[{"mesh":0,"translation":[10,20,30],"scale":[2,2,2]}],)"
+                     R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+                     R"("buffers":[{"byteLength":44}],"bufferViews":[{"buffer":0,"byteLength":36},)"
+                     R"({"buffer":0,"byteOffset":36,"byteLength":6}],)"
+                     R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+                     R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string glb;
+  const auto put = [&](std::uint32_t value) { glb.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(0x46546c67), put(2), put(static_cast<std::uint32_t>(12 + 8 + json.size() + 8 + bin.size()));
+  put(static_cast<std::uint32_t>(json.size())), put(0x4e4f534a);
+  glb += json;
+  put(static_cast<std::uint32_t>(bin.size())), put(0x004e4942);
+  glb += bin;
+  std::ofstream(folder / "a.glb", std::ios::binary) << glb;
+  const PointCloud cloud = readCloud(folder / "a.glb", nullptr, {.samples = 300}).cloud;
+  REQUIRE(cloud.size() == 300);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 p = (cloud.fileCoordinates(i) - DVec3(10, 20, 30)) / 2.0;
+    CHECK((p.x > -1e-5 && p.y > -1e-5 && p.x + p.y < 1 + 1e-5 && std::abs(p.z) < 1e-5));
+    CHECK(glm::length(cloud.normals[i] - Vec3(0, 0, 1)) < 1e-6f);
+  }
+  CHECK(std::ranges::count(cloud.storedAs.comments, "comment up: y") == 1);
+  std::ofstream(folder / "lies.glb", std::ios::binary) << glb.replace(8, 4, "\xff\xff\xff\x7f");
+  CHECK(refusalOf(folder / "lies.glb") != "");
+}
+
+TEST_CASE("what is no mesh, or has no triangles, is refused with its name") {
+  const ScratchFolder folder;
+  const auto with = [&](const char* name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return refusalOf(folder / name);
+  };
+  for (const char* name : {"a.obj", "a.stl", "a.off", "a.gltf", "a.glb"}) {
+    CAPTURE(std::string(name));
+    CHECK(with(name, "no mesh at all, but some words").find(name) != std::string::npos);
+    CHECK(with(name, "").find(name) != std::string::npos);
+    CHECK(with(name, "no mesh at all, but some words") != "read");
+  }
+  CHECK(refusalOf(folder / "none.obj") != "read");
+  if (!canImportMeshes()) return;
+  CHECK(with("points.obj", "v 0 0 0\nv 1 0 0\n") != "read");
+  CHECK(with("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n").find("none of its 1 triangles has an area") !=
+        std::string::npos);
+  CHECK(with("beyond.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n") != "read");
+}
+
+TEST_CASE("meshes are written only where there are triangles, and sculpted clouds are saved as what they are") {
+  const ScratchFolder folder;
+  const Box box;
+  CHECK_THROWS_WITH_AS(objFormat().write(folder / "a.obj", box.corners, {}), doctest::Contains("there are none"), FileError);
+  CHECK_FALSE(std::filesystem::exists(folder / "a.obj"));
+  CHECK(cloudFormats().toSave("a.obj").name == "PLY");
+  CHECK(cloudFormats().toSave("a.obj", true).name == "OBJ");
+  CHECK(whereToSave(folder / "a.obj") == folder / "a-sculpted.ply");
+  CHECK(whereToSave(folder / "a.e57") == folder / "a-sculpted.ply");
+  CHECK(whereToSave(folder / "a.laz") == folder / "a.laz");
+  StoredCloud stored{.cloud = box.corners, .triangles = box.triangles};
+  stored.cloud.colors.resize(8);
+  stored.cloud.extra.push_back({"heat", ScalarType::f32, std::vector<std::byte>(32)});
+  CHECK(stlFormat().lacks(stored) == std::vector<std::string>{"colours", "the attribute 'heat'"});
+  CHECK(objFormat().lacks(stored) == std::vector<std::string>{"the attribute 'heat'"});
+}
+
+TEST_CASE("whatever is damaged in a mesh, it is read or refused") {
+  if (!canImportMeshes()) return;
+  const ScratchFolder folder;
+  const Box box;
+  for (const char* ending : {".obj", ".stl", ".off"}) {
+    CAPTURE(std::string(ending));
+    const std::filesystem::path file = folder / (std::string("a") + ending);
+    writeCloud(file, box.corners, {.triangles = &box.triangles});
+    std::ifstream in(file, std::ios::binary);
+    const std::string good((std::istreambuf_iterator<char>(in)), {});
+    Damage damage;
+    int read = 0;
+    for (int k = 0; k < 300; ++k) {
+      std::ofstream(file, std::ios::binary) << damage.of(good, good.size());
+      try {
+        readCloud(file, nullptr, {.samples = 50});
+        ++read;
+      } catch (const FileError&) {
+      }
+    }
+    CHECK(read > 20);
+  }
+}
+
+}  // namespace palpate::test
