@@ -2,6 +2,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <random>
 
+#include "engine/core/error.hpp"
+#include "engine/matter/matter_parameters.hpp"
 #include "engine/matter/soft_scene.hpp"
 #include "engine/matter/soft_world.hpp"
 #include "tests/matter/soft_bodies.hpp"
@@ -186,6 +188,28 @@ TEST_CASE("random hands get no energy out of matched shapes, and momentum is wha
   checkSoftPortEnergy(matched, 2, 800);
   checkSoftMomentum(matched, 300);
   checkPinsHold(matched, 50);
+}
+
+TEST_CASE("the stiffness of matched shapes changes while they are matched, and a modulus does not") {
+  MatterScene scene = softBlock();
+  scene.preset = SoftPreset::shapeMatching;
+  scene.stiffness = 0.05;
+  scene.tool = {};
+  SoftWorld world(scene);
+  const auto top = [&] {
+    float highest = 0;
+    for (const Vec3& place : world.positionsById()) highest = std::max(highest, place.y);
+    return static_cast<double>(highest);
+  };
+  run(world, 1500);
+  const double soft = top();
+  setParameter(scene, "stiffness", 0.8);
+  world.change(scene);
+  run(world, 1500);
+  CHECK(top() > soft + 1e-3);
+  CHECK_THROWS_WITH_AS(setParameter(scene, "young_Pa", 1e4), doctest::Contains("young_Pa: is no parameter"), Error);
+  scene.preset = SoftPreset::elastic;
+  CHECK_THROWS_WITH_AS(setParameter(scene, "stiffness", 0.2), doctest::Contains("stiffness: is no parameter"), Error);
 }
 
 }  // namespace palpate
