@@ -80,7 +80,7 @@ const char* pp_last_error_file(void) { return last.file.c_str(); }
 uint64_t pp_last_error_line(void) { return last.line; }
 const char* pp_version(void) { return PALPATE_VERSION; }
 
-const char* pp_status_name(pp_status status) {
+const char* pp_status_name(int status) {
   switch (status) {
     case PP_OK:
       return "ok";

@@ -108,7 +108,7 @@ TEST_CASE("a struct of an older program has the defaults for the rest, and one o
 }
 
 TEST_CASE("defaults are written as far as the program knows a struct, and no further") {
-  std::array<unsigned char, sizeof(pp_session_options) + 32> room{};
+  alignas(pp_session_options) std::array<unsigned char, sizeof(pp_session_options) + 32> room{};
   room.fill(0x5a);
   auto* const options = reinterpret_cast<pp_session_options*>(room.data());
   constexpr std::uint32_t kOlder = offsetof(pp_session_options, rate_Hz);
@@ -215,8 +215,8 @@ TEST_CASE("the version of the header is that of the library, and each status has
                               std::to_string(PALPATE_VERSION_PATCH);
   CHECK(pp_version() == version);
   for (int status = PP_OK; status <= PP_ERROR_BUG; ++status)
-    CHECK(std::string(pp_status_name(static_cast<pp_status>(status))) != "unknown");
-  CHECK(std::string(pp_status_name(static_cast<pp_status>(99))) == "unknown");
+    CHECK(std::string(pp_status_name(status)) != "unknown");
+  CHECK(std::string(pp_status_name(99)) == "unknown");
 }
 
 }  // namespace palpate

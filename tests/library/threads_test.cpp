@@ -32,10 +32,17 @@ TEST_CASE("a tick of a host's own servo loop allocates nothing") {
     wrong += pp_touch(ball.session, &pose, &contact) != PP_OK;
   }
   counting = false;
-  countedThread = std::thread::id();
   CHECK(wrong == 0);
   CHECK(contact.contact == 1);
   CHECK(allocations == 0);
+  counting = true;  // and it counts what the library does
+  pp_cloud copy{};
+  wrong += pp_session_cloud(ball.session, &copy) != PP_OK;
+  counting = false;
+  countedThread = std::thread::id();
+  CHECK(wrong == 0);
+  CHECK(allocations > 3);
+  PP_CHECK_OK(pp_cloud_close(copy));
 }
 
 TEST_CASE("one thread touches and sculpts while another takes in what it did") {

@@ -65,7 +65,7 @@ typedef enum pp_status {
 /* "0.1.0", of the library that runs. */
 PP_API const char* pp_version(void);
 /* "argument", "file"; "unknown" for a number that is no status. */
-PP_API const char* pp_status_name(pp_status status);
+PP_API const char* pp_status_name(int status);
 
 /* Of the last call of this thread that failed; PP_OK and empty before one has. The text stays until another one fails. */
 PP_API pp_status pp_last_status(void);
