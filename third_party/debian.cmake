@@ -17,7 +17,7 @@ endforeach()
 file(WRITE ${made}/third-party-notices "${notices}")
 string(TIMESTAMP today "%a, %d %b %Y 00:00:00 +0000" UTC)
 configure_file(${files}/changelog.in ${made}/changelog @ONLY)
-file(ARCHIVE_CREATE OUTPUT ${made}/changelog.gz PATHS ${made}/changelog FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+execute_process(COMMAND gzip -9nc ${made}/changelog OUTPUT_FILE ${made}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
 foreach(pair "library;libpalpate0" "dev;libpalpate-dev" "program;palpate" "python;python3-palpate")
   list(GET pair 0 component)
   list(GET pair 1 package)
@@ -50,37 +50,38 @@ set(CPACK_COMPONENTS_ALL "")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_BINARY_DIR})
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "feel, see and sculpt point clouds in real time")
 set(no_licence "No licence has been chosen by the owner of palpate.")
 
-# package(COMPONENT NAME SECTION SUMMARY TEXT DEPENDS)
-macro(package component name section summary text depends)
+# package(COMPONENT NAME SECTION TEXT DEPENDS)
+macro(package component name section text depends)
   list(APPEND CPACK_COMPONENTS_ALL ${component})
   string(TOUPPER ${component} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${name})
   set(CPACK_DEBIAN_${upper}_PACKAGE_SECTION ${section})
-  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${summary}\n${text}\n.\n${no_licence}")
+  set(CPACK_DEBIAN_${upper}_DESCRIPTION "${text}\n.\n${no_licence}")
   set(CPACK_COMPONENT_${upper}_DESCRIPTION "${CPACK_DEBIAN_${upper}_DESCRIPTION}")
   set(CPACK_DEBIAN_${upper}_PACKAGE_DEPENDS "${depends}")
 endmacro()
 if(TARGET palpate)
-  package(program palpate science "feel, see and sculpt point clouds in real time"
-          "Lets a person feel a point cloud of millions of points with a haptic stylus or a\nmouse, see it and sculpt it, on any Vulkan GPU or without one."
+  package(program palpate science
+          "The program: a point cloud of millions of points is felt with a haptic\nstylus or a mouse, seen and sculpted, on any Vulkan GPU or without one."
           "fonts-dejavu-core")
   set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "libvulkan1, mesa-vulkan-drivers")
 endif()
 if(TARGET palpate_library)
-  package(library libpalpate0 libs "point clouds that can be felt - shared library"
-          "The C interface of palpate: sessions that feel, see and sculpt point clouds." "")
-  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS ON)
-  set(CPACK_DEBIAN_LIBRARY_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+  package(library libpalpate0 libs "The shared library: sessions that other programs have, by a C interface." "")
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+  set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
+  set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${files}/triggers)
   set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "libvulkan1")
-  package(dev libpalpate-dev libdevel "point clouds that can be felt - development files"
-          "Headers for C and C++, and files for CMake and pkg-config." "libpalpate0 (= ${PROJECT_VERSION})")
+  package(dev libpalpate-dev libdevel
+          "What programs are built with: headers for C and C++, and files for CMake and\npkg-config." "libpalpate0 (= ${PROJECT_VERSION})")
 endif()
 if(TARGET palpate_python)
   get_property(python_version GLOBAL PROPERTY PALPATE_PYTHON_VERSION)
-  package(python python3-palpate python "point clouds that can be felt - Python 3 module"
-          "NumPy arrays in, forces, points, pictures and meshes out."
+  package(python python3-palpate python
+          "The module for Python 3: NumPy arrays in, forces, points, pictures, meshes out."
           "libpalpate0 (>= ${PROJECT_VERSION}), python3 (>= ${python_version}), python3 (<< ${python_version}.999), python3-numpy")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${files}/postinst;${files}/prerm")
 endif()

@@ -69,7 +69,8 @@ void addReadBench(Options& bench, Context& context, Command& command) {
   sub.add("file", options->models, cloudFormats().namesRead() + " files").required().typeName("FILE...");
   addRepeatOptions(sub, *options);
   sub.footer(
-      "Each file is read once before it is measured. --threads says how many threads read LAS and LAZ; other formats are "
+      "Each file is read once before it is measured. --threads says how many threads read LAS and LAZ; other formats "
+      "are "
       "read as always.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {

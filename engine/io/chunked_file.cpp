@@ -65,7 +65,7 @@ void ChunkedFile::fillTogether(std::size_t wanted) {
   const auto bytes = static_cast<std::size_t>(std::min<std::uint64_t>(wanted - end_, left));
   if (wanted <= end_ || bytes < 2 * kChunk) return;
   buffer_.resize(std::max(buffer_.size(), end_ + bytes + 1));  // and room to find that nothing follows
-  std::atomic<std::size_t> whole = bytes;  // up to the first byte that did not come
+  std::atomic<std::size_t> whole = bytes;                      // up to the first byte that did not come
   parallelBlocks(bytes, kChunk, 0, [&](std::size_t begin, std::size_t end) {
     const std::size_t got = readAt(file_, from + begin, {buffer_.data() + end_ + begin, end - begin});
     for (std::size_t known = whole; begin + got < std::min(end, known);)

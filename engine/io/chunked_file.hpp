@@ -41,9 +41,9 @@ class ChunkedFile {
     begin_ += bytes;
     offset_ += bytes;
   }
-  /// Gives the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block` bytes, the last one
-  /// shorter, each with how many come before it. They are read by then, and none is kept. Throws FileError with the byte
-  /// where the file ends before.
+  /// Gives the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block` bytes,
+  /// the last one shorter, each with how many come before it. They are read by then, and none is kept. Throws FileError
+  /// with the byte where the file ends before.
   void readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
                   const std::function<void(std::span<const std::byte>, std::uint64_t before)>& take);
   /// Passes over `bytes`; false when the file ends before.

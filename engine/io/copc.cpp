@@ -97,8 +97,9 @@ CopcNodes readCopcNodes(const std::filesystem::path& file, const LasHeader& head
                         std::span<const std::byte> body) {
   const std::uint64_t infoAt = info.at + info.head.size();
   if (info.data.size() < kInfoBytes)
-    throw FileError::atByte(file, infoAt, fmt::format("{} bytes say where the hierarchy of COPC is; expected {}",
-                                                      info.data.size(), kInfoBytes));
+    throw FileError::atByte(
+        file, infoAt,
+        fmt::format("{} bytes say where the hierarchy of COPC is; expected {}", info.data.size(), kInfoBytes));
   const auto* said = info.data.data() + kRootAt;
   Hierarchy hierarchy(file, header.pointsAt, body);
   hierarchy.addPage(loadScalar<std::uint64_t>(said), loadScalar<std::uint64_t>(said + 8), infoAt + kRootAt);
@@ -114,14 +115,15 @@ CopcNodes readCopcNodes(const std::filesystem::path& file, const LasHeader& head
   for (std::size_t k = 1; k < result.found.chunks.size(); ++k) {
     const LazChunk &one = result.found.chunks[k - 1], &next = result.found.chunks[k];
     if (one.at + one.bytes > next.at)
-      throw FileError::atByte(file, next.at, fmt::format("two nodes of the hierarchy share what is there; one begins at "
-                                                         "byte {} and has {} bytes",
-                                                         one.at, one.bytes));
+      throw FileError::atByte(file, next.at,
+                              fmt::format("two nodes of the hierarchy share what is there; one begins at "
+                                          "byte {} and has {} bytes",
+                                          one.at, one.bytes));
   }
   if (points != header.points)
-    throw FileError::atByte(file, infoAt + kRootAt,
-                            fmt::format("the nodes of the hierarchy have {} points, and the header promises {}", points,
-                                        header.points));
+    throw FileError::atByte(
+        file, infoAt + kRootAt,
+        fmt::format("the nodes of the hierarchy have {} points, and the header promises {}", points, header.points));
   result.found.end = header.longRecordsAt ? header.longRecordsAt : header.pointsAt + body.size();
   return result;
 }

@@ -13,9 +13,9 @@ inline constexpr std::size_t kCopcHead = kLasHeader14 + kLasRecordHead;
 bool isCopc(std::span<const std::byte> begin);
 
 struct CopcNodes {
-  LazChunks found;            ///< in the order of the file
-  std::size_t nodes = 0;      ///< also those without points
-  std::int32_t deepest = 0;   ///< level, the root's is 0
+  LazChunks found;           ///< in the order of the file
+  std::size_t nodes = 0;     ///< also those without points
+  std::int32_t deepest = 0;  ///< level, the root's is 0
 };
 
 /// Walks the pages of the hierarchy. `info`: the first record; `body`: the bytes of the file from its points on. Throws

@@ -127,8 +127,9 @@ Shared sharedBy(const std::vector<E57Scan>& scans, std::vector<std::string>& los
       if (all([&](const E57Scan& other) { return fieldNamed(other, name).has_value(); }))
         shared.names.push_back(name);
       else
-        lost.push_back(field.kind == E57Field::Kind::text ? fmt::format("the text {} of points", inQuotes(name))
-                                                          : fmt::format("{}, which not all scans have", inQuotes(name)));
+        lost.push_back(field.kind == E57Field::Kind::text
+                           ? fmt::format("the text {} of points", inQuotes(name))
+                           : fmt::format("{}, which not all scans have", inQuotes(name)));
     }
   return shared;
 }
@@ -152,7 +153,8 @@ class E57Cloud {
     const E57Records records(pages_, scan);
     const ScanPoints points(pages_.file(), scan, records);
     const auto there = parallelCollect(
-        scan.points, 0, [&](std::size_t i) { return points.isThere(i); }, [](std::size_t i) { return std::uint64_t{i}; });
+        scan.points, 0, [&](std::size_t i) { return points.isThere(i); },
+        [](std::size_t i) { return std::uint64_t{i}; });
     const std::size_t base = places_.size();
     places_.resize(base + there.size());
     if (shared_.colors) cloud_.colors.resize(places_.size());
@@ -170,7 +172,8 @@ class E57Cloud {
   PointCloud finish(Log* log) {
     Bounds box{DVec3(0), DVec3(0)};
     for (std::size_t i = 0; i < places_.size(); ++i)
-      box = i == 0 ? Bounds{places_[0], places_[0]} : Bounds{glm::min(box.min, places_[i]), glm::max(box.max, places_[i])};
+      box = i == 0 ? Bounds{places_[0], places_[0]}
+                   : Bounds{glm::min(box.min, places_[i]), glm::max(box.max, places_[i])};
     cloud_.origin = originFor(box);
     cloud_.positions.resize(places_.size());
     bool same = true;
@@ -187,13 +190,15 @@ class E57Cloud {
   }
 
  private:
-  void addColors(const E57Scan& scan, const E57Records& records, std::span<const std::uint64_t> there, std::size_t base) {
+  void addColors(const E57Scan& scan, const E57Records& records, std::span<const std::uint64_t> there,
+                 std::size_t base) {
     const Three fields = *fieldsNamed(scan, kColors);
     std::array<std::array<double, 2>, 3> limits{};
     for (std::size_t k = 0; k < 3; ++k) {
       const E57Field& field = scan.fields[fields[k]];
       const bool whole = field.kind == E57Field::Kind::integer;
-      limits[k] = whole ? std::array{static_cast<double>(field.least), static_cast<double>(field.most)} : std::array{0.0, 1.0};
+      limits[k] =
+          whole ? std::array{static_cast<double>(field.least), static_cast<double>(field.most)} : std::array{0.0, 1.0};
       if (scan.colorLimits && (*scan.colorLimits)[k][1] > (*scan.colorLimits)[k][0]) limits[k] = (*scan.colorLimits)[k];
     }
     parallelFor(there.size(), 0, [&](std::size_t begin, std::size_t end) {
@@ -279,7 +284,8 @@ StoredCloud readE57(const std::filesystem::path& file, Log* log, const CloudRead
   stored.cloud.storedAs.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   if (invalid > 0) stored.lost.push_back(fmt::format("{} points that have no place", invalid));
   if (invalid > 0 && log) log->say("{}: {} points have no place (no echo came back), and are left out", name, invalid);
-  if (contents.scans.size() > 1) stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", contents.scans.size()));
+  if (contents.scans.size() > 1)
+    stored.lost.push_back(fmt::format("the poses of {} scans, which are applied", contents.scans.size()));
   if (contents.images > 0) stored.lost.push_back(fmt::format("{} pictures", contents.images));
   return stored;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <limits>
 
 #include "engine/cloud/scalar_type.hpp"
@@ -41,7 +42,8 @@ void E57Pages::checkPages(std::span<const std::byte> whole) {
     for (std::size_t page = begin; page < end; ++page) {
       const auto checked = whole.subspan(page * kPage, kChecked);
       std::uint32_t sum = 0;  // the highest byte first
-      for (std::size_t k = 0; k < 4; ++k) sum = sum << 8 | static_cast<std::uint32_t>(whole[page * kPage + kChecked + k]);
+      for (std::size_t k = 0; k < 4; ++k)
+        sum = sum << 8 | static_cast<std::uint32_t>(whole[page * kPage + kChecked + k]);
       if (crc32c(checked) != sum)
         for (std::size_t known = damaged; page < known && !damaged.compare_exchange_weak(known, page);) {
         }
@@ -55,10 +57,12 @@ void E57Pages::checkPages(std::span<const std::byte> whole) {
 
 void E57Pages::readHeader(std::size_t fileBytes) {
   const auto number = [&](std::size_t at) { return loadScalar<std::uint64_t>(bytes_.data() + at); };
-  const auto major = loadScalar<std::uint32_t>(bytes_.data() + 8), minor = loadScalar<std::uint32_t>(bytes_.data() + 12);
+  const auto major = loadScalar<std::uint32_t>(bytes_.data() + 8),
+             minor = loadScalar<std::uint32_t>(bytes_.data() + 12);
   if (major != 1) throw FileError::atByte(file_, 8, fmt::format("E57 version {}.{}; 1 is read", major, minor));
   if (number(16) != fileBytes)
-    throw FileError::atByte(file_, 16, fmt::format("the header promises {} bytes, and {} are there", number(16), fileBytes));
+    throw FileError::atByte(file_, 16,
+                            fmt::format("the header promises {} bytes, and {} are there", number(16), fileBytes));
   if (number(40) != kPage)
     throw FileError::atByte(file_, 40, fmt::format("pages of {} bytes; expected {}", number(40), kPage));
   const auto xml = from(number(24), number(32), 24);
@@ -75,8 +79,8 @@ std::span<const std::byte> E57Pages::from(std::uint64_t fileByte, std::uint64_t 
 std::span<const std::byte> E57Pages::from(std::uint64_t fileByte, std::uint64_t count, std::uint64_t saidAt) const {
   const auto rest = from(fileByte, saidAt);
   if (count > rest.size())
-    throw FileError::atByte(file_, saidAt,
-                            fmt::format("names {} bytes from byte {} on, and {} are there", count, fileByte, rest.size()));
+    throw FileError::atByte(
+        file_, saidAt, fmt::format("names {} bytes from byte {} on, and {} are there", count, fileByte, rest.size()));
   return rest.first(count);
 }
 

@@ -20,9 +20,12 @@ enum class Packet : unsigned { index, data, empty };
 
 unsigned E57Field::bits() const {
   switch (kind) {
-    case Kind::single: return 32;
-    case Kind::real: return 64;
-    case Kind::text: return 0;
+    case Kind::single:
+      return 32;
+    case Kind::real:
+      return 64;
+    case Kind::text:
+      return 0;
     default:
       return static_cast<unsigned>(
           std::bit_width(static_cast<std::uint64_t>(most) - static_cast<std::uint64_t>(least)));
@@ -62,7 +65,8 @@ std::size_t E57Records::takePacket(const E57Pages& pages, std::span<const std::b
   };
   const auto kind = static_cast<unsigned>(packet[0]);
   const std::size_t length = std::size_t{loadScalar<std::uint16_t>(packet.data() + 2)} + 1;
-  if (kind > static_cast<unsigned>(Packet::empty)) throw refuse(0, fmt::format("a packet of kind {}; 0 to 2 are known", kind));
+  if (kind > static_cast<unsigned>(Packet::empty))
+    throw refuse(0, fmt::format("a packet of kind {}; 0 to 2 are known", kind));
   if (length > packet.size() || length % 4 != 0)
     throw refuse(2, fmt::format("a packet of {} bytes, where {} are left", length, packet.size()));
   if (kind != static_cast<unsigned>(Packet::data)) return length;
@@ -74,8 +78,8 @@ std::size_t E57Records::takePacket(const E57Pages& pages, std::span<const std::b
     if (at > length) throw refuse(2, "a packet that is too short for its streams");
     const std::size_t bytes = loadScalar<std::uint16_t>(packet.data() + kDataHead + 2 * k);
     if (bytes > length - at)
-      throw refuse(kDataHead + 2 * k, fmt::format("stream {} has {} bytes, and {} are left of its packet", k + 1, bytes,
-                                                  length - at));
+      throw refuse(kDataHead + 2 * k,
+                   fmt::format("stream {} has {} bytes, and {} are left of its packet", k + 1, bytes, length - at));
     const auto stream = packet.subspan(at, bytes);
     streams_[k].insert(streams_[k].end(), stream.begin(), stream.end());
     at += bytes;
@@ -92,9 +96,9 @@ void E57Records::checkCounts(const E57Pages& pages) const {
     any = true;
     const std::uint64_t there = 8 * std::uint64_t{streams_[k].size()} / bits;
     if (there < scan_.points)
-      throw FileError::atByte(pages.file(), scan_.pointsAt,
-                              fmt::format("a scan of {} points, and {} values of {} are there", scan_.points, there,
-                                          scan_.fields[k].name));
+      throw FileError::atByte(
+          pages.file(), scan_.pointsAt,
+          fmt::format("a scan of {} points, and {} values of {} are there", scan_.points, there, scan_.fields[k].name));
   }
   if (!any)
     throw FileError::atByte(pages.file(), scan_.pointsAt,

@@ -25,7 +25,8 @@ struct E57Field {
   unsigned bits() const;
 };
 
-/// A scan, in its own coordinates, and where they are: rotated by a quaternion (w, x, y, z; of unit length), then moved.
+/// A scan, in its own coordinates, and where they are: rotated by a quaternion (w, x, y, z; of unit length), then
+/// moved.
 struct E57Scan {
   std::string name;
   std::uint64_t pointsAt = 0;  ///< byte of the file
@@ -41,6 +42,9 @@ struct E57Contents {
   std::vector<E57Scan> scans;
   std::size_t images = 0;
 };
+
+/// Whether it was; otherwise readE57Contents() throws that it was not.
+bool canReadE57();
 
 /// Throws FileError for what is no XML, or says what cannot be.
 E57Contents readE57Contents(const E57Pages& pages);

@@ -3,9 +3,12 @@
 
 namespace palpate {
 
+bool canReadE57() { return false; }
+
 E57Contents readE57Contents(const E57Pages& pages) {
-  throw FileError(pages.file(), "E57 needs the library pugixml, without which this program was built; convert it "
-                                "elsewhere, or build it with libpugixml-dev");
+  throw FileError(pages.file(),
+                  "E57 needs the library pugixml, without which this program was built; convert it "
+                  "elsewhere, or build it with libpugixml-dev");
 }
 
 }  // namespace palpate

@@ -23,7 +23,8 @@ class Reading {
   /// An empty text is 0, as the standard has it.
   template <class T>
   T number(std::string_view text, const std::string& of) const {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == '\t')) text.remove_prefix(1);
+    while (!text.empty() && (text.front() == ' ' || text.front() == '\n' || text.front() == '\t'))
+      text.remove_prefix(1);
     while (!text.empty() && (text.back() == ' ' || text.back() == '\n' || text.back() == '\t')) text.remove_suffix(1);
     if (!text.empty() && text.front() == '+') text.remove_prefix(1);
     T value{};
@@ -56,7 +57,8 @@ E57Field fieldOf(const pugi::xml_node& node, const Reading& reading) {
     field.kind = type == "Integer" ? Kind::integer : Kind::scaled;
     field.least = reading.attribute(node, "minimum", std::numeric_limits<std::int64_t>::min());
     field.most = reading.attribute(node, "maximum", std::numeric_limits<std::int64_t>::max());
-    if (field.least > field.most) throw reading.refuse(fmt::format("{} is from {} to {}", field.name, field.least, field.most));
+    if (field.least > field.most)
+      throw reading.refuse(fmt::format("{} is from {} to {}", field.name, field.least, field.most));
     field.scale = reading.attribute(node, "scale", 1.0);
     field.offset = reading.attribute(node, "offset", 0.0);
   } else if (type == "Float") {
@@ -110,6 +112,8 @@ E57Scan scanOf(const pugi::xml_node& node, const Reading& reading) {
 }
 
 }  // namespace
+
+bool canReadE57() { return true; }
 
 E57Contents readE57Contents(const E57Pages& pages) {
   const Reading reading(pages.file());

@@ -1,5 +1,5 @@
-// Whole numbers that are close to what is expected of them, as LASzip codes them: by how many bits their difference has,
-// and then by its bits, of which the upper ones have a model.
+// Whole numbers that are close to what is expected of them, as LASzip codes them: by how many bits their difference
+// has, and then by its bits, of which the upper ones have a model.
 #pragma once
 
 #include <bit>
@@ -37,8 +37,8 @@ class IntegerModel {
     return static_cast<std::int32_t>((off + half) & mask) - static_cast<std::int32_t>(half);
   }
 
-  // Of length n > 0 are those from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n numbers stands
-  // for the negative ones. Of length 0 are 0 and 1; of length 32 the least one alone.
+  // Of length n > 0 are those from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n numbers
+  // stands for the negative ones. Of length 0 are 0 and 1; of length 32 the least one alone.
   template <class Coder>
   std::int32_t codeDifference(Coder& coder, std::int32_t off, unsigned context) {
     unsigned length = 0;

@@ -85,9 +85,8 @@ void LasColumns::grow(std::size_t to) {
     made.push_back(column.get());
   }
   fetchTogether(fresh, threads_);
-  parallelBlocks(made.size(), 1, threads_, [&](std::size_t k, std::size_t) {
-    made[k]->attribute.data.resize(to * sizeOf(made[k]->field.type));
-  });
+  parallelBlocks(made.size(), 1, threads_,
+                 [&](std::size_t k, std::size_t) { made[k]->attribute.data.resize(to * sizeOf(made[k]->field.type)); });
 }
 
 /// With zeros for all points that there are.

@@ -25,8 +25,8 @@ class LasColumns {
   /// Rows of points from number `base` on. From any threads, for points that differ.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
-  /// Places, colours and attributes, once. What does not come along goes to `lost`, in words; what one step of 8 bits is
-  /// in the file's colours to `colorStep`.
+  /// Places, colours and attributes, once. What does not come along goes to `lost`, in words; what one step of 8 bits
+  /// is in the file's colours to `colorStep`.
   PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep);
 
  private:

@@ -35,7 +35,8 @@ std::vector<std::byte> packedHead(const PointCloud& cloud, const LasPlan& plan, 
   std::vector<std::byte> head = lasHeadFor(cloud, plan);
   const LasHeader header = readLasHeader({}, head);
   std::size_t end = header.size;
-  for (const LasRecord& record : lasRecords({}, header, head)) end = record.at + record.head.size() + record.data.size();
+  for (const LasRecord& record : lasRecords({}, header, head))
+    end = record.at + record.head.size() + record.data.size();
   const std::vector<std::byte> record = lazRecordFor(plan.format, layout);
   head.insert(head.begin() + static_cast<std::ptrdiff_t>(end), record.begin(), record.end());
   const auto put = [&](std::size_t at, auto value) { std::memcpy(head.data() + at, &value, sizeof value); };

@@ -82,7 +82,8 @@ std::vector<LazLayer<RangeDecoder>> layersFrom(const std::filesystem::path& file
   };
   std::size_t at = sizesAt + 4 * count;
   if (bytes.size() < at)
-    throw refuse(bytes.size(), fmt::format("a chunk of {} bytes, which are too few for its {} layers", bytes.size(), count));
+    throw refuse(bytes.size(),
+                 fmt::format("a chunk of {} bytes, which are too few for its {} layers", bytes.size(), count));
   if (const auto points = loadScalar<std::uint32_t>(bytes.data() + headAt); points < chunk.points)
     throw refuse(headAt, fmt::format("a chunk of {} points, where the table has {}", points, chunk.points));
   std::vector<LazLayer<RangeDecoder>> layers;

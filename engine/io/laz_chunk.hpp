@@ -10,8 +10,8 @@ namespace palpate {
 /// Unpacks front to back. Chunks are independent of each other, and may be unpacked on as many threads.
 class LazChunkDecoder {
  public:
-  /// `bytes`: of the chunk, which outlive it. Throws FileError where they are too few to begin with, or their layers are
-  /// not what they say.
+  /// `bytes`: of the chunk, which outlive it. Throws FileError where they are too few to begin with, or their layers
+  /// are not what they say.
   LazChunkDecoder(const std::filesystem::path& file, const LazLayout& layout, const LazChunk& chunk,
                   std::span<const std::byte> bytes);
   ~LazChunkDecoder();

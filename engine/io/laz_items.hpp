@@ -77,8 +77,8 @@ class LazTimes {
     for (int turns = 0; turns < 2; ++turns) {  // an encoder changes to another sequence once at most
       Sequence& now = sequences_[current_];
       const bool fresh = now.step == 0;
-      // Symbols less than `own` are differences to the sequence's last time; then they are: the same, of a sequence that
-      // begins, of another one.
+      // Symbols less than `own` are differences to the sequence's last time; then they are: the same, of a sequence
+      // that begins, of another one.
       const unsigned own = fresh ? 0 : kOwn;
       unsigned symbol = 0;
       if constexpr (Coder::kEncodes) symbol = symbolFor(time, own);
@@ -89,7 +89,8 @@ class LazTimes {
         now.extremes = 0;
         return advance(now, now.step);
       }
-      if (symbol < own) return advance(now, codeStep(coder, now, symbol, static_cast<std::int32_t>(bitsOff(time, now))));
+      if (symbol < own)
+        return advance(now, codeStep(coder, now, symbol, static_cast<std::int32_t>(bitsOff(time, now))));
       const unsigned other = symbol - own - stays_ - (fresh ? 1 : 0);
       if (other == 0) return begin(coder, time);
       current_ = (current_ + other) & 3;
@@ -116,7 +117,8 @@ class LazTimes {
     return off == static_cast<std::int32_t>(off);
   }
   static std::int64_t advance(Sequence& sequence, std::int32_t step) {
-    const std::uint64_t time = static_cast<std::uint64_t>(sequence.time) + static_cast<std::uint64_t>(std::int64_t{step});
+    const std::uint64_t time =
+        static_cast<std::uint64_t>(sequence.time) + static_cast<std::uint64_t>(std::int64_t{step});
     return sequence.time = static_cast<std::int64_t>(time);
   }
 

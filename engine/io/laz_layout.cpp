@@ -73,27 +73,26 @@ LazLayout placesOf(unsigned format, std::size_t rowBytes) {
 }
 
 /// The record's items are those of the format, in a version that is read.
-void readItems(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record,
-               LazLayout& layout) {
+void readItems(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record, LazLayout& layout) {
   const std::uint64_t dataAt = record.at + record.head.size();
   const std::vector<ItemSpan> items = itemsOf(header.format, header.pointBytes);
   const auto count = load<std::uint16_t>(record.data, 32);
   if (count != items.size() || record.data.size() < kFixedBytes + count * kItemBytes)
     throw FileError::atByte(file, dataAt + 32,
-                            fmt::format("points are packed as {} items; those of format {} with {} bytes have {}", count,
-                                        header.format, header.pointBytes, items.size()));
+                            fmt::format("points are packed as {} items; those of format {} with {} bytes have {}",
+                                        count, header.format, header.pointBytes, items.size()));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t at = kFixedBytes + k * kItemBytes;
     const auto item = load<std::uint16_t>(record.data, at), bytes = load<std::uint16_t>(record.data, at + 2),
                version = load<std::uint16_t>(record.data, at + 4);
     const auto refuse = [&](const std::string& why) { return FileError::atByte(file, dataAt + at, why); };
     if (item != static_cast<unsigned>(items[k].item) || bytes != items[k].bytes)
-      throw refuse(fmt::format("item {} is of kind {} and {} bytes; points of format {} have one of kind {} and {} bytes",
-                               k + 1, item, bytes, header.format, static_cast<unsigned>(items[k].item),
-                               items[k].bytes));
+      throw refuse(
+          fmt::format("item {} is of kind {} and {} bytes; points of format {} have one of kind {} and {} bytes", k + 1,
+                      item, bytes, header.format, static_cast<unsigned>(items[k].item), items[k].bytes));
     if (version < (layout.layered ? 3 : 2))
-      throw refuse(fmt::format("item {} is of version {}, as programs wrote it before 2010; unpack the file to LAS first",
-                               k + 1, version));
+      throw refuse(fmt::format(
+          "item {} is of version {}, as programs wrote it before 2010; unpack the file to LAS first", k + 1, version));
     if (version > (layout.layered ? 4 : 2)) throw refuse(fmt::format("item {} is of version {}", k + 1, version));
     if (layout.layered) layout.channelsLag = version == 3;
   }
@@ -113,9 +112,9 @@ std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, 
   const auto first = static_cast<std::int64_t>(bodyAt) + 8;
   const auto last = static_cast<std::int64_t>(bodyAt + body.size()) - 8;
   if (place < first || place > last)
-    throw FileError::atByte(file, bodyAt + saidAt,
-                            fmt::format("the table of chunks is at byte {}; expected one from {} to {}", place, first,
-                                        last));
+    throw FileError::atByte(
+        file, bodyAt + saidAt,
+        fmt::format("the table of chunks is at byte {}; expected one from {} to {}", place, first, last));
   return static_cast<std::size_t>(place) - bodyAt;
 }
 
@@ -124,9 +123,9 @@ std::size_t tablePlace(const std::filesystem::path& file, std::uint64_t bodyAt, 
 LazLayout readLazLayout(const std::filesystem::path& file, const LasHeader& header, const LasRecord& record) {
   const std::uint64_t dataAt = record.at + record.head.size();
   if (record.data.size() < kFixedBytes)
-    throw FileError::atByte(file, record.at,
-                            fmt::format("the record of LASzip has {} bytes; expected {} at least", record.data.size(),
-                                        kFixedBytes));
+    throw FileError::atByte(
+        file, record.at,
+        fmt::format("the record of LASzip has {} bytes; expected {} at least", record.data.size(), kFixedBytes));
   if (lasPointFormat(header.format).hasWaves)
     throw FileError::atByte(file, 104,
                             fmt::format("points of format {} with wave packets, which are not read where they are "
@@ -186,7 +185,12 @@ std::vector<std::byte> lazRecordFor(unsigned format, const LazLayout& layout) {
 LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& header, const LazLayout& layout,
                         std::span<const std::byte> body) {
   const std::uint64_t bodyAt = header.pointsAt;
-  if (!layout.chunked) return {{{bodyAt, body.size(), header.points}}, bodyAt + body.size()};
+  if (header.points == 0 && body.size() < 8) return {{}, bodyAt};  // as some programs leave a file of no points
+  if (!layout.chunked) {
+    const std::uint64_t end = header.longRecordsAt ? header.longRecordsAt : bodyAt + body.size();
+    if (header.points == 0) return {{}, end};
+    return {{{bodyAt, body.size(), header.points}}, end};
+  }
   const std::size_t table = tablePlace(file, bodyAt, body);
   const auto refuse = [&](const std::string& why) { return FileError::atByte(file, bodyAt + table, why); };
   if (const auto version = load<std::uint32_t>(body, table); version != 0)
@@ -204,8 +208,8 @@ LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& head
     if (!layout.chunkPoints) points = model.code(decoder, points, 0, 0);
     bytes = model.code(decoder, bytes, 0, 1);
     const std::uint64_t length = static_cast<std::uint32_t>(bytes);
-    const std::uint64_t holds = layout.chunkPoints ? std::min(left, *layout.chunkPoints)
-                                                   : std::uint64_t{static_cast<std::uint32_t>(points)};
+    const std::uint64_t holds =
+        layout.chunkPoints ? std::min(left, *layout.chunkPoints) : std::uint64_t{static_cast<std::uint32_t>(points)};
     if (decoder.isWrong()) throw refuse(fmt::format("the table of {} chunks is damaged at chunk {}", count, k + 1));
     if (length > bodyAt + table - at)
       throw refuse(fmt::format("chunk {} of {} would reach from byte {} to byte {}, past the table", k + 1, count, at,
@@ -218,8 +222,8 @@ LazChunks readLazChunks(const std::filesystem::path& file, const LasHeader& head
     left -= holds;
   }
   if (left > 0)
-    throw refuse(fmt::format("the table has {} chunks, and {} of {} points are in none of them", count, left,
-                             header.points));
+    throw refuse(
+        fmt::format("the table has {} chunks, and {} of {} points are in none of them", count, left, header.points));
   const bool atEnd = load<std::int64_t>(body, 0) == -1;
   found.end = bodyAt + body.size() - (atEnd ? 0 : count == 0 ? packed.size() : decoder.left());
   return found;

@@ -46,9 +46,9 @@ class LazPoint10 {
   // Of a return by how many there were (row) and which of them it is (column): those that are alike share what is
   // expected of them. Part of the format.
   static constexpr std::uint8_t kKinds[8][8] = {
-      {15, 14, 13, 12, 11, 10, 9, 8},   {14, 0, 1, 3, 6, 10, 10, 9},      {13, 1, 2, 4, 7, 11, 11, 10},
-      {12, 3, 4, 5, 8, 12, 12, 11},     {11, 6, 7, 8, 9, 13, 13, 12},     {10, 10, 11, 12, 13, 14, 14, 13},
-      {9, 10, 11, 12, 13, 14, 15, 14},  {8, 9, 10, 11, 12, 13, 14, 15},
+      {15, 14, 13, 12, 11, 10, 9, 8},  {14, 0, 1, 3, 6, 10, 10, 9},    {13, 1, 2, 4, 7, 11, 11, 10},
+      {12, 3, 4, 5, 8, 12, 12, 11},    {11, 6, 7, 8, 9, 13, 13, 12},   {10, 10, 11, 12, 13, 14, 14, 13},
+      {9, 10, 11, 12, 13, 14, 15, 14}, {8, 9, 10, 11, 12, 13, 14, 15},
   };
 
   unsigned changesTo(const LazCore10& next) const {
@@ -66,18 +66,15 @@ class LazPoint10 {
   void codeOthers(Coder& coder, unsigned changes, unsigned kind, LazCore10& next) {
     std::uint16_t& intensity = intensities_[kind];
     if (changes & kIntensity)
-      intensity = static_cast<std::uint16_t>(
-          intensity_.code(coder, intensity, next.intensity, std::min(kind, 3u)));
+      intensity = static_cast<std::uint16_t>(intensity_.code(coder, intensity, next.intensity, std::min(kind, 3u)));
     next.intensity = intensity;
-    if (changes & kClass)
-      next.classification = byte(coder, classes_[last_.classification], next.classification);
+    if (changes & kClass) next.classification = byte(coder, classes_[last_.classification], next.classification);
     if (changes & kAngle) {
       const unsigned off = static_cast<unsigned>(next.angle - last_.angle) & 0xffu;
       next.angle = static_cast<std::uint8_t>(last_.angle + coder.symbol(angles_[next.returns >> 6 & 1u], off));
     }
     if (changes & kUser) next.user = byte(coder, users_[last_.user], next.user);
-    if (changes & kSource)
-      next.source = static_cast<std::uint16_t>(source_.code(coder, last_.source, next.source, 0));
+    if (changes & kSource) next.source = static_cast<std::uint16_t>(source_.code(coder, last_.source, next.source, 0));
   }
 
   template <class Coder>

@@ -5,6 +5,7 @@
 
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include "engine/io/laz_items.hpp"
 #include "engine/io/laz_layout.hpp"
@@ -65,7 +66,7 @@ class LazPoint14 {
     channels_[channel_] = std::make_unique<Channel>(first, firstTime);
   }
 
-  unsigned channel() const { return channel_; }  ///< of the last point
+  unsigned channel() const { return channel_; }                  ///< of the last point
   bool hasChangedChannel() const { return hasChangedChannel_; }  ///< with the last point
 
   void code(LazCore14& next, std::int64_t& time) {
@@ -123,9 +124,13 @@ class LazPoint14 {
     const Channel& known = channels_[channel] ? *channels_[channel] : *channels_[channel_];
     const LazCore14& last = known.last;
     const unsigned more = (next.number() - last.number()) & 15u;
-    return (more == 0 ? 0u : more == 1 ? 1u : more == 15 ? 2u : 3u) | (next.count() != last.count() ? kCount : 0u) |
-           (next.angle != last.angle ? kAngle : 0u) | (time != known.lastTime ? kTime : 0u) |
-           (next.source != last.source ? kSource : 0u) | (channel != channel_ ? kChannel : 0u);
+    return (more == 0    ? 0u
+            : more == 1  ? 1u
+            : more == 15 ? 2u
+                         : 3u) |
+           (next.count() != last.count() ? kCount : 0u) | (next.angle != last.angle ? kAngle : 0u) |
+           (time != known.lastTime ? kTime : 0u) | (next.source != last.source ? kSource : 0u) |
+           (channel != channel_ ? kChannel : 0u);
   }
 
   void changeChannel(Coder& places, unsigned next) {
@@ -142,15 +147,20 @@ class LazPoint14 {
     unsigned count = now.last.count(), number = lastNumber;
     if (changes & kCount) count = places.symbol(now.counts[count], next.count());
     switch (changes & kNumber) {
-      case 1: number = (number + 1) & 15u; break;
-      case 2: number = (number + 15) & 15u; break;
+      case 1:
+        number = (number + 1) & 15u;
+        break;
+      case 2:
+        number = (number + 15) & 15u;
+        break;
       case 3:
         if (changes & kTime)
           number = places.symbol(now.numbers[lastNumber], next.number());
         else
           number = (lastNumber + places.symbol(now.numberSameTime, ((next.number() - lastNumber) & 15u) - 2) + 2) & 15u;
         break;
-      default: break;
+      default:
+        break;
     }
     next.returns = static_cast<std::uint8_t>(count << 4 | number);
   }
@@ -190,14 +200,13 @@ class LazPoint14 {
       next.setFlags(byte(LazLayer14::flags, now.flags[last.flags()], next.flags()));
     if (layer(LazLayer14::intensities).codes(next.intensity != last.intensity)) {
       std::uint16_t& usual = now.intensities[2 * kind + later];
-      usual = static_cast<std::uint16_t>(
-          now.intensity.code(coder(LazLayer14::intensities), usual, next.intensity, kind));
+      usual =
+          static_cast<std::uint16_t>(now.intensity.code(coder(LazLayer14::intensities), usual, next.intensity, kind));
       next.intensity = usual;
     }
     const bool turned = changes & kAngle, other = changes & kSource;
     if (layer(LazLayer14::angles).codes(turned) && turned)
-      next.angle =
-          static_cast<std::int16_t>(now.angle.code(coder(LazLayer14::angles), last.angle, next.angle, later));
+      next.angle = static_cast<std::int16_t>(now.angle.code(coder(LazLayer14::angles), last.angle, next.angle, later));
     if (layer(LazLayer14::users).codes(next.user != last.user))
       next.user = byte(LazLayer14::users, now.users[last.user / 4], next.user);
     if (layer(LazLayer14::sources).codes(other) && other)
@@ -237,8 +246,8 @@ class LazChannels {
     Value& last;
   };
 
-  /// `lag`: where a channel comes back that was there before, the last value is still that of the channel before it, as in
-  /// version 3.
+  /// `lag`: where a channel comes back that was there before, the last value is still that of the channel before it, as
+  /// in version 3.
   LazChannels(bool lag, unsigned channel, Models models, Value first) : fresh_(models), lag_(lag), current_(channel) {
     channels_[channel] = std::make_unique<Channel>(Channel{std::move(models), std::move(first)});
   }
@@ -268,7 +277,8 @@ class LazRow14 {
   LazRow14(const LazLayout& layout, std::span<LazLayer<Coder>> layers, const std::byte* first)
       : layout_(layout), layers_(layers), core_(layers.first(kLazLayers14), coreAt(first), timeAt(first)) {
     const unsigned channel = core_.channel();
-    if (layout.colorAt) colors_.emplace(layout.channelsLag, channel, LazColors(), load<LazColors::Color>(first + layout.colorAt));
+    if (layout.colorAt)
+      colors_.emplace(layout.channelsLag, channel, LazColors(), load<LazColors::Color>(first + layout.colorAt));
     if (layout.infraredAt)
       infrared_.emplace(layout.channelsLag, channel, LazInfrared(), load<std::uint16_t>(first + layout.infraredAt));
     if (layout.extraBytes > 0)

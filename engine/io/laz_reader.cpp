@@ -12,7 +12,7 @@ namespace palpate {
 
 namespace {
 
-constexpr std::size_t kBlock = 1024;                                                // rows that stay near the processor
+constexpr std::size_t kBlock = 1024;  // rows that stay near the processor
 constexpr std::uint64_t kTogether = std::uint64_t{1} << 23, kSlice = kTogether / 32;  // points
 constexpr std::uint64_t kMostFromByte = 64;  // points that room is made for at once; more are rare
 

@@ -16,8 +16,8 @@ struct ImportedMesh {
 /// Whether it was; otherwise importMesh() throws that it was not.
 bool canImportMeshes();
 
-/// `ending`: of the format, with the dot, whatever the file is called. Throws FileError: for what is no such file, for one
-/// of more than 4 GiB, and where memory does not suffice.
+/// `ending`: of the format, with the dot, whatever the file is called. Throws FileError: for what is no such file, for
+/// one of more than 4 GiB, and where memory does not suffice.
 ImportedMesh importMesh(const std::filesystem::path& file, const std::string& ending);
 
 }  // namespace palpate

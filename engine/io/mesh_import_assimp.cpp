@@ -82,7 +82,8 @@ class SceneWalk {
   }
   static std::array<std::uint8_t, 4> byteColor(const aiColor4D& color) {
     const auto byte = [](float value) {
-      return static_cast<std::uint8_t>(std::isfinite(value) ? std::lround(255 * std::fmin(std::fmax(value, 0.f), 1.f)) : 0);
+      return static_cast<std::uint8_t>(std::isfinite(value) ? std::lround(255 * std::fmin(std::fmax(value, 0.f), 1.f))
+                                                            : 0);
     };
     return {byte(color.r), byte(color.g), byte(color.b), 255};
   }
@@ -115,8 +116,8 @@ ImportedMesh importMesh(const std::filesystem::path& file, const std::string& en
     const aiScene* scene = importer.ReadFile(
         file.string(), aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_RemoveComponent);
     if (!scene || !scene->mRootNode)
-      throw FileError(file, fmt::format("no {} file that can be read: {}", ending.substr(1),
-                                        inQuotes(importer.GetErrorString())));
+      throw FileError(
+          file, fmt::format("no {} file that can be read: {}", ending.substr(1), inQuotes(importer.GetErrorString())));
     ImportedMesh result;
     SceneWalk walk(file, *scene, result);
     walk.walk(*scene->mRootNode, {}, 0);

@@ -6,8 +6,9 @@ namespace palpate {
 bool canImportMeshes() { return false; }
 
 ImportedMesh importMesh(const std::filesystem::path& file, const std::string&) {
-  throw FileError(file, "meshes are read by the library assimp, without which this program was built; sample it to points "
-                        "elsewhere, or build it with libassimp-dev");
+  throw FileError(file,
+                  "meshes are read by the library assimp, without which this program was built; sample it to points "
+                  "elsewhere, or build it with libassimp-dev");
 }
 
 }  // namespace palpate

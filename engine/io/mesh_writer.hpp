@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// All of them: of the cloud, whose points are the corners of the triangles that the options name. The file appears under
-/// its name only when it is whole. Throws FileError, also where there are no triangles.
+/// All of them: of the cloud, whose points are the corners of the triangles that the options name. The file appears
+/// under its name only when it is whole. Throws FileError, also where there are no triangles.
 
 /// Places, colours and normals as text.
 void writeObj(const std::filesystem::path& path, const PointCloud& cloud, const CloudWriteOptions& options);

@@ -1,10 +1,10 @@
-// The arithmetic coder of LASzip: symbols become parts of an interval, as wide as they are frequent, which is halved until
-// a byte of it is known; how frequent they are is counted on both sides while they pass (Said 2004, "Introduction to
-// arithmetic coding: theory and practice"; Isenburg 2013, "LASzip: lossless compression of LiDAR data").
+// The arithmetic coder of LASzip: symbols become parts of an interval, as wide as they are frequent, which is halved
+// until a byte of it is known; how frequent they are is counted on both sides while they pass (Said 2004, "Introduction
+// to arithmetic coding: theory and practice"; Isenburg 2013, "LASzip: lossless compression of LiDAR data").
 //
-// Decoder and encoder have the same functions: those of the encoder put a value into the stream and give it back, those of
-// the decoder give the one of the stream, whatever they are given. So what is coded, and in what order, is one text for
-// both (laz_point10.hpp and the others).
+// Decoder and encoder have the same functions: those of the encoder put a value into the stream and give it back, those
+// of the decoder give the one of the stream, whatever they are given. So what is coded, and in what order, is one text
+// for both (laz_point10.hpp and the others).
 #pragma once
 
 #include <cstddef>

@@ -13,8 +13,8 @@ namespace palpate {
 /// hang together.
 struct TriangleSoup {
   std::vector<DVec3> corners;
-  std::vector<Vec3> normals;                         ///< of any length
-  std::vector<std::array<std::uint8_t, 4>> colors;   ///< RGBA
+  std::vector<Vec3> normals;                        ///< of any length
+  std::vector<std::array<std::uint8_t, 4>> colors;  ///< RGBA
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
@@ -24,10 +24,10 @@ struct SampledSoup {
 };
 
 /// `count` points, spread evenly by area: the same number to equal areas but for one, in order of the triangles, and
-/// within each by a sequence that leaves no gaps (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences",
-/// after Weyl 1916), which `seed` turns. Normals are those of the corners, blended, or else of the triangle, whose corners
-/// are anticlockwise seen from outside. The same for any number of threads (0: one per core). No points where no triangle
-/// has an area.
+/// within each by a sequence that leaves no gaps (Roberts 2018, "The unreasonable effectiveness of quasirandom
+/// sequences", after Weyl 1916), which `seed` turns. Normals are those of the corners, blended, or else of the
+/// triangle, whose corners are anticlockwise seen from outside. The same for any number of threads (0: one per core).
+/// No points where no triangle has an area.
 SampledSoup sampleSoup(const TriangleSoup& soup, std::size_t count, std::uint64_t seed, unsigned threads = 0);
 
 }  // namespace palpate

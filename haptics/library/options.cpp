@@ -1,6 +1,8 @@
 #include "haptics/library/options.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -150,61 +152,44 @@ using palpate::MeshOptions;
 using palpate::PictureRequest;
 using palpate::SessionConfig;
 
-pp_cloud_arrays pp_default_cloud_arrays(void) {
-  pp_cloud_arrays arrays{};
-  arrays.size = sizeof arrays;
-  return arrays;
+namespace {
+
+/// As much of `usual` as the program knows of the struct; what it knows and this does not is zero.
+template <class Options>
+void init(Options* to, std::uint32_t size, Options usual) {
+  if (!to) return;
+  usual.size = size;
+  std::memset(to, 0, size);
+  std::memcpy(to, &usual, std::min<std::size_t>(size, sizeof usual));
 }
 
-pp_read_options pp_default_read_options(void) {
-  pp_read_options options{};
-  options.size = sizeof options;
-  return options;
-}
-
-pp_write_options pp_default_write_options(void) {
-  pp_write_options options{};
-  options.size = sizeof options;
-  return options;
-}
-
-pp_feel pp_default_feel(void) {
+pp_feel usualFeel() {
   const ForceOptions force;
   pp_feel feel{};
-  feel.size = sizeof feel;
   feel.stiffness_N_per_mm = force.stiffness_N_per_mm;
   feel.damping_N_s_per_mm = force.damping_N_s_per_mm;
   feel.max_force_N = force.maxForce_N;
   return feel;
 }
 
-pp_session_options pp_default_session_options(void) {
+pp_session_options usualSessionOptions() {
   const SessionConfig config;
   pp_session_options options{};
-  options.size = sizeof options;
   options.rate_Hz = config.rate_Hz;
   options.undo_memory_MiB = config.undo.memory_MiB;
   return options;
 }
 
-pp_session_info pp_default_session_info(void) {
-  pp_session_info info{};
-  info.size = sizeof info;
-  return info;
-}
-
-pp_path pp_default_path(void) {
+pp_path usualPath() {
   pp_path path{};
-  path.size = sizeof path;
   path.type = PP_FLOAT64;
   path.columns = 3;
   return path;
 }
 
-pp_brush pp_default_brush(void) {
+pp_brush usualBrush() {
   const BrushConfig usual;
   pp_brush brush{};
-  brush.size = sizeof brush;
   brush.falloff = usual.falloff;
   brush.tau_mm = usual.tau_mm;
   brush.beta = usual.beta;
@@ -216,10 +201,9 @@ pp_brush pp_default_brush(void) {
   return brush;
 }
 
-pp_picture_options pp_default_picture_options(void) {
+pp_picture_options usualPictureOptions() {
   const PictureRequest usual;
   pp_picture_options options{};
-  options.size = sizeof options;
   options.width = usual.width;
   options.height = usual.height;
   options.samples = usual.samples;
@@ -227,21 +211,23 @@ pp_picture_options pp_default_picture_options(void) {
   return options;
 }
 
-pp_mesh_options pp_default_mesh_options(void) {
+pp_mesh_options usualMeshOptions() {
   pp_mesh_options options{};
-  options.size = sizeof options;
   options.lattice = MeshOptions{}.lattice;
   return options;
 }
 
-pp_live_options pp_default_live_options(void) {
-  pp_live_options options{};
-  options.size = sizeof options;
-  return options;
-}
+}  // namespace
 
-pp_live_state pp_default_live_state(void) {
-  pp_live_state state{};
-  state.size = sizeof state;
-  return state;
-}
+void pp_init_cloud_arrays(pp_cloud_arrays* options, uint32_t size) { init(options, size, {}); }
+void pp_init_read_options(pp_read_options* options, uint32_t size) { init(options, size, {}); }
+void pp_init_write_options(pp_write_options* options, uint32_t size) { init(options, size, {}); }
+void pp_init_feel(pp_feel* options, uint32_t size) { init(options, size, usualFeel()); }
+void pp_init_session_options(pp_session_options* options, uint32_t size) { init(options, size, usualSessionOptions()); }
+void pp_init_session_info(pp_session_info* options, uint32_t size) { init(options, size, {}); }
+void pp_init_path(pp_path* options, uint32_t size) { init(options, size, usualPath()); }
+void pp_init_brush(pp_brush* options, uint32_t size) { init(options, size, usualBrush()); }
+void pp_init_picture_options(pp_picture_options* options, uint32_t size) { init(options, size, usualPictureOptions()); }
+void pp_init_mesh_options(pp_mesh_options* options, uint32_t size) { init(options, size, usualMeshOptions()); }
+void pp_init_live_options(pp_live_options* options, uint32_t size) { init(options, size, {}); }
+void pp_init_live_state(pp_live_state* options, uint32_t size) { init(options, size, {}); }

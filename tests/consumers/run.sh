@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs the library of a build folder into a scratch one, and builds and runs programs of other people's against that
-# alone, in C, C++ and, where the module was built, Python: by CMake's package, and by pkg-config where there is one.
+# alone, in C, C++ and, where they can be, Python and C#: by CMake's package, and by pkg-config where there is one.
 #   tests/consumers/run.sh BUILD_FOLDER [PYTHON]
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
@@ -22,7 +22,7 @@ header="$scratch/installed/include/palpate/palpate.h"
 exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "exported are also: $strays"
-declared=$(sed -n 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' "$header" | sort)
+declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' "$header" | sort)
 [ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the header declares too little"
 [ "$declared" = "$exported" ] || fail "header and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
 readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
@@ -35,8 +35,11 @@ mv "$scratch/installed" "$scratch/moved"
 cmake -S "$here" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/moved" -DCMAKE_BUILD_TYPE=Release > "$scratch/configure.log" \
   || fail "$(cat "$scratch/configure.log")"
 cmake --build "$scratch/build"
-"$scratch/build/press" | tee "$scratch/felt.txt"
-awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
+felt() {  # COMMAND...: it says a force that 1 mm gives at 0.8 N/mm
+  "$@" | tee "$scratch/felt.txt"
+  awk '{exit !($2 > 0.6 && $2 < 0.9)}' "$scratch/felt.txt" || fail "the force is not that of 1 mm at 0.8 N/mm"
+}
+felt "$scratch/build/press"
 
 # A model that anybody can write: a plane with a hump.
 awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
@@ -49,9 +52,16 @@ if command -v pkg-config > /dev/null; then
   PKG_CONFIG_PATH=$(dirname "$(find "$scratch/moved" -name palpate.pc)")
   # shellcheck disable=SC2046
   ${CC:-cc} -o "$scratch/press" "$here/press.c" $(pkg-config --cflags --libs palpate) -lm
-  LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so.0)") "$scratch/press"
+  LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so.0)") felt "$scratch/press"
 else
   echo "consumers: skipped: pkg-config, which is not here"
+fi
+
+if command -v mcs > /dev/null && command -v mono > /dev/null; then
+  mcs -out:"$scratch/Press.exe" "$here/Press.cs"
+  LD_LIBRARY_PATH=$(dirname "$(find "$scratch/moved" -name libpalpate.so)") felt mono "$scratch/Press.exe"
+else
+  echo "consumers: skipped: C#, whose compiler is not here (mono-mcs, mono-runtime)"
 fi
 
 module=$(find "$scratch/moved" -name 'palpate' -path '*dist-packages*')

@@ -76,8 +76,9 @@ TEST_CASE("a format is known by its ending; others are refused for writing, with
   CHECK(cloudFormats().toWrite("folder.x/cloud.PLY").name == "PLY");
   CHECK(cloudFormats().toRead("cloud.ply").name == "PLY");
   CHECK(cloudFormats().toRead("no-ending").name == "PLY");
-  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("cloud.xyzzy"), "cloud.xyzzy: clouds are written as .ply, .las, .laz, .pcd, .npy, .xyz, .asc, .txt, .csv, .pts, .obj, .stl, .off; name "
-                       "it so",
+  CHECK_THROWS_WITH_AS(cloudFormats().toWrite("cloud.xyzzy"),
+                       "cloud.xyzzy: clouds are written as .ply, .las, .laz, .pcd, .npy, .xyz, .asc, .txt, .csv, .pts, "
+                       ".obj, .stl, .off; name it so",
                        UsageError);
   CHECK_THROWS_AS(cloudFormats().toWrite("cloud"), UsageError);
   CHECK(cloudFormats().toSave("cloud").name == "PLY");

@@ -13,8 +13,8 @@ namespace palpate::test {
 
 /// Whole numbers in as few bits as they need, or real ones, as one stream.
 struct E57Stream {
-  std::string xml;       ///< of the field
-  unsigned bits = 0;     ///< of whole numbers; 0: `real`
+  std::string xml;    ///< of the field
+  unsigned bits = 0;  ///< of whole numbers; 0: `real`
   std::vector<std::uint64_t> whole = {};
   std::string real = {};
 
@@ -23,7 +23,8 @@ struct E57Stream {
     std::string out((whole.size() * bits + 7) / 8, '\0');
     for (std::size_t i = 0; i < whole.size(); ++i)
       for (unsigned b = 0; b < bits; ++b)
-        if (whole[i] >> b & 1) out[(i * bits + b) / 8] = static_cast<char>(out[(i * bits + b) / 8] | 1 << (i * bits + b) % 8);
+        if (whole[i] >> b & 1)
+          out[(i * bits + b) / 8] = static_cast<char>(out[(i * bits + b) / 8] | 1 << (i * bits + b) % 8);
     return out;
   }
 };
@@ -36,7 +37,7 @@ struct E57Part {
 
 class E57Bytes {
  public:
-  std::string xmlBehind = {};  ///< within the root
+  std::string xmlBehind = {};    ///< within the root
   std::size_t pieceBytes = 900;  ///< of a stream in one packet
   std::string codecs = {};
 

@@ -7,6 +7,7 @@
 
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
+#include "engine/io/e57_scans.hpp"
 #include "tests/io/damage.hpp"
 #include "tests/io/e57_bytes.hpp"
 #include "tests/io/las_points.hpp"
@@ -46,19 +47,19 @@ std::vector<std::int64_t> cycle(int count, std::int64_t least, std::int64_t most
 constexpr int kCount = 3000;  // of a stream in several packets
 
 E57Part scanOf(bool single) {
-  return {.points = kCount,
-          .streams = {floats("cartesianX", ramp(kCount, 1, 0.25), single),
-                      floats("cartesianY", ramp(kCount, -2, 0.5), single),
-                      integers("cartesianZ", cycle(kCount, -500, 700), -1000, 1000, "scale=\"0.001\" offset=\"5\""),
-                      integers("intensity", cycle(kCount, 3, 1000), 3, 2000),
-                      integers("colorRed", cycle(kCount, 0, 255), 0, 255),
-                      integers("colorGreen", cycle(kCount, 0, 255), 0, 255),
-                      integers("colorBlue", cycle(kCount, 9, 9), 0, 255)}};
+  return {
+      .points = kCount,
+      .streams = {
+          floats("cartesianX", ramp(kCount, 1, 0.25), single), floats("cartesianY", ramp(kCount, -2, 0.5), single),
+          integers("cartesianZ", cycle(kCount, -500, 700), -1000, 1000, "scale=\"0.001\" offset=\"5\""),
+          integers("intensity", cycle(kCount, 3, 1000), 3, 2000), integers("colorRed", cycle(kCount, 0, 255), 0, 255),
+          integers("colorGreen", cycle(kCount, 0, 255), 0, 255), integers("colorBlue", cycle(kCount, 9, 9), 0, 255)}};
 }
 
 }  // namespace
 
-TEST_CASE("whole numbers of any width, scaled and real ones come out as they were put in") {
+TEST_CASE("whole numbers of any width, scaled and real ones come out as they were put in" *
+          doctest::skip(!canReadE57())) {
   for (const bool single : {true, false}) {
     E57Bytes file;
     file.add(scanOf(single));
@@ -69,16 +70,17 @@ TEST_CASE("whole numbers of any width, scaled and real ones come out as they wer
     bool same = true;
     for (std::size_t i = 0; i < kCount; ++i) {
       const double number = static_cast<double>(i);
-      same = same && stored.cloud.fileCoordinates(i) == DVec3(1 + 0.25 * number, -2 + 0.5 * number,
-                                                             static_cast<double>(z[i]) * 0.001 + 5);
+      same = same && stored.cloud.fileCoordinates(i) ==
+                         DVec3(1 + 0.25 * number, -2 + 0.5 * number, static_cast<double>(z[i]) * 0.001 + 5);
       same = same && valueOf(stored.cloud, "intensity", i) == static_cast<double>(intensity[i]);
       same = same && stored.cloud.colors[i] == std::array<std::uint8_t, 4>{static_cast<std::uint8_t>(red[i]),
                                                                            static_cast<std::uint8_t>(red[i]), 9, 255};
     }
     CHECK(same);
   }
-  for (const std::int64_t most : {std::int64_t{1}, std::int64_t{2}, std::int64_t{255}, std::int64_t{256},
-                                  std::int64_t{65535}, std::int64_t{65536}, std::int64_t{1} << 33, std::int64_t{1} << 51}) {
+  for (const std::int64_t most :
+       {std::int64_t{1}, std::int64_t{2}, std::int64_t{255}, std::int64_t{256}, std::int64_t{65535},
+        std::int64_t{65536}, std::int64_t{1} << 33, std::int64_t{1} << 51}) {
     CAPTURE(most);
     E57Bytes file;
     std::vector<std::int64_t> values;
@@ -93,7 +95,7 @@ TEST_CASE("whole numbers of any width, scaled and real ones come out as they wer
   }
 }
 
-TEST_CASE("a number that never changes takes no bits, and comes all the same") {
+TEST_CASE("a number that never changes takes no bits, and comes all the same" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.streams[3] = {.xml = "<intensity type=\"Integer\" minimum=\"77\" maximum=\"77\"/>"};
@@ -101,7 +103,7 @@ TEST_CASE("a number that never changes takes no bits, and comes all the same") {
   CHECK(valueOf(readingE57(file.text()).cloud, "intensity", 2999) == 77);
 }
 
-TEST_CASE("scans are turned and moved to where their poses say, in double precision") {
+TEST_CASE("scans are turned and moved to where their poses say, in double precision" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part one = scanOf(false), other = one;
   const double half = std::sqrt(0.5);
@@ -122,11 +124,13 @@ TEST_CASE("scans are turned and moved to where their poses say, in double precis
   CHECK(valueOf(stored.cloud, "scan", kCount - 1) == 0);
   CHECK(valueOf(stored.cloud, "scan", kCount) == 1);
   CHECK(stored.cloud.hasColors());
-  CHECK(stored.lost == std::vector<std::string>{"'intensity', which not all scans have", "'gloss', which not all scans have",
+  CHECK(stored.lost == std::vector<std::string>{"'intensity', which not all scans have",
+                                                "'gloss', which not all scans have",
                                                 "the poses of 2 scans, which are applied", "1 pictures"});
 }
 
-TEST_CASE("places by range and angles become those by axes; points without an echo are left out and counted") {
+TEST_CASE("places by range and angles become those by axes; points without an echo are left out and counted" *
+          doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part{.points = 4,
                .streams = {floats("sphericalRange", {2, 3, 4, 5}, false),
@@ -143,7 +147,7 @@ TEST_CASE("places by range and angles become those by axes; points without an ec
   CHECK(stored.lost == std::vector<std::string>{"1 points that have no place"});
 }
 
-TEST_CASE("normals are turned with their scan") {
+TEST_CASE("normals are turned with their scan" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.more = "<pose><rotation><w>0</w><x>1</x><y>0</y><z>0</z></rotation></pose>";  // half a turn about x
@@ -156,19 +160,24 @@ TEST_CASE("normals are turned with their scan") {
   CHECK(glm::length(cloud.normals[5] - Vec3(0, -0.6f, -0.8f)) < 1e-6f);
 }
 
-TEST_CASE("colours are of 8 bits by the limits that the file names") {
+TEST_CASE("colours are of 8 bits by the limits that the file names" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
-  for (const std::size_t k : {4, 5, 6}) part.streams[k] = integers(k == 4 ? "colorRed" : k == 5 ? "colorGreen" : "colorBlue", cycle(kCount, 0, 60000), 0, 65535);
-  part.more = "<colorLimits><colorRedMinimum>0</colorRedMinimum><colorRedMaximum>65535</colorRedMaximum>"
-              "<colorGreenMinimum>0</colorGreenMinimum><colorGreenMaximum>14</colorGreenMaximum></colorLimits>";
+  for (const std::size_t k : {4, 5, 6})
+    part.streams[k] = integers(k == 4   ? "colorRed"
+                               : k == 5 ? "colorGreen"
+                                        : "colorBlue",
+                               cycle(kCount, 0, 60000), 0, 65535);
+  part.more =
+      "<colorLimits><colorRedMinimum>0</colorRedMinimum><colorRedMaximum>65535</colorRedMaximum>"
+      "<colorGreenMinimum>0</colorGreenMinimum><colorGreenMaximum>14</colorGreenMaximum></colorLimits>";
   file.add(part);
   const PointCloud cloud = readingE57(file.text()).cloud;
   CHECK(cloud.colors[1000] == std::array<std::uint8_t, 4>{27, 255, 27, 255});
   CHECK(cloud.colors[1][1] == 128);
 }
 
-TEST_CASE("a page whose checksum does not fit is named, wherever it is") {
+TEST_CASE("a page whose checksum does not fit is named, wherever it is" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = file.text();
@@ -177,7 +186,8 @@ TEST_CASE("a page whose checksum does not fit is named, wherever it is") {
   for (const std::size_t page : {std::size_t{1}, pages / 2, pages - 1}) {
     std::string text = good;
     text[page * 1024 + 500] ^= 4;
-    CHECK(refusalOfE57(text) == fmt::format(": byte {}: page {} of {} is damaged: its checksum does not fit", page * 1024, page + 1, pages));
+    CHECK(refusalOfE57(text) ==
+          fmt::format(": byte {}: page {} of {} is damaged: its checksum does not fit", page * 1024, page + 1, pages));
     text = good;
     text[page * 1024 + 1022] ^= 4;  // of the checksum itself
     CHECK(refusalOfE57(text).find(fmt::format("page {} of", page + 1)) != std::string::npos);
@@ -187,7 +197,7 @@ TEST_CASE("a page whose checksum does not fit is named, wherever it is") {
   CHECK(refusalOfE57(good.substr(0, good.size() - 1024)).starts_with(": byte 16: the header promises"));
 }
 
-TEST_CASE("what lies under right checksums is refused with its byte") {
+TEST_CASE("what lies under right checksums is refused with its byte" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   file.add(scanOf(true));
   const std::string good = E57Bytes::unpaged(file.text());
@@ -215,7 +225,8 @@ TEST_CASE("what lies under right checksums is refused with its byte") {
   CHECK(with(86, std::uint16_t{2}).starts_with(": byte 86: a packet of 3 bytes"));
   CHECK(with(88, std::uint16_t{3}).starts_with(": byte 88: a packet of 3 streams; the points have 7"));
   CHECK(with(90, std::uint16_t{0xffff}).starts_with(": byte 90: stream 1 has 65535 bytes"));
-  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3001\"").find("3001 points, and 3000 values of cartesianX") != std::string::npos);
+  CHECK(xml("recordCount=\"3000\"", "recordCount=\"3001\"").find("3001 points, and 3000 values of cartesianX") !=
+        std::string::npos);
   CHECK(xml("recordCount=\"3000\"", "recordCount=\"3e00\"").find("which is no number here") != std::string::npos);
   CHECK(xml("</prototype>", "</prototypo>").find("no XML") != std::string::npos);
   CHECK(xml("e57Root", "e57Ruut").starts_with(": "));
@@ -226,11 +237,12 @@ TEST_CASE("what lies under right checksums is refused with its byte") {
   packed.add(scanOf(true));
   CHECK(refusalOfE57(packed.text()).find("packed in a way that has no standard") != std::string::npos);
   E57Bytes nothing;
-  nothing.add({.points = 1'000'000'000'000, .streams = {{.xml = "<cartesianX type=\"Integer\" minimum=\"1\" maximum=\"1\"/>"}}});
+  nothing.add({.points = 1'000'000'000'000,
+               .streams = {{.xml = "<cartesianX type=\"Integer\" minimum=\"1\" maximum=\"1\"/>"}}});
   CHECK(refusalOfE57(nothing.text()).find("of which nothing is stored") != std::string::npos);
 }
 
-TEST_CASE("whatever is damaged under right checksums, it is read or refused") {
+TEST_CASE("whatever is damaged under right checksums, it is read or refused" * doctest::skip(!canReadE57())) {
   E57Bytes file;
   E57Part part = scanOf(true);
   part.points = 100;
@@ -254,7 +266,8 @@ TEST_CASE("whatever is damaged under right checksums, it is read or refused") {
   CHECK(read < kTries - 50);
 }
 
-TEST_CASE("files of the library that the standard is known by come out as their headers say") {
+TEST_CASE("files of the library that the standard is known by come out as their headers say" *
+          doctest::skip(!canReadE57())) {
   const std::filesystem::path folder = scannedFiles();
   if (folder.empty()) {
     MESSAGE("skipped: no scanned files");
@@ -272,7 +285,14 @@ TEST_CASE("files of the library that the standard is known by come out as their 
   for (const Vec3& p : cube.positions)
     onFaces = onFaces && std::abs(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) - 0.5f) < 1e-6f;
   CHECK(onFaces);
-  CHECK_THROWS_WITH_AS(readCloud(folder / "bad-crc.e57"), doctest::Contains("byte 0: page 1 of 1 is damaged"), FileError);
+  CHECK_THROWS_WITH_AS(readCloud(folder / "bad-crc.e57"), doctest::Contains("byte 0: page 1 of 1 is damaged"),
+                       FileError);
+}
+
+TEST_CASE("a build without the library for XML says so" * doctest::skip(canReadE57())) {
+  E57Bytes file;
+  file.add(scanOf(true));
+  CHECK(refusalOfE57(file.text()).find("E57 needs the library pugixml") != std::string::npos);
 }
 
 }  // namespace palpate::test

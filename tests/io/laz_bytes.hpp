@@ -25,8 +25,8 @@ class Dice {
   std::uint32_t state_;
 };
 
-/// Rows of a format: walks with jumps, pulses of several returns, times that stay, step, jump and alternate, colours that
-/// are grey at times, several channels of a scanner, and so many bytes more.
+/// Rows of a format: walks with jumps, pulses of several returns, times that stay, step, jump and alternate, colours
+/// that are grey at times, several channels of a scanner, and so many bytes more.
 class VariedPoints {
  public:
   VariedPoints(unsigned format, unsigned more, std::uint32_t seed = 1)
@@ -90,15 +90,21 @@ class VariedPoints {
     double& time = times_[clock_];
     std::uint64_t bits = 0;
     switch (dice_.below(12)) {
-      case 0: time += 1e-5 * dice_.below(700); break;
-      case 1: time -= 1e-5 * dice_.below(20); break;
-      case 2: break;
+      case 0:
+        time += 1e-5 * dice_.below(700);
+        break;
+      case 1:
+        time -= 1e-5 * dice_.below(20);
+        break;
+      case 2:
+        break;
       case 3:
         std::memcpy(&bits, &time, sizeof bits);
         bits += dice_.below(2'000'000'000);
         std::memcpy(&time, &bits, sizeof bits);
         break;
-      default: time += 1e-5;
+      default:
+        time += 1e-5;
     }
     if (dice_.oneIn(2000)) time = 3.5e8 + dice_.below(1'000'000);
     return time;

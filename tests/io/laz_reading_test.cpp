@@ -42,6 +42,10 @@ TEST_CASE("chunks may be of any number of points, one for all, and their table m
   CHECK(rowsOf(packedFile(layered, {.version4 = true})) == layered.points);
   const std::string none = packedFile(variedFile(1, 0));
   CHECK(reading(none).cloud.empty());
+  CHECK(reading(packedFile(variedFile(1, 0), {.chunked = false})).cloud.empty());
+  std::uint32_t body = 0;
+  std::memcpy(&body, none.data() + 96, sizeof body);
+  CHECK(reading(none.substr(0, body)).cloud.empty());
   LasBytes tail = variedFile(6, 500);
   tail.tail = lasLongRecord("late", 9, "behind the table");
   tail.longRecords = 1;
@@ -77,12 +81,10 @@ TEST_CASE("LAZ files of other programs come out as laz-perf unpacks them") {
     std::size_t points;
     std::uint64_t rows;  // checksum of what laz-perf 0.0.7 gives
   };
-  for (const Truth& truth : {Truth{"simple.laz", 1065, 0x6e3fea813c9358bfu},
-                             Truth{"plane.laz", 28185, 0x4e995f43a72d7fbau},
-                             Truth{"ellipsoid.laz", 100'000, 0xed2a0eb6a0fdb610u},
-                             Truth{"autzen_trim.laz", 110'000, 0x7d5e64d0bf3e4836u},
-                             Truth{"1_4_w_evlr.laz", 1000, 0xf3b0aa6f30a0d3a3u},
-                             Truth{"simple.copc.laz", 1065, 0x9e739c9013d0122du}}) {
+  for (const Truth& truth :
+       {Truth{"simple.laz", 1065, 0x6e3fea813c9358bfu}, Truth{"plane.laz", 28185, 0x4e995f43a72d7fbau},
+        Truth{"ellipsoid.laz", 100'000, 0xed2a0eb6a0fdb610u}, Truth{"autzen_trim.laz", 110'000, 0x7d5e64d0bf3e4836u},
+        Truth{"1_4_w_evlr.laz", 1000, 0xf3b0aa6f30a0d3a3u}, Truth{"simple.copc.laz", 1065, 0x9e739c9013d0122du}}) {
     CAPTURE(std::string(truth.name));
     const StoredCloud stored = readCloud(folder / truth.name);
     CHECK(stored.cloud.size() == truth.points);
@@ -164,7 +166,8 @@ TEST_CASE("whatever is flipped, cut or made extreme in a packed file, it is read
   const LasBytes plain = variedFile(3, 300, 2), layered = variedFile(8, 300, 2);
   const std::size_t heads[] = {227 + 54 + 34 + 24 + 8, 375 + 54 + 34 + 18 + 8 + 43 + 60};
   int k = 0;
-  for (const std::string& good : {packedFile(plain, {.chunks = {100, 200}}), packedFile(layered, {.chunks = {100, 200}})}) {
+  for (const std::string& good :
+       {packedFile(plain, {.chunks = {100, 200}}), packedFile(layered, {.chunks = {100, 200}})}) {
     REQUIRE(refusal(good) == "read");
     constexpr int kTries = 800;
     const int read = readOfDamaged(good, ".laz", heads[k++], kTries);

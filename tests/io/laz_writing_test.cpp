@@ -1,6 +1,7 @@
 // Writing LAZ: that LAS, packed and unpacked, is what it was.
 #include <doctest/doctest.h>
 
+#include "engine/core/checksum.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/io/laz_bytes.hpp"
 
@@ -37,6 +38,23 @@ TEST_CASE("what is packed is as long as LASzip makes it, to the byte") {
   }
   const std::string ours = written(readCloud(folder / "simple.las").cloud, ".laz");
   CHECK(pointsOf(ours) == pointsOf(bytesOf(folder / "simple.laz")));
+}
+
+TEST_CASE("what is packed is, bit by bit, what laz-perf has unpacked to the same points") {
+  struct Truth {
+    unsigned format;
+    std::uint64_t packed;  // checksum of a file that laz-perf 0.0.7 was given
+  };
+  for (const Truth& truth :
+       {Truth{0u, 0xbdfa066c16c40435u}, Truth{1u, 0x280aa535c3f30b15u}, Truth{2u, 0x41a5fdd7f7230fe8u},
+        Truth{3u, 0xb8eb8dad828fbd1au}, Truth{6u, 0xd5471b56cf343532u}, Truth{7u, 0xff3de9728cfb143cu},
+        Truth{8u, 0x2f71ec8c07f28216u}}) {
+    CAPTURE(truth.format);
+    Checksum sum;
+    const std::string body = pointsOf(packedFile(variedFile(truth.format, 3000, 3)));
+    sum.add(std::as_bytes(std::span(body)));
+    CHECK(sum.value() == truth.packed);
+  }
 }
 
 TEST_CASE("a cloud of another format is packed as it would be written plainly") {

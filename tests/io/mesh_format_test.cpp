@@ -60,7 +60,8 @@ void checkSamples(const PointCloud& cloud, std::size_t count) {
     const DVec3 p = cloud.fileCoordinates(i);
     const double edge = std::min({p.x, p.y, p.z, 1 - p.x, 2 - p.y, 3 - p.z, 1.0});
     if (edge < -1e-5) all = false;
-    all = all && (glm::length(cloud.normals[i] - outwards) < 1e-5f || faceOf(p + DVec3(1e-4)) != faceOf(p - DVec3(1e-4)));
+    all =
+        all && (glm::length(cloud.normals[i] - outwards) < 1e-5f || faceOf(p + DVec3(1e-4)) != faceOf(p - DVec3(1e-4)));
   }
   CHECK(all);
   const double areas[] = {6, 6, 3, 3, 2, 2};
@@ -97,7 +98,8 @@ TEST_CASE("points are as many as asked for on equal areas, without gaps, and the
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const DVec3 p = cloud.fileCoordinates(i);
     if (std::abs(p.x) > 1e-5) continue;
-    const auto cell = static_cast<std::size_t>(std::min(p.y * 5, 9.0)) * 15 + static_cast<std::size_t>(std::min(p.z * 5, 14.0));
+    const auto cell =
+        static_cast<std::size_t>(std::min(p.y * 5, 9.0)) * 15 + static_cast<std::size_t>(std::min(p.z * 5, 14.0));
     ++cells[cell];
   }
   const auto [least, most] = std::ranges::minmax(cells);
@@ -125,24 +127,20 @@ TEST_CASE("normals and colours of corners are blended over their triangle") {
   const PointCloud cloud = sampleSoup(soup, 1000, 3).cloud;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const DVec3 p = cloud.fileCoordinates(i), shares(1 - p.x - p.y, p.x, p.y);
-    const DVec3 normal = glm::normalize(shares.x * DVec3(1, 0, 1) + shares.y * DVec3(0, 0, 2) + shares.z * DVec3(0, 0, 1));
+    const DVec3 normal =
+        glm::normalize(shares.x * DVec3(1, 0, 1) + shares.y * DVec3(0, 0, 2) + shares.z * DVec3(0, 0, 1));
     CHECK(glm::length(DVec3(cloud.normals[i]) - normal) < 1e-5);
-    for (int k = 0; k < 3; ++k)
-      CHECK(std::abs(cloud.colors[i][static_cast<std::size_t>(k)] - 255 * shares[k]) < 0.51);
+    for (int k = 0; k < 3; ++k) CHECK(std::abs(cloud.colors[i][static_cast<std::size_t>(k)] - 255 * shares[k]) < 0.51);
   }
 }
 
-TEST_CASE("OBJ, STL and OFF are read again as points of the same surface") {
+TEST_CASE("OBJ, STL and OFF are read again as points of the same surface" * doctest::skip(!canImportMeshes())) {
   const ScratchFolder folder;
   const Box box;
   for (const char* name : {"a.obj", "a.stl", "a.off"})
     for (const bool ascii : {false, true}) {
       CAPTURE(std::string(name));
       writeCloud(folder / name, box.corners, {.ascii = ascii, .triangles = &box.triangles});
-      if (!canImportMeshes()) {
-        CHECK(refusalOf(folder / name).find("without which this program was built") != std::string::npos);
-        continue;
-      }
       const StoredCloud stored = readCloud(folder / name, nullptr, {.samples = 4400});
       checkSamples(stored.cloud, 4400);
       CHECK(stored.lost == std::vector<std::string>{"12 triangles, of which the points are samples"});
@@ -151,8 +149,8 @@ TEST_CASE("OBJ, STL and OFF are read again as points of the same surface") {
     }
 }
 
-TEST_CASE("OBJ keeps normals and colours of corners, and coordinates far from zero") {
-  if (!canImportMeshes()) return;
+TEST_CASE("OBJ keeps normals and colours of corners, and coordinates far from zero" *
+          doctest::skip(!canImportMeshes())) {
   const ScratchFolder folder;
   Box box;
   for (std::size_t k = 0; k < 8; ++k) {
@@ -174,21 +172,21 @@ TEST_CASE("OBJ keeps normals and colours of corners, and coordinates far from ze
   CHECK(text.find("v 400001 5000002 3") != std::string::npos);
 }
 
-TEST_CASE("glTF places its meshes as its nodes say, and has y up") {
-  if (!canImportMeshes()) return;
+TEST_CASE("glTF places its meshes as its nodes say, and has y up" * doctest::skip(!canImportMeshes())) {
   const ScratchFolder folder;
   std::string bin;
   for (const float value : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f})
     bin.append(reinterpret_cast<const char*>(&value), sizeof value);
   for (const std::uint16_t index : {0, 1, 2}) bin.append(reinterpret_cast<const char*>(&index), sizeof index);
   bin.resize(44, '\0');
-  std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
-                     R"("nodes":[{"mesh":0,"translation":[10,20,30],"scale":[2,2,2]}],)"
-                     R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
-                     R"("buffers":[{"byteLength":44}],"bufferViews":[{"buffer":0,"byteLength":36},)"
-                     R"({"buffer":0,"byteOffset":36,"byteLength":6}],)"
-                     R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
-                     R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}]})";
+  std::string json =
+      R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+      R"("nodes":[{"mesh":0,"translation":[10,20,30],"scale":[2,2,2]}],)"
+      R"("meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],)"
+      R"("buffers":[{"byteLength":44}],"bufferViews":[{"buffer":0,"byteLength":36},)"
+      R"({"buffer":0,"byteOffset":36,"byteLength":6}],)"
+      R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+      R"({"bufferView":1,"componentType":5123,"count":3,"type":"SCALAR"}]})";
   json.resize((json.size() + 3) / 4 * 4, ' ');
   std::string glb;
   const auto put = [&](std::uint32_t value) { glb.append(reinterpret_cast<const char*>(&value), sizeof value); };
@@ -233,7 +231,8 @@ TEST_CASE("what is no mesh, or has no triangles, is refused with its name") {
 TEST_CASE("meshes are written only where there are triangles, and sculpted clouds are saved as what they are") {
   const ScratchFolder folder;
   const Box box;
-  CHECK_THROWS_WITH_AS(objFormat().write(folder / "a.obj", box.corners, {}), doctest::Contains("there are none"), FileError);
+  CHECK_THROWS_WITH_AS(objFormat().write(folder / "a.obj", box.corners, {}), doctest::Contains("there are none"),
+                       FileError);
   CHECK_FALSE(std::filesystem::exists(folder / "a.obj"));
   CHECK(cloudFormats().toSave("a.obj").name == "PLY");
   CHECK(cloudFormats().toSave("a.obj", true).name == "OBJ");
@@ -247,8 +246,7 @@ TEST_CASE("meshes are written only where there are triangles, and sculpted cloud
   CHECK(objFormat().lacks(stored) == std::vector<std::string>{"the attribute 'heat'"});
 }
 
-TEST_CASE("whatever is damaged in a mesh, it is read or refused") {
-  if (!canImportMeshes()) return;
+TEST_CASE("whatever is damaged in a mesh, it is read or refused" * doctest::skip(!canImportMeshes())) {
   const ScratchFolder folder;
   const Box box;
   for (const char* ending : {".obj", ".stl", ".off"}) {
@@ -269,6 +267,13 @@ TEST_CASE("whatever is damaged in a mesh, it is read or refused") {
     }
     CHECK(read > 20);
   }
+}
+
+TEST_CASE("a build without the library for meshes says so" * doctest::skip(canImportMeshes())) {
+  const ScratchFolder folder;
+  const Box box;
+  writeCloud(folder / "a.off", box.corners, {.triangles = &box.triangles});
+  CHECK(refusalOf(folder / "a.off").find("without which this program was built") != std::string::npos);
 }
 
 }  // namespace palpate::test

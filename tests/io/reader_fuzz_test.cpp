@@ -1,5 +1,5 @@
-// Every reader that takes bytes from strangers, with files that are made worse, for a while or for as long as one likes:
-// PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds.
+// Every reader that takes bytes from strangers, with files that are made worse, for a while or for as long as one
+// likes: PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds.
 #include <doctest/doctest.h>
 
 #include <cstdlib>

@@ -1,4 +1,7 @@
 // Clouds from arrays and files, and back, through the C interface.
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <fstream>
 #include <limits>
 #include <thread>
@@ -102,6 +105,22 @@ TEST_CASE("a struct of an older program has the defaults for the rest, and one o
     CHECK(pp_cloud_create(&arrays, &cloud) == PP_ERROR_ARGUMENT);
     CHECK(lastErrorSays("pp_default"));
   }
+}
+
+TEST_CASE("defaults are written as far as the program knows a struct, and no further") {
+  std::array<unsigned char, sizeof(pp_session_options) + 32> room{};
+  room.fill(0x5a);
+  auto* const options = reinterpret_cast<pp_session_options*>(room.data());
+  constexpr std::uint32_t kOlder = offsetof(pp_session_options, rate_Hz);
+  pp_init_session_options(options, kOlder);
+  CHECK(options->size == kOlder);
+  CHECK(std::all_of(room.begin() + kOlder, room.end(), [](unsigned char byte) { return byte == 0x5a; }));
+  pp_init_session_options(options, sizeof(pp_session_options) + 16);  // a program that is newer
+  CHECK(options->rate_Hz == 1000);
+  CHECK(std::all_of(room.begin() + sizeof(pp_session_options), room.end() - 16, [](unsigned char byte) { return byte == 0; }));
+  CHECK(room.back() == 0x5a);
+  pp_init_session_options(nullptr, 8);
+  CHECK(pp_default_session_options().size == sizeof(pp_session_options));
 }
 
 TEST_CASE("a cloud that is written and read again is the same, in each format that keeps all of it") {

@@ -59,6 +59,15 @@ TEST_CASE("a path of three columns has a tick for each row, there and then, and 
   }));
 }
 
+TEST_CASE("each path begins with a hand that has touched nothing") {
+  const OpenBall ball;
+  const std::vector<double> deep{0.3, -0.2, 44};  // where nothing is in reach
+  CHECK(touch(ball.session, pathOf(deep)).back().contact == 0);
+  const auto press = pressPath(1);
+  CHECK(touch(ball.session, pathOf(press)).back().contact == 1);
+  CHECK(touch(ball.session, pathOf(deep)).back().contact == 0);
+}
+
 TEST_CASE("a path with times is linear between its rows, and as long as they say") {
   const OpenBall ball;
   const std::vector<double> rows{0.01, 0, 0, 60, 0.05, 0, 0, 52};

@@ -14,8 +14,9 @@
  * pp_session_mesh(), pp_session_get_info(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves.
  * Two calls that do not go together: the later one gives PP_ERROR_THREAD and does nothing.
  *
- * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. A library that is
- * newer than the program takes the defaults for what the program does not know.
+ * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is compiled
+ * into the program and hands the size that it knows to pp_init_…(), which a program in another language calls itself; so a
+ * library that is newer than the program takes the defaults for what the program does not know.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -32,6 +33,14 @@
 #else
 #define PP_API __attribute__((visibility("default")))
 #endif
+
+#define PP_OPTIONS(name)                                      \
+  PP_API void pp_init_##name(pp_##name* options, uint32_t size); \
+  static inline pp_##name pp_default_##name(void) {           \
+    pp_##name options;                                        \
+    pp_init_##name(&options, (uint32_t)sizeof options);       \
+    return options;                                           \
+  }
 
 #ifdef __cplusplus
 extern "C" {
@@ -92,7 +101,7 @@ typedef struct pp_cloud_arrays {
   pp_rows normals;     /* PP_FLOAT32 or PP_FLOAT64; made unit length */
   pp_rows colors;      /* red green blue: PP_UINT8 0 to 255, PP_UINT16 0 to 65535, PP_FLOAT32 and PP_FLOAT64 0 to 1 */
 } pp_cloud_arrays;
-PP_API pp_cloud_arrays pp_default_cloud_arrays(void);
+PP_OPTIONS(cloud_arrays)
 /* Copies the arrays. */
 PP_API pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud);
 
@@ -104,7 +113,7 @@ typedef struct pp_read_options {
   pp_log_function log; /* hears what is not kept of the file; null: nobody */
   void* log_user;
 } pp_read_options;
-PP_API pp_read_options pp_default_read_options(void);
+PP_OPTIONS(read_options)
 /* Any format of pp_formats_read(), by what the file holds or by its ending. Options may be null. */
 PP_API pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_cloud* cloud);
 
@@ -114,7 +123,7 @@ typedef struct pp_write_options {
   uint32_t keep;  /* 1: a file that is there already is kept as NAME.EXT.bak; 0: it is replaced */
   uint32_t reserved;
 } pp_write_options;
-PP_API pp_write_options pp_default_write_options(void);
+PP_OPTIONS(write_options)
 /* By the file's ending, one of pp_formats_written(). It appears under its name only when it is whole. Options may be
  * null. */
 PP_API pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_options* options);
@@ -207,7 +216,7 @@ typedef struct pp_feel {
   double damping_N_s_per_mm;
   double max_force_N;
 } pp_feel;
-PP_API pp_feel pp_default_feel(void);
+PP_OPTIONS(feel)
 
 typedef struct pp_session_options {
   uint32_t size;
@@ -226,7 +235,7 @@ typedef struct pp_session_options {
   pp_log_function log; /* hears remarks; null: nobody. Until the session is closed. */
   void* log_user;
 } pp_session_options;
-PP_API pp_session_options pp_default_session_options(void);
+PP_OPTIONS(session_options)
 /* Builds the index; normals are estimated where the cloud has none. Options may be null. */
 PP_API pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session);
 /* Ends it, and the live session with it. */
@@ -245,7 +254,7 @@ typedef struct pp_session_info {
   char backend[16];          /* "vulkan" or "cpu" */
   char machine[112];         /* that answers, in words; cut off */
 } pp_session_info;
-PP_API pp_session_info pp_default_session_info(void);
+PP_OPTIONS(session_info)
 PP_API pp_status pp_session_get_info(pp_session session, pp_session_info* info);
 
 /* The way of a hand. With 3 columns x y z: a row for each tick. With 4, seconds first, which ascend from 0 or later: as
@@ -259,7 +268,7 @@ typedef struct pp_path {
   const void* data;
   int64_t stride;   /* bytes from a row to the next; 0: the rows follow one another */
 } pp_path;
-PP_API pp_path pp_default_path(void);
+PP_OPTIONS(path)
 /* How many ticks a path takes at the session's rate. */
 PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count);
 
@@ -287,7 +296,7 @@ typedef struct pp_brush {
   uint8_t color[4];  /* paint: red green blue; the fourth is not used */
   uint32_t keeps_density; /* 1: points come and go where the surface is stretched or crowded */
 } pp_brush;
-PP_API pp_brush pp_default_brush(void);
+PP_OPTIONS(brush)
 /* What pp_touch() and a live hand sculpt with from now on; null: they only feel. The first brush of a session builds the
  * index again, so that points can come and go. */
 PP_API pp_status pp_session_set_brush(pp_session session, const pp_brush* brush);
@@ -316,7 +325,7 @@ typedef struct pp_picture_options {
   uint8_t background[4];  /* red green blue; the fourth is not used */
   uint32_t reserved;
 } pp_picture_options;
-PP_API pp_picture_options pp_default_picture_options(void);
+PP_OPTIONS(picture_options)
 /* Draws the points as they are into `rgba`: rows from the top, 4 bytes for each pixel; `bytes` says how many there is room
  * for. On the GPU that answers; for a session on the CPU on the best that there is. Options may be null. */
 PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes);
@@ -335,7 +344,7 @@ typedef struct pp_mesh_options {
   const char* surface; /* "sphere", "average", "sharp" or "density"; null: sphere */
   double radius_mm;    /* support radius; 0: by the spacing of the points */
 } pp_mesh_options;
-PP_API pp_mesh_options pp_default_mesh_options(void);
+PP_OPTIONS(mesh_options)
 /* Triangles around the points as they are, by marching cubes on a GPU, as for pp_session_render(). Options may be null. */
 PP_API pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh);
 
@@ -364,7 +373,7 @@ typedef struct pp_live_options {
   void* law_user;
   const char* law_library; /* null: the session's */
 } pp_live_options;
-PP_API pp_live_options pp_default_live_options(void);
+PP_OPTIONS(live_options)
 /* Begins ticks against the wall clock, on a thread of their own. Until pp_live_stop() a session does what looks at it, and
  * nothing else. Options may be null. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
@@ -379,7 +388,7 @@ typedef struct pp_live_state {
   uint64_t ticks;   /* taken so far, of this live session */
   uint64_t missed;  /* whose time had passed; of those before the last one taken */
 } pp_live_state;
-PP_API pp_live_state pp_default_live_state(void);
+PP_OPTIONS(live_state)
 PP_API pp_status pp_live_get_state(pp_session session, pp_live_state* state);
 /* No force while `on` is 0; when it is 1 again, a ramp. From any thread, beside any other call. */
 PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
@@ -389,4 +398,5 @@ PP_API pp_status pp_live_stop(pp_session session);
 #ifdef __cplusplus
 }
 #endif
+#undef PP_OPTIONS
 #endif
