@@ -27,8 +27,9 @@ FileBrowser::Filter filterOf(const CloudFormat& format) {
 }  // namespace
 
 bool FileBrowser::Filter::lets(const std::filesystem::path& file) const {
-  const std::string name = lowered(file.filename().string());
-  return endings.empty() || std::ranges::any_of(endings, [&](const std::string& ending) { return name.ends_with(ending); });
+  const std::string lower = lowered(file.filename().string());
+  return endings.empty() ||
+         std::ranges::any_of(endings, [&](const std::string& ending) { return lower.ends_with(ending); });
 }
 
 FileBrowser::FileBrowser(std::filesystem::path folder, std::vector<Filter> filters) : filters_(std::move(filters)) {
