@@ -197,8 +197,7 @@ TEST_CASE(
   CHECK(copyOf(body.body.rest().displacements()) == std::vector<Vec3>(first.size(), Vec3(0)));
   for (const Vec3& displacement : body.body.displacements()) CHECK(glm::length(displacement) < 1e-7f);
   CHECK(body.body.rest().stiffest() == 1);
-  for (std::size_t cell = 0; cell < body.solid.lattice.cells(); ++cell)
-    CHECK(body.body.rest().ofCell(cell) == nullptr);
+  for (std::size_t cell = 0; cell < body.solid.lattice.cells(); ++cell) CHECK(body.body.rest().ofCell(cell) == nullptr);
   CHECK_FALSE(sculptor.sculpture.undo());
   CHECK(sculptor.sculpture.redo());
   CHECK(copyOf(body.body.rest().displacements()) == first);
@@ -211,6 +210,25 @@ TEST_CASE(
   sculptor.sculpture.endStroke();
   CHECK(sculptor.sculpture.redoable() == 0);
   CHECK(sculptor.sculpture.undoable() == 2);
+}
+
+TEST_CASE("what is pinned yields to no brush, and what is beside it does") {
+  TestBody body(block({8, 4, 4}), kJelly, std::array{sheetAt(0)});
+  Sculptor sculptor(body);
+  for (int tick = 0; tick < 3; ++tick)
+    sculptor.sculpture.yield(sculptor.around(body.body, kSoftSpacing_m * DVec3(1, 4, 2), 0.008, {-2e-4, -4e-4, 0}));
+  sculptor.sculpture.endStroke();
+  double beside = 0;
+  for (std::size_t i = 0; i < body.body.size(); ++i) {
+    const Vec3 rest = body.body.rest().displacements()[i];
+    if (!body.body.isPinned(i)) {
+      beside = std::max(beside, static_cast<double>(glm::length(rest)));
+      continue;
+    }
+    CHECK(rest == Vec3(0));
+    CHECK(body.body.displacements()[i] == Vec3(0));
+  }
+  CHECK(beside > 5e-4);
 }
 
 TEST_CASE("a bar that was sculpted at its end is as stiff everywhere else as it was") {
