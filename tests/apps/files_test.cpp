@@ -23,6 +23,7 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
 2.10 key escape
 2.15 state %/cancelled.json
 2.20 key M
+2.25 click Look
 3.00 click Export mesh...
 3.15 click Export
 3.40 state %/exported.json
@@ -55,14 +56,15 @@ TEST_CASE("in the window a file is looked for by folder and format, saved elsewh
 
 TEST_CASE("a place that is picked says which point is there, its normal, its attributes and how stiff it is") {
   if (!hasDisplay()) return;
-  const auto played = play("%/ball.ply --size 480x480 --rate 250 --backend cpu --stiffness 0.6", R"(
+  const auto played = play("%/ball.ply --size 480x480 --rate 250 --backend cpu", R"(
 0.05 key tab
+0.07 key R
 0.10 key D
 0.15 mouse 240 240
-0.20 button left down
-0.25 button left up
-0.40 state %/picked.json
-0.45 quit
+0.50 button left down
+0.60 button left up
+0.80 state %/picked.json
+0.90 quit
 )", "", [](const std::filesystem::path& folder) {
     std::ofstream file(folder / "ball.ply");
     file << "ply\nformat ascii 1.0\nelement vertex 4002\nproperty float x\nproperty float y\nproperty float z\n"
@@ -87,7 +89,7 @@ TEST_CASE("a place that is picked says which point is there, its normal, its att
   CHECK(glm::length(position - place) < 5);
   CHECK(glm::length(position - middle - 50.0 * normal) < 0.1);
   CHECK(picked["attributes"]["intensity"] == std::to_string(static_cast<int>(1000 + 100 * normal.y)));
-  CHECK(picked["stiffness_N_per_mm"] == 0.6);
+  CHECK(picked["stiffness_N_per_mm"] == 0.8);  // as usual
   CHECK(says(picked["stiffness_of"], "rigid"));
 }
 
