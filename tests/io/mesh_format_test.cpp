@@ -16,7 +16,7 @@
 
 // What assimp loses of damaged files by its own exceptions is no leak of ours (asked by LeakSanitizer, where there is
 // one).
-extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions() { return "leak:libassimp"; }
 
 namespace palpate::test {
 
