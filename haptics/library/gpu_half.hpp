@@ -19,6 +19,12 @@ namespace palpate::library {
 std::vector<std::string> gpuNames();
 /// Whether there is a GPU that palpate can use and that is no software driver.
 bool hasRealGpu();
+/// The back end of a program that says `gpu` (pp_session_options), and the GPU that it names; empty: the best there is.
+inline std::string backendFor(const char* gpu) {
+  const std::string name = gpu ? gpu : "";
+  return name == "cpu" || (name.empty() && !hasRealGpu()) ? "cpu" : "vulkan";
+}
+inline std::string gpuFrom(const char* gpu) { return gpu && std::string("cpu") != gpu ? gpu : ""; }
 /// Throws UnsupportedError without Vulkan, FileError.
 void writePicture(const std::string& file, const Image& image);
 

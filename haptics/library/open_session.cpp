@@ -1,27 +1,36 @@
 #include "haptics/library/open_session.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <chrono>
+#include <thread>
 
 #include "engine/edit/journal.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
 namespace {
 
-SessionConfig configFrom(const pp_session_options& options) {
-  const pp_feel feel = optionsFrom(options.feel, pp_default_feel(), "feel");
-  SessionConfig config{.model = {.file = "the cloud",
-                                 .mm_per_unit = options.mm_per_unit,
-                                 .normals = options.estimate_normals ? NormalSource::estimate : NormalSource::keep},
-                       .surface = surfaceFrom(feel),
-                       .force = forceFrom(feel)};
+std::size_t handsFrom(const pp_session_options& options) {
+  if (options.hands > PP_MOST_HANDS)
+    throw UsageError("hands: {} are more than the {} that one session may have", options.hands, PP_MOST_HANDS);
+  return std::max(1u, options.hands);
+}
+
+SessionConfig configFrom(const Subject& subject, const pp_session_options& options) {
+  const pp_feel feel = optionsFrom(options.feel, "feel");
+  SessionConfig config{.model = subject.model, .surface = surfaceFrom(feel), .force = forceFrom(feel)};
+  config.model.mm_per_unit = options.mm_per_unit;
+  if (options.estimate_normals) config.model.normals = NormalSource::estimate;
+  config.matter = subject.scene;
+  if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
+  config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
   config.undo.memory_MiB = options.undo_memory_MiB;
-  const std::string gpu = textOf(options.gpu);
-  config.backend.name = gpu == "cpu" || (gpu.empty() && !hasRealGpu()) ? "cpu" : "vulkan";
+  config.backend.name = backendFor(options.gpu);
   validate(config);
   return config;
 }
@@ -33,16 +42,11 @@ double budgetFrom(const pp_session_options& options) {
   return options.budget_us;
 }
 
-std::string gpuFrom(const pp_session_options& options) {
-  const std::string gpu = textOf(options.gpu);
-  return gpu == "cpu" ? std::string() : gpu;
-}
-
-template <std::size_t kSize>
-void putText(std::string_view text, char (&to)[kSize]) {
-  const std::size_t length = std::min(text.size(), kSize - 1);
-  std::memcpy(to, text.data(), length);
-  to[length] = '\0';
+// A session begins at 0, and what moves may have come farther.
+Path later(const Path& path, double by_s) {
+  std::vector<PathKey> keys(path.keys().begin(), path.keys().end());
+  for (PathKey& key : keys) key.t_s += by_s;
+  return Path(std::move(keys));
 }
 
 }  // namespace
@@ -60,17 +64,19 @@ class OpenSession::Followers final : public EditFollower {
   OpenSession& session_;
 };
 
-OpenSession::OpenSession(const PointCloud& cloud, const pp_session_options& options)
+OpenSession::OpenSession(const Subject& subject, const pp_session_options& options)
     : remarks_(options.log, options.log_user),
-      config_(configFrom(options)),
+      config_(configFrom(subject, options)),
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
-      gpu_(gpuFrom(options)),
+      gpu_(gpuFrom(options.gpu)),
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
-  if (cloud.empty()) throw UsageError("the cloud has no points; there is nothing to touch");
-  model_ = std::make_shared<const Model>(modelOf(
-      cloud, config_.model,
-      {.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()}));
+  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
+  backend_->check(config_);
+  const ModelLoading loading{
+      .log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
+                                                       : loadModel(config_, loading));
   law_ = ForceFunction(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit);
   build(false);
 }
@@ -94,6 +100,7 @@ void OpenSession::build(bool editable) {
                    .log = &remarks_.sink(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
+  editable_ = editable;
 }
 
 void OpenSession::settle() {
@@ -102,30 +109,49 @@ void OpenSession::settle() {
     asked_->check();
     asked_.reset();
   }
+  if (moves() && !simulation().failure().empty()) return;  // all that there is of it is its reset
   session_->finish();
 }
 
-ServoResult OpenSession::run(Path path, const std::optional<BrushConfig>& brush) {
+void OpenSession::requireRunning() const {
+  if (!moves()) return;
+  if (const std::string failure = simulation().failure(); !failure.empty())
+    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+}
+
+ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
+  settle();
+  if (reset_.exchange(false)) next_s_ = 0;
   const std::optional<BrushConfig> before = brush_;
-  setBrush(brush);
-  const double duration_s = path.duration_s();
-  PathDevice device(std::move(path));
-  const OpenHand hand{.device = &device, .duration_s = duration_s};
-  session_->backend().resetHand(0);
-  ServoResult result = session_->run({&hand, 1}, {.law = law_.custom()});
+  setBrushBetween(brush);
+  std::vector<PathDevice> devices;
+  devices.reserve(paths.size());
+  std::vector<OpenHand> hands;
+  for (const Path& path : paths) {
+    devices.emplace_back(later(path, next_s_));
+    hands.push_back({.device = &devices.back(), .duration_s = path.duration_s()});
+    session_->backend().resetHand(hands.size() - 1);
+  }
+  ServoResult result = session_->run(hands, {.begin_s = next_s_, .law = law_.custom()});
+  if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
+  requireRunning();
   session_->finish();
-  setBrush(before);
+  setBrushBetween(before);
   return result;
 }
 
 void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
   settle();
+  setBrushBetween(brush);
+}
+
+void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
   if (brush == brush_) return;
   SessionConfig wanted = session_->config();
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (!session_->journal()) build(true);
+  if (!editable_ && !moves()) build(true);  // a soft body takes one whenever it comes
   session_->setBrush(brush);
   session_->finish();
   brush_ = brush;
@@ -142,32 +168,43 @@ void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& forc
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
-  if (!session_->journal()) return 0;
+  if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
   return strokes.undone + strokes.redone;
 }
 
 PointCloud OpenSession::points() {
   settle();
-  return session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  return present();
 }
 
 void OpenSession::startLive(const pp_live_options& options) {
   settle();
   live_.reset();
-  session_->backend().resetHand(0);
-  live_.emplace(options, LiveHand::Surroundings{.session = *session_,
-                                                .log = remarks_.sink(),
-                                                .forcesOn = forcesOn_,
-                                                .law = law_.custom()});
+  next_s_ = 0;
+  for (std::size_t i = 0; i < hands(); ++i) session_->backend().resetHand(i);
+  live_.emplace(options, LiveHands::Surroundings{.session = *session_,
+                                                 .log = remarks_.sink(),
+                                                 .forcesOn = forcesOn_,
+                                                 .law = law_.custom()});
+  live_->start();
 }
 
-AskedTick OpenSession::touch(const Pose& pose) {
+void OpenSession::stopLive() {
+  if (live_) live_->stop();
+  takeIn();
+}
+
+std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
+  if (poses.size() != hands())
+    throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
     if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
-    asked_.emplace(*session_, AskedHandOptions{.budget_us = budget_us_, .law = law_.custom()});
+    asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }
-  return asked_->tick(pose);
+  reset_.store(false, std::memory_order_relaxed);
+  next_s_ = moves() ? poses.front().time_s + 1 / config_.rate_Hz : 0;
+  return asked_->tick(poses);
 }
 
 void OpenSession::lift() {
@@ -177,7 +214,7 @@ void OpenSession::lift() {
 void OpenSession::takeIn() { session_->relay().catchUp(); }
 
 pp_session_info OpenSession::info() const {
-  pp_session_info info = pp_default_session_info();
+  pp_session_info info = usual<pp_session_info>();
   const ModelScale& scale = model_->scale;
   info.live = isLive();
   info.points = model_->cloud.size();
@@ -185,7 +222,11 @@ pp_session_info OpenSession::info() const {
   info.spacing_mm = scale.toMm(model_->spacing);
   info.radius_mm = scale.toMm(session_->surface().radius);
   info.rate_Hz = session_->config().rate_Hz;
-  if (const Journal* journal = session_->journal()) {
+  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
+  if (shape) {
+    info.undoable = shape->counts().undoable;
+    info.redoable = shape->counts().redoable;
+  } else if (const Journal* journal = session_->journal()) {
     info.undoable = journal->undoable();
     info.redoable = journal->redoable();
   }
@@ -195,14 +236,102 @@ pp_session_info OpenSession::info() const {
   return info;
 }
 
+std::size_t OpenSession::standing() const { return model_->standing ? model_->standing->points().size() : 0; }
+
+bool OpenSession::takeFrame() {
+  CloudFrame taken;
+  if (!session_->backend().takeFrame(taken)) return false;
+  auto frame = std::make_shared<FrameObject>();
+  frame->cloud.origin = model_->cloud.origin;
+  frame->cloud.positions = std::move(taken.positions);
+  frame->cloud.normals = std::move(taken.normals);
+  frame->velocities = std::move(taken.velocities);
+  frame->velocities.resize(frame->cloud.size(), Vec3(0));
+  frame->moving = frame->cloud.size() - standing();
+  frame->time_s = taken.time_s;
+  frame_ = std::move(frame);
+  return true;
+}
+
+std::shared_ptr<const FrameObject> OpenSession::frame() {
+  simulation();
+  if (!frame_) {
+    auto first = std::make_shared<FrameObject>();
+    first->cloud.origin = model_->cloud.origin;
+    first->cloud.positions = model_->cloud.positions;
+    first->cloud.normals = model_->cloud.normals;
+    first->velocities.assign(model_->cloud.size(), Vec3(0));
+    first->moving = first->cloud.size() - standing();
+    frame_ = std::move(first);
+  }
+  takeFrame();
+  if (!isLive()) return frame_;
+  // What was ready may be as old as the last time that somebody asked.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+  while (!takeFrame() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return frame_;
+}
+
+PointCloud OpenSession::present() {
+  if (!moves()) return session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  const auto now = frame();
+  PointCloud cloud = model_->cloud;
+  cloud.positions = now->cloud.positions;
+  cloud.normals = now->cloud.normals;
+  return cloud;
+}
+
+SimulationControl& OpenSession::simulation() const {
+  if (SimulationControl* const control = session_->simulation()) return *control;
+  throw StateError("the points of this session stand still; pp_session_open_matter() opens what moves by itself");
+}
+
+void OpenSession::reset() {
+  simulation().reset();
+  reset_ = true;
+}
+
+void OpenSession::setParameter(std::string_view name, double value) {
+  simulation();
+  try {
+    session_->setParameter(name, value);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    throw UsageError("{}", error.what());
+  }
+}
+
+pp_motion OpenSession::motion() const {
+  const SimulationControl& control = simulation();
+  pp_motion motion = usual<pp_motion>();
+  motion.held = control.isHeld();
+  const std::string failure = control.failure();
+  motion.failed = !failure.empty();
+  motion.hands = static_cast<std::uint32_t>(hands());
+  putText(failure, motion.failure);
+  motion.left_out_s = control.leftOut_s();
+  const std::vector<PortEnergy> energies = control.portEnergies();
+  for (std::size_t i = 0; i < energies.size() && i < PP_MOST_HANDS; ++i) {
+    motion.energy_J[i] = energies[i].now_J;
+    motion.least_energy_J[i] = energies[i].least_J;
+  }
+  return motion;
+}
+
 Image OpenSession::draw(const PictureRequest& request) {
   takeIn();
-  return gpu_.draw(*model_, session_->journal(), request);
+  if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
+  gpu_.forgetPicture();
+  Model now = *model_;
+  now.cloud = present();
+  return gpu_.draw(now, nullptr, request);
 }
 
 Mesh OpenSession::mesh(const pp_mesh_options& options) {
   takeIn();
-  const PointCloud cloud = session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  const PointCloud cloud = present();
   return gpu_.mesh(cloud, planMesh(boundsOf(cloud), model_->spacing, meshFrom(options, model_->scale)));
 }
 

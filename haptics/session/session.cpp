@@ -45,6 +45,10 @@ class Recorders final : public TickRecorder {
     for (TickRecorder* each : all_)
       if (each) each->ticked(row, device);
   }
+  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override {
+    for (TickRecorder* each : all_)
+      if (each) each->tickedToo(hand, row);
+  }
 
  private:
   std::array<TickRecorder*, 2> all_;
@@ -171,13 +175,14 @@ void Session::setSprings(std::span<const OpenHand> hands) {
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   setSprings(hands);
+  const bool realtime = config_.realtime || options.realtime;
+  backend_->setRealtime(realtime);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
     touching.push_back({.device = *hand.device,
                         .law = ForceLaw(config_.force, model_->scale),
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
-  const bool realtime = config_.realtime || options.realtime;
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   Recorders recorders(recording_.get(), options.recorder);
   ServoLoop loop(options.query ? *options.query : *backend_, touching,

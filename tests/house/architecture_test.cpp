@@ -43,7 +43,7 @@ const Arrows& allowedArrows() {
         "engine/matter", "engine/touch", "engine/render", "engine/cuda", "engine/gpu/device.hpp", "engine/spatial/hash_grid.hpp",
         "shaders"}},
       {"haptics/library",
-       {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/mesh",
+       {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh",
         "engine/render/image.hpp", "engine/gpu/device_lookup.hpp"}},
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",

@@ -9,10 +9,12 @@
  * Handles are small values that may be copied. One that is null, closed, or of another kind gives PP_ERROR_HANDLE.
  * Whoever opens closes, in any order: a session keeps what it needs of its cloud.
  *
- * Threads: clouds and meshes are never changed, and may be used by any number of threads. Of a session one thread may call
- * pp_touch() and pp_touch_lift() (its servo thread) while another one looks: pp_session_follow(), pp_session_render(),
- * pp_session_mesh(), pp_session_get_info(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves.
- * Two calls that do not go together: the later one gives PP_ERROR_THREAD and does nothing.
+ * Threads: clouds, meshes, frames and logs are never changed, and may be used by any number of threads. Of a session one
+ * thread may call pp_touch(), pp_touch_hands() and pp_touch_lift() (its servo thread) while another one looks:
+ * pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(), pp_session_frame(), what governs
+ * matter (pp_session_hold() and those after it), pp_live_take(), pp_live_get_state(). All other calls want it for
+ * themselves, as all calls on a pp_matter do. Two calls that do not go together: the later one gives PP_ERROR_THREAD and
+ * does nothing.
  *
  * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is compiled
  * into the program and hands the size that it knows to pp_init_…(), which a program in another language calls itself; so a
@@ -59,7 +61,8 @@ typedef enum pp_status {
   PP_ERROR_DEVICE = 8,      /* the haptic device failed */
   PP_ERROR_UNSUPPORTED = 9, /* this palpate was built without it */
   PP_ERROR_FAILED = 10,     /* anything else; the words say what and what to do */
-  PP_ERROR_BUG = 11         /* of palpate: close what the call was about, and report the words */
+  PP_ERROR_BUG = 11,        /* of palpate: close what the call was about, and report the words */
+  PP_ERROR_SIMULATION = 12  /* matter has diverged, or is too dense to be simulated; it goes on once it is reset */
 } pp_status;
 
 /* "0.1.0", of the library that runs. */
@@ -218,6 +221,19 @@ typedef struct pp_feel {
 } pp_feel;
 PP_OPTIONS(feel)
 
+/* What touches: a point, or many that share the stiffness, each with a proxy of its own. */
+typedef struct pp_tool {
+  uint32_t size;
+  uint32_t points;  /* of a pad, ball or spatula, 1 to 64 */
+  const char* kind; /* "point", "pad" (a fingertip), "ball" or "spatula"; null: point */
+  double size_mm;   /* diameter of a pad or ball, length of a spatula */
+  double axis[3];   /* where the face of a pad or spatula looks while it is not turned; model's axes, of any length but 0 */
+} pp_tool;
+PP_OPTIONS(tool)
+
+/* Hands that touch one session at most. */
+#define PP_MOST_HANDS 8
+
 typedef struct pp_session_options {
   uint32_t size;
   uint32_t threads;   /* of the CPU; 0: one per core */
@@ -234,10 +250,19 @@ typedef struct pp_session_options {
   const char* law_library; /* "libmine.so:function": a force law that is loaded, in place of `law` */
   pp_log_function log; /* hears remarks; null: nobody. Until the session is closed. */
   void* log_user;
+  uint32_t hands;      /* that touch at the same time, 1 to PP_MOST_HANDS; the first one sculpts, the others feel; 0: 1 */
+  uint32_t reserved2;
+  const pp_tool* tool; /* of the first hand; null: a point. The others touch with a point. */
 } pp_session_options;
 PP_OPTIONS(session_options)
 /* Builds the index; normals are estimated where the cloud has none. Options may be null. */
 PP_API pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session);
+/* The same of a scene of matter that moves by itself, in millimetres: "water", "sand", "jelly" or another one that is built
+ * in, "FILE in water", "FILE in sand" or "soft FILE" with a closed cloud or mesh, or a JSON file. Each hand holds a ball in
+ * water and sand, and presses on the surface of what is soft; of that a brush changes the shape. By path it goes as far as
+ * the path does, from path to path; with a budget, and live, it follows the clock. Where time goes back, and where a live
+ * session begins or has ended, the scene begins from the start. Options may be null. */
+PP_API pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session);
 /* Ends it, and the live session with it. */
 PP_API pp_status pp_session_close(pp_session session);
 
@@ -269,7 +294,7 @@ typedef struct pp_path {
   int64_t stride;   /* bytes from a row to the next; 0: the rows follow one another */
 } pp_path;
 PP_OPTIONS(path)
-/* How many ticks a path takes at the session's rate. */
+/* How many ticks a path takes at the session's rate. Where there are several hands, the longest of their paths counts. */
 PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count);
 
 /* Follows the path in virtual time, as fast as it goes, and only feels: the same path gives the same ticks. `ticks` has
@@ -281,7 +306,12 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
  * after it allocate nothing while nothing is edited, and with a budget take no longer than that by much. PP_OK also where
  * contact->valid is 0. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
-/* The hand was lifted, and is put down elsewhere with the next pose. */
+/* The same for all hands of a session at once: `poses`, `contacts` and the others have `hands` of them, all of the same
+ * time, that of the first one. `turns`: of each hand's tool, unit quaternions w x y z; null: none is turned. `torques_mNm`:
+ * of tools, about the HIP, 3 for each hand; null: not wanted. */
+PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
+                                pp_contact* contacts, double* torques_mNm);
+/* All hands were lifted, and are put down elsewhere with the next poses. */
 PP_API pp_status pp_touch_lift(pp_session session);
 
 /* A brush changes the points that it reaches while the hand is deeper than tau_mm. */
@@ -304,6 +334,12 @@ PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
 /* pp_session_touch() with a brush, for this one path. A stroke is all that is done in one contact. */
 PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                                    uint64_t capacity, uint64_t* count);
+/* pp_session_touch() or pp_session_stroke() for all hands of a session: `paths` has one for each of them, `hands` of them, and a hand whose path has ended
+ * stays there. `ticks` and `capacity` count rows: those of all hands at a tick, in order, and then those at the next one.
+ * `brush`: the first hand's; null: it only feels. `torques_mNm`: of tools, about the HIP, 3 for each row; null: not wanted. */
+PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands,
+                                        const pp_brush* brush, pp_tick* ticks, double* torques_mNm, uint64_t capacity,
+                                        uint64_t* count);
 /* Takes back the last strokes, or does those again that were taken back last; each point is as it was, to the last bit.
  * `done`: how many there were; may be null. */
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
@@ -331,6 +367,101 @@ PP_OPTIONS(picture_options)
 PP_API pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes);
 /* Writes a picture of such rows, as .png or .jpg. */
 PP_API pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, uint32_t height);
+
+/* --- Matter that moves by itself. ----------------------------------------------------------------------------------- */
+
+/* A number of a scene that can be changed while it moves. */
+typedef struct pp_parameter {
+  char name[32];  /* as scenes in JSON have it */
+  char label[48]; /* for who reads */
+  char unit[16];  /* empty: 1 */
+  double value, low, high;
+} pp_parameter;
+
+/* Points that move, as they were at a time; never changed once it is taken. */
+typedef struct pp_frame {
+  uint64_t id; /* 0 is null */
+} pp_frame;
+
+typedef struct pp_moving_points {
+  pp_points points;        /* of a session with normals */
+  const float* velocities; /* 3 for each, model units per second */
+  uint64_t moving;         /* the first so many move; those behind them are of what stands in the scene */
+  double t_s;
+} pp_moving_points;
+/* Nothing is copied; valid until the frame is closed. */
+PP_API pp_status pp_frame_view(pp_frame frame, pp_moving_points* points);
+PP_API pp_status pp_frame_close(pp_frame frame);
+
+/* The points of a session of matter as they are. While it is live that waits for a step, 50 ms at most. */
+PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
+/* It stands still, and no hand feels it, while `on` is 1. */
+PP_API pp_status pp_session_hold(pp_session session, uint32_t on);
+/* Everything goes back to where it began, with the next tick; what a brush has shaped stays. */
+PP_API pp_status pp_session_reset(pp_session session);
+PP_API pp_status pp_session_parameter_count(pp_session session, uint64_t* count);
+PP_API pp_status pp_session_get_parameter(pp_session session, uint64_t index, pp_parameter* parameter);
+/* From the next step on. Nothing is changed where there is none of that name, or the value is out of its bounds. */
+PP_API pp_status pp_session_set_parameter(pp_session session, const char* name, double value);
+
+typedef struct pp_motion {
+  uint32_t size;
+  uint32_t held;     /* 1: by pp_session_hold() */
+  uint32_t failed;   /* 1: no answer is valid until it is reset */
+  uint32_t hands;
+  char failure[64];  /* why, in words that follow "the simulation"; empty while it has not */
+  double left_out_s; /* time by which it has stayed behind the clock, and which it leaves out */
+  /* What each hand has put into it since it began, less what it got back, J, without the gain of its forces: passive
+   * where the least is never below 0. */
+  double energy_J[PP_MOST_HANDS], least_energy_J[PP_MOST_HANDS];
+} pp_motion;
+PP_OPTIONS(motion)
+PP_API pp_status pp_session_get_motion(pp_session session, pp_motion* motion);
+
+/* A scene that no hand touches. For one thread at a time. */
+typedef struct pp_matter {
+  uint64_t id; /* 0 is null */
+} pp_matter;
+
+typedef struct pp_matter_options {
+  uint32_t size;
+  uint32_t threads;    /* of the CPU; 0: one per core */
+  const char* gpu;     /* as in pp_session_options */
+  pp_log_function log; /* hears remarks of pp_matter_open(); null: nobody */
+  void* log_user;
+} pp_matter_options;
+PP_OPTIONS(matter_options)
+/* A scene as of pp_session_open_matter(). The same scene gives the same bytes on the same machine, for any number of
+ * threads. Options may be null. */
+PP_API pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp_matter* matter);
+PP_API pp_status pp_matter_close(pp_matter matter);
+/* So many milliseconds further. PP_ERROR_SIMULATION where it fails on the way: it stays where it was then. */
+PP_API pp_status pp_matter_step(pp_matter matter, uint64_t steps);
+/* Everything goes back to where it began, with the parameters that were set. */
+PP_API pp_status pp_matter_reset(pp_matter matter);
+PP_API pp_status pp_matter_frame(pp_matter matter, pp_frame* frame);
+PP_API pp_status pp_matter_parameter_count(pp_matter matter, uint64_t* count);
+PP_API pp_status pp_matter_get_parameter(pp_matter matter, uint64_t index, pp_parameter* parameter);
+PP_API pp_status pp_matter_set_parameter(pp_matter matter, const char* name, double value);
+
+typedef struct pp_matter_state {
+  uint32_t size;
+  uint32_t failed;       /* 1: it goes on once it is reset */
+  uint32_t substeps;     /* in a millisecond */
+  uint32_t reserved;
+  uint64_t particles;    /* or nodes of a soft body */
+  uint64_t inside_model; /* particles that are within what stands in the scene */
+  double t_s;
+  double kinetic_J, potential_J; /* in gravity, from the corner at 0 */
+  double momentum_kg_m_s[3];
+  double max_compression;  /* share by which the densest place exceeds the density at rest */
+  double front_mm;         /* along x, how far matter has come */
+  double on_model_N[3];    /* force on what stands in the scene, mean of the last step; 0 where nothing does */
+  char machine[112];       /* that simulates, in words; cut off */
+} pp_matter_state;
+PP_OPTIONS(matter_state)
+/* Looks at all particles. */
+PP_API pp_status pp_matter_get_state(pp_matter matter, pp_matter_state* state);
 
 /* --- Meshes. ------------------------------------------------------------------------------------------------------- */
 
@@ -372,12 +503,16 @@ typedef struct pp_live_options {
   pp_force_law law;    /* null: the session's */
   void* law_user;
   const char* law_library; /* null: the session's */
+  /* Of the next hand, where the session has several: its device, builtin, path, and its own `next`. Its rate is the first
+   * one's, and a law is of the first hand alone. A device that would call the ticks is called by them. */
+  const struct pp_live_options* next;
 } pp_live_options;
 PP_OPTIONS(live_options)
 /* Begins ticks against the wall clock, on a thread of their own. Until pp_live_stop() a session does what looks at it, and
  * nothing else. Options may be null. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
-/* Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks that
+/* Where there are several hands, `capacity` and `count` are of rows, as of pp_session_touch_hands(), of whole ticks.
+ * Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks that
  * nobody takes for half a minute at 1 kHz are left out. Where the session has ended by itself, PP_ERROR_DEVICE or
  * PP_ERROR_GPU, once no ticks are left. */
 PP_API pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
