@@ -46,6 +46,7 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
 "$scratch/build/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
+"$scratch/build/stir"
 
 if command -v pkg-config > /dev/null; then
   export PKG_CONFIG_PATH
