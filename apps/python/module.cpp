@@ -1,5 +1,5 @@
 // The Python module palpate._palpate, over the C interface.
-#include "apps/python/law.hpp"
+#include "apps/python/session.hpp"
 
 namespace {
 
@@ -48,6 +48,7 @@ PYBIND11_MODULE(_palpate, module) {
   module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);
   bindLaws(module);
+  bindLogs(module);
   bindMatter(module);
   bindSessions(module);
 }

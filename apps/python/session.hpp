@@ -92,6 +92,7 @@ class PySession {
   pp::Session session_;  // goes first
 };
 
+void bindLogs(py::module_& module);
 void bindSessionsMatter(py::class_<PySession>& session);
 
 }  // namespace palpate::python

@@ -48,6 +48,12 @@ void bindTouch(py::class_<PySession>& session) {
       .def("cloud", [](PySession& self) {
         return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }));
       }, "cloud() -> Cloud\n\nThe points as they are.")
+      .def("record", [](PySession& self, const py::object& path) {
+        const std::string file = fileOf(path);
+        self.with([&](pp::Session& open) { open.record(file); });
+      }, py::arg("file"),
+           "record(file)\n\nThe next path, or the next live session, is written to a session log, with its end (read_log(),\n"
+           "replay()). It begins with the points as they were opened, and is of one hand, without a law of one's own.")
       .def("_live_start", &PySession::startLive)
       .def("_live_raise", &PySession::raiseOfLaw)
       .def("_live_late", &PySession::lateLaws)

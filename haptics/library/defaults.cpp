@@ -123,5 +123,7 @@ PALPATE_INIT(live_state)
 PALPATE_INIT(motion)
 PALPATE_INIT(matter_options)
 PALPATE_INIT(matter_state)
+PALPATE_INIT(replay_options)
+PALPATE_INIT(replay_result)
 
 #undef PALPATE_INIT

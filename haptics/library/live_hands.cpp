@@ -74,7 +74,8 @@ LiveHands::LiveHands(const pp_live_options& options, const Surroundings& with)
     : with_(with),
       rate_Hz_(rateFrom(options, with.session)),
       law_(options.law, options.law_user, textOf(options.law_library), with.session.model().scale.mm_per_unit),
-      hands_(openedAll(options, with, rate_Hz_)) {}
+      hands_(openedAll(options, with, rate_Hz_)),
+      hasLaw_(static_cast<bool>(law_.custom())) {}
 
 void LiveHands::start() {
   std::vector<OpenHand> hands;

@@ -26,6 +26,8 @@ class LiveHands {
   /// Opens the devices, one for each hand of the session, and gets ready. Throws Error.
   LiveHands(const pp_live_options& options, const Surroundings& with);
 
+  double rate_Hz() const { return rate_Hz_; }
+  bool hasLaw() const { return hasLaw_; }
   OpenHand first() const { return hands_.front().hand(); }
   /// Begins.
   void start();
@@ -46,7 +48,7 @@ class LiveHands {
   std::size_t next_ = 0;
   std::uint64_t ticks_ = 0, missed_ = 0;
   std::optional<double> lastTime_s_;
-  bool stopped_ = false;
+  bool stopped_ = false, hasLaw_ = false;
   std::optional<ServoThread> thread_;  // goes first
 };
 

@@ -17,6 +17,7 @@
 namespace palpate::library {
 
 class OpenMatter;
+struct LogObject;
 
 /// Where the points lie in memory.
 pp_points viewOf(const PointCloud& cloud);
@@ -49,6 +50,7 @@ constexpr HandleKind kKindOf = std::is_same_v<Object, CloudObject>   ? HandleKin
                                : std::is_same_v<Object, MeshObject>  ? HandleKind::mesh
                                : std::is_same_v<Object, FrameObject> ? HandleKind::frame
                                : std::is_same_v<Object, OpenMatter>  ? HandleKind::matter
+                               : std::is_same_v<Object, LogObject>   ? HandleKind::log
                                                                      : HandleKind::session;
 
 /// Throws HandleError.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "engine/edit/journal.hpp"
 #include "engine/matter/matter_model.hpp"
@@ -78,12 +79,20 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
   law_ = ForceFunction(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit);
-  build(false);
+  hasLaw_ = static_cast<bool>(law_.custom());
+  build(false, false);
 }
 
-OpenSession::~OpenSession() = default;
+OpenSession::~OpenSession() {
+  try {
+    if (live_) live_->stop();
+    endRecording();
+  } catch (const std::exception& error) {  // the log has what could be written
+    remarks_.sink().say("{}", error.what());
+  }
+}
 
-void OpenSession::build(bool editable) {
+void OpenSession::build(bool journal, bool editable) {
   SessionConfig config = session_ ? session_->config() : config_;
   if (editable) config.brush = BrushConfig{};
   UndoConfig undo = config.undo;
@@ -94,7 +103,7 @@ void OpenSession::build(bool editable) {
       config, model_,
       SessionParts{.backend = *backend_,
                    .threads = threads_,
-                   .journal = editable,
+                   .journal = journal,
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
                    .log = &remarks_.sink(),
@@ -109,9 +118,31 @@ void OpenSession::settle() {
     asked_->check();
     asked_.reset();
   }
-  if (moves() && !simulation().failure().empty()) return;  // all that there is of it is its reset
+  if (moves() && !simulation().failure().empty()) return session_->relay().finish();  // all that is left of it is its reset
   session_->finish();
+  endRecording();
 }
+
+void OpenSession::record(const std::string& file) {
+  settle();
+  if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
+  if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
+  if (edits_ > 0 || (shape && shape->counts().version > 0))
+    throw StateError("a log begins with the points as they were opened, and these have been edited; save them, and open what "
+                     "was saved");
+  if (!session_->journal()) build(true, false);
+  recordTo_ = file;
+}
+
+void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
+  if (!recordTo_) return;
+  const std::string file = *std::exchange(recordTo_, std::nullopt);
+  next_s_ = 0;
+  session_->record(file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
+}
+
+void OpenSession::endRecording() { session_->endRecording(); }
 
 void OpenSession::requireRunning() const {
   if (!moves()) return;
@@ -121,9 +152,9 @@ void OpenSession::requireRunning() const {
 
 ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
   settle();
-  if (reset_.exchange(false)) next_s_ = 0;
   const std::optional<BrushConfig> before = brush_;
   setBrushBetween(brush);
+  if (recordTo_ || reset_.exchange(false)) next_s_ = 0;  // a log begins at 0
   std::vector<PathDevice> devices;
   devices.reserve(paths.size());
   std::vector<OpenHand> hands;
@@ -132,10 +163,13 @@ ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushC
     hands.push_back({.device = &devices.back(), .duration_s = path.duration_s()});
     session_->backend().resetHand(hands.size() - 1);
   }
+  beginRecording(hands.front(), {});
   ServoResult result = session_->run(hands, {.begin_s = next_s_, .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
+  if (moves() && !simulation().failure().empty()) session_->releaseRecording();  // whose end is not known
   requireRunning();
   session_->finish();
+  endRecording();
   setBrushBetween(before);
   return result;
 }
@@ -151,7 +185,7 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (!editable_ && !moves()) build(true);  // a soft body takes one whenever it comes
+  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes one whenever it comes
   session_->setBrush(brush);
   session_->finish();
   brush_ = brush;
@@ -187,12 +221,17 @@ void OpenSession::startLive(const pp_live_options& options) {
                                                  .log = remarks_.sink(),
                                                  .forcesOn = forcesOn_,
                                                  .law = law_.custom()});
+  if (recordTo_ && live_->hasLaw())
+    throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
   live_->start();
 }
 
 void OpenSession::stopLive() {
   if (live_) live_->stop();
-  takeIn();
+  if (!session_->recording()) return takeIn();
+  session_->finish();
+  endRecording();
 }
 
 std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {

@@ -50,6 +50,8 @@ class OpenSession {
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
   PointCloud points();
+  /// The next path, or the next live session, goes into this log. Throws StateError, FileError once it begins.
+  void record(const std::string& file);
   void startLive(const pp_live_options& options);
   void stopLive();
 
@@ -82,7 +84,10 @@ class OpenSession {
   class Followers;
   /// Throws StateError while it is live; what was asked for tick by tick ends, and all that was done is taken in.
   void settle();
-  void build(bool editable);
+  // With a journal where it is to be logged, and for brushes of any kind where it is to be edited.
+  void build(bool journal, bool editable);
+  void beginRecording(const OpenHand& hand, const RunOptions& run);
+  void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);
   // A source moves the points.
   bool moves() const { return config_.moves(); }
@@ -103,6 +108,8 @@ class OpenSession {
   std::uint64_t edits_ = 0;
   std::optional<BrushConfig> brush_;
   bool editable_ = false;
+  bool hasLaw_ = false;
+  std::optional<std::string> recordTo_;  // what runs next
   double next_s_ = 0;  // where the time of what moves has come to, for the next path
   std::atomic<bool> reset_ = false;  // the next path begins at 0
   GpuHalf gpu_;

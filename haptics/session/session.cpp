@@ -125,14 +125,17 @@ void Session::setParameter(std::string_view name, double value) {
   palpate::setParameter(*config_.matter, name, value);
 }
 
-void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
+void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {
   if (config_.stream && config_.stream->live)
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
+  SessionConfig config = config_;
+  config.realtime = config.realtime || run.realtime;
+  if (run.rate_Hz > 0) config.rate_Hz = run.rate_Hz;
   recording_ = std::make_unique<SessionRecording>(file,
-                                                  RecordedSession{.config = config_,
+                                                  RecordedSession{.config = config,
                                                                   .points = model_->cloud.size(),
                                                                   .checksum = checksumOf(*model_),
                                                                   .machine = backend_->machine(),

@@ -32,6 +32,16 @@ def stirred(scene: str) -> float:
     return float(velocities.max()) + float(ticks["t_s"].max())
 
 
+def recorded(file: str, log: str) -> bool:
+    with pp.Session(pp.read(file)) as session:
+        session.record(log)
+        session.touch(np.zeros((10, 3)))
+    read: pp.Log = pp.read_log(log)
+    forces: NDArray[np.float64] = read.ticks["force_N"]
+    print(forces.max(), read.header["machine"], read.missing, read.map[0])
+    return pp.replay(log, gpu="cpu").identical
+
+
 def failing() -> int | None:
     try:
         pp.read("nowhere.ply")

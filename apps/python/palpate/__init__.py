@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _palpate
 from ._errors import Error, UsageError
+from ._logs import Log, Replay, read_log, replay
 from ._matter import Matter, Parameter, PortEnergy
 from ._palpate import Cloud, Frame, LawInput, Mesh, formats_read, formats_written, gpus, read, write
 from ._session import Hand, Live, Session
@@ -28,16 +29,20 @@ __all__ = [
     "Hand",
     "LawInput",
     "Live",
+    "Log",
     "Matter",
     "Mesh",
     "Parameter",
     "PortEnergy",
+    "Replay",
     "Session",
     "UsageError",
     "formats_read",
     "formats_written",
     "gpus",
     "read",
+    "read_log",
+    "replay",
     "tick_dtype",
     "tool_tick_dtype",
     "write",

@@ -151,6 +151,31 @@ class Frame : public detail::Owned<pp_frame, pp_frame_close> {
   }
 };
 
+/// A session log, read and never changed.
+class Log : public detail::Owned<pp_log, pp_log_close> {
+ public:
+  using Owned::Owned;
+  /// Of one that is damaged or cut off all that is whole.
+  static Log read(const std::string& file) {
+    pp_log log{};
+    check(pp_log_read(file.c_str(), &log));
+    return Log(log);
+  }
+  /// Its ticks and edits, as long as this is open; nothing is copied.
+  pp_log_content view() const {
+    pp_log_content content{};
+    check(pp_log_view(handle(), &content));
+    return content;
+  }
+};
+
+/// Runs a recorded session again, and says whether it came out the same.
+inline pp_replay_result replay(const std::string& file, const pp_replay_options& options = pp_default_replay_options()) {
+  pp_replay_result result = pp_default_replay_result();
+  check(pp_log_replay(file.c_str(), &options, &result));
+  return result;
+}
+
 /// Matter that moves by itself, and that no hand touches. For one thread at a time.
 class Matter : public detail::Owned<pp_matter, pp_matter_close> {
  public:
@@ -309,6 +334,9 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_get_motion(handle(), &motion));
     return motion;
   }
+
+  /// The next path, or the next live session, goes into a session log (pp_session_record()).
+  void record(const std::string& file) { check(pp_session_record(handle(), file.c_str())); }
 
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
   /// The rows of ticks since the last call, `most` of them at most: one for each hand.
