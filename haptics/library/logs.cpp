@@ -96,7 +96,7 @@ pp_replay_result replayed(const std::string& file, const pp_replay_options& opti
   const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
   if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not zero or more", options.tolerance);
   Remarks remarks(options.log, options.log_user);
-  GpuHalf gpu(gpuFrom(options.gpu));
+  GpuHalf gpu({.gpu = options.gpu});
   const Backends backends = backendsOn(gpu);
   const ReplayParts parts{.backends = backends,
                           .log = remarks.sink(),

@@ -18,7 +18,9 @@ void put(const DVec3& vector, double (&to)[3]) {
 
 // Soft bodies are moved by the CPU unless somebody names a GPU.
 std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
-  return scene.matter == Matter::soft && !options.gpu ? "cpu" : backendFor(options.gpu);
+  return scene.matter == Matter::soft && !options.gpu && !options.vulkan
+             ? "cpu"
+             : GpuChoice{options.gpu, options.vulkan}.backend();
 }
 
 }  // namespace
@@ -39,7 +41,7 @@ pp_parameter parameterOf(const SimulationParameter& parameter) {
   return told;
 }
 
-OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options) : gpu_(gpuFrom(options.gpu)) {
+OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options) : gpu_({options.gpu, options.vulkan}) {
   const MatterScene scene = sceneNamed(name);
   backend_ = backendOf(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
   machine_ = backend_->machine(options.threads);

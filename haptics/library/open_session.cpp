@@ -31,7 +31,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
   config.undo.memory_MiB = options.undo_memory_MiB;
-  config.backend.name = backendFor(options.gpu);
+  config.backend.name = GpuChoice{options.gpu, options.vulkan}.backend();
   validate(config);
   return config;
 }
@@ -70,7 +70,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       config_(configFrom(subject, options)),
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
-      gpu_(gpuFrom(options.gpu)),
+      gpu_({options.gpu, options.vulkan}),
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
   if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
   backend_->check(config_);

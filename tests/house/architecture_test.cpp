@@ -44,7 +44,7 @@ const Arrows& allowedArrows() {
         "shaders"}},
       {"haptics/library",
        {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh",
-        "engine/render/image.hpp", "engine/gpu/device_lookup.hpp"}},
+        "engine/render/image.hpp", "engine/gpu/device_lookup.hpp", "engine/gpu/host_device.hpp"}},
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",
        {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",

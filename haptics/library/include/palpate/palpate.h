@@ -164,6 +164,8 @@ PP_API pp_status pp_gpu_count(uint32_t* count);
 /* With its end, into `name`, cut off after `capacity` bytes. */
 PP_API pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity);
 
+#include <palpate/vulkan.h>
+
 /* --- Sessions: a cloud that is felt, seen and sculpted. ------------------------------------------------------------ */
 
 typedef struct pp_session {
@@ -253,6 +255,7 @@ typedef struct pp_session_options {
   uint32_t hands;      /* that touch at the same time, 1 to PP_MOST_HANDS; the first one sculpts, the others feel; 0: 1 */
   uint32_t reserved2;
   const pp_tool* tool; /* of the first hand; null: a point. The others touch with a point. */
+  const pp_vulkan_device* vulkan; /* a device of the program's own, in place of one by name; null: there is none */
 } pp_session_options;
 PP_OPTIONS(session_options)
 /* Builds the index; normals are estimated where the cloud has none. Options may be null. */
@@ -368,101 +371,6 @@ PP_API pp_status pp_session_render(pp_session session, const pp_picture_options*
 /* Writes a picture of such rows, as .png or .jpg. */
 PP_API pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, uint32_t height);
 
-/* --- Matter that moves by itself. ----------------------------------------------------------------------------------- */
-
-/* A number of a scene that can be changed while it moves. */
-typedef struct pp_parameter {
-  char name[32];  /* as scenes in JSON have it */
-  char label[48]; /* for who reads */
-  char unit[16];  /* empty: 1 */
-  double value, low, high;
-} pp_parameter;
-
-/* Points that move, as they were at a time; never changed once it is taken. */
-typedef struct pp_frame {
-  uint64_t id; /* 0 is null */
-} pp_frame;
-
-typedef struct pp_moving_points {
-  pp_points points;        /* of a session with normals */
-  const float* velocities; /* 3 for each, model units per second */
-  uint64_t moving;         /* the first so many move; those behind them are of what stands in the scene */
-  double t_s;
-} pp_moving_points;
-/* Nothing is copied; valid until the frame is closed. */
-PP_API pp_status pp_frame_view(pp_frame frame, pp_moving_points* points);
-PP_API pp_status pp_frame_close(pp_frame frame);
-
-/* The points of a session of matter as they are. While it is live that waits for a step, 50 ms at most. */
-PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
-/* It stands still, and no hand feels it, while `on` is 1. */
-PP_API pp_status pp_session_hold(pp_session session, uint32_t on);
-/* Everything goes back to where it began, with the next tick; what a brush has shaped stays. */
-PP_API pp_status pp_session_reset(pp_session session);
-PP_API pp_status pp_session_parameter_count(pp_session session, uint64_t* count);
-PP_API pp_status pp_session_get_parameter(pp_session session, uint64_t index, pp_parameter* parameter);
-/* From the next step on. Nothing is changed where there is none of that name, or the value is out of its bounds. */
-PP_API pp_status pp_session_set_parameter(pp_session session, const char* name, double value);
-
-typedef struct pp_motion {
-  uint32_t size;
-  uint32_t held;     /* 1: by pp_session_hold() */
-  uint32_t failed;   /* 1: no answer is valid until it is reset */
-  uint32_t hands;
-  char failure[64];  /* why, in words that follow "the simulation"; empty while it has not */
-  double left_out_s; /* time by which it has stayed behind the clock, and which it leaves out */
-  /* What each hand has put into it since it began, less what it got back, J, without the gain of its forces: passive
-   * where the least is never below 0. */
-  double energy_J[PP_MOST_HANDS], least_energy_J[PP_MOST_HANDS];
-} pp_motion;
-PP_OPTIONS(motion)
-PP_API pp_status pp_session_get_motion(pp_session session, pp_motion* motion);
-
-/* A scene that no hand touches. For one thread at a time. */
-typedef struct pp_matter {
-  uint64_t id; /* 0 is null */
-} pp_matter;
-
-typedef struct pp_matter_options {
-  uint32_t size;
-  uint32_t threads;    /* of the CPU; 0: one per core */
-  const char* gpu;     /* as in pp_session_options */
-  pp_log_function log; /* hears remarks of pp_matter_open(); null: nobody */
-  void* log_user;
-} pp_matter_options;
-PP_OPTIONS(matter_options)
-/* A scene as of pp_session_open_matter(). The same scene gives the same bytes on the same machine, for any number of
- * threads. Options may be null. */
-PP_API pp_status pp_matter_open(const char* scene, const pp_matter_options* options, pp_matter* matter);
-PP_API pp_status pp_matter_close(pp_matter matter);
-/* So many milliseconds further. PP_ERROR_SIMULATION where it fails on the way: it stays where it was then. */
-PP_API pp_status pp_matter_step(pp_matter matter, uint64_t steps);
-/* Everything goes back to where it began, with the parameters that were set. */
-PP_API pp_status pp_matter_reset(pp_matter matter);
-PP_API pp_status pp_matter_frame(pp_matter matter, pp_frame* frame);
-PP_API pp_status pp_matter_parameter_count(pp_matter matter, uint64_t* count);
-PP_API pp_status pp_matter_get_parameter(pp_matter matter, uint64_t index, pp_parameter* parameter);
-PP_API pp_status pp_matter_set_parameter(pp_matter matter, const char* name, double value);
-
-typedef struct pp_matter_state {
-  uint32_t size;
-  uint32_t failed;       /* 1: it goes on once it is reset */
-  uint32_t substeps;     /* in a millisecond */
-  uint32_t reserved;
-  uint64_t particles;    /* or nodes of a soft body */
-  uint64_t inside_model; /* particles that are within what stands in the scene */
-  double t_s;
-  double kinetic_J, potential_J; /* in gravity, from the corner at 0 */
-  double momentum_kg_m_s[3];
-  double max_compression;  /* share by which the densest place exceeds the density at rest */
-  double front_mm;         /* along x, how far matter has come */
-  double on_model_N[3];    /* force on what stands in the scene, mean of the last step; 0 where nothing does */
-  char machine[112];       /* that simulates, in words; cut off */
-} pp_matter_state;
-PP_OPTIONS(matter_state)
-/* Looks at all particles. */
-PP_API pp_status pp_matter_get_state(pp_matter matter, pp_matter_state* state);
-
 /* --- Meshes. ------------------------------------------------------------------------------------------------------- */
 
 typedef struct pp_mesh {
@@ -530,94 +438,8 @@ PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
 /* Waits for the tick under way; the device has no force then. What was not taken yet still can be. */
 PP_API pp_status pp_live_stop(pp_session session);
 
-/* --- Session logs: what a hand did and felt, and what it did to the points, so that it can be run again. ------------ */
-
-/* The next path of the session, or its next live session, is written to `file`, with its end. A log begins with the points
- * as they were opened and says by which file they can be had again; it is of one hand, without a force law of one's own.
- * What cannot be written as it goes on is said in the session's remarks, and the call that ends it gives PP_ERROR_FILE. */
-PP_API pp_status pp_session_record(pp_session session, const char* file);
-
-typedef struct pp_log {
-  uint64_t id; /* 0 is null */
-} pp_log;
-
-typedef struct pp_log_tick {
-  double t_s;
-  double device[3];  /* of the stylus, in the device's own unit: mm of hardware, model units of a path */
-  double turn[4];    /* of the stylus: unit quaternion w x y z */
-  double proxy[3];   /* model units */
-  double force_N[3]; /* on the hand */
-  uint64_t edits;    /* of the log that came before the tick's answer */
-  uint32_t neighbours;
-  uint32_t buttons;  /* pressed; the first one is 1 */
-  uint8_t contact, fresh, valid;
-  uint8_t put_down;      /* 1: the stylus was lifted before it, and put down elsewhere */
-  uint8_t forceless;     /* 1: the device let no force through */
-  uint8_t edit_left_out; /* 1: an edit that the answer asked for was not done */
-  uint8_t reserved[2];
-} pp_log_tick;
-
-/* A point as an edit has left it. */
-typedef struct pp_log_edit {
-  uint32_t point;  /* its number in the file, or behind those of the file where it is new */
-  uint32_t parent; /* that it took its other properties from; itself where the file had it */
-  float position[3], normal[3]; /* relative to the origin of the cloud */
-  uint8_t color[4]; /* red green blue alpha; 0 where the cloud has none */
-  uint32_t gone;    /* 1: it is not there any more */
-} pp_log_edit;
-
-typedef struct pp_log_content {
-  uint64_t ticks, edits;
-  const pp_log_tick* tick;
-  const pp_log_edit* edit;
-  const char* header;      /* how to run it again, as JSON */
-  const char* missing;     /* what is missing of it and where, a line each; empty where it is whole */
-  uint64_t points;         /* of the model */
-  uint64_t lost_ticks;     /* that the log has not, because its thread had fallen behind */
-  uint64_t merged_edits;   /* that later ones of the same point stand for */
-  double map_scale, map_offset[3]; /* model units = map_scale * device + map_offset, as long as no clutch was drawn */
-  uint32_t ended;          /* 1: the session came to its end */
-  uint32_t reserved;
-} pp_log_content;
-
-/* Of a log that a crash cut off, or that is damaged, all that is whole is read. */
-PP_API pp_status pp_log_read(const char* file, pp_log* log);
-/* Valid until the log is closed. */
-PP_API pp_status pp_log_view(pp_log log, pp_log_content* content);
-PP_API pp_status pp_log_close(pp_log log);
-
-typedef struct pp_replay_options {
-  uint32_t size;
-  uint32_t threads;     /* of the CPU; 0: one per core */
-  const char* gpu;      /* which one, where the session was on a GPU; null: the best that there is */
-  const char* model;    /* file of the model; null: that which the log names */
-  pp_cloud cloud;       /* the model itself, in place of any file; null: none */
-  double tolerance;     /* N for forces and mm for points; 0: the same bits */
-  pp_log_function log;  /* hears remarks; null: nobody */
-  void* log_user;
-} pp_replay_options;
-PP_OPTIONS(replay_options)
-
-typedef struct pp_replay_result {
-  uint32_t size;
-  uint32_t identical;        /* 1: all ticks and all points in the end came out the same, within the tolerance */
-  uint64_t ticks;            /* of the log */
-  uint64_t compared;         /* of them; less than all where the session cannot be run again exactly */
-  uint64_t force_ticks;      /* whose forces differ */
-  uint64_t edit_ticks;       /* between which the points were edited differently */
-  uint64_t points;           /* that are not the same in the end */
-  double largest_force_N;    /* by which forces differ */
-  double first_difference_s; /* negative: there is none */
-  uint32_t ends_compared;    /* 1: the points in the end were */
-  uint32_t recorded_edits;   /* 1: give the points that the session ended with; 2: do not; 0: it did not come to its end */
-  char because[192];         /* why not all ticks were compared; empty where they were */
-  char machine[112];         /* that ran it again, in words; cut off */
-  char recorded_on[112];
-} pp_replay_result;
-PP_OPTIONS(replay_result)
-/* Runs a recorded session again, in virtual time, and holds it against the log. PP_OK also where it differs: the result
- * says so. PP_ERROR_FILE for another model than the session had. */
-PP_API pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result);
+#include <palpate/logs.h>
+#include <palpate/matter.h>
 
 #ifdef __cplusplus
 }
