@@ -133,6 +133,14 @@ TEST_CASE("strokes, matter and meshes run on a device that is lent, and several 
   pp_mesh mesh{};
   PP_REQUIRE_OK(pp_session_mesh(two, &lattice, &mesh));
   PP_REQUIRE_OK(pp_mesh_close(mesh));
+  pp_picture_options picture = pp_default_picture_options();
+  picture.width = 64;
+  picture.height = 48;
+  picture.has_background = 1;
+  std::vector<std::uint8_t> rgba(std::size_t{4} * 64 * 48, 7);
+  PP_REQUIRE_OK(pp_session_render(two, &picture, rgba.data(), rgba.size()));
+  CHECK(rgba[0] + rgba[1] + rgba[2] == 0);                                // black behind
+  CHECK(rgba[4 * (24 * 64 + 32)] + rgba[4 * (24 * 64 + 32) + 1] > 20);    // and the ball in the middle
   pp_matter_options alone = pp_default_matter_options();
   alone.vulkan = &lent.device;
   pp_matter water{};
