@@ -82,7 +82,17 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   options.law_library = law_.library();
   options.log = [](void* user, const char* line) { static_cast<PySession*>(user)->hear(line); };
   options.log_user = this;
+  pp_frames_options frames = pp_default_frames_options();
+  frames.keeps_points = settings.keeps_points ? 1 : 0;
+  frames.most_points = settings.most_points;
+  if (isScene && settings.moving) refuse("moving: a scene moves by itself; leave it out");
+  if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
+    refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
   py::gil_scoped_release released;
+  if (settings.moving) {
+    session_ = pp::Session::ofFrames(cloud_->cloud(), frames, options);
+    return;
+  }
   session_ = isScene ? pp::Session::ofMatter(scene, options) : pp::Session(cloud_->cloud(), options);
 }
 
@@ -149,6 +159,23 @@ py::array PySession::along(const py::object& given, const pp_brush* brush) {
     std::memcpy(row + sizeof(pp_tick), &torques_mNm[3 * i], kToolTickBytes - sizeof(pp_tick));
   }
   return all;
+}
+
+void PySession::addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities) {
+  const py::array places = threeColumns(xyz, "xyz");
+  const py::array facing = threeColumns(normals, "normals", places.shape(0));
+  py::array speeds;  // kept until they are copied
+  pp_frame_arrays frame = pp_default_frame_arrays();
+  frame.count = static_cast<std::uint64_t>(places.shape(0));
+  frame.t_s = t_s;
+  frame.positions = rowsOf(places);
+  frame.normals = rowsOf(facing);
+  if (!velocities.is_none()) {
+    speeds = threeColumns(velocities, "velocities", places.shape(0));
+    frame.velocities = rowsOf(speeds);
+  }
+  py::gil_scoped_release released;
+  session_.pushFrame(frame);  // beside whatever else is done with it
 }
 
 py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options) {

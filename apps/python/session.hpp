@@ -26,6 +26,8 @@ struct SessionSettings {
   std::uint32_t tool_points = 1;
   double tool_size_mm = 1;
   std::array<double, 3> tool_axis{};
+  bool moving = false, keeps_points = false;
+  std::uint64_t most_points = 0;
 };
 
 /// Whatever brush.
@@ -60,6 +62,7 @@ class PySession {
 
   py::array touch(const py::object& path, const std::optional<std::string>& surface);
   py::array stroke(const py::object& path, const std::string& kind, const py::kwargs& settings);
+  void addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities);
   py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
 
   /// Of the hands after the first: device, builtin and path of each.

@@ -48,6 +48,12 @@ void bindTouch(py::class_<PySession>& session) {
       .def("cloud", [](PySession& self) {
         return std::make_shared<PyCloud>(self.with([](pp::Session& open) { return open.cloud(); }));
       }, "cloud() -> Cloud\n\nThe points as they are.")
+      .def("add_frame", &PySession::addFrame, py::arg("t_s"), py::arg("xyz"), py::arg("normals"),
+           py::arg("velocities") = py::none(),
+           "add_frame(t_s, xyz, normals, velocities=None)\n\nOf a session that was opened with moving=True: from that time on\n"
+           "the points are felt there. t_s: of the session's ticks, after that of the frame before; a live session begins\n"
+           "at 0. xyz, normals: (N, 3). velocities: (N, 3), model units per second, with which points go on for 50 ms. From\n"
+           "any thread.")
       .def("record", [](PySession& self, const py::object& path) {
         const std::string file = fileOf(path);
         self.with([&](pp::Session& open) { open.record(file); });
@@ -80,11 +86,12 @@ void bindSessions(py::module_& module) {
                        const std::string& surface, std::optional<double> radius_mm, double friction, double stiffness,
                        double damping, double max_force, double rate, bool estimate_normals, std::uint32_t threads,
                        double undo_memory_MiB, std::uint32_t hands, const std::string& tool, std::uint32_t tool_points,
-                       double tool_size_mm, const Vector& tool_axis, const py::object& law, bool allow_python) {
+                       double tool_size_mm, const Vector& tool_axis, bool moving, bool keeps_points,
+                       std::uint64_t most_points, const py::object& law, bool allow_python) {
              const SessionSettings settings{gpu,     mm_per_unit, surface,          radius_mm, friction,
                                             stiffness, damping,   max_force,        rate,      estimate_normals,
                                             threads, undo_memory_MiB, hands,        tool,      tool_points,
-                                            tool_size_mm, tool_axis};
+                                            tool_size_mm, tool_axis, moving, keeps_points, most_points};
              return std::make_unique<PySession>(cloud, settings, Law(law, allow_python));
            }),
            py::arg("cloud"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
@@ -94,7 +101,8 @@ void bindSessions(py::module_& module) {
            py::arg("estimate_normals") = false, py::arg("threads") = 0,
            py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands, py::arg("tool") = "point",
            py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
-           py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("law") = py::none(),
+           py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("moving") = false,
+           py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("law") = py::none(),
            py::arg("allow_python") = false)
       .def("close", &PySession::close)
       .def_property_readonly("remarks", &PySession::remarks)

@@ -125,6 +125,8 @@ PALPATE_INIT(motion)
 PALPATE_INIT(matter_options)
 PALPATE_INIT(matter_state)
 PALPATE_INIT(replay_options)
+PALPATE_INIT(frames_options)
+PALPATE_INIT(frame_arrays)
 PALPATE_INIT(replay_result)
 
 #undef PALPATE_INIT

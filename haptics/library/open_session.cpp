@@ -78,6 +78,10 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       .log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
+  if (subject.frames) {
+    const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
+    frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
+  }
   law_ = ForceFunction(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit);
   hasLaw_ = static_cast<bool>(law_.custom());
   build(false, false);
@@ -107,6 +111,7 @@ void OpenSession::build(bool journal, bool editable) {
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
                    .log = &remarks_.sink(),
+                   .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
   editable_ = editable;
@@ -118,7 +123,7 @@ void OpenSession::settle() {
     asked_->check();
     asked_.reset();
   }
-  if (moves() && !simulation().failure().empty()) return session_->relay().finish();  // all that is left of it is its reset
+  if (hasFailed()) return session_->relay().finish();  // all that is left of it is its reset
   session_->finish();
   endRecording();
 }
@@ -128,6 +133,7 @@ void OpenSession::record(const std::string& file) {
   if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
   if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
+  if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
     throw StateError("a log begins with the points as they were opened, and these have been edited; save them, and open what "
                      "was saved");
@@ -145,9 +151,16 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
 void OpenSession::endRecording() { session_->endRecording(); }
 
 void OpenSession::requireRunning() const {
-  if (!moves()) return;
-  if (const std::string failure = simulation().failure(); !failure.empty())
-    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
+  if (hasFailed())
+    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand",
+                          session_->simulation()->failure());
+}
+
+// Where points move and time goes on, a hand that is where it was keeps what it touches.
+bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
+  constexpr double kSamePlace_mm = 1;
+  return next_s_ > 0 && hand < hips_.size() &&
+         model_->scale.toMm(glm::distance(path.at(0), hips_[hand])) <= kSamePlace_mm;
 }
 
 ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
@@ -161,12 +174,15 @@ ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushC
   for (const Path& path : paths) {
     devices.emplace_back(later(path, next_s_));
     hands.push_back({.device = &devices.back(), .duration_s = path.duration_s()});
-    session_->backend().resetHand(hands.size() - 1);
+    if (!goesOn(hands.size() - 1, path)) session_->backend().resetHand(hands.size() - 1);
   }
   beginRecording(hands.front(), {});
   ServoResult result = session_->run(hands, {.begin_s = next_s_, .law = law_.custom()});
   if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
-  if (moves() && !simulation().failure().empty()) session_->releaseRecording();  // whose end is not known
+  if (hasFailed()) session_->releaseRecording();  // whose end is not known
+  hips_.clear();
+  for (const HandResult& hand : result.hands)
+    if (moves() && !hand.trace.rows.empty()) hips_.push_back(hand.trace.rows.back().hip);
   requireRunning();
   session_->finish();
   endRecording();
@@ -181,6 +197,7 @@ void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
 
 void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
   if (brush == brush_) return;
+  if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
   SessionConfig wanted = session_->config();
   wanted.brush = brush;
   validate(wanted);
@@ -216,6 +233,8 @@ void OpenSession::startLive(const pp_live_options& options) {
   settle();
   live_.reset();
   next_s_ = 0;
+  hips_.clear();
+  if (frames_) frames_->restart();
   for (std::size_t i = 0; i < hands(); ++i) session_->backend().resetHand(i);
   live_.emplace(options, LiveHands::Surroundings{.session = *session_,
                                                  .log = remarks_.sink(),
@@ -242,6 +261,7 @@ std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
     asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }
   reset_.store(false, std::memory_order_relaxed);
+  hips_.clear();
   next_s_ = moves() ? poses.front().time_s + 1 / config_.rate_Hz : 0;
   return asked_->tick(poses);
 }
@@ -293,7 +313,7 @@ bool OpenSession::takeFrame() {
 }
 
 std::shared_ptr<const FrameObject> OpenSession::frame() {
-  simulation();
+  if (!moves()) throw StateError("the points of this session stand still; pp_session_cloud() has them");
   if (!frame_) {
     auto first = std::make_shared<FrameObject>();
     first->cloud.origin = model_->cloud.origin;
@@ -315,15 +335,27 @@ std::shared_ptr<const FrameObject> OpenSession::frame() {
 PointCloud OpenSession::present() {
   if (!moves()) return session_->journal() ? session_->sculpted().cloud : model_->cloud;
   const auto now = frame();
-  PointCloud cloud = model_->cloud;
-  cloud.positions = now->cloud.positions;
-  cloud.normals = now->cloud.normals;
+  PointCloud cloud = now->cloud;
+  if (cloud.size() == model_->cloud.size()) cloud.colors = model_->cloud.colors;
+  cloud.storedAs.comments = model_->cloud.storedAs.comments;
   return cloud;
+}
+
+void OpenSession::pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
+  if (!frames_) throw StateError("this session was not opened with pp_session_open_frames()");
+  CloudFrame frame;
+  frame.time_s = time_s;
+  frame.positions = std::move(cloud.positions);
+  frame.normals = std::move(cloud.normals);
+  frame.velocities = std::move(velocities);
+  const DVec3 away = cloud.origin - model_->cloud.origin;
+  for (Vec3& position : frame.positions) position = Vec3(DVec3(position) + away);
+  frames_->push(std::move(frame));
 }
 
 SimulationControl& OpenSession::simulation() const {
   if (SimulationControl* const control = session_->simulation()) return *control;
-  throw StateError("the points of this session stand still; pp_session_open_matter() opens what moves by itself");
+  throw StateError("the points of this session do not move by themselves; pp_session_open_matter() opens what does");
 }
 
 void OpenSession::reset() {

@@ -13,6 +13,7 @@
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/live_hands.hpp"
 #include "haptics/library/objects.hpp"
+#include "haptics/library/pushed_frames.hpp"
 #include "haptics/library/remarks.hpp"
 #include "haptics/session/asked_hands.hpp"
 #include "haptics/session/session.hpp"
@@ -24,6 +25,7 @@ struct Subject {
   ModelConfig model;  ///< with the name of its file
   const PointCloud* cloud = nullptr;
   std::optional<MatterScene> scene;
+  std::optional<pp_frames_options> frames;  ///< whose points a program moves, frame by frame
 };
 
 /// Every call but claims() and setForces() is for a thread that holds what it says: touch, look, or all.
@@ -78,6 +80,8 @@ class OpenSession {
   pp_motion motion() const;
 
   // From any thread.
+  /// Positions in file coordinates. Throws UsageError, and StateError where no frames are brought.
+  void pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s);
   void setForces(bool on) { forcesOn_ = on; }
 
  private:
@@ -89,10 +93,12 @@ class OpenSession {
   void beginRecording(const OpenHand& hand, const RunOptions& run);
   void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);
-  // A source moves the points.
-  bool moves() const { return config_.moves(); }
+  // The points do not stand still.
+  bool moves() const { return config_.moves() || frames_; }
+  bool hasFailed() const { return session_->simulation() && !session_->simulation()->failure().empty(); }
   void setBrushBetween(const std::optional<BrushConfig>& brush);
   void requireRunning() const;
+  bool goesOn(std::size_t hand, const Path& path) const;
   // How many points at the end are of what stands in the scene.
   std::size_t standing() const;
   bool takeFrame();
@@ -111,12 +117,14 @@ class OpenSession {
   bool hasLaw_ = false;
   std::optional<std::string> recordTo_;  // what runs next
   double next_s_ = 0;  // where the time of what moves has come to, for the next path
+  std::vector<DVec3> hips_;          // of the hands, where a path has left them
   std::atomic<bool> reset_ = false;  // the next path begins at 0
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
   std::shared_ptr<const Model> model_;
   ForceFunction law_;
   std::shared_ptr<const FrameObject> frame_;  // the newest one
+  std::unique_ptr<PushedFrames> frames_;      // where a program brings them
   std::unique_ptr<Session> session_;
   std::optional<AskedHands> asked_;
   std::optional<LiveHands> live_;  // goes first

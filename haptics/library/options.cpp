@@ -30,15 +30,6 @@ std::size_t bytesOf(std::int32_t type) {
   }
 }
 
-NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name) {
-  if (!rows.data) return {};
-  const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
-  if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
-    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
-  constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
-  return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
-}
-
 DVec3 vectorFrom(const double (&v)[3], std::string_view name) {
   const DVec3 vector(v[0], v[1], v[2]);
   if (!isFinite(vector)) throw UsageError("{}: is not finite", name);
@@ -68,6 +59,15 @@ void checkSize(std::uint32_t size, std::size_t known, std::string_view name) {
 
 std::string textOf(const char* text) { return text ? text : ""; }
 
+NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name) {
+  if (!rows.data) return {};
+  const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
+  if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
+    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
+  constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
+  return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
+}
+
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
   return {.count = arrays.count,
           .positions = rowsFrom(arrays.positions, false, "positions"),
@@ -80,6 +80,21 @@ ToolConfig toolFrom(const pp_tool& tool) {
           .points = tool.points,
           .size_mm = tool.size_mm,
           .axis = vectorFrom(tool.axis, "tool.axis")};
+}
+
+std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name) {
+  const NumberRows given = rowsFrom(rows, false, name);
+  std::vector<Vec3> vectors;
+  if (!given.data) return vectors;
+  vectors.reserve(count);
+  const auto stride = given.stride != 0 ? given.stride : static_cast<std::ptrdiff_t>(3 * bytesOf(rows.type));
+  const std::byte* row = given.data;
+  for (std::uint64_t i = 0; i < count; ++i, row += stride) {
+    const DVec3 vector(numberAt(row, rows.type, 0), numberAt(row, rows.type, 1), numberAt(row, rows.type, 2));
+    if (!isFinite(Vec3(vector))) throw UsageError("{}: row {} is not finite", name, i);
+    vectors.emplace_back(vector);
+  }
+  return vectors;
 }
 
 SurfaceConfig surfaceFrom(const pp_feel& feel) {

@@ -71,7 +71,11 @@ auto chosen(const Table& table, const char* name, typename Table::value_type::se
 }
 
 ToolConfig toolFrom(const pp_tool& tool);
+/// `mayBeWhole`: they may be whole numbers. Throws UsageError.
+NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name);
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
+/// Vectors of so many points; none where none are given. Throws UsageError for what is not finite.
+std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
 SurfaceConfig surfaceFrom(const pp_feel& feel);
 ForceOptions forceFrom(const pp_feel& feel);
 BrushConfig brushFrom(const pp_brush& brush);

@@ -70,7 +70,8 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       stream_(takeStream(config_, *model_)),
       fusion_(fusedStream(config_, model_, stream_, parts.threads, parts.log)),
       source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
-      backend_(makeBackend(config_, *model_, surface_, parts, source_.get(), fusion_)),
+      isMoved_(parts.source != nullptr),
+      backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       relay_(model_->cloud, *backend_,
              {.follower = follower_.get(),
@@ -130,6 +131,7 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
+  if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
@@ -220,7 +222,7 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
 }
 
 SculptedCloud Session::sculpted() const {
-  if (const Journal* journal = relay_.journal(); journal && !config_.moves())
+  if (const Journal* journal = relay_.journal(); journal && !config_.moves() && !isMoved_)
     return {editedCloud(model_->cloud, journal->points()), changedPoints(model_->cloud, journal->points())};
   SculptedCloud sculpted{.cloud = model_->cloud};
   sculpted.edited = backend_->readBack(sculpted.cloud);

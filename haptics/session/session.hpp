@@ -27,6 +27,8 @@ struct SessionParts {
   std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
   bool paintable = false;     ///< keeps colours for a brush that comes later
   Log* log = nullptr;         ///< hears of frames that do not go into the map of a depth camera; outlives the session
+  /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
+  CloudSource* source = nullptr;
   FollowerMaker follower;     ///< empty: nobody follows but the journal and the log
 };
 
@@ -132,6 +134,7 @@ class Session {
   std::shared_ptr<PlayedStream> stream_;  // where frames are played
   std::optional<FusedStream> fusion_;     // where they fuse
   std::unique_ptr<CloudSource> source_;   // where the back end does not do it itself
+  bool isMoved_;                          // by somebody else's source
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
   EditRelay relay_;

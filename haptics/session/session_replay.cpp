@@ -60,17 +60,18 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   if (!parts.model.empty()) model.file = parts.model;
   const bool isHere = parts.cloud && !config.matter && !config.stream;
   if (!config.matter && !isHere && !std::filesystem::exists(model.file))
-    throw FileError(model.file, "is not there; name the model that the session had");
+    throw FileError(model.file, fmt::format("is not there; name the model of the session with {}", parts.naming));
   const BackendKind& kind = parts.backends.named(config.backend.name);
   const ModelLoading loading{.log = parts.log, .threads = parts.threads, .estimate = kind.normalEstimator()};
   recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(config, loading);
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
-    throw FileError(model.file, fmt::format("has {} points, and the model of the session had {}; name that one",
-                                            recorded.model.cloud.size(), recorded.session.points));
+    throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with {}",
+                                            recorded.model.cloud.size(), recorded.session.points, parts.naming));
   if (checksumOf(recorded.model) != recorded.session.checksum)
     throw FileError(model.file,
-                    "has changed since the session: its points are others; name the model that the session had");
+                    fmt::format("has changed since the session: its points are others; name the right model with {}",
+                                parts.naming));
   const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
   if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
     throw FileError(log, "its ticks do not follow one another in time; it is damaged");

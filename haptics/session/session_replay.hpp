@@ -18,6 +18,7 @@ struct ReplayParts {
   unsigned threads = 0;               ///< on the CPU; 0: one per core
   std::string model;                  ///< file in place of the one that the log names; empty: that one
   const PointCloud* cloud = nullptr;  ///< in place of any file
+  std::string naming = "model";       ///< what a person names a model with, in the words of errors
 };
 
 /// A log, the model that it is about, until it is run again, and the points as its edits leave them.

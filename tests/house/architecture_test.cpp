@@ -43,7 +43,7 @@ const Arrows& allowedArrows() {
         "engine/matter", "engine/touch", "engine/render", "engine/cuda", "engine/gpu/device.hpp", "engine/spatial/hash_grid.hpp",
         "shaders"}},
       {"haptics/library",
-       {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh",
+       {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh", "engine/motion/cloud_source.hpp",
         "engine/render/image.hpp", "engine/gpu/device_lookup.hpp", "engine/gpu/host_device.hpp"}},
       {"shaders", {"engine/core/vec.hpp"}},
       {"apps",

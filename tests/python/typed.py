@@ -32,6 +32,12 @@ def stirred(scene: str) -> float:
     return float(velocities.max()) + float(ticks["t_s"].max())
 
 
+def filmed(cloud: pp.Cloud) -> float:
+    with pp.Session(cloud, moving=True, keeps_points=True) as film:
+        film.add_frame(0.5, np.zeros((10, 3)), np.ones((10, 3)))
+        return film.frame().t_s
+
+
 def recorded(file: str, log: str) -> bool:
     with pp.Session(pp.read(file)) as session:
         session.record(log)

@@ -53,6 +53,9 @@ class Session(_palpate._Session):
         tool: of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball", "spatula".
         tool_points, tool_size_mm: of a pad, ball or spatula: 1 to 64; diameter or length.
         tool_axis: where the face of a pad or spatula looks, in the model's axes.
+        moving: the points move, frame by frame, as add_frame() says; the cloud stands still until the first one.
+        keeps_points: of those: a point has its row in all frames.
+        most_points: of those: points of a frame; 0: as many as the cloud has.
         law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc. With
             allow_python a function of Python's, which is called with a LawInput in each tick of contact.
         allow_python: takes such a function, which costs a tick some 30 us where nobody else holds Python's lock, and 5 ms and
@@ -83,6 +86,9 @@ class Session(_palpate._Session):
         tool_points: int = 16,
         tool_size_mm: float = 10,
         tool_axis: Sequence[float] = (0, 0, -1),
+        moving: bool = False,
+        keeps_points: bool = False,
+        most_points: int = 0,
         law: Any = None,
         allow_python: bool = False,
     ) -> None:
@@ -105,6 +111,9 @@ class Session(_palpate._Session):
             tool_points=tool_points,
             tool_size_mm=tool_size_mm,
             tool_axis=tool_axis,
+            moving=moving,
+            keeps_points=keeps_points,
+            most_points=most_points,
             law=law,
             allow_python=allow_python,
         )

@@ -28,7 +28,7 @@ typedef struct pp_moving_points {
 PP_API pp_status pp_frame_view(pp_frame frame, pp_moving_points* points);
 PP_API pp_status pp_frame_close(pp_frame frame);
 
-/* The points of a session of matter as they are. While it is live that waits for a step, 50 ms at most. */
+/* The points of a session of matter, or of frames, as they are. While it is live that waits for a newer one, 50 ms at most. */
 PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
 /* It stands still, and no hand feels it, while `on` is 1. */
 PP_API pp_status pp_session_hold(pp_session session, uint32_t on);

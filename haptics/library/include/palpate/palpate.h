@@ -438,6 +438,7 @@ PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
 /* Waits for the tick under way; the device has no force then. What was not taken yet still can be. */
 PP_API pp_status pp_live_stop(pp_session session);
 
+#include <palpate/frames.h>
 #include <palpate/logs.h>
 #include <palpate/matter.h>
 

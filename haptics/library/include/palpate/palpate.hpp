@@ -225,6 +225,16 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return Session(session);
   }
 
+  /// Of points that come frame by frame (pp_session_open_frames()).
+  static Session ofFrames(const Cloud& cloud, const pp_frames_options& frames = pp_default_frames_options(),
+                          const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_frames(cloud.handle(), &frames, &options, &session));
+    return Session(session);
+  }
+  /// From any thread.
+  void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
+
   pp_session_info info() const {
     pp_session_info info = pp_default_session_info();
     check(pp_session_get_info(handle(), &info));
