@@ -122,18 +122,19 @@ Law::Law(const py::object& given, bool allowPython) {
                          " is no force law; one is \"libmine.so:law\", a numba cfunc, or a function");
   if (!allowPython)
     throw py::type_error(
-        "law: a function of Python's runs in every tick and waits for Python's lock: some 30 us where nobody else holds it, "
-        "and 5 ms and more beside one busy thread of Python's, which a hand feels as a force that lags and fades. Take a "
-        "compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
+        "law: a function of Python's runs in every tick and waits for Python's lock: some 30 us where nobody else "
+        "holds it, and 5 ms and more beside one busy thread of Python's, which a hand feels as a force that lags and "
+        "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
   python_ = std::make_shared<PythonLaw>(given);
   function_ = &PythonLaw::call;
 }
 
 void bindLaws(py::module_& module) {
-  py::class_<LawInput>(module, "LawInput",
-                       "What a force law in Python is called with, once a tick: t_s and dt_s (s), hip, proxy and normal\n"
-                       "(model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. It returns the\n"
-                       "force on the hand, three numbers in N; limits of size and rise act on it.")
+  py::class_<LawInput>(
+      module, "LawInput",
+      "What a force law in Python is called with, once a tick: t_s and dt_s (s), hip, proxy and normal\n"
+      "(model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. It returns the\n"
+      "force on the hand, three numbers in N; limits of size and rise act on it.")
       .def_property_readonly("t_s", [](const LawInput& in) { return in.pose.t_s; })
       .def_property_readonly("dt_s", [](const LawInput& in) { return in.dt_s; })
       .def_property_readonly("hip", [](const LawInput& in) { return vectorOf(in.pose.hip); })

@@ -12,13 +12,14 @@
 
 namespace palpate::python {
 
-/// A force law in Python itself. By path the tick calls it and waits. In a live session a thread of its own calls it, and
-/// a tick waits so long for it at most; where it comes late, the force that it gave last is held for a moment and then
-/// fades. Once it has raised something the force is zero.
+/// A force law in Python itself. By path the tick calls it and waits. In a live session a thread of its own calls it,
+/// and a tick waits so long for it at most; where it comes late, the force that it gave last is held for a moment and
+/// then fades. Once it has raised something the force is zero.
 class PythonLaw {
  public:
   static constexpr std::chrono::microseconds kPatience{300};
-  static constexpr double kHeld_s = 0.01, kGone_s = 0.05;  ///< up to which a force is held, and when nothing is left of it
+  static constexpr double kHeld_s = 0.01;  ///< up to which a force is held
+  static constexpr double kGone_s = 0.05;  ///< from which on nothing is left of it
 
   explicit PythonLaw(py::object callable) : callable_(std::move(callable)) {}
   /// With Python's lock, as what follows.
@@ -68,8 +69,8 @@ class PythonLaw {
   std::thread thread_;
 };
 
-/// "libmine.so:law", the address of a compiled function (numba's cfunc.address), or, where that is allowed, a function of
-/// Python's.
+/// "libmine.so:law", the address of a compiled function (numba's cfunc.address), or, where that is allowed, a function
+/// of Python's.
 class Law {
  public:
   Law() = default;

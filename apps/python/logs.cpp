@@ -27,7 +27,9 @@ class Fields {
     offsets_.append(offset);
     return *this;
   }
-  py::dtype type(std::size_t bytes) const { return py::dtype(names_, formats_, offsets_, static_cast<py::ssize_t>(bytes)); }
+  py::dtype type(std::size_t bytes) const {
+    return py::dtype(names_, formats_, offsets_, static_cast<py::ssize_t>(bytes));
+  }
 
  private:
   py::list names_, formats_, offsets_;
@@ -112,33 +114,37 @@ void bindLogs(py::module_& module) {
              return std::make_shared<PyLog>(pp::Log::read(file));
            }),
            py::arg("file"))
-      .def_property_readonly("ticks",
-                             [](const py::object& self) {
-                               const pp_log_content log = self.cast<LogPointer>()->view();
-                               return rowsOf(logTickType(), log.tick, log.ticks, self);
-                             },
-                             "A structured view, a row a tick: t_s, device (3, the device's own unit), turn (w x y z), proxy (3,\n"
-                             "model units), force_N (3), edits (that came before it), neighbours, buttons, contact, fresh,\n"
-                             "valid, put_down, forceless, edit_left_out.")
-      .def_property_readonly("edits",
-                             [](const py::object& self) {
-                               const pp_log_content log = self.cast<LogPointer>()->view();
-                               return rowsOf(logEditType(), log.edit, log.edits, self);
-                             },
-                             "A structured view, a row for each state of a point: point, parent, position and normal (3,\n"
-                             "relative to the origin of the cloud), color (4), gone.")
-      .def_property_readonly("points", [](const PyLog& log) { return log.view().points; }, "Of the model.")
-      .def_property_readonly("ended", [](const PyLog& log) { return log.view().ended != 0; },
-                             "Whether the session came to its end.")
+      .def_property_readonly(
+          "ticks",
+          [](const py::object& self) {
+            const pp_log_content log = self.cast<LogPointer>()->view();
+            return rowsOf(logTickType(), log.tick, log.ticks, self);
+          },
+          "A structured view, a row a tick: t_s, device (3, the device's own unit), turn (w x y z), proxy (3,\n"
+          "model units), force_N (3), edits (that came before it), neighbours, buttons, contact, fresh,\n"
+          "valid, put_down, forceless, edit_left_out.")
+      .def_property_readonly(
+          "edits",
+          [](const py::object& self) {
+            const pp_log_content log = self.cast<LogPointer>()->view();
+            return rowsOf(logEditType(), log.edit, log.edits, self);
+          },
+          "A structured view, a row for each state of a point: point, parent, position and normal (3,\n"
+          "relative to the origin of the cloud), color (4), gone.")
+      .def_property_readonly(
+          "points", [](const PyLog& log) { return log.view().points; }, "Of the model.")
+      .def_property_readonly(
+          "ended", [](const PyLog& log) { return log.view().ended != 0; }, "Whether the session came to its end.")
       .def_property_readonly("lost_ticks", [](const PyLog& log) { return log.view().lost_ticks; })
       .def_property_readonly("merged_edits", [](const PyLog& log) { return log.view().merged_edits; })
-      .def_property_readonly("map",
-                             [](const PyLog& log) {
-                               const pp_log_content view = log.view();
-                               return std::pair(view.map_scale, std::array<double, 3>{view.map_offset[0], view.map_offset[1],
-                                                                                      view.map_offset[2]});
-                             },
-                             "Scale and offset: model units = scale * device + offset, as long as no clutch was drawn.")
+      .def_property_readonly(
+          "map",
+          [](const PyLog& log) {
+            const pp_log_content view = log.view();
+            return std::pair(view.map_scale,
+                             std::array<double, 3>{view.map_offset[0], view.map_offset[1], view.map_offset[2]});
+          },
+          "Scale and offset: model units = scale * device + offset, as long as no clutch was drawn.")
       .def("_header", [](const PyLog& log) { return std::string(log.view().header); })
       .def("_missing", [](const PyLog& log) { return std::string(log.view().missing); });
   module.def("_replay", &replayed);

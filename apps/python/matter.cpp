@@ -57,7 +57,7 @@ class PyMatter {
 };
 
 py::dict stateOf(const pp_matter_state& state) {
-  const auto three = [](const double (&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); };
+  const auto three = [](const double(&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); };
   py::dict told;
   told["t_s"] = state.t_s;
   told["particles"] = state.particles;
@@ -77,17 +77,19 @@ py::dict stateOf(const pp_matter_state& state) {
 }  // namespace
 
 void bindMatter(py::module_& module) {
-  py::class_<PyFrame, FramePointer>(module, "Frame",
-                                    "Points that move, as they were at a time; views cannot be written to, and keep the frame.")
+  py::class_<PyFrame, FramePointer>(
+      module, "Frame", "Points that move, as they were at a time; views cannot be written to, and keep the frame.")
       .def("__len__", [](const PyFrame& frame) { return frame.view().points.count; })
-      .def("__repr__", [](const PyFrame& frame) {
-        const pp_moving_points points = frame.view();
-        return "<palpate.Frame of " + std::to_string(points.points.count) + " points at " +
-               py::str("{:.6g}").format(points.t_s).cast<std::string>() + " s>";
-      })
+      .def("__repr__",
+           [](const PyFrame& frame) {
+             const pp_moving_points points = frame.view();
+             return "<palpate.Frame of " + std::to_string(points.points.count) + " points at " +
+                    py::str("{:.6g}").format(points.t_s).cast<std::string>() + " s>";
+           })
       .def_property_readonly("t_s", [](const PyFrame& frame) { return frame.view().t_s; })
-      .def_property_readonly("moving", [](const PyFrame& frame) { return frame.view().moving; },
-                             "The first so many move; those behind them are of what stands in the scene.")
+      .def_property_readonly(
+          "moving", [](const PyFrame& frame) { return frame.view().moving; },
+          "The first so many move; those behind them are of what stands in the scene.")
       .def_property_readonly("positions", viewed([](const pp_moving_points& p) { return p.points.positions; }),
                              "(N, 3) float32 view, model units; of a scene mm.")
       .def_property_readonly("velocities", viewed([](const pp_moving_points& p) { return p.velocities; }),
@@ -99,44 +101,62 @@ void bindMatter(py::module_& module) {
       .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
            py::arg("gpu") = py::none(), py::arg("threads") = 0)
       .def("close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); })
-      .def("step", [](PyMatter& self, std::uint64_t steps) {
-        self.with([&](pp::Matter& matter) { matter.step(steps); });
-      }, py::arg("steps") = 1,
-           "step(steps=1)\n\nSo many milliseconds further. Raises Error with the status \"simulation\" where it diverges: it\n"
-           "stays where it was then, until reset().")
-      .def("reset", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.reset(); }); },
-           "reset()\n\nEverything goes back to where it began, with the parameters that were set.")
-      .def("frame", [](PyMatter& self) {
-        return std::make_shared<PyFrame>(self.with([](pp::Matter& matter) { return matter.frame(); }));
-      }, "frame() -> Frame\n\nThe particles as they are, or the surface of a soft body.")
-      .def("set", [](PyMatter& self, const std::string& name, double value) {
-        self.with([&](pp::Matter& matter) { matter.setParameter(name, value); });
-      }, py::arg("name"), py::arg("value"), "set(name, value)\n\nA parameter, from the next step on.")
-      .def("_parameters", [](PyMatter& self) {
-        return told(self.with([](pp::Matter& matter) { return matter.parameters(); }));
-      })
-      .def("state", [](PyMatter& self) { return stateOf(self.with([](pp::Matter& matter) { return matter.state(); })); },
-           "state() -> dict\n\nOf all particles: t_s, particles, substeps, kinetic_J, potential_J, momentum_kg_m_s,\n"
-           "max_compression, front_mm, on_model_N, inside_model, failed, machine.");
+      .def(
+          "step",
+          [](PyMatter& self, std::uint64_t steps) { self.with([&](pp::Matter& matter) { matter.step(steps); }); },
+          py::arg("steps") = 1,
+          "step(steps=1)\n\nSo many milliseconds further. Raises Error with the status \"simulation\" where it "
+          "diverges: it\n"
+          "stays where it was then, until reset().")
+      .def(
+          "reset", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.reset(); }); },
+          "reset()\n\nEverything goes back to where it began, with the parameters that were set.")
+      .def(
+          "frame",
+          [](PyMatter& self) {
+            return std::make_shared<PyFrame>(self.with([](pp::Matter& matter) { return matter.frame(); }));
+          },
+          "frame() -> Frame\n\nThe particles as they are, or the surface of a soft body.")
+      .def(
+          "set",
+          [](PyMatter& self, const std::string& name, double value) {
+            self.with([&](pp::Matter& matter) { matter.setParameter(name, value); });
+          },
+          py::arg("name"), py::arg("value"), "set(name, value)\n\nA parameter, from the next step on.")
+      .def("_parameters",
+           [](PyMatter& self) { return told(self.with([](pp::Matter& matter) { return matter.parameters(); })); })
+      .def(
+          "state", [](PyMatter& self) { return stateOf(self.with([](pp::Matter& matter) { return matter.state(); })); },
+          "state() -> dict\n\nOf all particles: t_s, particles, substeps, kinetic_J, potential_J, momentum_kg_m_s,\n"
+          "max_compression, front_mm, on_model_N, inside_model, failed, machine.");
 }
 
 void bindSessionsMatter(py::class_<PySession>& session) {
   session
-      .def("frame", [](PySession& self) {
-        return std::make_shared<PyFrame>(self.with([](pp::Session& open) { return open.frame(); }));
-      }, "frame() -> Frame\n\nThe points of a scene of matter as they are.")
-      .def("hold", [](PySession& self) { self.with([](pp::Session& open) { open.hold(true); }); },
-           "hold()\n\nA scene of matter stands still, and no hand feels it, until resume().")
-      .def("resume", [](PySession& self) { self.with([](pp::Session& open) { open.hold(false); }); },
-           "resume()\n\nIt moves on.")
-      .def("reset", [](PySession& self) { self.with([](pp::Session& open) { open.reset(); }); },
-           "reset()\n\nA scene of matter goes back to where it began, with the next tick.")
-      .def("set", [](PySession& self, const std::string& name, double value) {
-        self.with([&](pp::Session& open) { open.setParameter(name, value); });
-      }, py::arg("name"), py::arg("value"), "set(name, value)\n\nA parameter of a scene, from the next step on, live, too.")
-      .def("_parameters", [](PySession& self) {
-        return told(self.with([](pp::Session& open) { return open.parameters(); }));
-      })
+      .def(
+          "frame",
+          [](PySession& self) {
+            return std::make_shared<PyFrame>(self.with([](pp::Session& open) { return open.frame(); }));
+          },
+          "frame() -> Frame\n\nThe points of a scene of matter as they are.")
+      .def(
+          "hold", [](PySession& self) { self.with([](pp::Session& open) { open.hold(true); }); },
+          "hold()\n\nA scene of matter stands still, and no hand feels it, until resume().")
+      .def(
+          "resume", [](PySession& self) { self.with([](pp::Session& open) { open.hold(false); }); },
+          "resume()\n\nIt moves on.")
+      .def(
+          "reset", [](PySession& self) { self.with([](pp::Session& open) { open.reset(); }); },
+          "reset()\n\nA scene of matter goes back to where it began, with the next tick.")
+      .def(
+          "set",
+          [](PySession& self, const std::string& name, double value) {
+            self.with([&](pp::Session& open) { open.setParameter(name, value); });
+          },
+          py::arg("name"), py::arg("value"),
+          "set(name, value)\n\nA parameter of a scene, from the next step on, live, too.")
+      .def("_parameters",
+           [](PySession& self) { return told(self.with([](pp::Session& open) { return open.parameters(); })); })
       .def("_motion", [](PySession& self) {
         const pp_motion motion = self.with([](pp::Session& open) { return open.motion(); });
         py::list energies;

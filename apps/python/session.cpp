@@ -18,7 +18,8 @@ std::vector<std::unique_ptr<PathArray>> pathsOf(const py::object& given, std::ui
   }
   if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
     refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, as a list of arrays");
-  for (const py::handle& path : given) paths.push_back(std::make_unique<PathArray>(py::reinterpret_borrow<py::object>(path)));
+  for (const py::handle& path : given)
+    paths.push_back(std::make_unique<PathArray>(py::reinterpret_borrow<py::object>(path)));
   if (paths.size() != hands)
     refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, and " +
            std::to_string(paths.size()) + " are given");
@@ -33,13 +34,20 @@ Brush::Brush(const std::string& name, const py::kwargs& settings) : kind(name) {
 }
 
 void Brush::set(const std::string& key, const py::handle& value) {
-  if (key == "radius_mm") brush.radius_mm = value.cast<double>();
-  else if (key == "tau_mm") brush.tau_mm = value.cast<double>();
-  else if (key == "beta") brush.beta = value.cast<double>();
-  else if (key == "strength") brush.strength = value.cast<double>();
-  else if (key == "falloff") brush.falloff = value.cast<std::uint32_t>();
-  else if (key == "keeps_density") brush.keeps_density = value.cast<bool>() ? 1 : 0;
-  else if (key == "color") std::ranges::copy(value.cast<std::array<std::uint8_t, 3>>(), brush.color);
+  if (key == "radius_mm")
+    brush.radius_mm = value.cast<double>();
+  else if (key == "tau_mm")
+    brush.tau_mm = value.cast<double>();
+  else if (key == "beta")
+    brush.beta = value.cast<double>();
+  else if (key == "strength")
+    brush.strength = value.cast<double>();
+  else if (key == "falloff")
+    brush.falloff = value.cast<std::uint32_t>();
+  else if (key == "keeps_density")
+    brush.keeps_density = value.cast<bool>() ? 1 : 0;
+  else if (key == "color")
+    std::ranges::copy(value.cast<std::array<std::uint8_t, 3>>(), brush.color);
   else
     throw py::type_error("a brush has no " + key +
                          "; it has radius_mm, tau_mm, beta, strength, falloff, keeps_density and color");
@@ -51,7 +59,8 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   const std::string scene = isScene ? cloud.cast<std::string>() : std::string();
   if (!isScene) {
     if (!py::isinstance<PyCloud>(cloud))
-      throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) + " is neither a Cloud nor the name of a scene");
+      throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) +
+                           " is neither a Cloud nor the name of a scene");
     cloud_ = cloud.cast<CloudPointer>();
   }
   feel_ = pp_default_feel();
@@ -187,15 +196,17 @@ py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size,
   return picture;
 }
 
-void PySession::startLive(const std::optional<std::string>& device, double rate, const std::optional<std::string>& builtin,
-                          const py::object& path, const py::object& law, bool allowPython, const py::list& others) {
+void PySession::startLive(const std::optional<std::string>& device, double rate,
+                          const std::optional<std::string>& builtin, const py::object& path, const py::object& law,
+                          bool allowPython, const py::list& others) {
   struct Hand {
     std::optional<std::string> device, builtin;
     std::unique_ptr<PathArray> path;
     pp_live_options options = pp_default_live_options();
   };
   std::vector<Hand> hands;
-  const auto add = [&](const std::optional<std::string>& its, const std::optional<std::string>& way, const py::object& rows) {
+  const auto add = [&](const std::optional<std::string>& its, const std::optional<std::string>& way,
+                       const py::object& rows) {
     hands.push_back({its, way, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
   };
   add(device, builtin, path);

@@ -57,7 +57,7 @@ class MatterSteps final : public SteppedControl {
   std::size_t tools_;
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
-  std::optional<double> unshown_s_;   // time of the last question, where it moved what is not shown yet
+  std::optional<double> unshown_s_;  // time of the last question, where it moved what is not shown yet
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown
   std::mutex mutex_;
   std::optional<double> shownAt_s_;  // nothing: it was taken

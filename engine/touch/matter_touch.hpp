@@ -17,7 +17,8 @@ inline constexpr double kMatterUnit_m = 1e-3;
 struct MatterTouchOptions {
   std::size_t hands = 1;  ///< as many as the simulation has tools
   unsigned threads = 0;   ///< for pictures; 0: one per core
-  bool realtime = false;  ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
+  bool realtime =
+      false;  ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
   std::string machine;    ///< that simulates
 };
 

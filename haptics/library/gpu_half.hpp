@@ -23,7 +23,7 @@ std::vector<std::string> gpuNames();
 bool hasRealGpu();
 /// Which GPU a program wants (pp_session_options), if any.
 struct GpuChoice {
-  const char* gpu = nullptr;                ///< number or part of a name; "cpu": none; null: one where there is one
+  const char* gpu = nullptr;               ///< number or part of a name; "cpu": none; null: one where there is one
   const pp_vulkan_device* lent = nullptr;  ///< in place of one by name
 
   /// The back end that answers.

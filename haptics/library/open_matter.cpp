@@ -41,7 +41,8 @@ pp_parameter parameterOf(const SimulationParameter& parameter) {
   return told;
 }
 
-OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options) : gpu_({options.gpu, options.vulkan}) {
+OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options)
+    : gpu_({options.gpu, options.vulkan}) {
   const MatterScene scene = sceneNamed(name);
   backend_ = backendOf(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
   machine_ = backend_->machine(options.threads);
@@ -57,9 +58,10 @@ OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options
 void OpenMatter::step(std::uint64_t steps) {
   const auto require = [this] {
     if (world_->state() == MatterState::running) return;
-    throw SimulationError("the simulation {} after {:.3f} s; take more substeps, and reset it",
-                          world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
-                          world_->time_s());
+    throw SimulationError(
+        "the simulation {} after {:.3f} s; take more substeps, and reset it",
+        world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
+        world_->time_s());
   };
   require();
   for (std::uint64_t k = 0; k < steps; ++k) {

@@ -74,8 +74,7 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
   if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
   backend_->check(config_);
-  const ModelLoading loading{
-      .log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  const ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
   model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
                                                        : loadModel(config_, loading));
   if (subject.frames) {
@@ -135,8 +134,9 @@ void OpenSession::record(const std::string& file) {
   const ShapeStrokes* const shape = session_->backend().shapeStrokes();
   if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
   if (edits_ > 0 || (shape && shape->counts().version > 0))
-    throw StateError("a log begins with the points as they were opened, and these have been edited; save them, and open what "
-                     "was saved");
+    throw StateError(
+        "a log begins with the points as they were opened, and these have been edited; save them, and open what "
+        "was saved");
   if (!session_->journal()) build(true, false);
   recordTo_ = file;
 }
@@ -145,7 +145,8 @@ void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
   if (!recordTo_) return;
   const std::string file = *std::exchange(recordTo_, std::nullopt);
   next_s_ = 0;
-  session_->record(file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
+  session_->record(
+      file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
 }
 
 void OpenSession::endRecording() { session_->endRecording(); }
@@ -236,10 +237,9 @@ void OpenSession::startLive(const pp_live_options& options) {
   hips_.clear();
   if (frames_) frames_->restart();
   for (std::size_t i = 0; i < hands(); ++i) session_->backend().resetHand(i);
-  live_.emplace(options, LiveHands::Surroundings{.session = *session_,
-                                                 .log = remarks_.sink(),
-                                                 .forcesOn = forcesOn_,
-                                                 .law = law_.custom()});
+  live_.emplace(options,
+                LiveHands::Surroundings{
+                    .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
   if (recordTo_ && live_->hasLaw())
     throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
   beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});

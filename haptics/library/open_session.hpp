@@ -116,9 +116,9 @@ class OpenSession {
   bool editable_ = false;
   bool hasLaw_ = false;
   std::optional<std::string> recordTo_;  // what runs next
-  double next_s_ = 0;  // where the time of what moves has come to, for the next path
-  std::vector<DVec3> hips_;          // of the hands, where a path has left them
-  std::atomic<bool> reset_ = false;  // the next path begins at 0
+  double next_s_ = 0;                    // where the time of what moves has come to, for the next path
+  std::vector<DVec3> hips_;              // of the hands, where a path has left them
+  std::atomic<bool> reset_ = false;      // the next path begins at 0
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
   std::shared_ptr<const Model> model_;

@@ -14,8 +14,8 @@ class PushedFrames final : public CloudSource {
  public:
   static constexpr std::size_t kMostWaiting = 1024;
 
-  /// Begins with the points of `first`, which stand still. `most`: points of a frame. `keeps`: each has its place in all
-  /// frames.
+  /// Begins with the points of `first`, which stand still. `most`: points of a frame. `keeps`: each has its place in
+  /// all frames.
   PushedFrames(const PointCloud& first, std::size_t most, bool keeps);
 
   std::size_t size() const override { return most_; }

@@ -24,7 +24,8 @@ struct TickRoom {
   double* torques_mNm = nullptr;  ///< 3 for each row; null: not wanted
 };
 
-void runInto(const TickRoom& room, OpenSession& session, std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
+void runInto(const TickRoom& room, OpenSession& session, std::vector<Path> paths,
+             const std::optional<BrushConfig>& brush) {
   if (paths.size() != session.hands())
     throw UsageError("paths: {} were given to a session of {} hands, each of which follows one", paths.size(),
                      session.hands());
@@ -64,7 +65,8 @@ Pose poseFrom(const pp_pose& pose, const double* turn) {
   Pose asked{.time_s = pose.t_s, .hip = {pose.hip[0], pose.hip[1], pose.hip[2]}, .sculpts = pose.feels == 0};
   if (turn) asked.turn = {turn[0], turn[1], turn[2], turn[3]};
   if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: is not finite");
-  if (!isTurn(asked.turn)) throw UsageError("turns: {}, {}, {}, {} is no unit quaternion", turn[0], turn[1], turn[2], turn[3]);
+  if (!isTurn(asked.turn))
+    throw UsageError("turns: {}, {}, {}, {} is no unit quaternion", turn[0], turn[1], turn[2], turn[3]);
   return asked;
 }
 
@@ -100,8 +102,9 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 }
 
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
-  return with(session, Claim::all,
-              [&](OpenSession& open) { runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt); });
+  return with(session, Claim::all, [&](OpenSession& open) {
+    runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
+  });
 }
 
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
@@ -141,7 +144,8 @@ pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double*
     const std::span<const AskedTick> ticks = open.touch({asked.data(), hands});
     for (std::size_t i = 0; i < hands; ++i) {
       contacts[i] = contactOf(ticks[i].contact, asked[i].hip, ticks[i].force_N, open.model().scale.mm_per_unit);
-      for (int k = 0; torques_mNm && k < 3; ++k) torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
+      for (int k = 0; torques_mNm && k < 3; ++k)
+        torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
     }
   });
 }
@@ -151,9 +155,7 @@ pp_status pp_touch_lift(pp_session session) {
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
-  return with(session, Claim::all, [&](OpenSession& open) {
-    open.setBrush(brushOr(brush));
-  });
+  return with(session, Claim::all, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
 pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
@@ -249,9 +251,7 @@ pp_status pp_mesh_close(pp_mesh mesh) {
 }
 
 pp_status pp_live_start(pp_session session, const pp_live_options* options) {
-  return with(session, Claim::all, [&](OpenSession& open) {
-    open.startLive(optionsFrom(options, "options"));
-  });
+  return with(session, Claim::all, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
 pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {

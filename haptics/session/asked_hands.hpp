@@ -34,8 +34,8 @@ class AskedHands {
   AskedHands(Session& session, const AskedHandsOptions& options);
 
   std::size_t count() const { return hands_.size(); }
-  /// A pose for each hand, all of the same time; the answers stand until the next call. Allocates nothing while nothing is
-  /// edited. On any fault the force is zero and the contact not valid.
+  /// A pose for each hand, all of the same time; the answers stand until the next call. Allocates nothing while nothing
+  /// is edited. On any fault the force is zero and the contact not valid.
   std::span<const AskedTick> tick(std::span<const Pose> poses) noexcept;
   /// All were lifted, and are put down elsewhere with the next poses.
   void lift() noexcept;
@@ -47,7 +47,7 @@ class AskedHands {
 
   Session& session_;
   double budget_us_;
-  std::vector<ForceLaw> laws_;   // one for each hand, as these
+  std::vector<ForceLaw> laws_;  // one for each hand, as these
   std::vector<AskedTick> hands_;
   TickObserver takesEdits_;
   std::optional<double> lastTime_s_;

@@ -89,23 +89,22 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   // Where this back end feels points alone, the CPU moves them.
   const std::unique_ptr<BackendKind> cpu = capabilities().movesSoftBodies ? nullptr : cpuBackend();
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
-  auto source = std::make_unique<SoftSource>(std::move(world),
-                                             SoftSourceOptions{.points = request.model.cloud.size(),
-                                                               .hands = request.tools.size(),
-                                                               .radius = request.surface.radius,
-                                                               .toolReach = reach,
-                                                               .mostAtOnce = kMostAtOnce});
+  auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
+                                                                                 .hands = request.tools.size(),
+                                                                                 .radius = request.surface.radius,
+                                                                                 .toolReach = reach,
+                                                                                 .mostAtOnce = kMostAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
   felt.brush.reset();  // the body has it, and its points follow
   felt.paintable = false;
   auto surface = make(felt);
-  auto touch = std::make_unique<SoftTouch>(
-      std::move(source), std::move(surface),
-      SoftTouchOptions{.tools = request.tools,
-                       .friction = request.config.surface.friction,
-                       .brush = request.brush,
-                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+  auto touch =
+      std::make_unique<SoftTouch>(std::move(source), std::move(surface),
+                                  SoftTouchOptions{.tools = request.tools,
+                                                   .friction = request.config.surface.friction,
+                                                   .brush = request.brush,
+                                                   .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
   touch->setRealtime(request.config.realtime);
   return touch;
 }

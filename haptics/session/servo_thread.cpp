@@ -3,8 +3,7 @@
 namespace palpate {
 
 ServoThread::ServoThread(Session& session, std::span<const OpenHand> hands, const Options& options)
-    : feed_(hands.size()),
-      thread_([this, &session, all = std::vector<OpenHand>(hands.begin(), hands.end()), options] {
+    : feed_(hands.size()), thread_([this, &session, all = std::vector<OpenHand>(hands.begin(), hands.end()), options] {
         run(session, all, options);
       }) {}
 

@@ -27,7 +27,8 @@ class ServoThread {
   ServoThread(const ServoThread&) = delete;
   ServoThread& operator=(const ServoThread&) = delete;
 
-  /// Appends the ticks since the last call, as TickFeed does: a row for each hand. What is not taken for half a minute at 1 kHz is left out.
+  /// Appends the ticks since the last call, as TickFeed does: a row for each hand. What is not taken for half a minute
+  /// at 1 kHz is left out.
   void take(std::vector<TraceRow>& rows) { feed_.take(rows); }
   /// Waits for the tick under way; the device has no force then.
   void stop();

@@ -101,8 +101,9 @@ class Session {
   void setParameter(std::string_view name, double value);
 
   /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
-  /// run, of whose options the rate and the clock are recorded. `onFault` hears at once, on the log's thread, what cannot be written; SessionRecording::takeFault() has it
-  /// otherwise. Throws FileError, and Error where no journal is kept.
+  /// run, of whose options the rate and the clock are recorded. `onFault` hears at once, on the log's thread, what
+  /// cannot be written; SessionRecording::takeFault() has it otherwise. Throws FileError, and Error where no journal is
+  /// kept.
   void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return recording_.get(); }
   /// Ends the log: says how the session ended. Throws FileError where not all could be written.

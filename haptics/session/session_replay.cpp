@@ -27,7 +27,7 @@ std::vector<PointState> edited(const std::string& log, const Model& model, const
   for (const PointState& state : edits.points)
     if (state.number() >= most || state.parent >= most)
       throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
-                                               std::max(state.number(), state.parent), most));
+                                       std::max(state.number(), state.parent), most));
   Journal journal(model.cloud);
   journal.follow(edits);
   return {journal.points().begin(), journal.points().end()};
@@ -66,8 +66,9 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(config, loading);
   recorded.scale = recorded.model.scale;
   if (recorded.model.cloud.size() != recorded.session.points)
-    throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with {}",
-                                            recorded.model.cloud.size(), recorded.session.points, parts.naming));
+    throw FileError(model.file,
+                    fmt::format("has {} points, and that of the session had {}; name the right model with {}",
+                                recorded.model.cloud.size(), recorded.session.points, parts.naming));
   if (checksumOf(recorded.model) != recorded.session.checksum)
     throw FileError(model.file,
                     fmt::format("has changed since the session: its points are others; name the right model with {}",
@@ -89,19 +90,20 @@ SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
   config.hands = {HandConfig{}};
   config.duration_s = 0;  // as long as the recording
   SessionAgain again;
-  Session session(config, std::move(recorded.model),
-                  {.backend = parts.backends.named(config.backend.name),
-                   .threads = parts.threads,
-                   .journal = true,
-                   .undo_bytes = undoBytes(config.undo),
-                   .log = &parts.log,
-                   .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
+  Session session(
+      config, std::move(recorded.model),
+      {.backend = parts.backends.named(config.backend.name),
+       .threads = parts.threads,
+       .journal = true,
+       .undo_bytes = undoBytes(config.undo),
+       .log = &parts.log,
+       .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
   ReplayDevice device(record.ticks, recorded.session.limits);
   TickTap tap(session.backend(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
   const OpenHand hand{.device = &device,
-                         .map = recorded.session.map,
-                         .duration_s = record.ticks.back().time_s,
-                         .passivity = recorded.session.passivity};
+                      .map = recorded.session.map,
+                      .duration_s = record.ticks.back().time_s,
+                      .passivity = recorded.session.passivity};
   again.result = session.run({&hand, 1}, {.recorder = &tap});
   session.finish();
   if (record.end) session.undo(config.undo.undo, config.undo.redo);

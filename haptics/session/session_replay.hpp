@@ -1,4 +1,5 @@
-// A recorded session once more: its model, its edits, and all of it run again in virtual time and held against the record.
+// A recorded session once more: its model, its edits, and all of it run again in virtual time and held against the
+// record.
 #pragma once
 
 #include <optional>

@@ -19,7 +19,8 @@ class TickFeed final : public TickRecorder {
   /// Also notified of every tick; set while no servo thread runs.
   void setListener(TickRecorder* listener) { listener_ = listener; }
 
-  /// Appends the rows since the last call: those of all hands at a tick, and then those at the next one. For one thread.
+  /// Appends the rows since the last call: those of all hands at a tick, and then those at the next one. For one
+  /// thread.
   void take(std::vector<TraceRow>& rows);
   /// On which core the last tick was served; negative before the first.
   int core() const { return core_.load(std::memory_order_relaxed); }

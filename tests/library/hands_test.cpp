@@ -72,7 +72,7 @@ TEST_CASE("each of several hands feels what it would feel alone, and its path's 
   const pp_tick& stays = ran.ticks[3 * 199 + 2];
   CHECK(stays.hip[1] == doctest::Approx(kBallRadius - 1.5));
   CHECK(stays.contact == 1);
-  CHECK(ran.ticks[3 * 199 + 1].force_N[0] < -1);  // out of the ball, to its own side
+  CHECK(ran.ticks[3 * 199 + 1].force_N[0] < -1);                   // out of the ball, to its own side
   for (const double torque : ran.torques_mNm) CHECK(torque == 0);  // points have none
 }
 
@@ -128,12 +128,16 @@ TEST_CASE("hands, poses and paths that do not go together are refused, and the s
   CHECK(pp_session_touch(two.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("2 hands"));
   const pp_path* const paths[]{&path, &path, &path};
-  CHECK(pp_session_touch_hands(two.session, paths, 3, nullptr, ticks.data(), nullptr, 400, &count) == PP_ERROR_ARGUMENT);
-  CHECK(pp_session_touch_hands(two.session, nullptr, 2, nullptr, ticks.data(), nullptr, 400, &count) == PP_ERROR_ARGUMENT);
-  CHECK(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 399, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch_hands(two.session, paths, 3, nullptr, ticks.data(), nullptr, 400, &count) ==
+        PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch_hands(two.session, nullptr, 2, nullptr, ticks.data(), nullptr, 400, &count) ==
+        PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch_hands(two.session, paths, 2, nullptr, ticks.data(), nullptr, 399, &count) ==
+        PP_ERROR_ARGUMENT);
   CHECK(lastErrorSays("capacity"));
   const pp_path* const missing[]{&path, nullptr};
-  CHECK(pp_session_touch_hands(two.session, missing, 2, nullptr, ticks.data(), nullptr, 400, &count) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_touch_hands(two.session, missing, 2, nullptr, ticks.data(), nullptr, 400, &count) ==
+        PP_ERROR_ARGUMENT);
   std::array<pp_pose, 2> poses{};
   std::array<pp_contact, 2> contacts{};
   CHECK(pp_touch(two.session, poses.data(), contacts.data()) == PP_ERROR_ARGUMENT);
@@ -212,9 +216,7 @@ TEST_CASE("a pad touches with many points, turns the hand where it stands on an 
   pp_contact contact{};
   std::array<double, 3> torque{};
   const std::array<double, 4> straight{1, 0, 0, 0}, about{0, 1, 0, 0};
-  const auto poseAt = [](int i) {
-    return pp_pose{.t_s = 1e-3 * i, .hip = {8, 0, std::max(48.0, 54 - 0.1 * i)}};
-  };
+  const auto poseAt = [](int i) { return pp_pose{.t_s = 1e-3 * i, .hip = {8, 0, std::max(48.0, 54 - 0.1 * i)}}; };
   for (int i = 0; i < 100; ++i) {
     const pp_pose now = poseAt(i);
     PP_REQUIRE_OK(pp_touch_hands(padded.session, &now, straight.data(), 1, &contact, torque.data()));

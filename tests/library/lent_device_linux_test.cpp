@@ -1,5 +1,5 @@
-// A Vulkan device that a program has made for itself, lent through the C interface: felt, sculpted, drawn, meshed on, and left
-// as it was.
+// A Vulkan device that a program has made for itself, lent through the C interface: felt, sculpted, drawn, meshed on,
+// and left as it was.
 #include <algorithm>
 #include <atomic>
 #include <thread>
@@ -92,9 +92,14 @@ TEST_CASE("what a device that is lent lacks is named, and the program keeps it")
   refused([](pp_vulkan_device& device) { device.instance = nullptr; }, PP_ERROR_GPU, "instance");
   refused([](pp_vulkan_device& device) { device.device = nullptr; }, PP_ERROR_GPU, "device");
   refused([](pp_vulkan_device& device) { device.features = nullptr; }, PP_ERROR_GPU, "features");
-  refused([](pp_vulkan_device& device) { device.get_instance_proc_addr = nullptr; }, PP_ERROR_GPU, "vkGetInstanceProcAddr");
+  refused([](pp_vulkan_device& device) { device.get_instance_proc_addr = nullptr; }, PP_ERROR_GPU,
+          "vkGetInstanceProcAddr");
   refused([](pp_vulkan_device& device) { device.throughput = {}; }, PP_ERROR_GPU, "queue");
-  refused([](pp_vulkan_device& device) { device.latency = {device.throughput.handle, 99, 0}; }, PP_ERROR_GPU, "family 99");
+  refused(
+      [](pp_vulkan_device& device) {
+        device.latency = {device.throughput.handle, 99, 0};
+      },
+      PP_ERROR_GPU, "family 99");
   refused([](pp_vulkan_device& device) { device.unlock = nullptr; }, PP_ERROR_GPU, "unlock");
   refused([](pp_vulkan_device& device) { device.size = 5; }, PP_ERROR_ARGUMENT, "size");
   const pp_vulkan_device nothing = pp_default_vulkan_device();
@@ -139,8 +144,8 @@ TEST_CASE("strokes, matter and meshes run on a device that is lent, and several 
   picture.has_background = 1;
   std::vector<std::uint8_t> rgba(std::size_t{4} * 64 * 48, 7);
   PP_REQUIRE_OK(pp_session_render(two, &picture, rgba.data(), rgba.size()));
-  CHECK(rgba[0] + rgba[1] + rgba[2] == 0);                                // black behind
-  CHECK(rgba[4 * (24 * 64 + 32)] + rgba[4 * (24 * 64 + 32) + 1] > 20);    // and the ball in the middle
+  CHECK(rgba[0] + rgba[1] + rgba[2] == 0);                              // black behind
+  CHECK(rgba[4 * (24 * 64 + 32)] + rgba[4 * (24 * 64 + 32) + 1] > 20);  // and the ball in the middle
   pp_matter_options alone = pp_default_matter_options();
   alone.vulkan = &lent.device;
   pp_matter water{};

@@ -210,7 +210,8 @@ TEST_CASE("scenes that are not there, and calls that do not fit, are refused in 
   const SceneFile broken(R"({"matter": "water", "box_mm": [80, 120]})");
   CHECK(pp_session_open_matter(broken.name().c_str(), &options, &session) == PP_ERROR_FILE);
   CHECK_MESSAGE(lastErrorSays("fill_mm"), std::string(pp_last_error()));
-  const SceneFile huge(R"({"matter": "water", "box_mm": [9000, 9000, 9000], "fill_mm": [9000, 9000, 9000], "spacing_mm": 1})");
+  const SceneFile huge(
+      R"({"matter": "water", "box_mm": [9000, 9000, 9000], "fill_mm": [9000, 9000, 9000], "spacing_mm": 1})");
   CHECK(pp_matter_open(huge.name().c_str(), nullptr, &matter) != PP_OK);
   CHECK(matter.id == 0);
   CHECK(session.id == 0);

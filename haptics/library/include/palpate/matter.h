@@ -28,7 +28,8 @@ typedef struct pp_moving_points {
 PP_API pp_status pp_frame_view(pp_frame frame, pp_moving_points* points);
 PP_API pp_status pp_frame_close(pp_frame frame);
 
-/* The points of a session of matter, or of frames, as they are. While it is live that waits for a newer one, 50 ms at most. */
+/* The points of a session of matter, or of frames, as they are. While it is live that waits for a newer one, 50 ms at
+ * most. */
 PP_API pp_status pp_session_frame(pp_session session, pp_frame* frame);
 /* It stands still, and no hand feels it, while `on` is 1. */
 PP_API pp_status pp_session_hold(pp_session session, uint32_t on);
@@ -41,8 +42,8 @@ PP_API pp_status pp_session_set_parameter(pp_session session, const char* name, 
 
 typedef struct pp_motion {
   uint32_t size;
-  uint32_t held;     /* 1: by pp_session_hold() */
-  uint32_t failed;   /* 1: no answer is valid until it is reset */
+  uint32_t held;   /* 1: by pp_session_hold() */
+  uint32_t failed; /* 1: no answer is valid until it is reset */
   uint32_t hands;
   char failure[64];  /* why, in words that follow "the simulation"; empty while it has not */
   double left_out_s; /* time by which it has stayed behind the clock, and which it leaves out */
@@ -82,18 +83,18 @@ PP_API pp_status pp_matter_set_parameter(pp_matter matter, const char* name, dou
 
 typedef struct pp_matter_state {
   uint32_t size;
-  uint32_t failed;       /* 1: it goes on once it is reset */
-  uint32_t substeps;     /* in a millisecond */
+  uint32_t failed;   /* 1: it goes on once it is reset */
+  uint32_t substeps; /* in a millisecond */
   uint32_t reserved;
   uint64_t particles;    /* or nodes of a soft body */
   uint64_t inside_model; /* particles that are within what stands in the scene */
   double t_s;
   double kinetic_J, potential_J; /* in gravity, from the corner at 0 */
   double momentum_kg_m_s[3];
-  double max_compression;  /* share by which the densest place exceeds the density at rest */
-  double front_mm;         /* along x, how far matter has come */
-  double on_model_N[3];    /* force on what stands in the scene, mean of the last step; 0 where nothing does */
-  char machine[112];       /* that simulates, in words; cut off */
+  double max_compression; /* share by which the densest place exceeds the density at rest */
+  double front_mm;        /* along x, how far matter has come */
+  double on_model_N[3];   /* force on what stands in the scene, mean of the last step; 0 where nothing does */
+  char machine[112];      /* that simulates, in words; cut off */
 } pp_matter_state;
 PP_OPTIONS(matter_state)
 /* Looks at all particles. */

@@ -170,7 +170,8 @@ class Log : public detail::Owned<pp_log, pp_log_close> {
 };
 
 /// Runs a recorded session again, and says whether it came out the same.
-inline pp_replay_result replay(const std::string& file, const pp_replay_options& options = pp_default_replay_options()) {
+inline pp_replay_result replay(const std::string& file,
+                               const pp_replay_options& options = pp_default_replay_options()) {
   pp_replay_result result = pp_default_replay_result();
   check(pp_log_replay(file.c_str(), &options, &result));
   return result;
@@ -258,7 +259,8 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
   /// The same for all hands at once. `turns`: of their tools, w x y z each; null: none is turned.
   std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* turns = nullptr) {
     std::vector<pp_contact> contacts(poses.size());
-    check(pp_touch_hands(handle(), poses.data(), turns, static_cast<std::uint32_t>(poses.size()), contacts.data(), nullptr));
+    check(pp_touch_hands(handle(), poses.data(), turns, static_cast<std::uint32_t>(poses.size()), contacts.data(),
+                         nullptr));
     return contacts;
   }
   void lift() { check(pp_touch_lift(handle())); }

@@ -1,5 +1,5 @@
-/* palpate's C interface: a Vulkan device that a program has made, and lends. palpate.h includes this; no header of Vulkan's
- * is needed for it. */
+/* palpate's C interface: a Vulkan device that a program has made, and lends. palpate.h includes this; no header of
+ * Vulkan's is needed for it. */
 #ifndef PALPATE_VULKAN_H
 #define PALPATE_VULKAN_H
 #ifndef PALPATE_H
@@ -13,9 +13,9 @@ typedef struct pp_vulkan_queue {
   uint32_t reserved;
 } pp_vulkan_queue;
 
-/* What a program has made, and what it made it with, which Vulkan tells nobody afterwards. All of it outlives what is opened
- * on it and is left as it is; the chain of features is read while that is opened, and no longer. One program has one loader:
- * get_instance_proc_addr is the same in all calls. The device needs bufferDeviceAddress, scalarBlockLayout,
+/* What a program has made, and what it made it with, which Vulkan tells nobody afterwards. All of it outlives what is
+ * opened on it and is left as it is; the chain of features is read while that is opened, and no longer. One program has
+ * one loader: get_instance_proc_addr is the same in all calls. The device needs bufferDeviceAddress, scalarBlockLayout,
  * synchronization2 and computeFullSubgroups; what is missing is named in the error. */
 typedef struct pp_vulkan_device {
   uint32_t size;
@@ -30,8 +30,8 @@ typedef struct pp_vulkan_device {
   pp_vulkan_queue background;   /* none: that of throughput */
   uint32_t validated;           /* 1: a validation layer watches the instance */
   uint32_t debug_utils;         /* 1: the instance has VK_EXT_debug_utils: objects and passes get names */
-  /* Called around every submission to a queue, by the thread that submits, for as long as vkQueueSubmit2 takes: the program
-   * holds the same lock where it uses the queue itself. Both or neither; null where it never does. */
+  /* Called around every submission to a queue, by the thread that submits, for as long as vkQueueSubmit2 takes: the
+   * program holds the same lock where it uses the queue itself. Both or neither; null where it never does. */
   void (*lock)(void* user, void* queue);
   void (*unlock)(void* user, void* queue);
   void* lock_user;
