@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 namespace palpate::python {
 
@@ -94,10 +95,21 @@ PySession::PySession(const py::object& cloud, const SessionSettings& settings, L
   pp_frames_options frames = pp_default_frames_options();
   frames.keeps_points = settings.keeps_points ? 1 : 0;
   frames.most_points = settings.most_points;
-  if (isScene && settings.moving) refuse("moving: a scene moves by itself; leave it out");
+  if (isScene && settings.moving) refuse("moving: what is no Cloud moves by itself; leave it out");
+  const bool isFolder = isScene && std::filesystem::is_directory(scene);
+  if (!isFolder && (settings.speed != 1 || settings.loop || settings.fuse))
+    refuse("speed, loop, fuse: are of a recorded depth camera, in a folder");
+  pp_stream_options stream = pp_default_stream_options();
+  stream.speed = settings.speed;
+  stream.loop = settings.loop ? 1 : 0;
+  stream.fuse = settings.fuse ? 1 : 0;
   if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
     refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
   py::gil_scoped_release released;
+  if (isFolder) {
+    session_ = pp::Session::ofStream(scene, stream, options);
+    return;
+  }
   if (settings.moving) {
     session_ = pp::Session::ofFrames(cloud_->cloud(), frames, options);
     return;

@@ -28,6 +28,8 @@ struct SessionSettings {
   std::array<double, 3> tool_axis{};
   bool moving = false, keeps_points = false;
   std::uint64_t most_points = 0;
+  double speed = 1;
+  bool loop = false, fuse = false;
 };
 
 /// Whatever brush.

@@ -87,11 +87,12 @@ void bindSessions(py::module_& module) {
                        double damping, double max_force, double rate, bool estimate_normals, std::uint32_t threads,
                        double undo_memory_MiB, std::uint32_t hands, const std::string& tool, std::uint32_t tool_points,
                        double tool_size_mm, const Vector& tool_axis, bool moving, bool keeps_points,
-                       std::uint64_t most_points, const py::object& law, bool allow_python) {
+                       std::uint64_t most_points, double speed, bool loop, bool fuse, const py::object& law, bool allow_python) {
              const SessionSettings settings{gpu,     mm_per_unit, surface,          radius_mm, friction,
                                             stiffness, damping,   max_force,        rate,      estimate_normals,
                                             threads, undo_memory_MiB, hands,        tool,      tool_points,
-                                            tool_size_mm, tool_axis, moving, keeps_points, most_points};
+                                            tool_size_mm, tool_axis, moving, keeps_points, most_points, speed, loop,
+                                            fuse};
              return std::make_unique<PySession>(cloud, settings, Law(law, allow_python));
            }),
            py::arg("cloud"), py::arg("gpu") = py::none(), py::arg("mm_per_unit") = py::none(),
@@ -102,7 +103,8 @@ void bindSessions(py::module_& module) {
            py::arg("undo_memory_MiB") = usual.undo_memory_MiB, py::arg("hands") = usual.hands, py::arg("tool") = "point",
            py::arg("tool_points") = tools.points, py::arg("tool_size_mm") = tools.size_mm,
            py::arg("tool_axis") = Vector{tools.axis[0], tools.axis[1], tools.axis[2]}, py::arg("moving") = false,
-           py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("law") = py::none(),
+           py::arg("keeps_points") = false, py::arg("most_points") = 0, py::arg("speed") = 1.0, py::arg("loop") = false,
+           py::arg("fuse") = false, py::arg("law") = py::none(),
            py::arg("allow_python") = false)
       .def("close", &PySession::close)
       .def_property_readonly("remarks", &PySession::remarks)

@@ -101,6 +101,13 @@ pp_mesh_options usual() {
   return options;
 }
 
+template <>
+pp_stream_options usual() {
+  auto options = sized<pp_stream_options>();
+  options.speed = StreamConfig{}.speed;
+  return options;
+}
+
 }  // namespace palpate::library
 
 // A program of any age says how large it knows the struct to be.
@@ -127,6 +134,7 @@ PALPATE_INIT(matter_state)
 PALPATE_INIT(replay_options)
 PALPATE_INIT(frames_options)
 PALPATE_INIT(frame_arrays)
+PALPATE_INIT(stream_options)
 PALPATE_INIT(replay_result)
 
 #undef PALPATE_INIT

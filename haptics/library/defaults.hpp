@@ -27,5 +27,7 @@ template <>
 pp_picture_options usual();
 template <>
 pp_mesh_options usual();
+template <>
+pp_stream_options usual();
 
 }  // namespace palpate::library

@@ -1,4 +1,5 @@
-// The C interface: clouds whose frames a program brings, and the points of what moves.
+// The C interface: clouds whose frames a program brings, and recorded depth cameras.
+#include "engine/io/rgbd_folder.hpp"
 #include "haptics/library/held_session.hpp"
 #include "haptics/library/options.hpp"
 
@@ -14,6 +15,25 @@ pp_status pp_session_open_frames(pp_cloud cloud, const pp_frames_options* frames
     subject.model = found->source;
     subject.cloud = &found->cloud;
     subject.frames = optionsFrom(frames, "frames");
+    *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
+  });
+}
+
+pp_status pp_session_open_stream(const char* folder, const pp_stream_options* stream, const pp_session_options* options,
+                                 pp_session* session) {
+  return guarded([&] {
+    const std::string name = &required(folder, "folder");
+    required(session, "session");
+    if (!isRgbdFolder(name)) throw FileError(name, "is no folder of a recorded depth camera");
+    const pp_stream_options given = optionsFrom(stream, "stream");
+    Subject subject;
+    subject.model.file = name;
+    subject.stream.emplace();
+    subject.stream->speed = given.speed;
+    subject.stream->loop = given.loop != 0;
+    subject.stream->fuse = given.fuse != 0;
+    subject.stream->depthScale = given.depth_scale;
+    subject.stream->intrinsics = textOf(given.intrinsics);
     *session = opened<pp_session>(std::make_shared<OpenSession>(subject, optionsFrom(options, "options")));
   });
 }

@@ -27,6 +27,7 @@ SessionConfig configFrom(const Subject& subject, const pp_session_options& optio
   config.model.mm_per_unit = options.mm_per_unit;
   if (options.estimate_normals) config.model.normals = NormalSource::estimate;
   config.matter = subject.scene;
+  config.stream = subject.stream;
   if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
   config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;

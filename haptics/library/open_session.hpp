@@ -25,6 +25,7 @@ struct Subject {
   ModelConfig model;  ///< with the name of its file
   const PointCloud* cloud = nullptr;
   std::optional<MatterScene> scene;
+  std::optional<StreamConfig> stream;       ///< a recorded depth camera, in the model's folder
   std::optional<pp_frames_options> frames;  ///< whose points a program moves, frame by frame
 };
 

@@ -2,9 +2,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <thread>
 
 #include "tests/library/ball.hpp"
+#include "tests/png_bytes.hpp"
+#include "tests/scratch_folder.hpp"
 
 namespace palpate {
 
@@ -139,6 +142,69 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(ticks[5].contact == 0);
   CHECK(ticks[count - 1].contact == 1);
   CHECK(ticks[count - 1].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
+}
+
+TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is seen as it is") {
+  // A wall half a metre away that comes a millimetre nearer with each frame, of which there are a hundred a second.
+  constexpr std::uint32_t kWidth = 40, kHeight = 30, kFrames = 10;
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder / "depth");
+  for (std::uint32_t i = 0; i < kFrames; ++i)
+    writeBytes(folder / "depth" / ("000" + std::to_string(i) + ".png"),
+               greyPng(kWidth, kHeight, std::vector<std::uint16_t>(kWidth * kHeight, static_cast<std::uint16_t>(25'000 - 50 * i))));
+  writeBytes(folder / "intrinsics.json", R"({"width": 40, "height": 30, "fx": 100, "fy": 100, "cx": 19.5, "cy": 14.5,
+                                             "depth_scale": 50000, "fps": 100})");
+  const std::string name = folder.path().string();
+  pp_session session{};
+  pp_session_options options = cpuOptions();
+  options.mm_per_unit = 1000;
+  PP_REQUIRE_OK(pp_session_open_stream(name.c_str(), nullptr, &options, &session));
+  pp_session_info info = pp_default_session_info();
+  PP_REQUIRE_OK(pp_session_get_info(session, &info));
+  CHECK(info.points == kWidth * kHeight);
+  CHECK(info.mm_per_unit == 1000);
+  // A hand 2.5 mm before the wall.
+  std::vector<double> rows;
+  for (int i = 0; i < 120; ++i) rows.insert(rows.end(), {0, 0, 0.4975});
+  const auto ticks = touch(session, pathOf(rows));
+  CHECK(ticks[15].contact == 0);
+  CHECK(ticks[60].contact == 1);
+  CHECK(ticks[119].penetration_mm > ticks[60].penetration_mm + 1);
+  CHECK(ticks[119].penetration_mm < 9);
+  pp_frame frame{};
+  PP_REQUIRE_OK(pp_session_frame(session, &frame));
+  pp_moving_points points{};
+  PP_REQUIRE_OK(pp_frame_view(frame, &points));
+  CHECK(points.points.max[2] == doctest::Approx(0.491).epsilon(1e-3));
+  PP_REQUIRE_OK(pp_frame_close(frame));
+  // Live it begins with the first frame again.
+  const std::vector<double> stay{0, 0, 0, 0.4975};
+  const pp_path path = pathOf(stay, 4);
+  pp_live_options live = pp_default_live_options();
+  live.path = &path;
+  live.rate_Hz = 500;
+  PP_REQUIRE_OK(pp_live_start(session, &live));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  std::vector<pp_tick> felt(4096);
+  std::uint64_t count = 0;
+  PP_REQUIRE_OK(pp_live_take(session, felt.data(), felt.size(), &count));
+  PP_REQUIRE_OK(pp_live_stop(session));
+  REQUIRE(count > 50);
+  CHECK(felt[count - 1].contact == 1);
+  pp_brush brush = pp_default_brush();
+  CHECK(pp_session_set_brush(session, &brush) == PP_ERROR_ARGUMENT);
+  pp_frame_arrays pushed = pp_default_frame_arrays();
+  CHECK(pp_session_push_frame(session, &pushed) != PP_OK);
+  PP_REQUIRE_OK(pp_session_close(session));
+  pp_stream_options stream = pp_default_stream_options();
+  stream.speed = -1;
+  CHECK(pp_session_open_stream(name.c_str(), &stream, &options, &session) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("speed"));
+  stream.speed = 1;
+  stream.intrinsics = "/nowhere.json";
+  CHECK(pp_session_open_stream(name.c_str(), &stream, &options, &session) == PP_ERROR_FILE);
+  CHECK(pp_session_open_stream("/nowhere", nullptr, &options, &session) == PP_ERROR_FILE);
+  CHECK(pp_session_open_stream(nullptr, nullptr, &options, &session) == PP_ERROR_ARGUMENT);
 }
 
 TEST_CASE("frames that are no frames are refused, and what was felt is felt on") {

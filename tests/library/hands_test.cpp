@@ -1,6 +1,7 @@
 // Several hands, and tools of many points: by path, tick by tick and live.
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <thread>
 
@@ -112,6 +113,21 @@ TEST_CASE("a host's own loop pulls two hands at once") {
   CHECK(std::abs(contacts[1].force_N[2]) < 0.1);
   for (const double torque : torques) CHECK(torque == 0);
   PP_REQUIRE_OK(pp_touch_lift(two.session));
+}
+
+TEST_CASE("a program that was built before there were hands and tools has one hand, and a point") {
+  pp_tool tool = pp_default_tool();
+  tool.kind = "nonsense that an old program does not know of";
+  pp_session_options options = handsOptions(3);
+  options.tool = &tool;
+  options.size = offsetof(pp_session_options, hands);
+  const OpenBall old(options);
+  const auto top = pressAlong(2, 1, 1);
+  CHECK(touch(old.session, pathOf(top)).back().contact == 1);
+  pp_session_options newer{};
+  pp_init_session_options(&newer, offsetof(pp_session_options, hands));
+  CHECK(newer.hands == 0);  // nothing is written behind what it knows
+  CHECK(newer.rate_Hz == 1000);
 }
 
 TEST_CASE("hands, poses and paths that do not go together are refused, and the session is unharmed") {

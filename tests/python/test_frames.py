@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+import struct
 import threading
 import time
+import zlib
 
 import numpy as np
 import palpate as pp
@@ -82,3 +85,42 @@ def test_what_is_no_frame_is_refused(moving, ball):
             pp.Session(ball, gpu="cpu", **wrong)
     with pytest.raises(ValueError, match="moving"):
         pp.Session("water", gpu="cpu", moving=True)
+
+
+def write_recording(folder) -> str:
+    """A wall half a metre away that comes a millimetre nearer with each of ten frames, a hundred a second (Redwood)."""
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    (folder / "depth").mkdir()
+    for i in range(10):
+        row = b"\0" + struct.pack(">H", 25_000 - 50 * i) * 40
+        (folder / "depth" / f"{i:04}.png").write_bytes(
+            b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 40, 30, 16, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(row * 30)) + chunk(b"IEND", b""))
+    (folder / "intrinsics.json").write_text(json.dumps(
+        {"width": 40, "height": 30, "fx": 100, "fy": 100, "cx": 19.5, "cy": 14.5, "depth_scale": 50_000, "fps": 100}))
+    return str(folder)
+
+
+def test_a_recorded_depth_camera_is_felt(tmp_path, ball):
+    folder = write_recording(tmp_path)
+    stand = np.tile([0, 0, 0.4975], (120, 1))
+    with pp.Session(folder, gpu="cpu", mm_per_unit=1000) as s:
+        assert s.mm_per_unit == 1000 and s.points == 1200
+        t = s.touch(stand)
+        assert not t["contact"][15] and t["contact"][60]
+        assert t["penetration_mm"][-1] > t["penetration_mm"][60] + 1
+        assert s.frame().positions[:, 2].max() == pytest.approx(0.491, rel=1e-3)
+        with pytest.raises(pp.UsageError):
+            s.push(stand)
+    with pp.Session(folder, gpu="cpu", mm_per_unit=1000, speed=0.1, loop=True) as slow:
+        assert not slow.touch(stand)["contact"].any()
+    with pytest.raises(pp.UsageError, match="speed"):
+        pp.Session(folder, gpu="cpu", speed=-1)
+    with pytest.raises(ValueError, match="speed"):
+        pp.Session(ball, gpu="cpu", speed=2)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(pp.Error) as caught:
+        pp.Session(str(tmp_path / "empty"), gpu="cpu")
+    assert caught.value.status == "file"

@@ -170,6 +170,43 @@ TEST_CASE("a hand that is no number gets no answer and moves nothing") {
   CHECK(pointsOf(touch, scene).positions == before.positions);
 }
 
+TEST_CASE("in virtual time a frame has the particles as the last answer has left them, each once") {
+  const MatterScene scene = tank();
+  MatterTouch touch = touched(scene);
+  CloudFrame frame;
+  CHECK_FALSE(touch.takeFrame(frame));  // nothing has moved yet
+  for (const int ticks : {1, 40, 3}) {
+    CAPTURE(ticks);
+    double time_s = frame.time_s;
+    for (int k = 0; k < ticks; ++k) touch.query(dive(time_s += 1e-3), 0);
+    REQUIRE(touch.takeFrame(frame));
+    CHECK(frame.time_s == doctest::Approx(time_s));
+    const PointCloud cloud = pointsOf(touch, scene);
+    CHECK(frame.positions == cloud.positions);
+    CHECK(frame.velocities.size() == cloud.size());
+    CHECK_FALSE(touch.takeFrame(frame));
+  }
+}
+
+TEST_CASE("a simulation changes between virtual time and the clock as it is told to, and goes on from where it is") {
+  const MatterScene scene = tank();
+  MatterTouch touch = touched(scene, {.threads = 2});
+  played(touch, 1000, 0.1);
+  const PointCloud before = pointsOf(touch, scene);
+  touch.setRealtime(true);
+  touch.setRealtime(true);
+  CHECK(pointsOf(touch, scene).positions == before.positions);
+  for (int k = 101; k < 120; ++k) touch.query(dive(1e-3 * k), 100'000);
+  touch.query(dive(0.4), 100'000);  // far behind the clock: what it has missed it leaves out
+  touch.finish();
+  CHECK(touch.simulation()->leftOut_s() > 0.2);
+  touch.setRealtime(false);
+  const double leftOut_s = touch.simulation()->leftOut_s();
+  touch.query(dive(0.5), 0);
+  CHECK(touch.simulation()->leftOut_s() == leftOut_s);  // and now it makes up for it
+  CHECK(pointsOf(touch, scene).positions != before.positions);
+}
+
 TEST_CASE("a simulation that fails gives no answer until it is reset") {
   // So fine and without weight that it takes one step at a time: its sound is slower than a hand that beats about.
   MatterScene scene{.box_mm = DVec3(16), .fill_mm = DVec3(16), .spacing_mm = 2, .gravity_m_s2 = DVec3(0)};

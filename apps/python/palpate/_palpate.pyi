@@ -141,6 +141,9 @@ class _Session:
         moving: bool = ...,
         keeps_points: bool = ...,
         most_points: int = ...,
+        speed: float = ...,
+        loop: bool = ...,
+        fuse: bool = ...,
         law: Any = ...,
         allow_python: bool = ...,
     ) -> None: ...

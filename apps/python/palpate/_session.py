@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import atexit
+import os
 import struct
 import threading
 import time
@@ -38,7 +39,8 @@ class Session(_palpate._Session):
 
     Args:
         cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by itself, as
-            of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft.
+            of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft. Or the folder of a recorded
+            depth camera (TUM, Redwood), in metres.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
         mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
@@ -56,6 +58,8 @@ class Session(_palpate._Session):
         moving: the points move, frame by frame, as add_frame() says; the cloud stands still until the first one.
         keeps_points: of those: a point has its row in all frames.
         most_points: of those: points of a frame; 0: as many as the cloud has.
+        speed, loop, fuse: of a recorded depth camera: its seconds in one of the session's; whether it begins again; whether
+            its frames become one map.
         law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc. With
             allow_python a function of Python's, which is called with a LawInput in each tick of contact.
         allow_python: takes such a function, which costs a tick some 30 us where nobody else holds Python's lock, and 5 ms and
@@ -89,6 +93,9 @@ class Session(_palpate._Session):
         moving: bool = False,
         keeps_points: bool = False,
         most_points: int = 0,
+        speed: float = 1,
+        loop: bool = False,
+        fuse: bool = False,
         law: Any = None,
         allow_python: bool = False,
     ) -> None:
@@ -114,11 +121,14 @@ class Session(_palpate._Session):
             moving=moving,
             keeps_points=keeps_points,
             most_points=most_points,
+            speed=speed,
+            loop=loop,
+            fuse=fuse,
             law=law,
             allow_python=allow_python,
         )
         self._live: Live | None = None
-        self._is_scene = isinstance(cloud, str)
+        self._is_scene = isinstance(cloud, str) and not os.path.isdir(cloud)
 
     def __enter__(self) -> Session:
         return self

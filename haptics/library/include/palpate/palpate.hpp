@@ -233,6 +233,13 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_session_open_frames(cloud.handle(), &frames, &options, &session));
     return Session(session);
   }
+  /// Of a recorded depth camera (pp_session_open_stream()).
+  static Session ofStream(const std::string& folder, const pp_stream_options& stream = pp_default_stream_options(),
+                          const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_stream(folder.c_str(), &stream, &options, &session));
+    return Session(session);
+  }
   /// From any thread.
   void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
 

@@ -1,0 +1,58 @@
+// Ticks of several hands on their way to who shows them: whole, in step, and left out whole where nobody takes them.
+#include "haptics/session/tick_feed.hpp"
+
+#include <doctest/doctest.h>
+
+namespace palpate {
+
+namespace {
+
+void tick(TickFeed& feed, std::uint64_t number, std::size_t hands) {
+  const auto row = [&](std::size_t hand) {
+    return TraceRow{.time_s = static_cast<double>(number), .neighbours = static_cast<std::uint32_t>(hand)};
+  };
+  for (std::size_t hand = 1; hand < hands; ++hand) feed.tickedToo(hand, row(hand));
+  feed.ticked(row(0), {});
+}
+
+}  // namespace
+
+TEST_CASE("the rows of all hands at a tick come together, in order") {
+  for (const std::size_t hands : {1u, 2u, 3u, 8u}) {
+    CAPTURE(hands);
+    TickFeed feed(hands);
+    std::vector<TraceRow> rows;
+    for (std::uint64_t i = 0; i < 100; ++i) {
+      tick(feed, i, hands);
+      if (i % 7 == 0) feed.take(rows);
+    }
+    feed.take(rows);
+    REQUIRE(rows.size() == 100 * hands);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      CHECK(rows[i].time_s == static_cast<double>(i / hands));
+      CHECK(rows[i].neighbours == i % hands);
+    }
+  }
+}
+
+TEST_CASE("what nobody takes is left out with all its hands, and what comes later is whole again") {
+  constexpr std::uint64_t kMore = (1 << 15) + 1000;
+  TickFeed feed(2);
+  for (std::uint64_t i = 0; i < kMore; ++i) tick(feed, i, 2);
+  // The second hand finds no room, and somebody takes all before the first hand comes.
+  std::vector<TraceRow> rows;
+  feed.tickedToo(1, {.time_s = -1, .neighbours = 1});
+  feed.take(rows);
+  feed.ticked({.time_s = -1}, {});
+  tick(feed, kMore, 2);
+  feed.take(rows);
+  REQUIRE(rows.size() == 2 * ((1 << 15) + 1));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    CHECK(rows[i].neighbours == i % 2);
+    CHECK(rows[i].time_s >= 0);
+    if (i % 2 == 1) CHECK(rows[i].time_s == rows[i - 1].time_s);
+  }
+  CHECK(rows.back().time_s == static_cast<double>(kMore));
+}
+
+}  // namespace palpate
