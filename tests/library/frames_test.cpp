@@ -175,7 +175,8 @@ TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is 
   PP_REQUIRE_OK(pp_session_frame(session, &frame));
   pp_moving_points points{};
   PP_REQUIRE_OK(pp_frame_view(frame, &points));
-  CHECK(points.points.max[2] == doctest::Approx(0.491).epsilon(1e-3));
+  CHECK(points.points.max[2] > 0.4905);  // of the last frames
+  CHECK(points.points.max[2] < 0.4925);
   PP_REQUIRE_OK(pp_frame_close(frame));
   // Live it begins with the first frame again.
   const std::vector<double> stay{0, 0, 0, 0.4975};

@@ -111,7 +111,7 @@ def test_a_recorded_depth_camera_is_felt(tmp_path, ball):
         t = s.touch(stand)
         assert not t["contact"][15] and t["contact"][60]
         assert t["penetration_mm"][-1] > t["penetration_mm"][60] + 1
-        assert s.frame().positions[:, 2].max() == pytest.approx(0.491, rel=1e-3)
+        assert 0.4905 < s.frame().positions[:, 2].max() < 0.4925  # of the last frames
         with pytest.raises(pp.UsageError):
             s.push(stand)
     with pp.Session(folder, gpu="cpu", mm_per_unit=1000, speed=0.1, loop=True) as slow:
