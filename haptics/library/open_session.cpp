@@ -145,7 +145,6 @@ void OpenSession::record(const std::string& file) {
 void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
   if (!recordTo_) return;
   const std::string file = *std::exchange(recordTo_, std::nullopt);
-  next_s_ = 0;
   session_->record(
       file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
 }
