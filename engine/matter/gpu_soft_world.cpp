@@ -39,6 +39,7 @@ SoftSizes sizesOf(const SoftLayout& layout, std::span<const char> pinned, std::s
           .firstInner = layout.firstInner,
           .slots = layout.slots,
           .stride = layout.stride,
+          .skinNodes = layout.skinNodes,
           .skin = static_cast<std::uint32_t>(layout.skin.size() / shared::kSkinVec4s),
           .points = static_cast<std::uint32_t>(points),
           .tools = static_cast<std::uint32_t>(tools),
@@ -66,8 +67,7 @@ GpuSoftWorld::Frames::Frames(GpuSoftWorld& world)
     : positions(Buffer::of<Vec4>(world.device_, world.sizes_.points, Memory::device, "soft positions")),
       normals(Buffer::of<Vec4>(world.device_, world.sizes_.points, Memory::device, "soft normals")),
       velocities(Buffer::of<Vec4>(world.device_, world.sizes_.points, Memory::device, "soft velocities")),
-      list(world.device_, world.queue_, "soft frame",
-           world.timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections) {
+      list(world.device_, world.queue_, "soft frame", world.timing()) {
   list.begin();
   {
     const auto section = list.section(kFrame);
@@ -105,8 +105,9 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
       sizes_(sizesOf(layout, pinned_, points.size(), tools(), plan())),
       memory_(device, sizes_),
       passes_(device),
+      press_(device, memory_, sizes_),
       timesPasses_(options.timesPasses),
-      step_(device, queue, "soft", timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections) {
+      step_(device, queue, "soft", timing()) {
   PALPATE_CHECK(scene.matter == Matter::soft);
   memory_.setting.mapped<shared::SoftSetting>()[0].beyond = layout.beyond;
   uploadBody(layout);
@@ -125,7 +126,8 @@ void GpuSoftWorld::takeParameters() {
   for (std::size_t i = 0; i < masses_.size(); ++i)
     if (pinned_[i] == 0) gravityOfSubstep_ += static_cast<double>(masses_[i]) * DVec3(setting.fall);
   sizes_.substeps = plan().substeps;
-  recordStep();
+  record(step_, nullptr);
+  pressedStep_.reset();
 }
 
 void GpuSoftWorld::stiffenSkin(double times) {
@@ -140,6 +142,7 @@ void GpuSoftWorld::uploadBody(const SoftLayout& layout) {
   upload(device_, queue_, memory_.incident, layout.incident);
   upload(device_, queue_, memory_.skinCells, layout.skinCells);
   upload(device_, queue_, memory_.skin, layout.skin);
+  upload(device_, queue_, memory_.skinNormals, layout.skinNormals);
 }
 
 void GpuSoftWorld::uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points,
@@ -157,14 +160,26 @@ void GpuSoftWorld::uploadPoints(const SoftLattice& lattice, std::span<const Surf
   upload(device_, queue_, memory_.points.normalRests, normals);
 }
 
-void GpuSoftWorld::recordStep() {
-  step_.begin();
+void GpuSoftWorld::record(CommandList& list, const GpuSoftPress* press) {
+  list.begin();
   {
-    const auto section = step_.section(kStep);
-    passes_.recordStep(step_, memory_, sizes_);
-    step_.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
+    const auto section = list.section(kStep);
+    passes_.recordStep(list, memory_, sizes_, press);
+    list.copy(memory_.state, memory_.stateRead, memory_.state.bytes());
   }
-  step_.end();
+  list.end();
+}
+
+// With the presses of the step that begins.
+const CommandList& GpuSoftWorld::listOfStep() {
+  const bool isStale = press_.begin(presses_, kMatterStep_s);
+  presses_.clear();
+  if (press_.reports().empty()) return step_;
+  if (isStale || !pressedStep_) {
+    pressedStep_ = std::make_unique<CommandList>(device_, queue_, "soft pressed", timing());
+    record(*pressedStep_, &press_);
+  }
+  return *pressedStep_;
 }
 
 void GpuSoftWorld::begin() {
@@ -181,12 +196,16 @@ void GpuSoftWorld::begin() {
     clear.fill(*buffer, 0, buffer->bytes());
   clear.end();
   queue_.run(clear);
+  presses_.clear();
+  press_.forget();
 }
 
 MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, std::span<const HandPose> to) {
   const std::size_t hands = std::size_t{sizes_.substeps} * sizes_.tools;
   writeHandSteps(from, to, plan().substep_s, memory_.hands.mapped<shared::HandStep>().first(hands));
-  queue_.wait(queue_.submit(step_), device_.defaultWait());
+  ran_ = &listOfStep();
+  queue_.wait(queue_.submit(*ran_), device_.defaultWait());
+  press_.end();
   const std::span<const std::byte> state = memory_.stateRead.mapped<const std::byte>();
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(state.subspan(SoftMemory::kSums).data());
   const auto* balls = reinterpret_cast<const shared::ToolState*>(state.subspan(SoftMemory::kTools).data());
@@ -194,16 +213,17 @@ MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, s
   StepReport report{
       .state = kinetic_J <= mostSoftKinetic_J(scene(), plan(), mass_kg_) ? MatterState::running : MatterState::diverged,
       .gravity = static_cast<double>(sizes_.substeps) * gravityOfSubstep_,
-      .onWalls = sums.onWalls,
+      .onWalls = DVec3(sums.onWalls) + press_.onPins(),
       .totals = {.kinetic_J = kinetic_J,
                  .momentum = sums.momentum,
                  .maxCompression = static_cast<double>(sums.mostCompression)}};
+  for (const PressReport& pressed : press_.reports()) report.onPresses += pressed.impulse;
   for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(balls[tool], to[tool]));
   return report;
 }
 
 std::optional<double> GpuSoftWorld::gpuTime_us() const {
-  const double time_us = step_.sectionTime_us(kStep);
+  const double time_us = ran_->sectionTime_us(kStep);
   return time_us > 0 ? std::optional(time_us) : std::nullopt;
 }
 
@@ -213,13 +233,13 @@ std::optional<double> GpuSoftWorld::frameTime_us() const {
 }
 
 std::vector<PassRecord> GpuSoftWorld::passes() const {
-  std::vector<PassRecord> all = step_.passes();
+  std::vector<PassRecord> all = ran_->passes();
   if (frames_) std::ranges::copy(frames_->list.passes(), std::back_inserter(all));
   return all;
 }
 
 std::uint64_t GpuSoftWorld::bytes() const {
-  return memory_.bytes() +
+  return memory_.bytes() + press_.bytes() +
          (frames_ ? frames_->positions.bytes() + frames_->normals.bytes() + frames_->velocities.bytes() : 0);
 }
 

@@ -6,6 +6,7 @@
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/matter/gpu_soft_press.hpp"
 #include "engine/matter/matter_simulation.hpp"
 #include "engine/matter/soft_passes.hpp"
 
@@ -42,6 +43,10 @@ class GpuSoftWorld final : public MatterSimulation {
     passes_.recordFrame(list, memory_, sizes_, to);
   }
 
+  void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
+  std::span<const PressReport> pressed() const override { return press_.reports(); }
+  bool hasSurface() const override { return true; }
+
   std::optional<double> gpuTime_us() const override;
   std::vector<PassRecord> passes() const override;  ///< and of the last frame
   std::vector<Vec3> positionsById() const override;
@@ -74,10 +79,14 @@ class GpuSoftWorld final : public MatterSimulation {
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
+  CommandList::Timing timing() const {
+    return timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections;
+  }
   void uploadBody(const SoftLayout& layout);
   void uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points, const SoftLayout& layout);
   void stiffenSkin(double times);
-  void recordStep();
+  void record(CommandList& list, const GpuSoftPress* press);
+  const CommandList& listOfStep();
   std::vector<Vec3> ofNodes(std::size_t vec4) const;
   void setNodes(std::size_t vec4, std::span<const Vec3> byId);
   Frames& frames();
@@ -93,8 +102,12 @@ class GpuSoftWorld final : public MatterSimulation {
   SoftSizes sizes_;
   SoftMemory memory_;
   SoftPasses passes_;
+  GpuSoftPress press_;
+  std::vector<SurfacePress> presses_;  // of the next step
   bool timesPasses_;
   CommandList step_;
+  std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed
+  const CommandList* ran_ = &step_;           // last
   std::unique_ptr<Frames> frames_;  // where frames are asked for
 };
 

@@ -23,7 +23,8 @@ std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float>
   places.reserve(surface.size());
   std::vector<float> sharesOfNode(lattice.nodes(), 0);
   for (const SurfacePlace& at : surface) {
-    const SkinPlace& place = places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
+    const SkinPlace& place =
+        places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest, .normal = at.normal});
     forEachCorner(lattice, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
   // By Cauchy's and Schwarz's inequality: each place's share of a node against all places' shares of it.

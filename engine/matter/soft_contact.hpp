@@ -14,6 +14,7 @@ namespace palpate {
 struct SkinPlace {
   EmbeddedPlace at;
   Vec3 rest{0};
+  Vec3 normal{0};       ///< at rest
   float stiffness = 0;  ///< N/m
 };
 

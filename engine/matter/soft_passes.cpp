@@ -1,5 +1,6 @@
 #include "engine/matter/soft_passes.hpp"
 
+#include "engine/matter/gpu_soft_press.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -41,6 +42,7 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
       incident(onDevice<glm::uvec4>(device, std::uint64_t{shared::kIncidentUVec4s} * sizes.nodes, "incident")),
       skinCells(onDevice<shared::SoftSkinCell>(device, std::uint64_t{sizes.skinCount} + 1, "skin cells")),
       skin(onDevice<Vec4>(device, std::uint64_t{shared::kSkinVec4s} * sizes.skin, "skin")),
+      skinNormals(onDevice<Vec4>(device, sizes.skin, "skin normals")),
       forces(onDevice<float>(device, planes(sizes, shared::kForcePlanes), "forces")),
       cellSums(onDevice<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll + 2 * sizes.tools} * sizes.cellBlocks(),
                               "cell sums")),
@@ -57,7 +59,7 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
 std::uint64_t SoftMemory::bytes() const {
   std::uint64_t sum = 0;
   for (const Buffer* buffer :
-       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &forces,
+       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &skinNormals, &forces,
         &cellSums, &nodeSums, &points.rests, &points.shares, &points.normalRests, &gradients, &nodeGradients})
     sum += buffer->bytes();
   return sum;
@@ -72,7 +74,9 @@ SoftPasses::SoftPasses(Device& device)
       blend_(pass<shared::SoftBlendArgs>(device, shader_code::matter_soft_blend)),
       carry_(pass<shared::SoftCarryArgs>(device, shader_code::matter_soft_carry)) {}
 
-void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes) const {
+void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
+                            const GpuSoftPress* press) const {
+  if (press) press->recordBegin(list);
   list.dispatch(predict_, sizes.tools,
                 shared::SoftPredictArgs{.setting = memory.setting.address(),
                                         .hands = memory.hands.address(),
@@ -81,6 +85,7 @@ void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const S
                                         .unused = 0});
   for (std::uint32_t substep = 0; substep < sizes.substeps; ++substep) {
     recordCells(list, memory, sizes, substep);
+    if (press) press->recordSubstep(list, substep, sizes.substeps);
     recordNodes(list, memory, sizes, substep);
   }
   list.dispatch(finish_, shared::kMatterBlock,
@@ -89,6 +94,7 @@ void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const S
                                        .total = memory.state.address() + SoftMemory::kSums,
                                        .cellBlocks = sizes.cellBlocks(),
                                        .nodeBlocks = sizes.nodeBlocks()});
+  if (press) press->recordEnd(list);
 }
 
 void SoftPasses::recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
@@ -103,6 +109,7 @@ void SoftPasses::recordCells(CommandList& list, const SoftMemory& memory, const 
                                       .skin = memory.skin.address(),
                                       .tools = memory.state.address() + SoftMemory::kTools,
                                       .sums = memory.cellSums.address(),
+                                      .rests = 0,
                                       .skinCount = sizes.skinCount,
                                       .firstInner = sizes.firstInner,
                                       .slots = sizes.slots,

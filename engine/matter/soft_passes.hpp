@@ -6,10 +6,13 @@
 
 namespace palpate {
 
+class GpuSoftPress;
+
 /// How much of everything a soft body on a GPU has.
 struct SoftSizes {
   std::uint32_t nodes = 0;
   std::uint32_t skinCount = 0, firstInner = 0, slots = 0, stride = 0;  ///< SoftLayout's
+  std::uint32_t skinNodes = 0;                                         ///< SoftLayout's
   std::uint32_t skin = 0;                                              ///< places
   std::uint32_t points = 0;                                       ///< that it carries
   std::uint32_t tools = 0;
@@ -32,7 +35,7 @@ struct SoftMemory {
   Buffer setting, hands;
   Buffer state, stateRead;
   Buffer nodes, corners, volumes, incident;
-  Buffer skinCells, skin;
+  Buffer skinCells, skin, skinNormals;
   Buffer forces, cellSums, nodeSums;
   struct Points {
     Buffer rests, shares, normalRests;
@@ -56,8 +59,9 @@ class SoftPasses {
  public:
   explicit SoftPasses(Device& device);
 
-  /// A step of all substeps; its report stands in SoftMemory::state.
-  void recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes) const;
+  /// A step of all substeps, with the presses that `press` has; null: nobody presses. Its report stands in
+  /// SoftMemory::state.
+  void recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const GpuSoftPress* press) const;
   /// The points as the nodes are. Reads what a step writes, and writes none of it.
   void recordFrame(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const CarriedPoints& to) const;
 

@@ -10,6 +10,9 @@ layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/soft_cells.glsl"
 
+// Whether cells may have another rest shape than a cube.
+layout(constant_id = 1) const bool kSculpted = false;
+
 Corners moved, velocity, forces;
 
 void readNodes(uint slot) {
@@ -23,17 +26,9 @@ void readNodes(uint slot) {
 
 // Whether a place of the skin in the cell may be in a wall or a ball: all are between the corners.
 bool mayMeet(uint slot) {
-  const vec3 corner = args.skinCells.at[slot].corner;
-  const float spacing = SETTING.spacing, beyond = SETTING.beyond, ball = SETTING.ball;
-  vec3 low = corner + moved.at[0], high = low;
-  [[unroll]] for (uint k = 1; k < 8; ++k) {
-    const vec3 place = corner + spacing * vec3(k & 1, k / 2 & 1, k / 4) + moved.at[k];
-    low = min(low, place);
-    high = max(high, place);
-  }
-  const vec3 over = beyond * (high - low);
-  low -= over;
-  high += over;
+  const float ball = SETTING.ball;
+  vec3 low, high;
+  boxOf(args.skinCells.at[slot].corner, moved, low, high);
   if (any(lessThan(low, vec3(0))) || any(greaterThan(high, SETTING.box))) return true;
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     const vec3 middle = args.tools.at[tool].place;
@@ -119,6 +114,18 @@ void meetTools(uint slot, bool meets) {
   }
 }
 
+// What the cell does to its nodes, from the modes of its corners. Returns how much it is compressed.
+float push(uint slot) {
+  const SoftRules rules = softRules();
+  if (kSculpted && args.rests.at[slot].volume > 0) {
+    const CellRest rest = args.rests.at[slot];
+    forces = sculptedForces(rules, args.volumes.at[slot], rest, moved, velocity);
+    return 1 - volumeShare(sculptedGradient(rules, rest, moved));
+  }
+  forces = cellForces(rules, args.volumes.at[slot], moved, velocity);
+  return 1 - volumeShare(gradientOf(rules, moved) + mat3(1));
+}
+
 void main() {
   const uint slot = threadIndex();
   const bool isCell = holdsCell(slot), hasSkin = workgroupIndex() * kMatterBlock < args.firstInner;
@@ -129,9 +136,7 @@ void main() {
     meets = hasSkin && mayMeet(slot);
     takeModes(moved);
     takeModes(velocity);
-    const SoftRules rules = softRules();
-    compression = 1 - volumeShare(gradientOf(rules, moved) + mat3(1));
-    forces = cellForces(rules, args.volumes.at[slot], moved, velocity);
+    compression = push(slot);
   }
   vec4 onWalls = vec4(0), compressed = vec4(0, 0, 0, max(compression, 0));
   if (hasSkin) {

@@ -51,6 +51,7 @@ PALPATE_SIZE(SoftSkinCell, 16);
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SoftSettings { SoftSetting now; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SoftSkinCells { SoftSkinCell at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CellRests { CellRest at[]; };
 #endif
 
 // The balls of tools at the end of the first substep, before the others.
@@ -73,8 +74,9 @@ struct SoftCellsArgs {
   PALPATE_ADDRESS(SoftSkinCells) skinCells;
   PALPATE_ADDRESS(Vec4s) skin;
   PALPATE_ADDRESS(ToolStates) tools;
-  PALPATE_ADDRESS(Vec4s) sums;  // out: rows of blocks of slots
-  uint skinCount;               // cells with places of the skin
+  PALPATE_ADDRESS(Vec4s) sums;      // out: rows of blocks of slots
+  PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; nothing where all are
+  uint skinCount;                    // cells with places of the skin
   uint firstInner;              // slot of the first one without
   uint slots;
   uint stride;
@@ -83,7 +85,7 @@ struct SoftCellsArgs {
   uint begins;  // whether the substep is the first one of its step
   uint ends;    // the last one
 };
-PALPATE_SIZE(SoftCellsArgs, 104);
+PALPATE_SIZE(SoftCellsArgs, 112);
 
 // Where the nodes go; one workgroup more, the first one, has what that did to the tools, and where they go next.
 struct SoftNodesArgs {
