@@ -6,9 +6,12 @@
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/matter/gpu_soft_compliance.hpp"
 #include "engine/matter/gpu_soft_press.hpp"
 #include "engine/matter/matter_simulation.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_passes.hpp"
+#include "engine/matter/soft_sculpture.hpp"
 
 namespace palpate {
 
@@ -23,6 +26,10 @@ class GpuSoftWorld final : public MatterSimulation {
   /// order, or, where there are none, its skin.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points);
+
+  /// A body that is there already, and may be shared.
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model);
 
   std::size_t nodes() const { return sizes_.nodes; }
   std::size_t points() const { return sizes_.points; }
@@ -46,6 +53,14 @@ class GpuSoftWorld final : public MatterSimulation {
   void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
   std::span<const PressReport> pressed() const override { return press_.reports(); }
   bool hasSurface() const override { return true; }
+  /// As SoftWorld has it: conjugate gradients on the GPU. Where the force goes is found on the host.
+  double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
+
+  /// The shape is changed on the host: beginSculpting() brings all nodes there, and endSculpting() what has changed
+  /// back, 32 bytes a node each way.
+  SoftSculpture* sculpture() override { return tools() == 0 ? &sculpture_ : nullptr; }
+  void beginSculpting() override;
+  void endSculpting() override;
 
   std::optional<double> gpuTime_us() const override;
   std::vector<PassRecord> passes() const override;  ///< and of the last frame
@@ -56,7 +71,7 @@ class GpuSoftWorld final : public MatterSimulation {
   std::vector<Vec3> displacements() const { return ofNodes(0); }
   void setDisplacements(std::span<const Vec3> byId);
 
-  double mass_kg() const { return mass_kg_; }
+  double mass_kg() const { return body_.mass_kg(); }
   /// On the GPU.
   std::uint64_t bytes() const;
 
@@ -70,9 +85,7 @@ class GpuSoftWorld final : public MatterSimulation {
     CommandList list;
   };
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               const SoftModel& model);
-  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               const SoftSolid& solid, std::span<const SurfacePlace> points, const SoftLayout& layout);
+               std::shared_ptr<const SoftModel> model, const SoftLayout& layout);
   void begin() override;
   void takeParameters() override;
   void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
@@ -83,8 +96,11 @@ class GpuSoftWorld final : public MatterSimulation {
     return timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections;
   }
   void uploadBody(const SoftLayout& layout);
-  void uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  void uploadPoints(const SoftLayout& layout);
+  void uploadNodes(std::span<const Vec3> displacements, std::span<const Vec3> velocities);
+  void uploadShapes(std::span<const std::uint32_t> nodes);
   void stiffenSkin(double times);
+  void recordSteps();
   void record(CommandList& list, const GpuSoftPress* press);
   const CommandList& listOfStep();
   std::vector<Vec3> ofNodes(std::size_t vec4) const;
@@ -93,17 +109,20 @@ class GpuSoftWorld final : public MatterSimulation {
 
   Device& device_;
   Queue& queue_;
-  std::vector<Vec3> rest_;
-  std::vector<float> masses_;
-  std::vector<char> pinned_;
-  double mass_kg_;
-  DVec3 gravityOfSubstep_{0};  // on the free nodes, kg m/s
+  std::shared_ptr<const SoftModel> model_;
+  SoftBody body_;  // as it rests; where its nodes are while it is sculpted
+  SoftSurface surface_;
+  SoftSculpture sculpture_;
+  std::vector<Vec3> shape_;            // the rest displacements that the GPU knows, m
+  std::vector<std::uint32_t> slotOf_;  // SoftLayout's
+  DVec3 gravityOfSubstep_{0};          // on the free nodes, kg m/s
   double touchFrequency_rad_s_;
   SoftSizes sizes_;
   SoftMemory memory_;
   SoftPasses passes_;
   GpuSoftPress press_;
   std::vector<SurfacePress> presses_;  // of the next step
+  std::optional<GpuSoftCompliance> compliance_;
   bool timesPasses_;
   CommandList step_;
   std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed

@@ -122,6 +122,10 @@ class MatterSimulation {
   /// What changes the shape in which it rests, between steps; null where nothing can. Stays where it is when the
   /// scene is reset, and keeps what it has made.
   virtual SoftSculpture* sculpture() { return nullptr; }
+  /// Around what looks at the sculpture's body, or changes its shape: where the body is moved elsewhere it is brought to
+  /// where it now is, and what has been changed is taken from there.
+  virtual void beginSculpting() {}
+  virtual void endSculpting() {}
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }

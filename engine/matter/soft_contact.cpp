@@ -1,7 +1,6 @@
 #include "engine/matter/soft_contact.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace palpate {
 
@@ -108,25 +107,6 @@ void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, doubl
     if (force == Vec3(0)) continue;
     forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
   }
-}
-
-std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_m, double radius_m,
-                                       const DVec3& direction) const {
-  std::vector<DVec3> forces(body.size(), DVec3(0));
-  std::vector<std::size_t> within;
-  std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const double away = glm::length(DVec3(now(body, places_[i]).place) - place_m);
-    if (away < least) least = away, nearest = i;
-    if (away < radius_m) within.push_back(i);
-  }
-  if (within.empty()) within.push_back(nearest);
-  for (const std::size_t i : within)
-    forEachCorner(body.lattice(), places_[i], [&](std::uint32_t node, float share) {
-      forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
-    });
-  return forces;
 }
 
 void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> changes,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/command_list.hpp"
 #include "engine/matter/soft_layout.hpp"
@@ -18,6 +20,7 @@ struct SoftSizes {
   std::uint32_t tools = 0;
   std::uint32_t substeps = 1;  ///< in a step
   bool hasPins = false;
+  bool isSculpted = false;  ///< cells may have another rest shape than a cube
 
   std::uint32_t cellBlocks() const;  ///< of slots
   std::uint32_t nodeBlocks() const;
@@ -32,6 +35,9 @@ struct SoftMemory {
   static constexpr std::uint64_t kSums = 0, kTools = 60;
   std::uint64_t bytes() const;
 
+  /// Makes room for the rest shapes of cells, all of them cubes, where there is none.
+  void holdShapes(Device& device, const SoftSizes& sizes);
+
   Buffer setting, hands;
   Buffer state, stateRead;
   Buffer nodes, corners, volumes, incident;
@@ -41,6 +47,7 @@ struct SoftMemory {
     Buffer rests, shares, normalRests;
   } points;
   Buffer gradients, nodeGradients;
+  std::optional<Buffer> rests;  // shared::CellRest of each slot, written by the host; where the body was sculpted
 };
 
 /// Where the points that a body carries are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in
@@ -62,14 +69,28 @@ class SoftPasses {
   /// A step of all substeps, with the presses that `press` has; null: nobody presses. Its report stands in
   /// SoftMemory::state.
   void recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const GpuSoftPress* press) const;
+  /// Once before the first step of a body that was sculpted.
+  void holdShapes(Device& device);
+  /// A pass for recordTrial().
+  static ComputePipeline trialPass(Device& device, const SoftSizes& sizes);
+  /// What the cells and the walls do to nodes that have gone on a little, into SoftMemory::forces.
+  static void recordTrial(CommandList& list, const ComputePipeline& pass, const SoftMemory& memory,
+                          const SoftSizes& sizes, DeviceAddress nodes);
   /// The points as the nodes are. Reads what a step writes, and writes none of it.
   void recordFrame(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const CarriedPoints& to) const;
 
  private:
-  void recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, std::uint32_t substep) const;
+  struct Cells {
+    const ComputePipeline& pass;
+    DeviceAddress nodes, tools;
+    std::uint32_t toolCount;
+    bool begins, ends;  // whether the substep is the first one of its step, and the last one
+  };
+  static void recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const Cells& cells);
   void recordNodes(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, std::uint32_t substep) const;
 
   ComputePipeline predict_, cells_, nodes_, finish_, strain_, blend_, carry_;
+  std::optional<ComputePipeline> sculptedCells_;
 };
 
 }  // namespace palpate

@@ -12,6 +12,9 @@ layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
 
 // Whether cells may have another rest shape than a cube.
 layout(constant_id = 1) const bool kSculpted = false;
+// Whether nodes are where they are for a trial: walls then answer to how far places have gone from where they are at
+// present, as the springs that they are there.
+layout(constant_id = 2) const bool kTries = false;
 
 Corners moved, velocity, forces;
 
@@ -67,13 +70,24 @@ void handToCorners(vec3 share, vec3 force) {
   [[unroll]] for (int k = 0; k < 8; ++k) forces.at[k] += cornerShare(share, k) * force;
 }
 
+// Of the walls that a place is in at present.
+vec3 wallsAnswer(uint slot, uint at, SkinNow now) {
+  vec3 place = args.skin.at[kSkinVec4s * at + 1].xyz;
+  const uvec4 corners = args.corners.at[slot];
+  for (uint k = 0; k < 8; ++k)
+    place += cornerShare(now.share, int(k)) * args.present.at[kNodeVec4s * nodeAt(corners, k)].xyz;
+  const vec3 depths = depthsInWalls(place, SETTING.box);
+  return mix(vec3(0), now.touch.stiffness * (place - now.place), notEqual(depths, vec3(0)));
+}
+
 // Returns the impulse on the walls.
 vec3 pressOnWalls(uint slot) {
   const vec3 box = SETTING.box;
   vec3 sum = vec3(0);
   for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
     const SkinNow now = skinAt(slot, at);
-    const vec3 force = wallsForce(now.touch, box, now.place, now.velocity);
+    const vec3 force =
+        kTries ? wallsAnswer(slot, at, now) : wallsForce(now.touch, box, now.place, now.velocity);
     if (force == vec3(0)) continue;
     handToCorners(now.share, force);
     sum -= force;
@@ -133,7 +147,7 @@ void main() {
   float compression = 0;
   if (isCell) {
     readNodes(slot);
-    meets = hasSkin && mayMeet(slot);
+    meets = hasSkin && (kTries || mayMeet(slot));
     takeModes(moved);
     takeModes(velocity);
     compression = push(slot);

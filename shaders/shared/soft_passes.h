@@ -76,6 +76,7 @@ struct SoftCellsArgs {
   PALPATE_ADDRESS(ToolStates) tools;
   PALPATE_ADDRESS(Vec4s) sums;      // out: rows of blocks of slots
   PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; nothing where all are
+  PALPATE_ADDRESS(Vec4s) present;    // the nodes as they are, for a trial
   uint skinCount;                    // cells with places of the skin
   uint firstInner;              // slot of the first one without
   uint slots;
@@ -85,7 +86,7 @@ struct SoftCellsArgs {
   uint begins;  // whether the substep is the first one of its step
   uint ends;    // the last one
 };
-PALPATE_SIZE(SoftCellsArgs, 112);
+PALPATE_SIZE(SoftCellsArgs, 120);
 
 // Where the nodes go; one workgroup more, the first one, has what that did to the tools, and where they go next.
 struct SoftNodesArgs {

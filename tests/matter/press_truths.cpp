@@ -252,6 +252,35 @@ void checkHostilePresses(const SoftMaker& make) {
   CHECK(world->pressed().empty());
 }
 
+void checkCompliance(const SoftMaker& make) {
+  MatterScene scene = softBlock();
+  scene.box_mm = {200, 200, 200};
+  scene.fill_mm = {130, 100, 130};
+  scene.pinned_mm = {DVec3(0), DVec3(200, 0.1, 200)};
+  scene.poisson = 0.3;
+  const auto deep = make(scene, 0, nullptr, {});
+  // Mean displacement under an even pressure on a circle (Love 1929), less that of what would lie below the block
+  // (Boussinesq 1885).
+  constexpr double kRadius_m = 0.0125;
+  const double expected =
+      16 * (1 - 0.3 * 0.3) / (3 * 9.8696 * 3e4 * kRadius_m) - (1 + 0.3) * (3 - 2 * 0.3) / (2 * 3.1416 * 3e4 * 0.1);
+  CHECK(isWithin(0.05, deep->localCompliance_m_N({0.1, 0.1, 0.1}, kRadius_m, {0, -1, 0}), expected));
+  CHECK(sameBytes(*deep, *make(scene, 0, nullptr, {})));
+  MatterScene free = softBlock();
+  free.gravity_m_s2 = DVec3(0);
+  const auto floating = make(free, 0, nullptr, {});
+  const double byMass = 1 / (16 * 0.05 * 0.04 * 0.05 * 1000);
+  CHECK(isWithin(0.03, floating->localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}), byMass));
+  // Where the floor holds it, it gives way no more than a little; asked in between, it goes on as if it were not.
+  const auto standing = make(softBlock(), 0, nullptr, {}), unasked = make(softBlock(), 0, nullptr, {});
+  run(*standing, 60);
+  run(*unasked, 60);
+  CHECK(standing->localCompliance_m_N({0.05, 0.04, 0.05}, 1, {0, -1, 0}) < 0.2 * byMass);
+  run(*standing, 1);
+  run(*unasked, 1);
+  CHECK(sameBytes(*standing, *unasked));
+}
+
 void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int steps) {
   const MatterScene scene = smallBlock();
   const auto a = one(scene, 0, nullptr, {}), b = other(scene, 0, nullptr, {});

@@ -40,6 +40,9 @@ void checkPressLocality(const SoftMaker& make);
 void checkMostOfHand(const SoftMaker& make, int steps);
 /// What is no number, or presses nowhere, does nothing.
 void checkHostilePresses(const SoftMaker& make);
+/// How a surface gives way is that of a half-space (Love 1929), within 5 %; of a body that nothing holds, that of its
+/// mass. Asking changes nothing.
+void checkCompliance(const SoftMaker& make);
 /// The same bytes, and again after a reset.
 void checkSamePressedBytes(const SoftMaker& one, const SoftMaker& other, int steps);
 
