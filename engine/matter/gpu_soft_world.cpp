@@ -94,13 +94,23 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                            std::shared_ptr<const SoftModel> model)
-    : GpuSoftWorld(device, queue, scene, options, model, layoutOf(scene, model->solid)) {}
+    : GpuSoftWorld(device, &queue, scene, options, model, layoutOf(scene, model->solid), nullptr) {}
 
-GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-                           std::shared_ptr<const SoftModel> model, const SoftLayout& layout)
+GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
+                           const MatterOptions& options)
+    : GpuSoftWorld(device, std::move(queue), scene, options, softModelFor(scene, options)) {}
+
+GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene,
+                           const MatterOptions& options, std::shared_ptr<const SoftModel> model)
+    : GpuSoftWorld(device, nullptr, scene, options, model, layoutOf(scene, model->solid), std::move(queue)) {}
+
+GpuSoftWorld::GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
+                           std::shared_ptr<const SoftModel> model, const SoftLayout& layout,
+                           std::unique_ptr<Queue> own)
     : MatterSimulation(scene, options, restOf(*model)),
       device_(device),
-      queue_(queue),
+      own_(std::move(own)),
+      queue_(own_ ? *own_ : *queue),
       model_(std::move(model)),
       body_(model_->solid.lattice, materialOf(scene), pinsOf(scene)),
       surface_(model_->solid.lattice, model_->solid.surface),
@@ -113,7 +123,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scen
       passes_(device),
       press_(device, memory_, sizes_),
       timesPasses_(options.timesPasses),
-      step_(device, queue, "soft", timing()) {
+      step_(device, queue_, "soft", timing()) {
   PALPATE_CHECK(scene.matter == Matter::soft);
   memory_.setting.mapped<shared::SoftSetting>()[0].beyond = layout.beyond;
   uploadBody(layout);
@@ -135,6 +145,7 @@ void GpuSoftWorld::recordSteps() {
   sizes_.substeps = substepsOf(scene(), plan(), body_.rest().stiffest());
   shared::SoftSetting& setting = memory_.setting.mapped<shared::SoftSetting>()[0];
   setting = settingOf(scene(), plan(), kMatterStep_s / sizes_.substeps, setting.beyond);
+  setting.carriedSpeed = carriesVelocities_ ? 1 : 0;
   gravityOfSubstep_ = DVec3(0);
   for (std::size_t i = 0; i < body_.size(); ++i)
     if (!body_.isPinned(i)) gravityOfSubstep_ += static_cast<double>(body_.masses()[i]) * DVec3(setting.fall);
@@ -341,6 +352,11 @@ double GpuSoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, 
     if (body_.isPinned(i)) load[i] = Vec4(0);
   if (!compliance_) compliance_.emplace(device_, queue_, memory_, sizes_, kHold_1_s2);
   return compliance_->give(load);
+}
+
+void GpuSoftWorld::carryVelocities(bool carries) {
+  carriesVelocities_ = carries;
+  memory_.setting.mapped<shared::SoftSetting>()[0].carriedSpeed = carries ? 1 : 0;
 }
 
 GpuSoftWorld::Frames& GpuSoftWorld::frames() {

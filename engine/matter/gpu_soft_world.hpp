@@ -17,7 +17,7 @@ namespace palpate {
 
 /// The same as SoftWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same bytes
 /// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
-class GpuSoftWorld final : public MatterSimulation {
+class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
  public:
   /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread alone. Throws Error as
   /// planOf() does, and OutOfGpuMemory.
@@ -27,6 +27,8 @@ class GpuSoftWorld final : public MatterSimulation {
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points);
 
+  /// With a queue of its own, for a thread of its own.
+  GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options);
   /// A body that is there already, and may be shared.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                std::shared_ptr<const SoftModel> model);
@@ -44,9 +46,9 @@ class GpuSoftWorld final : public MatterSimulation {
     return true;
   }
   std::optional<double> frameTime_us() const override;
-  /// Records how the points are carried to where they are asked for, such as the points from which an index is built.
-  /// May be submitted again and again, to any queue, but not while this or another such list runs, nor a step.
-  void recordFrame(CommandList& list, const CarriedPoints& to) const {
+  FrameCarrier* carrier() override { return this; }
+  void carryVelocities(bool carries) override;
+  void recordFrame(CommandList& list, const CarriedPoints& to) const override {
     passes_.recordFrame(list, memory_, sizes_, to);
   }
 
@@ -84,8 +86,10 @@ class GpuSoftWorld final : public MatterSimulation {
     Buffer positions, normals, velocities;
     CommandList list;
   };
-  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               std::shared_ptr<const SoftModel> model, const SoftLayout& layout);
+  GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model);
+  GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own);
   void begin() override;
   void takeParameters() override;
   void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
@@ -108,6 +112,7 @@ class GpuSoftWorld final : public MatterSimulation {
   Frames& frames();
 
   Device& device_;
+  std::unique_ptr<Queue> own_;  // where it has one
   Queue& queue_;
   std::shared_ptr<const SoftModel> model_;
   SoftBody body_;  // as it rests; where its nodes are while it is sculpted
@@ -124,6 +129,7 @@ class GpuSoftWorld final : public MatterSimulation {
   std::vector<SurfacePress> presses_;  // of the next step
   std::optional<GpuSoftCompliance> compliance_;
   bool timesPasses_;
+  bool carriesVelocities_ = true;
   CommandList step_;
   std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed
   const CommandList* ran_ = &step_;           // last

@@ -199,7 +199,8 @@ void SoftPasses::recordFrame(CommandList& list, const SoftMemory& memory, const 
                                       .nodeCount = sizes.nodes,
                                       .stride = sizes.stride});
   list.dispatch(carry_, sizes.points,
-                shared::SoftCarryArgs{.nodes = memory.nodes.address(),
+                shared::SoftCarryArgs{.setting = memory.setting.address(),
+                                      .nodes = memory.nodes.address(),
                                       .nodeGradients = memory.nodeGradients.address(),
                                       .corners = memory.corners.address(),
                                       .rests = memory.points.rests.address(),

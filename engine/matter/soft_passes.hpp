@@ -4,6 +4,7 @@
 
 #include "engine/gpu/buffer.hpp"
 #include "engine/gpu/command_list.hpp"
+#include "engine/gpu/frame_carrier.hpp"
 #include "engine/matter/soft_layout.hpp"
 
 namespace palpate {
@@ -48,16 +49,6 @@ struct SoftMemory {
   } points;
   Buffer gradients, nodeGradients;
   std::optional<Buffer> rests;  // shared::CellRest of each slot, written by the host; where the body was sculpted
-};
-
-/// Where the points that a body carries are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in
-/// the order of the ids. Units are those of who reads.
-struct CarriedPoints {
-  DeviceAddress positions = 0;   ///< and the bits of the id
-  DeviceAddress normals = 0;     ///< unit, and 0
-  DeviceAddress velocities = 0;  ///< and 0
-  double unitsPerMetre = 1;
-  DVec3 origin{0};  ///< that positions are from, in those units
 };
 
 /// The passes of a soft body on a GPU. A substep is two: cells, with what presses on their skin, then nodes, with the

@@ -37,8 +37,9 @@ struct SoftSetting {
   float beyond;   // so far a place of the skin may be beyond its cell, as a share of the cell's extent
   float damping;  // of a touch, of its stiffness, s
   float friction;
+  float carriedSpeed;  // share of their velocities that points are carried with: 1, or 0 while all is held
 };
-PALPATE_SIZE(SoftSetting, 96);
+PALPATE_SIZE(SoftSetting, 100);
 
 // A cell with places of the skin, in the order of the slots; one more at the end says where the last ones end.
 struct SoftSkinCell {
@@ -148,6 +149,7 @@ PALPATE_SIZE(SoftBlendArgs, 40);
 
 // Where the points are that the body carries.
 struct SoftCarryArgs {
+  PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
   PALPATE_ADDRESS(Vec4s) nodeGradients;
   PALPATE_ADDRESS(UVec4s) corners;
@@ -162,7 +164,7 @@ struct SoftCarryArgs {
   vec3 origin;          // of it, in those units
   uint unused;
 };
-PALPATE_SIZE(SoftCarryArgs, 96);
+PALPATE_SIZE(SoftCarryArgs, 104);
 
 PALPATE_SHARED_END
 
