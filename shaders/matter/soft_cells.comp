@@ -128,11 +128,20 @@ void meetTools(uint slot, bool meets) {
   }
 }
 
+CellRest restOf(uint slot) {
+  CellRest rest;
+  rest.inverse = args.rests.at[slot].inverse;
+  [[unroll]] for (uint k = 0; k < 4; ++k) rest.bent[k] = args.rests.at[slot].bent[k];
+  rest.volume = args.rests.at[slot].volume;
+  rest.bend = args.rests.at[slot].bend;
+  return rest;
+}
+
 // What the cell does to its nodes, from the modes of its corners. Returns how much it is compressed.
 float push(uint slot) {
   const SoftRules rules = softRules();
   if (kSculpted && args.rests.at[slot].volume > 0) {
-    const CellRest rest = args.rests.at[slot];
+    const CellRest rest = restOf(slot);
     forces = sculptedForces(rules, args.volumes.at[slot], rest, moved, velocity);
     return 1 - volumeShare(sculptedGradient(rules, rest, moved));
   }

@@ -31,17 +31,19 @@ vec3 freeVelocity(uint press) {
 float coupled(uint press, uint other) { return args.coupling.at[press * kMostPresses + other]; }
 
 vec3 forceOnHand(uint press, vec3 velocity, vec3 before) {
-  const SoftPressed asked = args.presses.at[press];
   const float step = args.setting.now.step;
-  const vec3 stretch = asked.stretch + args.done.at[press].moved + step * velocity - args.share * asked.move;
-  const float answered = step * (asked.stiffness * step + asked.damping) * coupled(press, press);
-  const vec3 force =
-      (asked.stiffness * stretch + asked.damping * (velocity - asked.velocity) + answered * before) / (1 + answered);
-  const float push = dot(force, asked.normal);
+  const float stiffness = args.presses.at[press].stiffness, damping = args.presses.at[press].damping;
+  const vec3 stretch = args.presses.at[press].stretch + args.done.at[press].moved + step * velocity -
+                       args.share * args.presses.at[press].move;
+  const vec3 apart = velocity - args.presses.at[press].velocity;
+  const float answered = step * (stiffness * step + damping) * coupled(press, press);
+  const vec3 force = (stiffness * stretch + damping * apart + answered * before) / (1 + answered);
+  const vec3 normal = args.presses.at[press].normal;
+  const float push = dot(force, normal);
   if (!(push > 0)) return vec3(0);
-  const vec3 along = force - push * asked.normal;
-  const float drag = length(along), most = asked.friction * push;
-  return push * asked.normal + (drag > most ? most / drag : 1) * along;
+  const vec3 along = force - push * normal;
+  const float drag = length(along), most = args.presses.at[press].friction * push;
+  return push * normal + (drag > most ? most / drag : 1) * along;
 }
 
 // What the presses of one hand ask for together is no more than that hand bears: of what this one asks for so much.

@@ -158,9 +158,9 @@ TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU is held, goes on and begins anew
   control.reset();
   for (int i = 0; i < 30; ++i) CHECK(ask(-4).valid);
   CHECK(block.world().time_s() < 0.04);
-  const PointCloud anew = block.points();
-  for (std::size_t i = 0; i < anew.size(); ++i)
-    REQUIRE(glm::distance(anew.positions[i], block.cloud().positions[i]) < 1);
+  const PointCloud begun = block.points();
+  for (std::size_t i = 0; i < begun.size(); ++i)
+    REQUIRE(glm::distance(begun.positions[i], block.cloud().positions[i]) < 1);
 }
 
 TEST_CASE_FIXTURE(SoftFixture, "a dent stays in a body on a GPU as deep as on the CPU, and its stroke is taken back to the bit") {
