@@ -87,7 +87,10 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
   // Where this back end feels points alone, the CPU moves them.
-  const std::unique_ptr<BackendKind> cpu = capabilities().movesSoftBodies ? nullptr : cpuBackend();
+  const TouchCapabilities can = capabilities();
+  const bool isElastic = request.config.matter->preset == SoftPreset::elastic;
+  const std::unique_ptr<BackendKind> cpu =
+      (isElastic ? can.movesSoftBodies : can.matchesShapes) ? nullptr : cpuBackend();
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
   auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
                                                                                  .hands = request.tools.size(),
