@@ -14,9 +14,9 @@ StoredCloud readBy(const std::filesystem::path& file, unsigned threads) {
   return readCloud(file, nullptr, {.threads = threads});
 }
 
-template <class T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+template <class Array>
+bool sameBytes(const Array& a, const Array& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
 /// Which part differs; empty where none does.
