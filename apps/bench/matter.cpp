@@ -17,10 +17,12 @@ constexpr double kSpacing_mm = 5;
 constexpr double kBall_spacings = 3.5;
 constexpr int kWarmUp = 50;     // steps: the ball comes down, clocks rise
 constexpr int kPassSteps = 20;  // in which passes are timed one by one
+constexpr int kAskedCompliances = 10;
 
 struct MatterBenchOptions : BenchOptions {
   std::vector<std::string> matters{"water", "sand"};
   std::int64_t points = 0;  // that a soft body carries; 0: its skin
+  std::int64_t presses = 0;  // on the surface of a soft body, in place of a ball
   double depth_mm = 0;  // of what fills the tank; 0: as deep as wide
   bool passes = false;
 };
@@ -91,15 +93,52 @@ HandPose stirring(const MatterScene& scene, std::int64_t step) {
                       middle_m + far_m * std::sin(angle)}};
 }
 
+// Hands side by side that press on a body as a hand does that feels it, a few millimetres deep, and go around there.
+class Pressing {
+ public:
+  explicit Pressing(std::int64_t count) : presses_(static_cast<std::size_t>(count)) {}
+
+  std::span<const SurfacePress> at(const MatterScene& scene, std::int64_t step) {
+    constexpr double kDeep_m = 3e-3, kApart = 0.1;  // of a round
+    for (std::size_t i = 0; i < presses_.size(); ++i) {
+      SurfacePress& press = presses_[i];
+      DVec3 place = stirring(scene, step).place_m;
+      const DVec3 middle = scene.box_mm * 1e-3 / 2.0, arm = place - middle;
+      const double turn = 2 * std::numbers::pi * kApart * static_cast<double>(i);
+      place = middle + DVec3(arm.x * std::cos(turn) - arm.z * std::sin(turn), 0,
+                             arm.x * std::sin(turn) + arm.z * std::cos(turn));
+      place.y = scene.fill_mm.y * 1e-3;
+      press.place_m = {place.x, press.place_m.y > 0 ? press.place_m.y : place.y, place.z};
+      press.handFrom_m = step > 0 ? press.handTo_m : place;
+      press.handTo_m = place - DVec3(0, kDeep_m, 0);
+      press.normal = {0, 1, 0};
+      press.radius_m = 2 * scene.spacing_mm * 1e-3;
+      press.stiffness_N_m = 500;
+      press.damping_N_s_m = 2;
+      press.friction = 0.3;
+      press.most_N = 5;
+      press.hand = static_cast<std::uint32_t>(i);
+    }
+    return presses_;
+  }
+  void heard(std::span<const PressReport> reports) {
+    for (std::size_t i = 0; i < presses_.size(); ++i) presses_[i].place_m = reports[i].place_m;
+  }
+
+ private:
+  std::vector<SurfacePress> presses_;
+};
+
 // What is measured: a scene on a back end.
 struct MatterCase {
   MatterScene scene;
   std::string backend;
-  std::int64_t points = 0;
+  std::int64_t points = 0, presses = 0;
 };
 
 std::unique_ptr<MatterSimulation> start(Context& context, const MatterCase& one, bool timesPasses) {
-  MatterOptions options{.threads = context.threads(), .tools = 1, .timesPasses = timesPasses};
+  MatterOptions options{
+      .threads = context.threads(), .tools = one.presses > 0 ? 0u : 1u, .timesPasses = timesPasses};
   if (one.scene.matter != Matter::soft || one.points == 0)
     return startMatter(context, one.backend, one.scene, options);
   return startSoft(context, one.backend, one.scene, options, solidOf(one.scene), pointsOn(one.scene, one.points));
@@ -109,12 +148,15 @@ std::unique_ptr<MatterSimulation> start(Context& context, const MatterCase& one,
 class Stirred {
  public:
   Stirred(Context& context, const MatterCase& one, bool timesPasses)
-      : world_(start(context, one, timesPasses)) {
+      : world_(start(context, one, timesPasses)), pressing_(one.presses), presses_(one.presses > 0) {
     for (int k = 0; k < kWarmUp; ++k) step();
   }
   void step() {
-    const HandPose hand = stirring(world_->scene(), steps_++);
-    world_->step({&hand, 1});
+    const HandPose hand = stirring(world_->scene(), steps_);
+    if (presses_) world_->press(pressing_.at(world_->scene(), steps_));
+    world_->step({&hand, presses_ ? 0u : 1u});
+    if (presses_) pressing_.heard(world_->pressed());
+    ++steps_;
     if (world_->state() != MatterState::running) throw Error("the simulation failed after {} steps", steps_);
   }
   /// Of a soft body, where it is simulated.
@@ -126,10 +168,16 @@ class Stirred {
     world_->makeFrame(frame_);
     return frame_.size();
   }
+  /// As a session asks for it, where the surface was pressed last.
+  double compliance_m_N() {
+    return world_->localCompliance_m_N(world_->pressed().front().place_m, world_->scene().spacing_mm * 1e-3, {0, -1, 0});
+  }
   const MatterSimulation& world() const { return *world_; }
 
  private:
   std::unique_ptr<MatterSimulation> world_;
+  Pressing pressing_;
+  bool presses_;
   CloudFrame frame_;
   std::int64_t steps_ = 0;
 };
@@ -178,6 +226,18 @@ Json frameTimes(const MatterBenchOptions& options, Stirred& stirred) {
           {"fetched_us", summaryOf(summarize(fetched_us))}};
 }
 
+// How long it takes to say how a pressed surface gives way.
+Json complianceTimes(Stirred& stirred) {
+  std::vector<double> wall_us;
+  for (int k = 0; k < kAskedCompliances; ++k) {
+    stirred.step();
+    const Stopwatch watch;
+    if (!(stirred.compliance_m_N() > 0)) throw Error("the surface gives way to no force");
+    wall_us.push_back(watch.elapsed_us());
+  }
+  return {{"wall_us", summaryOf(summarize(wall_us))}};
+}
+
 Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& options) {
   Stirred stirred(context, one, false);
   std::vector<double> gpu_us, wall_us;
@@ -197,6 +257,8 @@ Json measure(Context& context, const MatterCase& one, const MatterBenchOptions& 
           {"substep",
            {{"gpu_us", summaryOf(summarize(eachOf(gpu_us, substeps)))},
             {"wall_us", summaryOf(summarize(eachOf(wall_us, substeps)))}}},
+          {"presses", one.presses},
+          {"compliance", one.presses > 0 ? complianceTimes(stirred) : Json(nullptr)},
           {"frame", one.scene.matter == Matter::soft ? frameTimes(options, stirred) : Json(nullptr)},
           {"passes_us", options.passes ? passTimes(context, one) : Json::object()}};
 }
@@ -225,6 +287,9 @@ void print(std::FILE* out, const Json& records) {
       fmt::print(out, "  a frame of {} points: {} on the GPU, {} in all, {} on the host\n",
                  frame["points"].get<std::size_t>(), said(frame["gpu_us"]), said(frame["wall_us"]),
                  said(frame["fetched_us"]));
+    if (const Json& compliance = record["compliance"]; !compliance.is_null())
+      fmt::print(out, "  with {} presses; how the surface gives way: {} in all\n", record["presses"].get<std::size_t>(),
+                 said(compliance["wall_us"]));
     for (const auto& [name, times] : record["passes_us"].items())
       fmt::print(out, "  {:<24}{:>24}\n", name, said(times));
   }
@@ -239,10 +304,14 @@ Json benchMatter(Context& context, const MatterBenchOptions& options) {
       for (const std::string& backend : options.backends) {
         context.log().say("matter: {} particles of {}, {}", size, name, backend);
         const Matter matter = *valueNamed(kMatters, name);
+        if (options.presses > 0 && matter != Matter::soft)
+          throw UsageError("--presses: only a soft body has a surface; take --matter soft");
         const auto particles = static_cast<std::size_t>(size);
         const MatterScene scene =
             matter == Matter::soft ? softScene(particles) : sceneOf(matter, particles, options.depth_mm);
-        records.push_back(measure(context, {.scene = scene, .backend = backend, .points = options.points}, options));
+        records.push_back(measure(context,
+                                  {.scene = scene, .backend = backend, .points = options.points, .presses = options.presses},
+                                  options));
       }
   print(context.tables(), records);
   return records;
@@ -266,6 +335,10 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
           "points that a soft body carries, about; 0: a place of each half spacing of its skin")
       .check(wholeBetween(0, 1e8))
       .showDefault();
+  sub.add("--presses", options->presses,
+          "hands that press on the surface of a soft body as they do in a session, in place of the ball")
+      .check(wholeBetween(0, 72))
+      .showDefault();
   sub.add("--depth", options->depth_mm,
           "how deep water and sand lie, and so how many substeps they need (default: as deep as wide)")
       .check(between(10, 1e5))
@@ -276,7 +349,8 @@ void addMatterBench(Options& bench, Context& context, Command& command) {
   sub.footer(
       "Time of a step of a millisecond and its share for each substep, on the GPU's clock and with all that the host "
       "does, while a ball goes through the matter, or is dragged over it where it is soft. For a soft body also a "
-      "frame of the points that it carries: where they are carried, and until they are on the host.\n");
+      "frame of the points that it carries: where they are carried, and until they are on the host; and with presses how "
+      "long it takes to say how its surface gives way.\n");
   sub.whenNamed([&, options] {
     command = [&context, options] {
       measureAlone(context, *options, "matter", [&] { return benchMatter(context, *options); });

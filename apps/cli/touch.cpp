@@ -1,6 +1,6 @@
 #include "apps/cli/touch.hpp"
 
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"

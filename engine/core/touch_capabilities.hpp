@@ -15,6 +15,7 @@ struct TouchCapabilities {
   bool followsMotion = true;  ///< feels a cloud that a source moves
   bool fusesFrames = false;   ///< makes a map of depth frames itself; otherwise a source does, on the host
   bool movesSoftBodies = false;  ///< itself; otherwise the CPU does, and it feels their points
+  bool matchesShapes = false;    ///< the same of soft bodies whose shapes are matched
   bool keepsEdits = true;    ///< reports its edits (TouchBackend::keepsEdits), so that they can be undone and logged
   bool asksAhead = false;    ///< takes a question before its pose is known
   bool choosesWait = false;  ///< can be told how to wait for the GPU

@@ -6,14 +6,18 @@
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/queue.hpp"
+#include "engine/matter/gpu_soft_compliance.hpp"
+#include "engine/matter/gpu_soft_press.hpp"
 #include "engine/matter/matter_simulation.hpp"
+#include "engine/matter/soft_model.hpp"
 #include "engine/matter/soft_passes.hpp"
+#include "engine/matter/soft_sculpture.hpp"
 
 namespace palpate {
 
 /// The same as SoftWorld, by the same formulas, in single precision, tools and sums too; on the same GPU the same bytes
 /// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
-class GpuSoftWorld final : public MatterSimulation {
+class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
  public:
   /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread alone. Throws Error as
   /// planOf() does, and OutOfGpuMemory.
@@ -22,6 +26,12 @@ class GpuSoftWorld final : public MatterSimulation {
   /// order, or, where there are none, its skin.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
                const SoftSolid& solid, std::span<const SurfacePlace> points);
+
+  /// With a queue of its own, for a thread of its own.
+  GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options);
+  /// A body that is there already, and may be shared.
+  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model);
 
   std::size_t nodes() const { return sizes_.nodes; }
   std::size_t points() const { return sizes_.points; }
@@ -36,11 +46,23 @@ class GpuSoftWorld final : public MatterSimulation {
     return true;
   }
   std::optional<double> frameTime_us() const override;
-  /// Records how the points are carried to where they are asked for, such as the points from which an index is built.
-  /// May be submitted again and again, to any queue, but not while this or another such list runs, nor a step.
-  void recordFrame(CommandList& list, const CarriedPoints& to) const {
+  FrameCarrier* carrier() override { return this; }
+  void carryVelocities(bool carries) override;
+  void recordFrame(CommandList& list, const CarriedPoints& to) const override {
     passes_.recordFrame(list, memory_, sizes_, to);
   }
+
+  void press(std::span<const SurfacePress> presses) override { presses_.assign(presses.begin(), presses.end()); }
+  std::span<const PressReport> pressed() const override { return press_.reports(); }
+  bool hasSurface() const override { return true; }
+  /// As SoftWorld has it: conjugate gradients on the GPU. Where the force goes is found on the host.
+  double localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) override;
+
+  /// The shape is changed on the host: beginSculpting() brings all nodes there, and endSculpting() what has changed
+  /// back, 32 bytes a node each way.
+  SoftSculpture* sculpture() override { return tools() == 0 ? &sculpture_ : nullptr; }
+  void beginSculpting() override;
+  void endSculpting() override;
 
   std::optional<double> gpuTime_us() const override;
   std::vector<PassRecord> passes() const override;  ///< and of the last frame
@@ -51,7 +73,7 @@ class GpuSoftWorld final : public MatterSimulation {
   std::vector<Vec3> displacements() const { return ofNodes(0); }
   void setDisplacements(std::span<const Vec3> byId);
 
-  double mass_kg() const { return mass_kg_; }
+  double mass_kg() const { return body_.mass_kg(); }
   /// On the GPU.
   std::uint64_t bytes() const;
 
@@ -64,37 +86,53 @@ class GpuSoftWorld final : public MatterSimulation {
     Buffer positions, normals, velocities;
     CommandList list;
   };
-  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               const SoftModel& model);
-  GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options,
-               const SoftSolid& solid, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model);
+  GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
+               std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own);
   void begin() override;
   void takeParameters() override;
   void placeTools(std::span<const HandPose>) override {}  // they begin at no distance from the hands
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override;
   std::vector<Vec4> pressedPlaces() const override { return {}; }  // it has no pressure
 
+  CommandList::Timing timing() const {
+    return timesPasses_ ? CommandList::Timing::passes : CommandList::Timing::sections;
+  }
   void uploadBody(const SoftLayout& layout);
-  void uploadPoints(const SoftLattice& lattice, std::span<const SurfacePlace> points, const SoftLayout& layout);
+  void uploadPoints(const SoftLayout& layout);
+  void uploadNodes(std::span<const Vec3> displacements, std::span<const Vec3> velocities);
+  void uploadShapes(std::span<const std::uint32_t> nodes);
   void stiffenSkin(double times);
-  void recordStep();
+  void recordSteps();
+  void record(CommandList& list, const GpuSoftPress* press);
+  const CommandList& listOfStep();
   std::vector<Vec3> ofNodes(std::size_t vec4) const;
   void setNodes(std::size_t vec4, std::span<const Vec3> byId);
   Frames& frames();
 
   Device& device_;
+  std::unique_ptr<Queue> own_;  // where it has one
   Queue& queue_;
-  std::vector<Vec3> rest_;
-  std::vector<float> masses_;
-  std::vector<char> pinned_;
-  double mass_kg_;
-  DVec3 gravityOfSubstep_{0};  // on the free nodes, kg m/s
+  std::shared_ptr<const SoftModel> model_;
+  SoftBody body_;  // as it rests; where its nodes are while it is sculpted
+  SoftSurface surface_;
+  SoftSculpture sculpture_;
+  std::vector<Vec3> shape_;            // the rest displacements that the GPU knows, m
+  std::vector<std::uint32_t> slotOf_;  // SoftLayout's
+  DVec3 gravityOfSubstep_{0};          // on the free nodes, kg m/s
   double touchFrequency_rad_s_;
   SoftSizes sizes_;
   SoftMemory memory_;
   SoftPasses passes_;
+  GpuSoftPress press_;
+  std::vector<SurfacePress> presses_;  // of the next step
+  std::optional<GpuSoftCompliance> compliance_;
   bool timesPasses_;
+  bool carriesVelocities_ = true;
   CommandList step_;
+  std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed
+  const CommandList* ran_ = &step_;           // last
   std::unique_ptr<Frames> frames_;  // where frames are asked for
 };
 

@@ -17,6 +17,7 @@
 
 namespace palpate {
 
+class FrameCarrier;
 class SoftSculpture;
 struct SoftModel;
 
@@ -122,6 +123,10 @@ class MatterSimulation {
   /// What changes the shape in which it rests, between steps; null where nothing can. Stays where it is when the
   /// scene is reset, and keeps what it has made.
   virtual SoftSculpture* sculpture() { return nullptr; }
+  /// Around what looks at the sculpture's body, or changes its shape: where the body is moved elsewhere it is brought to
+  /// where it now is, and what has been changed is taken from there.
+  virtual void beginSculpting() {}
+  virtual void endSculpting() {}
 
   MatterState state() const { return state_; }
   double time_s() const { return static_cast<double>(steps_) * kMatterStep_s; }
@@ -157,6 +162,10 @@ class MatterSimulation {
   virtual void makeFrame(CloudFrame& frame);
   /// Does the same but for the way to the host. False where there is no such way, and nothing was done.
   virtual bool makeFrameThere() { return false; }
+  /// Who brings what is seen to where a GPU reads it; null where it is moved on the host.
+  virtual FrameCarrier* carrier() { return nullptr; }
+  /// Whether what is brought there has its velocities; or else they are 0. Not while that is under way.
+  virtual void carryVelocities(bool /*carries*/) {}
   /// Time of the last frame on a GPU's own clock, without the way to the host; nothing where none made one.
   virtual std::optional<double> frameTime_us() const { return std::nullopt; }
   /// In the order of the ids, m.

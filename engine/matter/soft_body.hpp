@@ -71,6 +71,8 @@ class SoftBody {
   /// For what begins or goes on with another motion; those of pinned nodes must stay 0.
   std::span<Vec3> displacements() { return moved_; }
   std::span<Vec3> velocities() { return velocities_; }
+  /// SoftLattice's.
+  std::span<const SoftLattice::Corners> incident() const { return incident_; }
   /// Mass of each node, kg.
   std::span<const float> masses() const { return masses_; }
   bool isPinned(std::size_t node) const { return pinned_[node] != 0; }

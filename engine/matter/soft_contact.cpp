@@ -1,7 +1,6 @@
 #include "engine/matter/soft_contact.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace palpate {
 
@@ -23,7 +22,8 @@ std::vector<SkinPlace> skinOf(const SoftLattice& lattice, std::span<const float>
   places.reserve(surface.size());
   std::vector<float> sharesOfNode(lattice.nodes(), 0);
   for (const SurfacePlace& at : surface) {
-    const SkinPlace& place = places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest});
+    const SkinPlace& place =
+        places.emplace_back(SkinPlace{.at = lattice.embed(DVec3(at.rest)), .rest = at.rest, .normal = at.normal});
     forEachCorner(lattice, place, [&](std::uint32_t node, float share) { sharesOfNode[node] += share; });
   }
   // By Cauchy's and Schwarz's inequality: each place's share of a node against all places' shares of it.
@@ -107,25 +107,6 @@ void SoftContact::press(SoftBody& body, std::span<const BodyMotion> balls, doubl
     if (force == Vec3(0)) continue;
     forEachCorner(body.lattice(), place, [&](std::uint32_t node, float share) { body.loads()[node] += share * force; });
   }
-}
-
-std::vector<DVec3> SoftContact::spread(const SoftBody& body, const DVec3& place_m, double radius_m,
-                                       const DVec3& direction) const {
-  std::vector<DVec3> forces(body.size(), DVec3(0));
-  std::vector<std::size_t> within;
-  std::size_t nearest = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const double away = glm::length(DVec3(now(body, places_[i]).place) - place_m);
-    if (away < least) least = away, nearest = i;
-    if (away < radius_m) within.push_back(i);
-  }
-  if (within.empty()) within.push_back(nearest);
-  for (const std::size_t i : within)
-    forEachCorner(body.lattice(), places_[i], [&](std::uint32_t node, float share) {
-      forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
-    });
-  return forces;
 }
 
 void SoftContact::addWallStiffness(const SoftBody& body, std::span<const DVec3> changes,

@@ -14,6 +14,7 @@ namespace palpate {
 struct SkinPlace {
   EmbeddedPlace at;
   Vec3 rest{0};
+  Vec3 normal{0};       ///< at rest
   float stiffness = 0;  ///< N/m
 };
 
@@ -46,9 +47,6 @@ class SoftContact {
   void press(SoftBody& body, std::span<const BodyMotion> balls, double step_s, DVec3& wallImpulse,
              std::span<Exchange> exchanges);
 
-  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the
-  /// nearest one, as the nodes have it, N.
-  std::vector<DVec3> spread(const SoftBody& body, const DVec3& place_m, double radius_m, const DVec3& direction) const;
   /// What listed places that stand on walls take away from `forces` where the nodes go on by `changes` (m), N.
   void addWallStiffness(const SoftBody& body, std::span<const DVec3> changes, std::span<DVec3> forces) const;
 

@@ -1,6 +1,7 @@
 #include "engine/matter/soft_layout.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -51,13 +52,17 @@ void SoftLayout::placeCells(const SoftLattice& lattice, std::span<const SkinPlac
     corners[slot] = {nodes[0], nodes[2], nodes[4], nodes[6]};
     volumes[slot] = static_cast<float>(cube * static_cast<double>(lattice.filled()[c]));
   }
-  for (const SoftLattice::Corners& about : lattice.incident())
+  for (const SoftLattice::Corners& about : lattice.incident()) {
+    bool isSkin = false;
     for (std::size_t k = 0; k < 8; ++k) {
       if (k % 4 == 0) incident.emplace_back(0);
       const std::size_t cell = about[k] / 8;
       const std::uint32_t slot = cell == lattice.cells() ? slots : slotOf[cell], corner = about[k] % 8;
       incident.back()[static_cast<int>(k % 4)] = 3 * corner * stride + slot;
+      isSkin |= slot < skinCount;
     }
+    skinNodes += isSkin ? 1 : 0;
+  }
 }
 
 void SoftLayout::placeSkin(const SoftLattice& lattice, std::span<const SkinPlace> places) {
@@ -72,6 +77,7 @@ void SoftLayout::placeSkin(const SoftLattice& lattice, std::span<const SkinPlace
     skinCells[k].first = next;
     for (; next < order.size() && slotOf[places[order[next]].at.cell] == k; ++next) {
       const SkinPlace& place = places[order[next]];
+      skinNormals.emplace_back(place.normal, std::bit_cast<float>(static_cast<std::uint32_t>(order[next])));
       skin.emplace_back(place.at.share, place.stiffness);
       skin.emplace_back(place.rest, 0);
     }

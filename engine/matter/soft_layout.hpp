@@ -28,7 +28,9 @@ struct SoftLayout {
   std::vector<float> volumes;         ///< of each slot and the one that is no cell, m^3
   std::vector<Four> incident;         ///< of each node
   std::vector<shared::SoftSkinCell> skinCells;
-  std::vector<Vec4> skin;  ///< cell by cell, in their order
+  std::vector<Vec4> skin;         ///< cell by cell, in their order
+  std::vector<Vec4> skinNormals;  ///< likewise: at rest, and the bits of their numbers as they were given
+  std::uint32_t skinNodes = 0;    ///< nodes that have a part in a place of the skin
 
  private:
   void placeCells(const SoftLattice& lattice, std::span<const SkinPlace> places);

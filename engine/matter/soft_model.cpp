@@ -58,6 +58,12 @@ std::shared_ptr<const SoftModel> softModelFor(const MatterScene& scene, const Ma
   return softModelOf(scene, {}, options.threads);
 }
 
+std::shared_ptr<const SoftModel> softModelOf(SoftSolid solid, std::span<const SurfacePlace> points) {
+  std::vector<SurfacePlace> carried(points.begin(), points.end());
+  if (carried.empty()) carried = solid.surface;
+  return std::make_shared<const SoftModel>(SoftModel{.solid = std::move(solid), .points = std::move(carried)});
+}
+
 SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes) {
   return softModelFor(scene, {.memory_bytes = memory_bytes})->solid;
 }

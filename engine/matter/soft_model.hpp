@@ -22,6 +22,8 @@ std::shared_ptr<const SoftModel> softModelOf(const MatterScene& scene, PointClou
 /// That of the options, or else of the scene, which names no file; refused before anything is filled where it takes more
 /// memory than they say.
 std::shared_ptr<const SoftModel> softModelFor(const MatterScene& scene, const MatterOptions& options);
+/// A body that was filled, and what it carries: where there are no points, its skin.
+std::shared_ptr<const SoftModel> softModelOf(SoftSolid solid, std::span<const SurfacePlace> points);
 /// The solid of such a scene alone.
 SoftSolid solidOf(const MatterScene& scene, std::uint64_t memory_bytes = kMostMatterBytes);
 

@@ -1,5 +1,8 @@
 #include "engine/matter/soft_passes.hpp"
 
+#include <algorithm>
+
+#include "engine/matter/gpu_soft_press.hpp"
 #include "shaders/compiled.hpp"
 
 namespace palpate {
@@ -14,6 +17,13 @@ Buffer onDevice(Device& device, std::uint64_t count, const char* name) {
 template <class Args>
 ComputePipeline pass(Device& device, const ShaderCode& code) {
   return {device, code, {.workgroupSize = shared::kMatterBlock, .pushBytes = sizeof(Args)}};
+}
+
+ComputePipeline cellsPass(Device& device, bool isSculpted, bool tries) {
+  return {device, shader_code::matter_soft_cells,
+          {.workgroupSize = shared::kMatterBlock,
+           .pushBytes = sizeof(shared::SoftCellsArgs),
+           .constants = {isSculpted ? 1u : 0u, tries ? 1u : 0u}}};
 }
 
 std::uint32_t blocksOf(std::uint32_t count) { return (count + shared::kMatterBlock - 1) / shared::kMatterBlock; }
@@ -41,6 +51,7 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
       incident(onDevice<glm::uvec4>(device, std::uint64_t{shared::kIncidentUVec4s} * sizes.nodes, "incident")),
       skinCells(onDevice<shared::SoftSkinCell>(device, std::uint64_t{sizes.skinCount} + 1, "skin cells")),
       skin(onDevice<Vec4>(device, std::uint64_t{shared::kSkinVec4s} * sizes.skin, "skin")),
+      skinNormals(onDevice<Vec4>(device, sizes.skin, "skin normals")),
       forces(onDevice<float>(device, planes(sizes, shared::kForcePlanes), "forces")),
       cellSums(onDevice<Vec4>(device, std::uint64_t{shared::kSoftRowsOfAll + 2 * sizes.tools} * sizes.cellBlocks(),
                               "cell sums")),
@@ -57,22 +68,30 @@ SoftMemory::SoftMemory(Device& device, const SoftSizes& sizes)
 std::uint64_t SoftMemory::bytes() const {
   std::uint64_t sum = 0;
   for (const Buffer* buffer :
-       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &forces,
+       {&setting, &hands, &state, &stateRead, &nodes, &corners, &volumes, &incident, &skinCells, &skin, &skinNormals, &forces,
         &cellSums, &nodeSums, &points.rests, &points.shares, &points.normalRests, &gradients, &nodeGradients})
     sum += buffer->bytes();
-  return sum;
+  return sum + (rests ? rests->bytes() : 0);
+}
+
+void SoftMemory::holdShapes(Device& device, const SoftSizes& sizes) {
+  if (rests) return;
+  rests.emplace(Buffer::of<shared::CellRest>(device, sizes.slots, Memory::upload, "soft rest shapes"));
+  std::ranges::fill(rests->mapped<shared::CellRest>(), shared::CellRest{});
 }
 
 SoftPasses::SoftPasses(Device& device)
     : predict_(pass<shared::SoftPredictArgs>(device, shader_code::matter_soft_predict)),
-      cells_(pass<shared::SoftCellsArgs>(device, shader_code::matter_soft_cells)),
+      cells_(cellsPass(device, false, false)),
       nodes_(pass<shared::SoftNodesArgs>(device, shader_code::matter_soft_nodes)),
       finish_(pass<shared::SoftFinishArgs>(device, shader_code::matter_soft_finish)),
       strain_(pass<shared::SoftStrainArgs>(device, shader_code::matter_soft_strain)),
       blend_(pass<shared::SoftBlendArgs>(device, shader_code::matter_soft_blend)),
       carry_(pass<shared::SoftCarryArgs>(device, shader_code::matter_soft_carry)) {}
 
-void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes) const {
+void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
+                            const GpuSoftPress* press) const {
+  if (press) press->recordBegin(list);
   list.dispatch(predict_, sizes.tools,
                 shared::SoftPredictArgs{.setting = memory.setting.address(),
                                         .hands = memory.hands.address(),
@@ -80,7 +99,14 @@ void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const S
                                         .toolCount = sizes.tools,
                                         .unused = 0});
   for (std::uint32_t substep = 0; substep < sizes.substeps; ++substep) {
-    recordCells(list, memory, sizes, substep);
+    recordCells(list, memory, sizes,
+                {.pass = sizes.isSculpted ? *sculptedCells_ : cells_,
+                 .nodes = memory.nodes.address(),
+                 .tools = memory.state.address() + SoftMemory::kTools,
+                 .toolCount = sizes.tools,
+                 .begins = substep == 0,
+                 .ends = substep + 1 == sizes.substeps});
+    if (press) press->recordSubstep(list, substep, sizes.substeps);
     recordNodes(list, memory, sizes, substep);
   }
   list.dispatch(finish_, shared::kMatterBlock,
@@ -89,28 +115,44 @@ void SoftPasses::recordStep(CommandList& list, const SoftMemory& memory, const S
                                        .total = memory.state.address() + SoftMemory::kSums,
                                        .cellBlocks = sizes.cellBlocks(),
                                        .nodeBlocks = sizes.nodeBlocks()});
+  if (press) press->recordEnd(list);
 }
 
-void SoftPasses::recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
-                             std::uint32_t substep) const {
-  list.dispatch(cells_, sizes.slots,
+void SoftPasses::holdShapes(Device& device) {
+  if (!sculptedCells_) sculptedCells_.emplace(cellsPass(device, true, false));
+}
+
+ComputePipeline SoftPasses::trialPass(Device& device, const SoftSizes& sizes) {
+  return cellsPass(device, sizes.isSculpted, true);
+}
+
+void SoftPasses::recordTrial(CommandList& list, const ComputePipeline& pass, const SoftMemory& memory,
+                             const SoftSizes& sizes, DeviceAddress nodes) {
+  recordCells(list, memory, sizes,
+              {.pass = pass, .nodes = nodes, .tools = 0, .toolCount = 0, .begins = true, .ends = false});
+}
+
+void SoftPasses::recordCells(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes, const Cells& cells) {
+  list.dispatch(cells.pass, sizes.slots,
                 shared::SoftCellsArgs{.setting = memory.setting.address(),
-                                      .nodes = memory.nodes.address(),
+                                      .nodes = cells.nodes,
                                       .corners = memory.corners.address(),
                                       .volumes = memory.volumes.address(),
                                       .forces = memory.forces.address(),
                                       .skinCells = memory.skinCells.address(),
                                       .skin = memory.skin.address(),
-                                      .tools = memory.state.address() + SoftMemory::kTools,
+                                      .tools = cells.tools,
                                       .sums = memory.cellSums.address(),
+                                      .rests = sizes.isSculpted ? memory.rests->address() : 0,
+                                      .present = memory.nodes.address(),
                                       .skinCount = sizes.skinCount,
                                       .firstInner = sizes.firstInner,
                                       .slots = sizes.slots,
                                       .stride = sizes.stride,
                                       .blocks = sizes.cellBlocks(),
-                                      .toolCount = sizes.tools,
-                                      .begins = substep == 0,
-                                      .ends = substep + 1 == sizes.substeps});
+                                      .toolCount = cells.toolCount,
+                                      .begins = cells.begins,
+                                      .ends = cells.ends});
 }
 
 void SoftPasses::recordNodes(CommandList& list, const SoftMemory& memory, const SoftSizes& sizes,
@@ -157,7 +199,8 @@ void SoftPasses::recordFrame(CommandList& list, const SoftMemory& memory, const 
                                       .nodeCount = sizes.nodes,
                                       .stride = sizes.stride});
   list.dispatch(carry_, sizes.points,
-                shared::SoftCarryArgs{.nodes = memory.nodes.address(),
+                shared::SoftCarryArgs{.setting = memory.setting.address(),
+                                      .nodes = memory.nodes.address(),
                                       .nodeGradients = memory.nodeGradients.address(),
                                       .corners = memory.corners.address(),
                                       .rests = memory.points.rests.address(),

@@ -32,7 +32,7 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
   hold.first = held_.size();
   const auto radius = static_cast<float>(hold.press.radius_m);
   const Vec3 middle(hold.press.place_m);
-  float all = 0, nearest2 = std::numeric_limits<float>::max();
+  float nearest2 = std::numeric_limits<float>::max();
   std::size_t nearest = 0;
   const auto take = [&](std::size_t i, float weight) {
     if (!(weight > 0)) return;
@@ -41,7 +41,6 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
       // Above 0 even where a place is at the face of its cell: a node is taken once.
       shares_[node] += std::max(weight * share, std::numeric_limits<float>::min());
     });
-    all += weight;
   };
   const auto facing = [&](std::size_t i) {
     return shared::facingWeight(glm::dot(surface_.normalOf(body, i), Vec3(hold.press.normal)));
@@ -52,8 +51,10 @@ void SoftPress::hold(const SoftBody& body, Hold& hold) {
     if (away2 < nearest2) nearest2 = away2, nearest = i;
     if (away2 < radius * radius) take(i, facing(i) * shared::wendland(std::sqrt(away2) / radius));
   }
-  if (!(all > 0)) take(nearest, 1);
+  if (held_.size() == hold.first) take(nearest, 1);
   hold.last = held_.size();
+  float all = 0;  // of the nodes' shares, as places that no cell holds would take more
+  for (std::size_t k = hold.first; k < hold.last; ++k) all += shares_[held_[k].node];
   for (std::size_t k = hold.first; k < hold.last; ++k) {
     Held& held = held_[k];
     held.share = shares_[held.node] / all;

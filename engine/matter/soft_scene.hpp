@@ -20,6 +20,9 @@ double halfSpaceCompliance_m_N(const MatterScene& scene, double radius_m);
 /// (RestShape).
 std::uint32_t substepsOf(const MatterScene& scene, const MatterPlan& plan, double stiffer);
 
+/// What a body that nothing holds is held by where it is asked how it gives way, for its mass: one round in 1.6 s.
+inline constexpr double kHold_1_s2 = 16;
+
 /// planOf() for soft bodies: `lattice` is that of cells about the fill, `particles` the nodes at its corners, of which
 /// a scan or a ball needs fewer.
 MatterPlan softPlanOf(const MatterScene& scene, std::uint64_t memory_bytes);

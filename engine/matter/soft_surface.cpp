@@ -37,6 +37,20 @@ std::uint32_t SoftSurface::nearest(const SoftBody& body, const DVec3& place_m) c
   return found;
 }
 
+std::vector<DVec3> SoftSurface::spread(const SoftBody& body, const DVec3& place_m, double radius_m,
+                                       const DVec3& direction) const {
+  std::vector<DVec3> forces(body.size(), DVec3(0));
+  std::vector<std::uint32_t> within;
+  for (std::uint32_t i = 0; i < size(); ++i)
+    if (glm::distance(DVec3(placeOf(body, i)), place_m) < radius_m) within.push_back(i);
+  if (within.empty()) within.push_back(nearest(body, place_m));
+  for (const std::uint32_t i : within)
+    forEachNode(body, i, [&](std::uint32_t node, float share) {
+      forces[node] += static_cast<double>(share) / static_cast<double>(within.size()) * direction;
+    });
+  return forces;
+}
+
 void SoftSurface::places(const SoftBody& body, std::vector<Vec3>& now, WorkerTeam& team) const {
   now.resize(size());
   team.forEach((size() + kPlacesOfBlock - 1) / kPlacesOfBlock, [&](std::size_t block) {

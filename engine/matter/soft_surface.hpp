@@ -22,6 +22,9 @@ class SoftSurface {
   std::uint32_t nearest(const SoftBody& body, const DVec3& place_m) const;
   /// Where all of them are, m.
   void places(const SoftBody& body, std::vector<Vec3>& now, WorkerTeam& team) const;
+  /// Force of 1 N along `direction` that is spread evenly over the places within `radius_m` of one now, or at the
+  /// nearest one, as the nodes have it, N.
+  std::vector<DVec3> spread(const SoftBody& body, const DVec3& place_m, double radius_m, const DVec3& direction) const;
   /// visit(node, share): the corners of the cell that a place is in, and their shares of it.
   template <class Visit>
   void forEachNode(const SoftBody& body, std::size_t i, Visit&& visit) const {

@@ -10,13 +10,6 @@ namespace palpate {
 
 namespace {
 
-// Without points it carries its skin.
-std::shared_ptr<const SoftModel> carrying(SoftSolid solid, std::span<const SurfacePlace> points) {
-  std::vector<SurfacePlace> carried(points.begin(), points.end());
-  if (carried.empty()) carried = solid.surface;
-  return std::make_shared<const SoftModel>(SoftModel{.solid = std::move(solid), .points = std::move(carried)});
-}
-
 SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) {
   return {.box_m = scene.box_mm * 1e-3,
           .ball_m = scene.tool.radius_mm * 1e-3,
@@ -25,9 +18,6 @@ SoftContact::Config contactOf(const MatterScene& scene, const MatterPlan& plan) 
 }
 
 std::vector<Vec3> restOf(const SoftSolid& solid) { return {solid.lattice.rest().begin(), solid.lattice.rest().end()}; }
-
-// What a body that nothing holds is held by where it is asked how it gives way: one round in 1.6 s.
-constexpr double kHold_1_s2 = 16;
 
 double dotOf(std::span<const DVec3> a, std::span<const DVec3> b) {
   double sum = 0;
@@ -42,7 +32,7 @@ SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options)
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, SoftSolid solid,
                      std::span<const SurfacePlace> points)
-    : SoftWorld(scene, options, carrying(std::move(solid), points)) {}
+    : SoftWorld(scene, options, softModelOf(std::move(solid), points)) {}
 
 SoftWorld::SoftWorld(const MatterScene& scene, const MatterOptions& options, std::shared_ptr<const SoftModel> model)
     : MatterSimulation(scene, options, restOf(model->solid)),
@@ -141,7 +131,7 @@ MatterObservation SoftWorld::observe() const {
 double SoftWorld::localCompliance_m_N(const DVec3& place_m, double radius_m, const DVec3& direction) {
   constexpr int kMostRounds = 300;
   constexpr double kLeft = 1e-3;  // of the residual; the compliance is as exact as the square of that
-  std::vector<DVec3> residual = contact_.spread(body_, place_m, radius_m, direction);
+  std::vector<DVec3> residual = surface_.spread(body_, place_m, radius_m, direction);
   for (std::size_t i = 0; i < residual.size(); ++i)
     if (body_.isPinned(i)) residual[i] = DVec3(0);
   const std::vector<DVec3> load = residual;

@@ -2,14 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "engine/core/cloud_frame.hpp"
 
 namespace palpate {
 
 struct PointCloud;
+class FrameCarrier;
 
-/// Points that move, frame by frame, made on the host. For one thread at a time, which need not be the same each time.
+/// Points that move, frame by frame, made on the host or on a GPU. For one thread at a time, which need not be the same each time.
 class CloudSource {
  public:
   virtual ~CloudSource() = default;
@@ -24,6 +26,11 @@ class CloudSource {
   virtual void makeFrame(double time_s, CloudFrame& frame) = 0;
   /// Whether the frame for `time_s` is another one than that which was made last and is true for `than_s`.
   virtual bool hasNewer(double /*time_s*/, double /*than_s*/) { return true; }
+  /// Where the points are moved on a GPU: who brings them from there; null: they are moved on the host.
+  virtual FrameCarrier* carrier() { return nullptr; }
+  /// makeFrame() for who takes them from the carrier: moves them on, and returns the time that they are true for; nothing
+  /// where they are of no use any more.
+  virtual std::optional<double> goTo(double time_s) { return time_s; }
 };
 
 /// The door through which frames come in. Throws Error for what is no number, for more points than `points`, for values that

@@ -44,7 +44,9 @@ void SoftSource::restart() {
 
 bool SoftSource::hasNewer(double time_s, double /*than_s*/) {
   if (isToBeReset() || isTurned_) return true;
-  return !isHeld() && last() != stepAt(time_s);
+  const auto newest = asked_.load();
+  const bool isAsked = question_.count > 0 || (newest && newest->count > 0);
+  return !isHeld() && isAsked && last() != stepAt(time_s);
 }
 
 // As often as there were steps: behind them, so that what the hand felt has pressed where the surface was. Presses go
@@ -57,6 +59,7 @@ void SoftSource::sculpt(std::uint32_t steps) {
   if (!now.brush || !now.sculpts) return;
   const PlacedBrush brush(*now.brush, options_.radius, now.hip, now.lastHip, now.spring);
   if (!brush.acts()) return;
+  world_->beginSculpting();
   const SoftBody& body = sculpture->body();
   const SoftSurface& surface = sculpture->surface();
   std::vector<std::pair<Slot*, std::uint32_t>> under;
@@ -65,6 +68,7 @@ void SoftSource::sculpt(std::uint32_t steps) {
   std::vector<Vec3> before;
   for (const auto& [slot, place] : under) before.push_back(surface.placeOf(body, place));
   for (std::uint32_t k = 0; k < steps; ++k) palpate::sculpt(*sculpture, brush, kMatterUnit_m);
+  world_->endSculpting();
   for (std::size_t i = 0; i < under.size(); ++i)
     under[i].first->place_m += DVec3(surface.placeOf(body, under[i].second) - before[i]);
 }
@@ -74,7 +78,13 @@ void SoftSource::endStroke() {
   countStrokes();
 }
 
-bool SoftSource::turned(bool done) {
+bool SoftSource::turn(bool (*to)(SoftSculpture&)) {
+  endStroke();
+  SoftSculpture* const sculpture = world_->sculpture();
+  if (!sculpture) return false;
+  world_->beginSculpting();
+  const bool done = to(*sculpture);
+  world_->endSculpting();
   if (!done) return false;
   isTurned_ = true;
   beginnings_.fetch_add(1, std::memory_order_relaxed);
@@ -84,15 +94,11 @@ bool SoftSource::turned(bool done) {
 }
 
 bool SoftSource::undo() {
-  endStroke();
-  SoftSculpture* const sculpture = world_->sculpture();
-  return turned(sculpture && sculpture->undo());
+  return turn([](SoftSculpture& sculpture) { return sculpture.undo(); });
 }
 
 bool SoftSource::redo() {
-  endStroke();
-  SoftSculpture* const sculpture = world_->sculpture();
-  return turned(sculpture && sculpture->redo());
+  return turn([](SoftSculpture& sculpture) { return sculpture.redo(); });
 }
 
 void SoftSource::countStrokes() {
@@ -179,7 +185,7 @@ void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot) {
                                  std::memory_order_relaxed);
 }
 
-void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
+void SoftSource::follow(double time_s) {
   if (const auto newest = asked_.load()) question_ = *newest;
   if (takeReset()) restart();
   takeParameters(*world_);
@@ -196,6 +202,16 @@ void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
   bodyTime_s_ = std::min(time_s, last() ? static_cast<double>(*last()) * kMatterStep_s : time_s);
   see(world_->state());
   isTurned_ = false;
+}
+
+std::optional<double> SoftSource::goTo(double time_s) {
+  follow(time_s);
+  world_->carryVelocities(!isHeld());
+  return world_->state() == MatterState::running ? std::optional(bodyTime_s_) : std::nullopt;
+}
+
+void SoftSource::makeFrame(double time_s, CloudFrame& frame) {
+  follow(time_s);
   world_->makeFrame(frame);
   constexpr auto kUnits = static_cast<float>(1 / kMatterUnit_m);
   for (Vec3& position : frame.positions) position *= kUnits;

@@ -60,7 +60,7 @@ struct SoftSourceOptions {
 /// Follows the hands step by step to the time of each frame that is asked for, and presses where they touched in the
 /// frame before; so does a brush, in each of the steps. Where time goes back the scene begins anew, in the shape that
 /// it has. So a frame's bytes follow from all that was asked before, and in virtual time from the poses. ask() is for
-/// one thread, makeFrame() and hasNewer() for another one, and the rest for any.
+/// one thread, makeFrame(), goTo() and hasNewer() for another one, and the rest for any.
 class SoftSource final : public CloudSource, public SteppedControl {
  public:
   /// `world` has a surface.
@@ -72,6 +72,8 @@ class SoftSource final : public CloudSource, public SteppedControl {
   std::size_t size() const override { return options_.points; }
   void makeFrame(double time_s, CloudFrame& frame) override;
   bool hasNewer(double time_s, double than_s) override;
+  FrameCarrier* carrier() override { return world_->carrier(); }
+  std::optional<double> goTo(double time_s) override;
 
   /// How far the surface under a hand gives way for a force on it, model units per N: that of an elastic half-space
   /// (Love 1929) until the body has been asked for its own.
@@ -98,8 +100,9 @@ class SoftSource final : public CloudSource, public SteppedControl {
     std::uint32_t steps = 0; // that it has pressed on end
   };
   void restart();
+  void follow(double time_s);
   void sculpt(std::uint32_t steps);
-  bool turned(bool done);
+  bool turn(bool (*to)(SoftSculpture&));
   void countStrokes();
   void advance(std::uint32_t steps);
   DVec3 placeOf(const SurfaceTouch& touch, const Slot& slot) const;

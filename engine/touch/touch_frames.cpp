@@ -1,6 +1,7 @@
 #include "engine/touch/touch_frames.hpp"
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/touch/carried_frames.hpp"
 #include "engine/touch/fused_frames.hpp"
 #include "engine/touch/host_frames.hpp"
 
@@ -11,9 +12,11 @@ namespace {
 // A cloud whose index is always built anew needs spare slots for new points alone.
 constexpr std::uint32_t kFewerSpare = 4;
 
-std::unique_ptr<FrameWriter> writerOf(Device& device, const TouchOptions& options, const LiveCloud& cloud) {
+std::unique_ptr<FrameWriter> writerOf(Device& device, const TouchOptions& options, const LiveCloud& cloud,
+                                      const DVec3& origin) {
   PALPATE_CHECK(!(options.source && options.fusion));
   if (options.fusion) return std::make_unique<FusedFrames>(device, *options.fusion, cloud);
+  if (options.source && options.source->carrier()) return std::make_unique<CarriedFrames>(*options.source, origin);
   if (options.source) return std::make_unique<HostFrames>(device, *options.source);
   return nullptr;
 }
@@ -31,8 +34,8 @@ std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options) {
   return options.index == IndexFollow::rebuild ? spare / kFewerSpare : options.spareSlots.value_or(spare);
 }
 
-TouchFrames::TouchFrames(Device& device, const TouchOptions& options, LiveIndex& index)
-    : index_(index), writer_(writerOf(device, options, index.cloud())) {
+TouchFrames::TouchFrames(Device& device, const TouchOptions& options, LiveIndex& index, const DVec3& origin)
+    : index_(index), writer_(writerOf(device, options, index.cloud(), origin)) {
   if (writer_) frames_.emplace(device, *writer_, index_);
 }
 

@@ -20,8 +20,8 @@ std::uint32_t spareSlots(const PointCloud& cloud, const TouchOptions& options);
 /// cloud. Without any, nothing happens here. For the thread that asks.
 class TouchFrames {
  public:
-  /// `index` must outlive it. Brings the frame of time 0.
-  TouchFrames(Device& device, const TouchOptions& options, LiveIndex& index);
+  /// `index` must outlive it. `origin`: of the live cloud. Brings the frame of time 0.
+  TouchFrames(Device& device, const TouchOptions& options, LiveIndex& index, const DVec3& origin);
 
   bool move() const { return frames_.has_value(); }
   /// For whoever draws on the same GPU; null where nothing moves.

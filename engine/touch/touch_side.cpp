@@ -99,7 +99,7 @@ TouchSide::TouchSide(Device& device, const PointCloud& cloud, const TouchOptions
       record_{.log = EditLog(device, options.brush ? index_.cloud().count() : 0)},
       questions_(device, contactOptions(), index_.hash().grid(), index_.cloud().slots(),
                  options.wait.value_or(device.defaultWait()), options.timing),
-      frames_(device, options, index_) {
+      frames_(device, options, index_, cloud.origin) {
   if (options.brush)
     edits_.emplace(device, editOptions(options), index_, record_.log, statistics_, colorsOf(cloud, options));
   makeBridge();

@@ -87,25 +87,29 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   double reach = 0;
   for (const ToolPoint& point : request.tools.front().points) reach = std::max(reach, glm::length(point.place));
   // Where this back end feels points alone, the CPU moves them.
-  const std::unique_ptr<BackendKind> cpu = capabilities().movesSoftBodies ? nullptr : cpuBackend();
+  const TouchCapabilities can = capabilities();
+  const bool isElastic = request.config.matter->preset == SoftPreset::elastic;
+  const std::unique_ptr<BackendKind> cpu =
+      (isElastic ? can.movesSoftBodies : can.matchesShapes) ? nullptr : cpuBackend();
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
-  auto source = std::make_unique<SoftSource>(std::move(world),
-                                             SoftSourceOptions{.points = request.model.cloud.size(),
-                                                               .hands = request.tools.size(),
-                                                               .radius = request.surface.radius,
-                                                               .toolReach = reach,
-                                                               .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});
+  auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
+                                                                                 .hands = request.tools.size(),
+                                                                                 .radius = request.surface.radius,
+                                                                                 .toolReach = reach,
+                                                                                 .mostAtOnce = kMostAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
   felt.brush.reset();  // the body has it, and its points follow
   felt.paintable = false;
   auto surface = make(felt);
-  return std::make_unique<SoftTouch>(
-      std::move(source), std::move(surface),
-      SoftTouchOptions{.tools = request.tools,
-                       .friction = request.config.surface.friction,
-                       .brush = request.brush,
-                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+  auto touch =
+      std::make_unique<SoftTouch>(std::move(source), std::move(surface),
+                                  SoftTouchOptions{.tools = request.tools,
+                                                   .friction = request.config.surface.friction,
+                                                   .brush = request.brush,
+                                                   .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+  touch->setRealtime(request.config.realtime);
+  return touch;
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

@@ -16,7 +16,7 @@ class CpuBackend final : public BackendKind {
     static const std::vector<std::string> methods{"direct"};
     return methods;
   }
-  TouchCapabilities capabilities() const override { return {.movesSoftBodies = true}; }
+  TouchCapabilities capabilities() const override { return {.movesSoftBodies = true, .matchesShapes = true}; }
   std::string machine(unsigned threads) const override {
     return fmt::format("{}, {} threads", processorName(), threadCount(threads));
   }

@@ -8,6 +8,7 @@
 #include "engine/core/named_values.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/matter/gpu_matter_world.hpp"
+#include "engine/matter/gpu_soft_world.hpp"
 #include "engine/touch/touch_side.hpp"
 
 namespace palpate {
@@ -24,14 +25,16 @@ class VulkanBackend final : public BackendKind {
     return methods;
   }
   TouchCapabilities capabilities() const override {
-    return {.fusesFrames = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
+    return {.fusesFrames = true, .movesSoftBodies = true, .asksAhead = true, .choosesWait = true, .timesPasses = true, .methodOfMany = "fused"};
   }
   std::string machine(unsigned) const override { return device_().name(); }
   NormalEstimator normalEstimator() const override { return estimateNormalsOn(device_); }
   std::unique_ptr<MatterSimulation> simulate(const MatterScene& scene, const MatterOptions& options) const override {
-    if (scene.matter == Matter::soft) throw ConfigError("backend.name", "{} moves no soft bodies; take cpu", name());
     MatterOptions there = options;
     there.memory_bytes = std::max(options.memory_bytes, device_().ownMemory() / 2);
+    // Beside the questions, which have the surface of its points meanwhile.
+    if (scene.matter == Matter::soft)
+      return std::make_unique<GpuSoftWorld>(device_(), device_().backgroundQueue().another(), scene, there);
     return std::make_unique<GpuMatterWorld>(device_(), device_().latencyQueue(), scene, there);
   }
   std::unique_ptr<TouchBackend> make(const BackendRequest& request) const override {

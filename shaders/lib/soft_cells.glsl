@@ -17,4 +17,26 @@ bool holdsCell(uint slot) { return slot < args.skinCount || (slot >= args.firstI
 // Node of the corner `k`, of the four that corners at x = 0 have.
 uint nodeAt(uvec4 corners, uint k) { return corners[k / 2] + k % 2; }
 
+Corners displacementsOf(uint slot) {
+  const uvec4 corners = args.corners.at[slot];
+  Corners moved;
+  [[unroll]] for (uint k = 0; k < 8; ++k) moved.at[k] = args.nodes.at[kNodeVec4s * nodeAt(corners, k)].xyz;
+  return moved;
+}
+
+// In which all places of the skin are that a cell has; `corner`: its lowest one at rest.
+void boxOf(vec3 corner, Corners moved, out vec3 low, out vec3 high) {
+  const float spacing = SETTING.spacing;
+  low = corner + moved.at[0];
+  high = low;
+  [[unroll]] for (uint k = 1; k < 8; ++k) {
+    const vec3 place = corner + spacing * vec3(k & 1, k / 2 & 1, k / 4) + moved.at[k];
+    low = min(low, place);
+    high = max(high, place);
+  }
+  const vec3 over = SETTING.beyond * (high - low);
+  low -= over;
+  high += over;
+}
+
 #endif

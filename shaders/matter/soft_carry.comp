@@ -25,5 +25,5 @@ void main() {
   const vec3 normal = unitNormalCarried(change, vec3(share.w, normalRest));
   args.positions.at[id] = vec4(args.unitsPerMetre * (rest.xyz + moved) - args.origin, uintBitsToFloat(id));
   args.normals.at[id] = vec4(normal, 0);
-  args.velocities.at[id] = vec4(args.unitsPerMetre * velocity, 0);
+  args.velocities.at[id] = vec4(args.setting.now.carriedSpeed * args.unitsPerMetre * velocity, 0);
 }

@@ -10,6 +10,12 @@ layout(push_constant, scalar) uniform Push { SoftCellsArgs args; };
 #include "shaders/lib/matter_sums.glsl"
 #include "shaders/lib/soft_cells.glsl"
 
+// Whether cells may have another rest shape than a cube.
+layout(constant_id = 1) const bool kSculpted = false;
+// Whether nodes are where they are for a trial: walls then answer to how far places have gone from where they are at
+// present, as the springs that they are there.
+layout(constant_id = 2) const bool kTries = false;
+
 Corners moved, velocity, forces;
 
 void readNodes(uint slot) {
@@ -23,17 +29,9 @@ void readNodes(uint slot) {
 
 // Whether a place of the skin in the cell may be in a wall or a ball: all are between the corners.
 bool mayMeet(uint slot) {
-  const vec3 corner = args.skinCells.at[slot].corner;
-  const float spacing = SETTING.spacing, beyond = SETTING.beyond, ball = SETTING.ball;
-  vec3 low = corner + moved.at[0], high = low;
-  [[unroll]] for (uint k = 1; k < 8; ++k) {
-    const vec3 place = corner + spacing * vec3(k & 1, k / 2 & 1, k / 4) + moved.at[k];
-    low = min(low, place);
-    high = max(high, place);
-  }
-  const vec3 over = beyond * (high - low);
-  low -= over;
-  high += over;
+  const float ball = SETTING.ball;
+  vec3 low, high;
+  boxOf(args.skinCells.at[slot].corner, moved, low, high);
   if (any(lessThan(low, vec3(0))) || any(greaterThan(high, SETTING.box))) return true;
   for (uint tool = 0; tool < args.toolCount; ++tool) {
     const vec3 middle = args.tools.at[tool].place;
@@ -72,13 +70,24 @@ void handToCorners(vec3 share, vec3 force) {
   [[unroll]] for (int k = 0; k < 8; ++k) forces.at[k] += cornerShare(share, k) * force;
 }
 
+// Of the walls that a place is in at present.
+vec3 wallsAnswer(uint slot, uint at, SkinNow now) {
+  vec3 place = args.skin.at[kSkinVec4s * at + 1].xyz;
+  const uvec4 corners = args.corners.at[slot];
+  for (uint k = 0; k < 8; ++k)
+    place += cornerShare(now.share, int(k)) * args.present.at[kNodeVec4s * nodeAt(corners, k)].xyz;
+  const vec3 depths = depthsInWalls(place, SETTING.box);
+  return mix(vec3(0), now.touch.stiffness * (place - now.place), notEqual(depths, vec3(0)));
+}
+
 // Returns the impulse on the walls.
 vec3 pressOnWalls(uint slot) {
   const vec3 box = SETTING.box;
   vec3 sum = vec3(0);
   for (uint at = args.skinCells.at[slot].first; at < args.skinCells.at[slot + 1].first; ++at) {
     const SkinNow now = skinAt(slot, at);
-    const vec3 force = wallsForce(now.touch, box, now.place, now.velocity);
+    const vec3 force =
+        kTries ? wallsAnswer(slot, at, now) : wallsForce(now.touch, box, now.place, now.velocity);
     if (force == vec3(0)) continue;
     handToCorners(now.share, force);
     sum -= force;
@@ -119,6 +128,27 @@ void meetTools(uint slot, bool meets) {
   }
 }
 
+CellRest restOf(uint slot) {
+  CellRest rest;
+  rest.inverse = args.rests.at[slot].inverse;
+  [[unroll]] for (uint k = 0; k < 4; ++k) rest.bent[k] = args.rests.at[slot].bent[k];
+  rest.volume = args.rests.at[slot].volume;
+  rest.bend = args.rests.at[slot].bend;
+  return rest;
+}
+
+// What the cell does to its nodes, from the modes of its corners. Returns how much it is compressed.
+float push(uint slot) {
+  const SoftRules rules = softRules();
+  if (kSculpted && args.rests.at[slot].volume > 0) {
+    const CellRest rest = restOf(slot);
+    forces = sculptedForces(rules, args.volumes.at[slot], rest, moved, velocity);
+    return 1 - volumeShare(sculptedGradient(rules, rest, moved));
+  }
+  forces = cellForces(rules, args.volumes.at[slot], moved, velocity);
+  return 1 - volumeShare(gradientOf(rules, moved) + mat3(1));
+}
+
 void main() {
   const uint slot = threadIndex();
   const bool isCell = holdsCell(slot), hasSkin = workgroupIndex() * kMatterBlock < args.firstInner;
@@ -126,12 +156,10 @@ void main() {
   float compression = 0;
   if (isCell) {
     readNodes(slot);
-    meets = hasSkin && mayMeet(slot);
+    meets = hasSkin && (kTries || mayMeet(slot));
     takeModes(moved);
     takeModes(velocity);
-    const SoftRules rules = softRules();
-    compression = 1 - volumeShare(gradientOf(rules, moved) + mat3(1));
-    forces = cellForces(rules, args.volumes.at[slot], moved, velocity);
+    compression = push(slot);
   }
   vec4 onWalls = vec4(0), compressed = vec4(0, 0, 0, max(compression, 0));
   if (hasSkin) {

@@ -9,6 +9,7 @@ layout(push_constant, scalar) uniform Push { SoftNodesArgs args; };
 
 #include "shaders/lib/matter_hands.glsl"
 #include "shaders/lib/matter_sums.glsl"
+#include "shaders/lib/soft_forces.glsl"
 
 void moveTools() {
   for (uint tool = 0; tool < args.toolCount; ++tool) {
@@ -18,16 +19,6 @@ void moveTools() {
     reactTool(tool, impulse.xyz, angular.xyz);
     if (args.ends == 0) predictTool(tool, args.substep + 1);
   }
-}
-
-vec3 forceOn(uint node) {
-  const uvec4 low = args.incident.at[kIncidentUVec4s * node], high = args.incident.at[kIncidentUVec4s * node + 1];
-  vec3 force = vec3(0);
-  for (uint k = 0; k < 8; ++k) {
-    const uint word = k < 4 ? low[k] : high[k - 4];
-    force += vec3(args.forces.at[word], args.forces.at[word + args.stride], args.forces.at[word + 2 * args.stride]);
-  }
-  return force;
 }
 
 // Their sums, for all invocations of a workgroup.

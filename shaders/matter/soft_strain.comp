@@ -11,9 +11,7 @@ layout(push_constant, scalar) uniform Push { SoftStrainArgs args; };
 void main() {
   const uint slot = threadIndex();
   if (!holdsCell(slot)) return;
-  const uvec4 corners = args.corners.at[slot];
-  Corners modes;
-  [[unroll]] for (uint k = 0; k < 8; ++k) modes.at[k] = args.nodes.at[kNodeVec4s * nodeAt(corners, k)].xyz;
+  Corners modes = displacementsOf(slot);
   takeModes(modes);
   const mat3 gradient = args.volumes.at[slot] * gradientOf(softRules(), modes);
   for (uint k = 0; k < kGradientPlanes; ++k) args.gradients.at[k * args.stride + slot] = gradient[k / 3][k % 3];

@@ -37,8 +37,9 @@ struct SoftSetting {
   float beyond;   // so far a place of the skin may be beyond its cell, as a share of the cell's extent
   float damping;  // of a touch, of its stiffness, s
   float friction;
+  float carriedSpeed;  // share of their velocities that points are carried with: 1, or 0 while all is held
 };
-PALPATE_SIZE(SoftSetting, 96);
+PALPATE_SIZE(SoftSetting, 100);
 
 // A cell with places of the skin, in the order of the slots; one more at the end says where the last ones end.
 struct SoftSkinCell {
@@ -51,6 +52,7 @@ PALPATE_SIZE(SoftSkinCell, 16);
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer SoftSettings { SoftSetting now; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer SoftSkinCells { SoftSkinCell at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CellRests { CellRest at[]; };
 #endif
 
 // The balls of tools at the end of the first substep, before the others.
@@ -73,8 +75,10 @@ struct SoftCellsArgs {
   PALPATE_ADDRESS(SoftSkinCells) skinCells;
   PALPATE_ADDRESS(Vec4s) skin;
   PALPATE_ADDRESS(ToolStates) tools;
-  PALPATE_ADDRESS(Vec4s) sums;  // out: rows of blocks of slots
-  uint skinCount;               // cells with places of the skin
+  PALPATE_ADDRESS(Vec4s) sums;      // out: rows of blocks of slots
+  PALPATE_ADDRESS(CellRests) rests;  // of each slot; without a volume: a cube; nothing where all are
+  PALPATE_ADDRESS(Vec4s) present;    // the nodes as they are, for a trial
+  uint skinCount;                    // cells with places of the skin
   uint firstInner;              // slot of the first one without
   uint slots;
   uint stride;
@@ -83,7 +87,7 @@ struct SoftCellsArgs {
   uint begins;  // whether the substep is the first one of its step
   uint ends;    // the last one
 };
-PALPATE_SIZE(SoftCellsArgs, 104);
+PALPATE_SIZE(SoftCellsArgs, 120);
 
 // Where the nodes go; one workgroup more, the first one, has what that did to the tools, and where they go next.
 struct SoftNodesArgs {
@@ -145,6 +149,7 @@ PALPATE_SIZE(SoftBlendArgs, 40);
 
 // Where the points are that the body carries.
 struct SoftCarryArgs {
+  PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(Vec4s) nodes;
   PALPATE_ADDRESS(Vec4s) nodeGradients;
   PALPATE_ADDRESS(UVec4s) corners;
@@ -159,7 +164,7 @@ struct SoftCarryArgs {
   vec3 origin;          // of it, in those units
   uint unused;
 };
-PALPATE_SIZE(SoftCarryArgs, 96);
+PALPATE_SIZE(SoftCarryArgs, 104);
 
 PALPATE_SHARED_END
 

@@ -364,6 +364,13 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
     CHECK(record["passes_us"].contains("matter_soft_cells") == onGpu);
     CHECK(record["passes_us"].contains("matter_soft_carry") == onGpu);
   }
+  works("bench matter --matter soft --sizes 700 --presses 3 --backend vulkan,cpu --repeat 5 --passes --json " + json);
+  for (const auto& record : jsonOf(json)["matter"]) {
+    CHECK(record["presses"] == 3);
+    CHECK(record["compliance"]["wall_us"]["p50"] > 0);
+    CHECK(record["passes_us"].contains("matter_soft_press") == (record["backend"] == "vulkan"));
+  }
+  CHECK(palpate("bench matter --matter water --presses 1").code == 2);
   CHECK(palpate("bench matter --matter lava").code == 2);
   CHECK(palpate("bench matter --points -1").code == 2);
 }

@@ -351,26 +351,4 @@ TEST_CASE("no cell is turned inside out, however long a brush goes on, and the b
   CHECK(copyOf(world.body().displacements()) == shape);
 }
 
-TEST_CASE("a press takes the side of a sheet that faces it, and not the other one") {
-  TestBody sheet(block({8, 1, 8}), kJelly);
-  const SoftSurface surface(sheet.solid.lattice, sheet.solid.surface);
-  SoftPress press(sheet.body, surface);
-  const SurfacePress down{.place_m = kSoftSpacing_m * DVec3(4, 1, 4),
-                          .normal = {0, 1, 0},
-                          .handFrom_m = kSoftSpacing_m * DVec3(4, 0.9, 4),
-                          .handTo_m = kSoftSpacing_m * DVec3(4, 0.9, 4),
-                          .radius_m = 3 * kSoftSpacing_m,
-                          .stiffness_N_m = 100,
-                          .most_N = 10};
-  press.begin(sheet.body, {&down, 1}, 1e-3, sheet.team);
-  sheet.body.strain(sheet.team);
-  press.load(sheet.body, 1, 1e-4, DVec3(0));
-  double above = 0, below = 0;
-  for (std::size_t i = 0; i < sheet.body.size(); ++i)
-    (sheet.solid.lattice.rest()[i].y > 0.5f * static_cast<float>(kSoftSpacing_m) ? above : below) -=
-        static_cast<double>(sheet.body.loads()[i].y);
-  CHECK(above > 0.001);
-  CHECK(below < 1e-6 * above);
-}
-
 }  // namespace palpate

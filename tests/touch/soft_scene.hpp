@@ -26,8 +26,14 @@ inline MatterScene softBlock() {
           .young_Pa = 3e4};
 }
 
+/// Makes what moves a body.
+using BodyMaker = std::function<std::unique_ptr<MatterSimulation>(const MatterScene& scene, const MatterOptions& matter)>;
+
 struct SoftTouching {
   SoftTouchOptions touch;
+  BodyMaker body = [](const MatterScene& scene, const MatterOptions& matter) {
+    return std::make_unique<SoftWorld>(scene, matter);
+  };
   HandSpring spring{.stiffness_N_per_unit = 0.5, .damping_N_s_per_unit = 0.002, .most_N = 5};
   unsigned threads = 2;
   bool realtime = false;
@@ -47,7 +53,7 @@ class SoftScene {
     matter.soft = model_;
     double reach = 0;
     for (const ToolPoint& point : options.touch.tools.front().points) reach = std::max(reach, glm::length(point.place));
-    auto source = std::make_unique<SoftSource>(std::make_unique<SoftWorld>(scene, matter),
+    auto source = std::make_unique<SoftSource>(options.body(scene, matter),
                                                SoftSourceOptions{.points = cloud_.size(),
                                                                  .radius = radius_,
                                                                  .toolReach = reach,
@@ -59,6 +65,7 @@ class SoftScene {
   }
 
   SoftTouch& touch() { return *touch_; }
+  SoftSource& source() { return *source_; }
   const SoftSource& source() const { return *source_; }
   const MatterSimulation& world() const { return source_->world(); }
   const PointCloud& cloud() const { return cloud_; }
@@ -85,11 +92,12 @@ class FeltSpring {
   explicit FeltSpring(const HandSpring& spring) : spring_(spring) {}
   DVec3 add(const Contact& contact, const DVec3& hip, double dt_s) {
     if (!contact.valid || !contact.touching) {
-      last_.reset();
+      isKnown_ = false;
       return DVec3(0);
     }
     const DVec3 stretch = contact.proxy - hip;
-    const DVec3 rate = last_ ? (stretch - *last_) / dt_s : DVec3(0);
+    const DVec3 rate = isKnown_ ? (stretch - last_) / dt_s : DVec3(0);
+    isKnown_ = true;
     last_ = stretch;
     const DVec3 force = spring_.stiffness_N_per_unit * stretch + spring_.damping_N_s_per_unit * rate;
     if (!(glm::dot(force, contact.normal) > 0)) return DVec3(0);
@@ -99,7 +107,8 @@ class FeltSpring {
 
  private:
   HandSpring spring_;
-  std::optional<DVec3> last_;
+  bool isKnown_ = false;
+  DVec3 last_{0};
 };
 
 /// A flat square of so many points along a side, which looks down.

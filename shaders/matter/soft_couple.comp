@@ -1,0 +1,41 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// How much the place of one press goes with another one's: by the nodes that both hold.
+#include "shaders/lib/index.glsl"
+#include "shaders/shared/soft_press.h"
+
+layout(push_constant, scalar) uniform Push { SoftCoupleArgs args; };
+
+#include "shaders/lib/matter_sums.glsl"
+
+// What a press holds of a node; 0 where it does not.
+float shareIn(uint press, uint node) {
+  uint low = press * args.heldStride, high = low + args.counts.at[1 + press];
+  const uint end = high;
+  while (low < high) {
+    const uint middle = (low + high) / 2;
+    if (args.held.at[middle].node < node)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < end && args.held.at[low].node == node ? args.held.at[low].share : 0;
+}
+
+void main() {
+  const uint press = workgroupIndex(), presses = args.counts.at[0];
+  if (press >= presses) return;
+  const uint held = args.counts.at[1 + press];
+  for (uint other = 0; other < presses; ++other) {
+    vec4 sum = vec4(0), none = vec4(0);
+    for (uint k = gl_LocalInvocationIndex; k < held; k += kMatterBlock) {
+      const uint at = press * args.heldStride + k, node = args.held.at[at].node;
+      if (args.nodes.at[kNodeVec4s * node + 1].w == 0) continue;
+      const float share = args.held.at[at].share;
+      const float others = other == press ? share : shareIn(other, node);
+      sum.x += share * (others / args.nodes.at[kNodeVec4s * node].w);
+    }
+    addUp(sum, none, false);
+    if (gl_LocalInvocationIndex == 0) args.coupling.at[press * kMostPresses + other] = sum.x;
+  }
+}
