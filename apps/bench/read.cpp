@@ -29,8 +29,8 @@ struct ReadRecord {
 };
 
 ReadRecord measure(Context& context, const std::string& file, const BenchOptions& options) {
-  ReadRecord record{.file = file, .format = std::string(cloudFormats().toRead(file).name),
-                    .threads = threadCount(context.threads())};
+  ReadRecord record{
+      .file = file, .format = std::string(cloudFormats().toRead(file).name), .threads = threadCount(context.threads())};
   std::error_code isFolder;
   record.bytes = std::filesystem::file_size(file, isFolder);
   if (isFolder) record.bytes = 0;
@@ -40,8 +40,7 @@ ReadRecord measure(Context& context, const std::string& file, const BenchOptions
     ReadStages now;
     const std::uint64_t before = pageFaults().value_or(0);
     const Stopwatch watch;
-    std::optional<StoredCloud> stored =
-        readCloud(file, nullptr, {.threads = context.threads(), .stages = &now});
+    std::optional<StoredCloud> stored = readCloud(file, nullptr, {.threads = context.threads(), .stages = &now});
     const double read_s = watch.elapsed_s();
     record.points = stored->cloud.size();
     stored.reset();

@@ -73,7 +73,8 @@ class GrowingArray {
   void fetchOne(std::size_t count) {
     std::uintptr_t at = fetched_.load(std::memory_order_relaxed);
     while (at + kLargePage <= addressOf(count))
-      if (fetched_.compare_exchange_weak(at, at + kLargePage)) return fetchPages(reinterpret_cast<void*>(at), kLargePage);
+      if (fetched_.compare_exchange_weak(at, at + kLargePage))
+        return fetchPages(reinterpret_cast<void*>(at), kLargePage);
   }
 
   std::vector<T, Allocator>& values_;

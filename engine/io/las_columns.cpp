@@ -162,8 +162,8 @@ void LasColumns::takeFew(const std::byte* rows, std::size_t base, std::size_t co
   takePlaces(rows, base, count, range);
   if (format_.colorAt) takeColors(rows, base, count);
   if (!normals_.empty()) takeNormals(rows, base, count);
-  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight bytes
-  // at a time.
+  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight
+  // bytes at a time.
   const std::size_t rowBytes = header_.pointBytes;
   std::size_t windowAt = 0;
   std::uint64_t window = 0;
@@ -317,8 +317,8 @@ void LasColumns::placeColors(unsigned& colorStep) {
   colors_ = {};
 }
 
-/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are attributes,
-/// all of them.
+/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are
+/// attributes, all of them.
 std::vector<std::size_t> LasColumns::placeNormals() {
   if (normals_.empty()) return {};
   if (normalKinds_.infinite) {
@@ -329,7 +329,8 @@ std::vector<std::size_t> LasColumns::placeNormals() {
       parallelBlocks(size_, 16 * kFew, threads_, [&](std::size_t begin, std::size_t end) {
         bytes.need(end * sizeof(float));
         for (std::size_t i = begin; i < end; ++i)
-          std::memcpy(attribute.data.data() + i * sizeof(float), &cloud_.normals[i][static_cast<int>(k)], sizeof(float));
+          std::memcpy(attribute.data.data() + i * sizeof(float), &cloud_.normals[i][static_cast<int>(k)],
+                      sizeof(float));
       });
     }
     cloud_.normals = {};

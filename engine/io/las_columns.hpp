@@ -24,15 +24,15 @@ class LasColumns {
   double waited_s() const;
   /// Addresses for so many points, of which nothing is touched.
   void reserve(std::size_t points);
-  /// Rows up to `to` are about to be taken; what is there stays. Their memory is fetched while they are. No rows are taken
-  /// meanwhile.
+  /// Rows up to `to` are about to be taken; what is there stays. Their memory is fetched while they are. No rows are
+  /// taken meanwhile.
   void makeRoom(std::size_t to);
   /// Rows of points from number `base` on, for which there is room. From any threads, for points that differ.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
-  /// Places, colours, normals and attributes, once, of as many points as there is room for. What does not come along goes
-  /// to `lost`, in words; what one step of 8 bits is in the file's colours to `colorStep`; to `withoutNormal` who has none
-  /// though the cloud has.
+  /// Places, colours, normals and attributes, once, of as many points as there is room for. What does not come along
+  /// goes to `lost`, in words; what one step of 8 bits is in the file's colours to `colorStep`; to `withoutNormal` who
+  /// has none though the cloud has.
   PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep, std::vector<std::size_t>& withoutNormal);
 
  private:

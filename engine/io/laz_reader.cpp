@@ -75,7 +75,8 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
       odd += decoder.left() > 0 ? 1 : 0;
     } else {
       std::vector<std::uint64_t> bases;
-      for (std::uint64_t base = group.base; const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
+      for (std::uint64_t base = group.base;
+           const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
         bases.push_back(std::exchange(base, base + chunk.points));
       columns.makeRoom(group.to);
       parallelBlocks(bases.size(), 1, columns.threads(), [&](std::size_t k, std::size_t) {

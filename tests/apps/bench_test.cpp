@@ -382,9 +382,8 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
   works("make sphere -n 60000 -o " + las);
   works("convert " + las + " " + laz);
   for (const int threads : {1, 3}) {
-    const Outcome outcome =
-        palpate(fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --stages --json {}", las, laz, threads,
-                            json));
+    const Outcome outcome = palpate(
+        fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --stages --json {}", las, laz, threads, json));
     REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
     CHECK(says(outcome.text, "M points/s"));
     CHECK(says(outcome.text, "waited for memory"));

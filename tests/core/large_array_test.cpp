@@ -42,8 +42,8 @@ void checkNumbered(const Array& values, std::size_t count) {
 }  // namespace
 
 TEST_CASE("what grows while it is filled has zeros first, keeps what is there, and ends where it should") {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{524'288},
-                                  std::size_t{6'000'001}})
+  for (const std::size_t count :
+       {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{524'288}, std::size_t{6'000'001}})
     for (const unsigned threads : {1u, 2u, 16u})
       for (const bool reserved : {false, true}) {
         CAPTURE(count);
