@@ -237,12 +237,17 @@ void PySession::startLive(const std::optional<std::string>& device, double rate,
   Law own(law, allowPython);
   pp_live_options& first = hands.front().options;
   first.rate_Hz = rate;
-  first.law = own.function();
-  first.law_user = own.user();
-  first.law_library = own.library();
+  const auto name = [&](const Law& asked) {
+    first.law = asked.function();
+    first.law_user = asked.user();
+    first.law_library = asked.library();
+  };
+  name(own);
   if (with([](pp::Session& session) { return session.liveState().running != 0; }))
     with([&](pp::Session& session) { session.startLive(first); });  // refused, in the library's words
-  liveLaw_ = own ? std::move(own) : law_;
+  const bool hasOwn = static_cast<bool>(own);
+  liveLaw_ = hasOwn ? std::move(own) : law_;
+  if (hasOwn) name(liveLaw_);  // its text may have moved with it
   PythonLaw* const slow = liveLaw_.python();
   if (slow) slow->setLive(true);
   try {

@@ -87,7 +87,9 @@ OpenSession::OpenSession(const Subject& subject, const pp_session_options& optio
   build(false, false);
 }
 
-OpenSession::~OpenSession() {
+OpenSession::~OpenSession() { end(); }
+
+void OpenSession::end() noexcept {
   try {
     if (live_) live_->stop();
     endRecording();
@@ -123,7 +125,10 @@ void OpenSession::settle() {
     asked_->check();
     asked_.reset();
   }
-  if (hasFailed()) return session_->relay().finish();  // all that is left of it is its reset
+  if (hasFailed()) {
+    if (session_->recording()) session_->releaseRecording();  // whose end is not known
+    return session_->relay().finish();                        // all that is left of it is its reset
+  }
   session_->finish();
   endRecording();
 }
@@ -166,7 +171,17 @@ bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
 
 ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
   settle();
-  const std::optional<BrushConfig> before = brush_;
+  struct BrushBefore {
+    ~BrushBefore() {
+      try {
+        of.setBrushBetween(brush);
+      } catch (const std::exception& error) {
+        of.remarks_.sink().say("{}", error.what());
+      }
+    }
+    OpenSession& of;
+    std::optional<BrushConfig> brush;
+  } before{*this, brush_};  // whatever comes of the path
   setBrushBetween(brush);
   if (recordTo_ || reset_.exchange(false)) next_s_ = 0;  // a log begins at 0
   std::vector<PathDevice> devices;
@@ -187,7 +202,6 @@ ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushC
   requireRunning();
   session_->finish();
   endRecording();
-  setBrushBetween(before);
   return result;
 }
 
@@ -205,8 +219,8 @@ void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
   backend_->check(wanted);
   if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes one whenever it comes
   session_->setBrush(brush);
-  session_->finish();
   brush_ = brush;
+  session_->finish();
 }
 
 void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& force) {
@@ -240,15 +254,24 @@ void OpenSession::startLive(const pp_live_options& options) {
   live_.emplace(options,
                 LiveHands::Surroundings{
                     .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
-  if (recordTo_ && live_->hasLaw())
-    throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
-  beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
-  live_->start();
+  try {
+    if (recordTo_ && live_->hasLaw())
+      throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+    beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
+    live_->start();
+  } catch (...) {
+    live_.reset();  // and its devices are closed
+    throw;
+  }
+  framesGoOn_ = true;
 }
 
 void OpenSession::stopLive() {
   if (live_) live_->stop();
+  if (frames_ && framesGoOn_) frames_->restart();  // a path begins at 0 behind it
+  framesGoOn_ = false;
   if (!session_->recording()) return takeIn();
+  if (hasFailed()) session_->releaseRecording();
   session_->finish();
   endRecording();
 }

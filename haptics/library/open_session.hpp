@@ -38,6 +38,9 @@ class OpenSession {
   OpenSession(const OpenSession&) = delete;
   OpenSession& operator=(const OpenSession&) = delete;
 
+  /// No hand is driven, and no function of the program called, from then on; whoever holds it still finds it as it is.
+  void end() noexcept;
+
   Claims& claims() { return claims_; }
   /// What a call that looks has to hold: without a budget the thread that touches takes edits in itself.
   Claim looking() const { return budget_us_ > 0 ? Claim::look : Claim::all; }
@@ -120,6 +123,7 @@ class OpenSession {
   double next_s_ = 0;                    // where the time of what moves has come to, for the next path
   std::vector<DVec3> hips_;              // of the hands, where a path has left them
   std::atomic<bool> reset_ = false;      // the next path begins at 0
+  bool framesGoOn_ = false;              // in the time of a live session
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
   std::shared_ptr<const Model> model_;

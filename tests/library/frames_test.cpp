@@ -142,6 +142,13 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(ticks[5].contact == 0);
   CHECK(ticks[count - 1].contact == 1);
   CHECK(ticks[count - 1].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
+  // The path behind it begins at 0, and so do its frames.
+  PP_REQUIRE_OK(ball.push(0.05, -5));
+  const auto rest = stand(100);
+  const auto after = touch(ball.session, pathOf(rest));
+  CHECK(after.front().t_s < 0.01);
+  CHECK(after.front().contact == 1);
+  CHECK(after.back().contact == 0);
 }
 
 TEST_CASE("a recorded depth camera is felt frame by frame, begins again, and is seen as it is") {

@@ -213,6 +213,18 @@ TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
   PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
   CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
   CHECK(touch(ball.session, path).size() == 200);  // and that was all
+  // Nor is anything left of a live session and a stroke that could not begin.
+  pp_live_options live = pp_default_live_options();
+  live.path = &path;
+  PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
+  CHECK(pp_live_start(ball.session, &live) == PP_ERROR_FILE);
+  CHECK(pp_live_take(ball.session, ticks.data(), ticks.size(), &count) == PP_ERROR_STATE);
+  const auto places = placesOf(ball.session);
+  const pp_brush brush = pp_default_brush();
+  PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
+  CHECK(pp_session_stroke(ball.session, &path, &brush, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
+  touch(ball.session, path);
+  CHECK(placesOf(ball.session) == places);
 
   pp_log log{};
   pp_replay_result result = pp_default_replay_result();

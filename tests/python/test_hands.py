@@ -91,6 +91,12 @@ def test_a_law_in_python_is_refused_unless_it_is_allowed(ball):
             pp.Session(ball, gpu="cpu", law=wrong, allow_python=True)
 
 
+def test_a_short_name_of_a_live_law_is_not_lost(ball):
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as s:
+        with pytest.raises(pp.Error, match="no.so"):
+            s.live(path=np.array([[0, 0, 0, 51], [0.05, 0, 0, 49]]), law="./no.so:law")
+
+
 def test_a_law_in_python_says_the_force_of_each_tick(ball):
     seen = []
 
