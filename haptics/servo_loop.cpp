@@ -188,7 +188,10 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
     row(i).step_us = step_us;
     hands_[i].note(row(i));
   }
-  if (options_.recorder) options_.recorder->ticked(row(0), hands_.front().state());
+  if (options_.recorder) {
+    for (std::size_t i = 1; i < hands_.size(); ++i) options_.recorder->tickedToo(i, row(i));
+    options_.recorder->ticked(row(0), hands_.front().state());
+  }
   if (!written) return Tick::deviceFailed;
   return lost ? Tick::queryLost : Tick::done;
 }

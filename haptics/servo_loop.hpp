@@ -18,10 +18,13 @@
 namespace palpate {
 
 /// Is notified of every tick at which the devices answered, on the servo thread and as part of the tick: it waits for
-/// nobody and allocates nothing. It hears of the first hand.
+/// nobody and allocates nothing.
 class TickRecorder {
  public:
   virtual ~TickRecorder() = default;
+  /// Of the hands after the first, in order, before ticked() of the same tick.
+  virtual void tickedToo(std::size_t /*hand*/, const TraceRow& /*row*/) noexcept {}
+  /// Of the first hand.
   virtual void ticked(const TraceRow& row, const DeviceState& device) noexcept = 0;
 };
 

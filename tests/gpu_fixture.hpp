@@ -42,9 +42,12 @@ class GpuFixture {
 };
 
 /// For cases with so much data, so many ticks or shaders of so many kinds that a software driver would take half a minute
-/// to search for each access: others of the same room run the same passes under GPU-assisted validation.
-struct CoreGpuFixture : GpuFixture {
-  CoreGpuFixture() : GpuFixture(coreValidatedDevice()) {}
+/// to search for each access: others of the same room run the same passes under GPU-assisted validation. `Fixture` hands
+/// its device down to GpuFixture.
+template <class Fixture>
+struct CoreValidated : Fixture {
+  CoreValidated() : Fixture(coreValidatedDevice()) {}
 };
+using CoreGpuFixture = CoreValidated<GpuFixture>;
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
 #include "apps/cli/look.hpp"
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "engine/cloud/spacing.hpp"
 #include "engine/cloud/voxel_sample.hpp"

@@ -1,5 +1,5 @@
 #include "apps/bench/picture_way.hpp"
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/picture.hpp"
 #include "apps/cli/stream_options.hpp"

@@ -1,9 +1,8 @@
 #include "apps/cli/context.hpp"
-#include "apps/cli/replay_comparison.hpp"
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/io/saving.hpp"
-#include "haptics/devices/replay_device.hpp"
-#include "haptics/session/session.hpp"
+#include "haptics/session/bounds.hpp"
+#include "haptics/session/session_replay.hpp"
 
 namespace palpate {
 
@@ -15,137 +14,7 @@ struct ReplayOptions {
   double tolerance = 0;
 };
 
-/// A log, the model that it is about, until a session takes it, and the points as its edits leave them.
-struct Recorded {
-  SessionRecord record;
-  RecordedSession session;
-  Model model;
-  ModelScale scale;
-  std::vector<PointState> points;
-  std::optional<bool> endsAsRecorded;  ///< nothing where the session did not come to its end
-};
-
-// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
-std::uint64_t mostMissingEdits(const SessionRecord& record) {
-  std::uint64_t most = 0;
-  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
-  return most;
-}
-
-// What a log of edits may do to the points: sets them, and adds some behind them.
-std::vector<PointState> edited(const ReplayOptions& options, const Model& model, const SessionRecord& record) {
-  const EditBatch& edits = record.edits;
-  const std::size_t most = model.cloud.size() + edits.points.size() + mostMissingEdits(record);
-  for (const PointState& state : edits.points)
-    if (state.number() >= most || state.parent >= most)
-      throw FileError(options.log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
-                                               std::max(state.number(), state.parent), most));
-  Journal journal(model.cloud);
-  journal.follow(edits);
-  return {journal.points().begin(), journal.points().end()};
-}
-
-Recorded load(Context& context, const ReplayOptions& options) {
-  Recorded recorded{.record = readSessionLog(options.log)};
-  recorded.session = parseHeader(options.log, recorded.record.text);
-  const SessionRecord& record = recorded.record;
-  SessionConfig& config = recorded.session.config;
-  ModelConfig& model = config.model;
-  if (!options.model.empty()) model.file = options.model;
-  if (!config.matter && !std::filesystem::exists(model.file))
-    throw FileError(model.file, "is not there; name the model of the session with --model");
-  const BackendKind& kind = context.backends().named(config.backend.name);
-  recorded.model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
-  recorded.scale = recorded.model.scale;
-  if (recorded.model.cloud.size() != recorded.session.points)
-    throw FileError(model.file, fmt::format("has {} points, and that of the session had {}; name the right model with "
-                                            "--model",
-                                            recorded.model.cloud.size(), recorded.session.points));
-  if (checksumOf(recorded.model) != recorded.session.checksum)
-    throw FileError(model.file,
-                    "has changed since the session: its points are others; name the right model with "
-                    "--model");
-  const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
-  if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
-    throw FileError(options.log, "its ticks do not follow one another in time; it is damaged");
-  recorded.points = edited(options, recorded.model, record);
-  if (record.end)
-    recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
-  return recorded;
-}
-
-/// The session run again in virtual time.
-struct Again {
-  ServoResult result;
-  std::vector<LoggedTick> ticks;
-  EditBatch edits;
-  std::vector<PointState> points;
-};
-
-/// Keeps all that was done to the points.
-class EditCollector final : public EditFollower {
- public:
-  explicit EditCollector(EditBatch& all) : all_(all) {}
-  void catchUp(const EditBatch& batch) override {
-    const std::size_t before = all_.points.size();
-    all_.points.insert(all_.points.end(), batch.points.begin(), batch.points.end());
-    for (const EditMark& mark : batch.marks) all_.marks.push_back({before + mark.at, mark.kind});
-  }
-
- private:
-  EditBatch& all_;
-};
-
-Again runAgain(Context& context, Recorded& recorded) {
-  const SessionRecord& record = recorded.record;
-  SessionConfig config = recorded.session.config;
-  config.realtime = false;
-  config.hands = {HandConfig{}};
-  config.duration_s = 0;  // as long as the recording
-  Again again;
-  Session session(config, std::move(recorded.model),
-                  {.backend = context.backends().named(config.backend.name),
-                   .threads = context.threads(),
-                   .journal = true,
-                   .undo_bytes = undoBytes(config.undo),
-                   .log = &context.log(),
-                   .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
-  ReplayDevice device(record.ticks, recorded.session.limits);
-  TickTap tap(session.backend(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
-  const OpenHand hand{.device = &device,
-                         .map = recorded.session.map,
-                         .duration_s = record.ticks.back().time_s,
-                         .passivity = recorded.session.passivity};
-  again.result = session.run({&hand, 1}, {.recorder = &tap});
-  session.finish();
-  if (record.end) session.undo(config.undo.undo, config.undo.redo);
-  session.checkFollower();
-  again.points.assign(session.journal()->points().begin(), session.journal()->points().end());
-  return again;
-}
-
-struct Outcome {
-  ComparableTicks comparable;
-  Differences differences;
-};
-
-Outcome compare(const Recorded& recorded, const Again& again, double tolerance) {
-  const SessionConfig& config = recorded.session.config;
-  const bool ordered = config.backend.name == "cpu" || config.backend.deterministic;
-  const Tolerance allowed{tolerance, recorded.scale};
-  Outcome outcome{.comparable = comparableTicks(recorded.record, config.rate_Hz, config.realtime, ordered)};
-  if (config.realtime && config.moves())
-    outcome.comparable = {0, "in real time the frames of a model that moves come when they are ready"};
-  outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
-                                     outcome.comparable.count, allowed);
-  outcome.differences.ends =
-      recorded.record.end && recorded.record.gaps.empty() && outcome.comparable.count == recorded.record.ticks.size();
-  if (outcome.differences.ends) outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
-  return outcome;
-}
-
-void print(std::FILE* out, const Recorded& recorded, const Outcome* outcome, const std::string& machine) {
+void print(std::FILE* out, const Recorded& recorded, const ReplayOutcome* outcome, const std::string& machine) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const SessionRecord& record = recorded.record;
   row("session", fmt::format("{} ticks, {} edits of points, {}", record.ticks.size(), record.edits.points.size(),
@@ -185,7 +54,7 @@ Json toJson(const LogGap& gap) {
           {"edits", count(gap.states)}};
 }
 
-Json toJson(const Recorded& recorded, const Outcome* outcome) {
+Json toJson(const Recorded& recorded, const ReplayOutcome* outcome) {
   const SessionRecord& record = recorded.record;
   Json gaps = Json::array();
   for (const LogGap& gap : record.gaps) gaps.push_back(toJson(gap));
@@ -217,16 +86,18 @@ void replay(Context& context, const ReplayOptions& options) {
   if (options.recover && !options.traceFile.empty()) throw UsageError("--trace: --recover runs nothing");
   for (const std::string* file : {&options.saveFile, &options.traceFile}) Context::checkWritable(*file);
   sayWhatIsLost(options.saveFile, context.log());
-  Recorded recorded = load(context, options);
-  std::optional<Outcome> outcome;
+  const ReplayParts parts{
+      .backends = context.backends(), .log = context.log(), .threads = context.threads(), .model = options.model,
+      .naming = "--model"};
+  Recorded recorded = loadRecorded(options.log, parts);
+  std::optional<ReplayOutcome> outcome;
   std::string machine;
   if (options.recover) {
     saveKeeping(options.saveFile, editedCloud(recorded.model.cloud, recorded.points));
   } else {
-    if (recorded.record.ticks.empty()) throw FileError(options.log, "has no whole tick; there is nothing to run again");
-    const Again again = runAgain(context, recorded);
+    const SessionAgain again = runAgain(recorded, parts);
     if (!options.traceFile.empty()) writeTraceCsv(options.traceFile, again.result.trace());
-    outcome = compare(recorded, again, options.tolerance);
+    outcome = compareRuns(recorded, again, options.tolerance);
     machine = context.backends().named(recorded.session.config.backend.name).machine(context.threads());
   }
   print(context.tables(), recorded, outcome ? &*outcome : nullptr, machine);

@@ -3,7 +3,7 @@
 
 #include "apps/cli/context.hpp"
 #include "apps/cli/matter_backend.hpp"
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/progress.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"

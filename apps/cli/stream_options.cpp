@@ -1,6 +1,6 @@
 #include "apps/cli/stream_options.hpp"
 
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "haptics/session/bounds.hpp"

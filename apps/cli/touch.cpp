@@ -1,11 +1,12 @@
 #include "apps/cli/touch.hpp"
 
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/probe_overlays.hpp"
 #include "apps/cli/progress.hpp"
 #include "apps/cli/stop_by_signal.hpp"
 #include "apps/cli/touch_report.hpp"
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/io/saving.hpp"
 #include "haptics/session/drawn_follower.hpp"
 #include "haptics/session/session.hpp"
@@ -51,15 +52,38 @@ SecondHandReport secondReport(const std::string& device, const HandResult& resul
   return {.device = device, .trace = summarize(result.trace), .counts = result.counts};
 }
 
-/// Counts the ticks for the bar.
+/// One after the other.
+class StartStages {
+ public:
+  /// The stage that has just ended.
+  void ended(std::string_view name) {
+    const double now_s = watch_.elapsed_s();
+    stages_.push_back({name, now_s - std::exchange(last_s_, now_s)});
+  }
+  const std::vector<StartStage>& all() const { return stages_; }
+
+ private:
+  Stopwatch watch_;
+  double last_s_ = 0;
+  std::vector<StartStage> stages_;
+};
+
+/// Counts the ticks for the bar, and notes the first one.
 class ShownTicks final : public TickRecorder {
  public:
   ShownTicks(Log& log, double duration_s) : progress_(log, "touch"), duration_s_(std::max(duration_s, 1e-9)) {}
-  void ticked(const TraceRow& row, const DeviceState&) noexcept override { progress_.set(row.time_s / duration_s_); }
+  void ticked(const TraceRow& row, const DeviceState&) noexcept override {
+    if (!first_s_) first_s_ = since_.elapsed_s();
+    progress_.set(row.time_s / duration_s_);
+  }
+  /// From the beginning of the loop.
+  std::optional<double> first_s() const { return first_s_; }
 
  private:
   Progress progress_;
   double duration_s_;
+  Stopwatch since_;
+  std::optional<double> first_s_;
 };
 
 /// Settles what answers. Whoever names a GPU, or wants its calls watched,
@@ -157,6 +181,7 @@ void checkOutputs(Context& context, const TouchCommandOptions& options) {
 }
 
 void touch(Context& context, const TouchCommandOptions& options) {
+  StartStages start;
   const SessionConfig config = sessionConfig(options);
   const BackendKind& kind = context.backends().named(config.backend.name);
   validate(config);
@@ -165,10 +190,12 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkOutputs(context, options);
   Model model =
       loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
+  start.ended("model");
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
   std::vector<OpenHand> hands;
   for (const HandSource& source : sources) hands.push_back(source.hand());
+  start.ended("hands");
   if (config.brush)
     if (const std::string remark =
             remarkOnSmallBrush(options.brushRadius_mm, model.scale.toMm(model.spacing), "--tool-radius");
@@ -186,10 +213,14 @@ void touch(Context& context, const TouchCommandOptions& options) {
   if (!options.logFile.empty())
     session.record(options.logFile, hands.front(),
                    [&context](const std::string& what) { context.log().say("{}", what); });
+  start.ended("session");
+  std::vector<StartStage> stages = start.all();
   const ServoResult result = [&] {
     const StopBySignal stop;
     ShownTicks shown(context.log(), session.durationOf(hands));
-    return session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
+    ServoResult ran = session.run(hands, {.stop = &StopBySignal::requested(), .recorder = &shown});
+    if (const auto first_s = shown.first_s()) stages.push_back({"first answer", *first_s});
+    return ran;
   }();
   Outputs outputs;
   outputs.write([&] {
@@ -217,6 +248,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   const bool changes = config.brush || config.moves();
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
+  report.start = std::move(stages);
   report.tool = options.backend.tool;
   report.back = undone;
   if (hands.size() > 1) report.second = secondReport(options.secondDevice, result.hands[1]);

@@ -1,6 +1,6 @@
 #include "apps/cli/touch.hpp"
 
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/parse_list.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/named_values.hpp"

@@ -53,11 +53,18 @@ struct MatterReport {
   std::vector<PortEnergy> ports = {};  ///< of each hand
 };
 
+/// What goes before the first answer, from the beginning of the command on, and how long it took.
+struct StartStage {
+  std::string_view name;
+  double time_s = 0;
+};
+
 /// What a touch session came to.
 struct TouchReport {
   std::size_t points = 0;
   std::string backend, machine, method;
   double build_us = 0;
+  std::vector<StartStage> start;
   TraceSummary trace;
   ServoReport servo;
   Summary edit_us, bridge_us;

@@ -45,7 +45,9 @@ py::array threeColumns(const py::object& given, const char* name, std::optional<
   return py::array(std::move(doubles));
 }
 
-py::dtype tickType() {
+namespace {
+
+py::dtype typeOf(bool hasTorques) {
   py::dict fields;
   py::list names, formats, offsets;
   const auto add = [&](const char* name, const py::object& format, std::size_t offset) {
@@ -63,8 +65,14 @@ py::dtype tickType() {
   add("contact", flag, offsetof(pp_tick, contact));
   add("neighbours", whole, offsetof(pp_tick, neighbours));
   add("fresh", flag, offsetof(pp_tick, fresh));
-  return py::dtype(names, formats, offsets, sizeof(pp_tick));
+  if (hasTorques) add("torque_mNm", three, sizeof(pp_tick));
+  return py::dtype(names, formats, offsets, hasTorques ? kToolTickBytes : sizeof(pp_tick));
 }
+
+}  // namespace
+
+py::dtype tickType() { return typeOf(false); }
+py::dtype toolTickType() { return typeOf(true); }
 
 PathArray::PathArray(const py::object& given) : rows(pathRows(given)), path(pp_default_path()) {
   path.columns = static_cast<std::uint32_t>(rows.shape(1));

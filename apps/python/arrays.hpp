@@ -42,6 +42,9 @@ py::object viewOf(const Number* data, std::vector<py::ssize_t> shape, const py::
 
 /// The trace's columns, where a pp_tick has them.
 py::dtype tickType();
+/// The same, and torque_mNm behind it: of a tool of many points.
+constexpr std::size_t kToolTickBytes = sizeof(pp_tick) + 3 * sizeof(double);
+py::dtype toolTickType();
 
 /// The path of an array, which outlives it.
 struct PathArray {
@@ -77,6 +80,7 @@ class PyMesh {
 };
 
 void bindClouds(py::module_& module);
+void bindMatter(py::module_& module);
 void bindSessions(py::module_& module);
 
 }  // namespace palpate::python

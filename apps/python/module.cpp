@@ -1,5 +1,5 @@
 // The Python module palpate._palpate, over the C interface.
-#include "apps/python/arrays.hpp"
+#include "apps/python/session.hpp"
 
 namespace {
 
@@ -45,6 +45,10 @@ PYBIND11_MODULE(_palpate, module) {
   module.def("formats_read", &pp_formats_read);
   module.def("formats_written", &pp_formats_written);
   module.def("_tick_dtype", &palpate::python::tickType);
+  module.def("_tool_tick_dtype", &palpate::python::toolTickType);
   bindClouds(module);
+  bindLaws(module);
+  bindLogs(module);
+  bindMatter(module);
   bindSessions(module);
 }

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 #include "apps/view/messages.hpp"
 #include "apps/view/window.hpp"
 #include "engine/core/atomic_file.hpp"

@@ -3,6 +3,8 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "engine/core/parallel_collect.hpp"
+
 namespace palpate {
 
 DVec3 CoordinateGrid::nearest(const DVec3& p) const { return glm::round((p - offset) / step); }
@@ -25,14 +27,23 @@ bool Bounds::contains(const DVec3& p) const {
 }
 
 Bounds boundsOf(const PointCloud& cloud) {
+  constexpr std::size_t kMany = std::size_t{1} << 20;  // points, for which it is worth to start threads
   if (cloud.empty()) return {};
-  Vec3 low = cloud.positions.front();
-  Vec3 high = low;
-  for (const Vec3& p : cloud.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
-  return {DVec3(low), DVec3(high)};
+  struct Corners {
+    Vec3 low, high;
+  };
+  const Corners all = parallelReduce(
+      cloud.size(), cloud.size() < kMany ? 1 : 0, Corners{cloud.positions.front(), cloud.positions.front()},
+      [&](std::size_t begin, std::size_t end) {
+        Corners box{cloud.positions[begin], cloud.positions[begin]};
+        for (std::size_t i = begin; i < end; ++i) {
+          box.low = glm::min(box.low, cloud.positions[i]);
+          box.high = glm::max(box.high, cloud.positions[i]);
+        }
+        return box;
+      },
+      [](const Corners& a, const Corners& b) { return Corners{glm::min(a.low, b.low), glm::max(a.high, b.high)}; });
+  return {DVec3(all.low), DVec3(all.high)};
 }
 
 DVec3 originFor(const Bounds& box) {

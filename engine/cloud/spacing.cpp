@@ -9,7 +9,7 @@
 #include "engine/cloud/noise.hpp"
 #include "engine/cloud/places.hpp"
 #include "engine/cloud/point_tree.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 namespace {
@@ -24,14 +24,13 @@ constexpr std::size_t kLargestTree = 1'000'000;
 
 /// Each place stays with the same probability, decided by its coordinates so that coincident points stay or go
 /// together.
-std::vector<Vec3> thinned(const std::vector<Vec3>& points, double keep) {
-  std::vector<Vec3> part;
-  part.reserve(kLargestTree + kLargestTree / 50);
-  for (const Vec3& p : points) {
+BareVector<Vec3> thinned(const std::vector<Vec3>& points, double keep, unsigned threads) {
+  const auto stays = [&](std::size_t i) {
+    const Vec3& p = points[i];
     const auto bits = [](float v) { return std::uint64_t{std::bit_cast<std::uint32_t>(v + 0.0f)}; };  // -0 is 0
-    if (randomUnit(bits(p.x) << 32 | bits(p.y), bits(p.z)) < keep) part.push_back(p);
-  }
-  return part;
+    return randomUnit(bits(p.x) << 32 | bits(p.y), bits(p.z)) < keep;
+  };
+  return parallelCollect(points.size(), threads, stays, [&](std::size_t i) { return points[i]; });
 }
 
 /// Area per place around one place. The disc to its k-th neighbour holds on average k areas where points lie at random
@@ -70,7 +69,8 @@ double meanSpacing(const PointCloud& cloud, unsigned threads) { return spacingRa
 
 SpacingRange spacingRange(const PointCloud& cloud, unsigned threads) {
   const double keep = std::min(1.0, static_cast<double>(kLargestTree) / static_cast<double>(cloud.size()));
-  const Places places = distinctPlaces(keep < 1 ? thinned(cloud.positions, keep) : cloud.positions);
+  const Places places =
+      keep < 1 ? distinctPlaces(thinned(cloud.positions, keep, threads)) : distinctPlaces(cloud.positions);
   if (places.positions.size() < 2) return {};
   const PointTree tree(places.positions);
   std::vector<Around> probes(std::min(kMostProbes, places.positions.size()));

@@ -98,6 +98,9 @@ class TouchBackend : public ContactQuery {
 
   /// Of points that move by themselves; null where they do not.
   virtual SimulationControl* simulation() { return nullptr; }
+  /// Against the clock, where what moves by itself keeps no tick waiting and leaves out time that it has missed;
+  /// otherwise it goes as far as the poses do. For the thread that queries, between queries.
+  virtual void setRealtime(bool /*realtime*/) {}
 
   /// Strokes that change the shape in which what moves by itself rests; null where there can be none.
   virtual ShapeStrokes* shapeStrokes() { return nullptr; }

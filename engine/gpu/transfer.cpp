@@ -1,7 +1,10 @@
 #include "engine/gpu/transfer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <memory>
+#include <optional>
 
 #include "engine/gpu/command_list.hpp"
 #include "engine/gpu/device.hpp"
@@ -21,16 +24,34 @@ void inPieces(std::uint64_t total, Step&& step) {
 
 }  // namespace
 
+void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t bytes,
+                const std::function<void(std::uint64_t, std::span<std::byte>)>& make) {
+  struct Turn {
+    Turn(Device& device, Queue& queue, std::uint64_t bytes, const std::string& name)
+        : staging(device, bytes, Memory::staging, "staging"), list(device, queue, "upload " + name) {}
+    Buffer staging;
+    CommandList list;
+    std::optional<Queue::Ticket> copying;
+  };
+  std::array<std::unique_ptr<Turn>, 2> turns;
+  std::size_t number = 0;
+  inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) {
+    std::unique_ptr<Turn>& turn = turns[number++ % turns.size()];
+    if (!turn) turn = std::make_unique<Turn>(device, queue, std::min(bytes, kStagingBytes), to.name());
+    if (turn->copying) queue.wait(*turn->copying);
+    make(offset, turn->staging.mapped<std::byte>().first(piece));
+    turn->list.begin();
+    turn->list.copy(turn->staging, to, piece, 0, offset);
+    turn->list.end();
+    turn->copying = queue.submit(turn->list);
+  });
+  for (const std::unique_ptr<Turn>& turn : turns)
+    if (turn) queue.wait(*turn->copying);
+}
+
 void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes) {
-  if (bytes.empty()) return;
-  const Buffer staging(device, std::min<std::uint64_t>(bytes.size(), kStagingBytes), Memory::staging, "staging");
-  CommandList list(device, queue, "upload " + to.name());
-  inPieces(bytes.size(), [&](std::uint64_t offset, std::uint64_t piece) {
-    std::memcpy(staging.mapped<std::byte>().data(), bytes.data() + offset, piece);
-    list.begin();
-    list.copy(staging, to, piece, 0, offset);
-    list.end();
-    queue.run(list);
+  uploadMade(device, queue, to, bytes.size(), [&](std::uint64_t offset, std::span<std::byte> piece) {
+    std::memcpy(piece.data(), bytes.data() + offset, piece.size());
   });
 }
 

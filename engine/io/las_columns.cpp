@@ -9,14 +9,18 @@
 
 #include <glm/common.hpp>
 
-#include "engine/core/large_array.hpp"
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
 namespace {
 
 constexpr double kExactSteps = 1 << 22;  // float32 tells so many steps of the grid apart
+constexpr std::size_t kFew = 512;        // rows that stay next to the processor while all columns take theirs
+constexpr double kUnitTolerance = 1e-5;  // nearer to 1 a normal stays as it is
+
+using Numbers = std::array<std::int32_t, 3>;
+static_assert(sizeof(Numbers) == sizeof(Vec3));
 
 /// Calls f(load, Out) with what takes one value of a field from its bytes. Loops over it have no branch.
 template <class F>
@@ -55,41 +59,69 @@ bool anyRounded(const LasField& field, const std::byte* rows, std::size_t rowByt
   return any;
 }
 
+/// Whether bits of the value are set: of a negative zero one is.
+template <class T>
+bool isSet(const T& value) {
+  constexpr std::array<std::byte, sizeof(T)> kNone{};
+  return std::memcmp(&value, kNone.data(), sizeof(T)) != 0;
+}
+
+/// Calls f(begin, end) for parts of [begin, end) that stay next to the processor.
+template <class F>
+void inFew(std::size_t begin, std::size_t end, F&& f) {
+  for (; begin < end; begin += kFew) f(begin, std::min(end, begin + kFew));
+}
+
+double squaredLength(const float* n) {
+  const double x = n[0], y = n[1], z = n[2];
+  return x * x + y * y + z * z;
+}
+
 }  // namespace
+
+void LasColumns::Range::include(const Range& other) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    least[k] = std::min(least[k], other.least[k]);
+    most[k] = std::max(most[k], other.most[k]);
+  }
+}
 
 LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, const std::vector<LasExtraField>& extra,
                        unsigned threads)
     : header_(header), format_(format), threads_(threads) {
+  // As programs name them that keep normals in extra bytes.
+  for (const std::string_view name : kLasNormals) {
+    const auto found = std::ranges::find(extra, name, [](const LasExtraField& field) { return field.field.name; });
+    if (found != extra.end() && found->field.type == ScalarType::f32) normals_.push_back(found->field);
+  }
+  if (normals_.size() < kLasNormals.size()) normals_.clear();
+  const auto isNormal = [&](const LasField& field) {
+    return std::ranges::find(normals_, field.at, &LasField::at) != normals_.end();
+  };
   for (const LasField& field : format.fields) columns_.push_back(std::make_unique<Column>(field));
-  for (const LasExtraField& field : extra) columns_.push_back(std::make_unique<Column>(field.field));
+  for (const LasExtraField& field : extra)
+    if (!isNormal(field.field)) columns_.push_back(std::make_unique<Column>(field.field));
 }
 
 void LasColumns::reserve(std::size_t points) {
-  places_.reserve(points);
+  reserveLarge(cloud_.positions, points);
+  if (!normals_.empty()) reserveLarge(cloud_.normals, points);
   if (format_.colorAt) colors_.reserve(points);
   reserved_ = points;
 }
 
-void LasColumns::grow(std::size_t to) {
+Jobs LasColumns::growth(std::size_t to) {
+  Jobs jobs;
   size_ = to;
-  places_.resize(to);
+  addGrowth(cloud_.positions, to, jobs);
+  if (!normals_.empty()) addGrowth(cloud_.normals, to, jobs);
   if (format_.colorAt) colors_.resize(to);
-  std::vector<Column*> made;
-  std::vector<std::span<std::byte>> fresh;
-  for (const auto& column : columns_) {
-    if (!column->used) continue;
-    std::vector<std::byte>& data = column->attribute.data;
-    const std::size_t bytes = to * sizeOf(column->field.type);
-    if (bytes > data.capacity()) reserveLarge(data, std::max(bytes, 2 * data.capacity()));
-    fresh.push_back(freshMemory(data, bytes));
-    made.push_back(column.get());
-  }
-  fetchTogether(fresh, threads_);
-  parallelBlocks(made.size(), 1, threads_,
-                 [&](std::size_t k, std::size_t) { made[k]->attribute.data.resize(to * sizeOf(made[k]->field.type)); });
+  for (const auto& column : columns_)
+    if (column->used) addGrowth(column->attribute.data, to * sizeOf(column->field.type), jobs);
+  return jobs;
 }
 
-/// With zeros for all points that there are.
+/// With zeros for all points that there is room for, or soon is.
 void LasColumns::make(Column& column) {
   const std::scoped_lock hold(column.making);
   if (column.used) return;
@@ -100,25 +132,102 @@ void LasColumns::make(Column& column) {
 }
 
 void LasColumns::take(const std::byte* rows, std::size_t base, std::size_t count) {
-  const std::size_t rowBytes = header_.pointBytes;
-  for (std::size_t r = 0; r < count; ++r) std::memcpy(&places_[base + r], rows + r * rowBytes, sizeof places_[0]);
+  if (count == 0) return;
+  Range range;
+  inFew(0, count, [&](std::size_t begin, std::size_t end) {
+    takeFew(rows + begin * header_.pointBytes, base + begin, end - begin, range);
+  });
+  const std::scoped_lock hold(ranging_);
+  range_.include(range);
+}
+
+void LasColumns::takeFew(const std::byte* rows, std::size_t base, std::size_t count, Range& range) {
+  takePlaces(rows, base, count, range);
   if (format_.colorAt) takeColors(rows, base, count);
+  if (!normals_.empty()) takeNormals(rows, base, count);
+  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight bytes
+  // at a time.
+  const std::size_t rowBytes = header_.pointBytes;
+  std::size_t windowAt = 0;
+  std::uint64_t window = 0;
+  bool hasWindow = false;
   for (const auto& column : columns_) {
-    visitField(column->field, [&](auto&& load) {
-      using T = decltype(load(rows));
-      const std::byte* from = rows + column->field.at;
-      std::size_t first = 0;  // that is not zero
-      while (first < count && load(from + first * rowBytes) == T{0}) ++first;
-      if (first == count) return;
-      if (!column->used) make(*column);
-      std::byte* to = column->attribute.data.data() + base * sizeof(T);
-      for (std::size_t r = first; r < count; ++r) {
-        const T value = load(from + r * rowBytes);
-        std::memcpy(to + r * sizeof(T), &value, sizeof(T));
-      }
-    });
-    if (column->field.wide && anyRounded(column->field, rows, rowBytes, count)) column->rounded = true;
+    const LasField& field = column->field;
+    const std::size_t bytes = field.storedBytes();
+    if (!hasWindow || field.at < windowAt || field.at + bytes > windowAt + sizeof window) {
+      windowAt = std::min(field.at, rowBytes - sizeof window);
+      window = 0;
+      for (std::size_t r = 0; r < count; ++r) window |= loadScalar<std::uint64_t>(rows + r * rowBytes + windowAt);
+      hasWindow = true;
+    }
+    const std::uint64_t all = bytes == sizeof window ? ~std::uint64_t{0} : (std::uint64_t{1} << 8 * bytes) - 1;
+    const std::uint64_t mask = field.bits > 0 ? ((std::uint64_t{1} << field.bits) - 1) << field.shift : all;
+    const bool isZero = ((window >> 8 * (field.at - windowAt)) & mask) == 0;
+    if (isZero && !field.raw) continue;
+    takeColumn(*column, rows, base, count);
   }
+}
+
+void LasColumns::takePlaces(const std::byte* rows, std::size_t base, std::size_t count, Range& range) {
+  const std::size_t rowBytes = header_.pointBytes;
+  std::array<Numbers, kFew> few;
+  for (std::size_t r = 0; r < count; ++r) std::memcpy(&few[r], rows + r * rowBytes, sizeof few[0]);
+  // Four points are twelve numbers, which are compared side by side.
+  constexpr std::size_t kSide = 4;
+  std::array<std::int32_t, 3 * kSide> least, most;
+  for (std::size_t k = 0; k < least.size(); ++k) least[k] = range.least[k % 3], most[k] = range.most[k % 3];
+  for (std::size_t r = count; r % kSide != 0; ++r) few[r] = few[count - 1];
+  for (std::size_t r = 0; r < count; r += kSide)
+    for (std::size_t k = 0; k < least.size(); ++k) {
+      const std::int32_t number = few[r + k / 3][k % 3];
+      least[k] = number < least[k] ? number : least[k];
+      most[k] = number > most[k] ? number : most[k];
+    }
+  for (std::size_t k = 0; k < least.size(); ++k) {
+    range.least[k % 3] = std::min(range.least[k % 3], least[k]);
+    range.most[k % 3] = std::max(range.most[k % 3], most[k]);
+  }
+  std::memcpy(static_cast<void*>(cloud_.positions.data() + base), few.data(), count * sizeof few[0]);
+}
+
+void LasColumns::takeNormals(const std::byte* rows, std::size_t base, std::size_t count) {
+  const std::size_t rowBytes = header_.pointBytes;
+  std::array<std::array<float, 3>, kFew> few;
+  for (std::size_t k = 0; k < few[0].size(); ++k) {
+    const std::byte* from = rows + normals_[k].at;
+    for (std::size_t r = 0; r < count; ++r) few[r][k] = loadScalar<float>(from + r * rowBytes);
+  }
+  bool infinite = false, missing = false, scaled = false;
+  for (std::size_t r = 0; r < count; ++r) {
+    const double squared = squaredLength(few[r].data());
+    infinite |= !(squared <= std::numeric_limits<double>::max());
+    missing |= squared == 0;
+    scaled |= std::abs(squared - 1) >= kUnitTolerance;
+  }
+  if (infinite) normalKinds_.infinite = true;
+  if (missing) normalKinds_.missing = true;
+  if (scaled) normalKinds_.scaled = true;
+  std::memcpy(static_cast<void*>(cloud_.normals.data() + base), few.data(), count * sizeof few[0]);
+}
+
+void LasColumns::takeColumn(Column& column, const std::byte* rows, std::size_t base, std::size_t count) {
+  const std::size_t rowBytes = header_.pointBytes;
+  visitField(column.field, [&](auto&& load) {
+    using T = decltype(load(rows));
+    const std::byte* from = rows + column.field.at;
+    if (!column.used) {
+      std::size_t first = 0;
+      while (first < count && !isSet(load(from + first * rowBytes))) ++first;
+      if (first == count) return;
+      make(column);
+    }
+    std::byte* to = column.attribute.data.data() + base * sizeof(T);
+    for (std::size_t r = 0; r < count; ++r) {
+      const T value = load(from + r * rowBytes);
+      std::memcpy(to + r * sizeof(T), &value, sizeof(T));
+    }
+  });
+  if (column.field.wide && anyRounded(column.field, rows, rowBytes, count)) column.rounded = true;
 }
 
 void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t count) {
@@ -138,80 +247,102 @@ void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t
 
 /// The numbers of the file become float32 about an origin of the cloud; where these cannot tell them apart, they are
 /// kept in double precision besides.
-void LasColumns::placePoints(PointCloud& cloud) {
+void LasColumns::placePoints() {
   const CoordinateGrid& grid = header_.grid;
-  cloud.storedAs.grid = grid;
-  if (places_.empty()) return;
-  DVec3 low(std::numeric_limits<double>::infinity()), high = -low;
-  std::mutex lock;
-  parallelFor(places_.size(), threads_, [&](std::size_t begin, std::size_t end) {
-    std::array<std::int32_t, 3> least = places_[begin], most = least;
-    for (std::size_t i = begin; i < end; ++i)
-      for (std::size_t k = 0; k < 3; ++k) {
-        least[k] = std::min(least[k], places_[i][k]);
-        most[k] = std::max(most[k], places_[i][k]);
-      }
-    const DVec3 one = grid.at(DVec3(least[0], least[1], least[2])), other = grid.at(DVec3(most[0], most[1], most[2]));
-    const std::scoped_lock hold(lock);
-    low = glm::min(low, glm::min(one, other));  // a step may be negative
-    high = glm::max(high, glm::max(one, other));
-  });
-  cloud.origin = originFor({low, high});
-  const DVec3 steps = glm::max(glm::abs(low - cloud.origin), glm::abs(high - cloud.origin)) / glm::abs(grid.step);
+  cloud_.storedAs.grid = grid;
+  if (size_ == 0) return;
+  const auto at = [&](const Numbers& n) { return grid.at(DVec3(n[0], n[1], n[2])); };
+  const DVec3 one = at(range_.least), other = at(range_.most);
+  const DVec3 low = glm::min(one, other), high = glm::max(one, other);  // a step may be negative
+  const DVec3 origin = cloud_.origin = originFor({low, high});
+  const DVec3 steps = glm::max(glm::abs(low - origin), glm::abs(high - origin)) / glm::abs(grid.step);
   const bool exact = std::max({steps.x, steps.y, steps.z}) > kExactSteps;
-  resizeLarge(cloud.positions, places_.size(), threads_);
-  if (exact) resizeLarge(cloud.exactPositions, places_.size(), threads_);
-  parallelFor(places_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+  const auto place = [&](std::size_t begin, std::size_t end) {
+    std::array<Numbers, kFew> few;
+    std::memcpy(few.data(), static_cast<const void*>(cloud_.positions.data() + begin), (end - begin) * sizeof few[0]);
     for (std::size_t i = begin; i < end; ++i) {
-      const DVec3 place = grid.at(DVec3(places_[i][0], places_[i][1], places_[i][2]));
-      cloud.positions[i] = Vec3(place - cloud.origin);
-      if (exact) cloud.exactPositions[i] = place;
+      const DVec3 there = at(few[i - begin]);
+      cloud_.positions[i] = Vec3(there - origin);
+      if (exact) cloud_.exactPositions[i] = there;
     }
-  });
-  places_ = {};
+  };
+  const auto placeAll = [&](std::size_t begin, std::size_t end) { inFew(begin, end, place); };
+  if (!exact) return parallelBlocks(size_, 16 * kFew, threads_, placeAll);
+  reserveLarge(cloud_.exactPositions, size_);
+  growAndFill(size_, threads_, [&](std::size_t to, Jobs& jobs) { addGrowth(cloud_.exactPositions, to, jobs); }, placeAll);
 }
 
 /// Colours of 16 bits that hold 8, in either way that programs have, become those; others are kept besides. Files whose
 /// colours are all black have none.
-void LasColumns::placeColors(PointCloud& cloud, unsigned& colorStep) {
+void LasColumns::placeColors(unsigned& colorStep) {
   if (colorBits_.all == 0) return;
   const bool low = colorBits_.all < 256, high = (colorBits_.all & 0xff) == 0, both = colorBits_.unequal == 0;
   const unsigned step = low ? 1 : both ? 257 : high ? 256 : 257;
   colorStep = step;
-  resizeLarge(cloud.colors, colors_.size(), threads_);
   const bool fine = !low && !high && !both;
-  std::array<Attribute*, 3> kept{};
   for (std::size_t k = 0; fine && k < 3; ++k)
-    cloud.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
-  for (std::size_t k = 0; fine && k < 3; ++k) {
-    kept[k] = &cloud.extra[k];
-    resizeLarge(kept[k]->data, colors_.size() * sizeof(std::uint16_t), threads_);
-  }
-  parallelFor(colors_.size(), threads_, [&](std::size_t begin, std::size_t end) {
+    cloud_.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
+  reserveLarge(cloud_.colors, size_);
+  for (Attribute& kept : cloud_.extra) reserveLarge(kept.data, size_ * sizeof(std::uint16_t));
+  const auto grow = [&](std::size_t to, Jobs& jobs) {
+    addGrowth(cloud_.colors, to, jobs);
+    for (Attribute& kept : cloud_.extra) addGrowth(kept.data, to * sizeof(std::uint16_t), jobs);
+  };
+  growAndFill(size_, threads_, grow, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      cloud.colors[i][3] = 255;
+      cloud_.colors[i][3] = 255;
       for (std::size_t k = 0; k < 3; ++k) {
-        cloud.colors[i][k] = static_cast<std::uint8_t>((colors_[i][k] + step / 2) / step);
-        if (fine) std::memcpy(kept[k]->data.data() + 2 * i, &colors_[i][k], 2);
+        cloud_.colors[i][k] = static_cast<std::uint8_t>((colors_[i][k] + step / 2) / step);
+        if (fine) std::memcpy(cloud_.extra[k].data.data() + 2 * i, &colors_[i][k], 2);
       }
     }
   });
   colors_ = {};
 }
 
-PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorStep) {
-  PointCloud cloud;
-  placePoints(cloud);
-  placeColors(cloud, colorStep);
+/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are attributes,
+/// all of them.
+std::vector<std::size_t> LasColumns::placeNormals() {
+  if (normals_.empty()) return {};
+  if (normalKinds_.infinite) {
+    for (std::size_t k = 0; k < normals_.size(); ++k) {
+      Attribute& attribute = cloud_.extra.emplace_back(Attribute{normals_[k].name, normals_[k].type, {}});
+      resizeLarge(attribute.data, size_ * sizeof(float), threads_);
+      parallelFor(size_, threads_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          std::memcpy(attribute.data.data() + i * sizeof(float), &cloud_.normals[i][static_cast<int>(k)], sizeof(float));
+      });
+    }
+    cloud_.normals = {};
+    return {};
+  }
+  if (!normalKinds_.scaled) return {};  // a missing one is far from unit length
+  parallelFor(size_, threads_, [&](std::size_t begin, std::size_t end) {
+    for (Vec3& normal : std::span(cloud_.normals).subspan(begin, end - begin)) {
+      const double squared = squaredLength(&normal.x);
+      if (squared > 0 && std::abs(squared - 1) >= kUnitTolerance) normal = Vec3(DVec3(normal) / std::sqrt(squared));
+    }
+  });
+  if (!normalKinds_.missing) return {};
+  const auto isMissing = [&](std::size_t i) { return squaredLength(&cloud_.normals[i].x) == 0; };
+  const auto missing = parallelCollect(size_, threads_, isMissing, [](std::size_t i) { return i; });
+  return {missing.begin(), missing.end()};
+}
+
+PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorStep,
+                              std::vector<std::size_t>& withoutNormal) {
+  placePoints();
+  placeColors(colorStep);
   const std::size_t standard = format_.fields.size();
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     Column& column = *columns_[k];
     if (column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
     if (k >= standard && !column.used) make(column);  // what a file describes is there, though it be zero
-    if (column.used || k >= standard) cloud.extra.push_back(std::move(column.attribute));
+    if (column.used || k >= standard) cloud_.extra.push_back(std::move(column.attribute));
   }
   columns_.clear();
-  return cloud;
+  withoutNormal = placeNormals();
+  return std::move(cloud_);
 }
 
 }  // namespace palpate

@@ -1,11 +1,14 @@
 // The points of a LAS file as columns: rows go in from many threads, a cloud comes out.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <mutex>
 
 #include "engine/core/bare_vector.hpp"
+#include "engine/core/large_array.hpp"
 #include "engine/io/las_layout.hpp"
 
 namespace palpate {
@@ -19,18 +22,21 @@ class LasColumns {
   unsigned threads() const { return threads_; }
   /// Room for so many points, of which nothing is touched.
   void reserve(std::size_t points);
-  /// Room for the rows up to `to`, which take() fills; what is there stays.
-  void grow(std::size_t to);
-  std::size_t size() const { return size_; }
+  /// What makes room for the rows up to `to`, for any threads; what is there stays. While they do it, rows may be taken
+  /// for which there was room before. Jobs that were given before must be done.
+  Jobs growth(std::size_t to);
+  /// Does that at once.
+  void grow(std::size_t to) { doTogether(growth(to), threads_); }
   /// Rows of points from number `base` on. From any threads, for points that differ.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
-  /// Places, colours and attributes, once. What does not come along goes to `lost`, in words; what one step of 8 bits
-  /// is in the file's colours to `colorStep`.
-  PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep);
+  /// Places, colours, normals and attributes, once, of as many points as there is room for. What does not come along goes
+  /// to `lost`, in words; what one step of 8 bits is in the file's colours to `colorStep`; to `withoutNormal` who has none
+  /// though the cloud has.
+  PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep, std::vector<std::size_t>& withoutNormal);
 
  private:
-  /// Is made when a value other than zero is met first: what no point has takes no memory.
+  /// Is made when a value with a bit that is set is met first: what no point has takes no memory.
   struct Column {
     explicit Column(const LasField& of) : field(of), attribute{of.name, of.type, {}} {}
     LasField field;
@@ -41,19 +47,39 @@ class LasColumns {
   struct ColorBits {
     std::atomic<std::uint32_t> all = 0, unequal = 0;  // bits that are set; and that differ between a value's bytes
   };
+  /// Of the numbers of places.
+  struct Range {
+    static constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
+    static constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+    std::array<std::int32_t, 3> least{kMost, kMost, kMost}, most{kLeast, kLeast, kLeast};
+    void include(const Range& other);
+  };
+  /// Whether there is a normal that is no vector; that is zero; that is as good as of unit length, but not exactly.
+  struct NormalKinds {
+    std::atomic<bool> infinite = false, missing = false, scaled = false;
+  };
   void make(Column& column);
+  void takeFew(const std::byte* rows, std::size_t base, std::size_t count, Range& range);
+  void takePlaces(const std::byte* rows, std::size_t base, std::size_t count, Range& range);
+  void takeNormals(const std::byte* rows, std::size_t base, std::size_t count);
   void takeColors(const std::byte* rows, std::size_t base, std::size_t count);
-  void placePoints(PointCloud& cloud);
-  void placeColors(PointCloud& cloud, unsigned& colorStep);
+  void takeColumn(Column& column, const std::byte* rows, std::size_t base, std::size_t count);
+  void placePoints();
+  void placeColors(unsigned& colorStep);
+  std::vector<std::size_t> placeNormals();
 
   const LasHeader& header_;
   const LasPointFormat& format_;
   unsigned threads_;
-  std::vector<std::unique_ptr<Column>> columns_;
-  std::size_t size_ = 0, reserved_ = 0;  // points
-  BareVector<std::array<std::int32_t, 3>> places_;
+  std::vector<std::unique_ptr<Column>> columns_;  // but those of normals
+  std::vector<LasField> normals_;                 // three, or none
+  std::size_t size_ = 0, reserved_ = 0;           // points
+  PointCloud cloud_;  // the positions hold the bits of the file's whole numbers until the points are placed
+  Range range_;
+  std::mutex ranging_;
   BareVector<std::array<std::uint16_t, 3>> colors_;
   ColorBits colorBits_;
+  NormalKinds normalKinds_;
 };
 
 }  // namespace palpate

@@ -7,7 +7,7 @@
 
 #include <glm/common.hpp>
 
-#include "engine/core/parallel.hpp"
+#include "engine/core/parallel_collect.hpp"
 
 namespace palpate {
 
@@ -17,12 +17,19 @@ constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
 constexpr double kMost = std::numeric_limits<std::int32_t>::max();
 
 Bounds boxInFile(const PointCloud& cloud) {
-  Bounds box{cloud.fileCoordinates(0), cloud.fileCoordinates(0)};
-  for (std::size_t i = 1; i < cloud.size(); ++i) {
-    const DVec3 p = cloud.fileCoordinates(i);
-    box = {glm::min(box.min, p), glm::max(box.max, p)};
-  }
-  return box;
+  const DVec3 first = cloud.fileCoordinates(0);
+  const auto boxOf = [&](std::size_t begin, std::size_t end) {
+    Bounds box{first, first};
+    for (std::size_t i = begin; i < end; ++i) {
+      const DVec3 p = cloud.fileCoordinates(i);
+      box = {glm::min(box.min, p), glm::max(box.max, p)};
+    }
+    return box;
+  };
+  const auto both = [](const Bounds& a, const Bounds& b) {
+    return Bounds{glm::min(a.min, b.min), glm::max(a.max, b.max)};
+  };
+  return parallelReduce(cloud.size(), 0, Bounds{first, first}, boxOf, both);
 }
 
 double largest(const DVec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }

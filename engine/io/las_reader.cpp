@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
@@ -98,8 +98,9 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, unsigned th
   LasColumns columns(head_.header, head_.format, head_.extra, threads);
   const Tail tail = head_.packing ? readPacked(columns, log, lost) : readPlain(columns, threads);
   const std::shared_ptr<LasBaggage> baggage = packBaggage(tail);
-  PointCloud cloud = columns.finish(lost, baggage->colorStep);
-  takeNormals(cloud, log);
+  std::vector<std::size_t> withoutNormal;
+  PointCloud cloud = columns.finish(lost, baggage->colorStep, withoutNormal);
+  if (!withoutNormal.empty()) fillMissingNormals(cloud, withoutNormal, file_.path().filename().string(), log);
   StoredAs& stored = cloud.storedAs;
   stored.position = ScalarType::f64;
   stored.comments = head_.comments;
@@ -113,29 +114,31 @@ LasReader::Tail LasReader::readPlain(LasColumns& columns, unsigned threads) {
   const std::size_t rowBytes = header.pointBytes, slab = std::max<std::size_t>(1, kSlab / rowBytes);
   const bool known = file_.remaining().has_value();
   columns.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(known ? header.points : 0, kMostReserved)));
-  for (std::uint64_t done = 0; done < header.points;) {
-    const auto count = static_cast<std::size_t>(
-        std::min<std::uint64_t>(done == 0 ? std::min(slab, kFirst) : slab, header.points - done));
-    const std::size_t base = columns.size();
+  const auto most = [&](std::uint64_t done, std::size_t wanted) {
+    return static_cast<std::size_t>(std::min<std::uint64_t>(wanted, header.points - done));
+  };
+  std::size_t count = most(0, std::min(slab, kFirst));
+  if (known) columns.grow(count);
+  for (std::size_t done = 0; done < header.points;) {
+    const std::size_t next = most(done + count, std::min(slab, 2 * count));
     if (known) {
-      columns.grow(base + count);
       const auto take = [&](std::span<const std::byte> rows, std::uint64_t before) {
-        columns.take(rows.data(), base + before / rowBytes, rows.size() / rowBytes);
+        columns.take(rows.data(), done + before / rowBytes, rows.size() / rowBytes);
       };
-      file_.readBlocks(count * rowBytes, kBlock * rowBytes, threads, take);
+      file_.readBlocks(count * rowBytes, kBlock * rowBytes, threads, take, columns.growth(done + count + next));
     } else {
       const auto rows = file_.peek(count * rowBytes);
       if (rows.size() < count * rowBytes)
         throw FileError::atByte(
             file_.path(), file_.offset() + rows.size(),
             fmt::format("the file ends inside point {} of {}", done + rows.size() / rowBytes + 1, header.points));
-      columns.grow(base + count);
+      columns.grow(done + count);
       parallelBlocks(count, kBlock, threads, [&](std::size_t begin, std::size_t end) {
-        columns.take(rows.data() + begin * rowBytes, base + begin, end - begin);
+        columns.take(rows.data() + begin * rowBytes, done + begin, end - begin);
       });
       file_.consume(count * rowBytes);
     }
-    done += count;
+    done += std::exchange(count, next);
   }
   Tail tail{.at = file_.offset()};
   for (auto bytes = file_.peek(1); !bytes.empty(); bytes = file_.peek(1)) {
@@ -191,32 +194,6 @@ std::shared_ptr<LasBaggage> LasReader::packBaggage(const Tail& tail) {
   baggage->tail = copc ? unpacked.tail() : tail.bytes;
   baggage->descriptors = std::move(head_.descriptors);
   return baggage;
-}
-
-/// As programs name them that keep normals in extra bytes.
-void LasReader::takeNormals(PointCloud& cloud, Log* log) const {
-  std::array<std::vector<Attribute>::iterator, 3> found;
-  for (std::size_t k = 0; k < 3; ++k) {
-    found[k] = std::ranges::find(cloud.extra, kLasNormals[k], &Attribute::name);
-    if (found[k] == cloud.extra.end() || found[k]->type != ScalarType::f32) return;
-  }
-  constexpr double kUnitTolerance = 1e-5;  // nearer to 1 a normal stays as it is
-  std::vector<std::size_t> missing;
-  std::vector<Vec3> normals(cloud.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    for (int k = 0; k < 3; ++k)
-      normals[i][k] = loadScalar<float>(found[static_cast<std::size_t>(k)]->data.data() + i * sizeof(float));
-    const DVec3 n(normals[i]);
-    const double squared = glm::dot(n, n);
-    if (!std::isfinite(squared)) return;  // whatever they are, they stay attributes
-    if (squared == 0) missing.push_back(i);
-    if (squared > 0 && std::abs(squared - 1) >= kUnitTolerance) normals[i] = Vec3(n / std::sqrt(squared));
-  }
-  cloud.normals = std::move(normals);
-  std::erase_if(cloud.extra, [](const Attribute& attribute) {
-    return std::ranges::find(kLasNormals, attribute.name) != kLasNormals.end();
-  });
-  if (!missing.empty()) fillMissingNormals(cloud, missing, file_.path().filename().string(), log);
 }
 
 }  // namespace palpate

@@ -40,7 +40,6 @@ class LasReader {
   Tail readPlain(LasColumns& columns, unsigned threads);
   Tail readPacked(LasColumns& columns, Log* log, std::vector<std::string>& lost);
   std::shared_ptr<LasBaggage> packBaggage(const Tail& tail);
-  void takeNormals(PointCloud& cloud, Log* log) const;
 
   ChunkedFile file_;
   LasHead head_;

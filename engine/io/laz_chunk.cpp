@@ -36,7 +36,9 @@ class LazChunkDecoder::Pointwise final : public Rows {
       : rowBytes_(layout.rowBytes), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
 
   void read(std::byte* rows, std::size_t count) override {
-    for (std::size_t k = 0; k < count; ++k) row_.code(decoder_, rows + k * rowBytes_);
+    RangeDecoder decoder = decoder_;  // of which the compiler knows that rows do not overlap it
+    for (std::size_t k = 0; k < count; ++k) row_.code(decoder, rows + k * rowBytes_);
+    decoder_ = decoder;
   }
   bool isWrong() const override { return decoder_.isWrong(); }
   std::size_t left() const override { return decoder_.left(); }

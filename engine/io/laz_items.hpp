@@ -42,19 +42,13 @@ class ByteModels {
 class StreamingMedian {
  public:
   std::int32_t get() const { return sorted_[2]; }
+  /// Into four that stay, without a branch: which place is its own nobody could foresee.
   void add(std::int32_t v) {
-    auto& s = sorted_;
-    if (forgetsLargest_) {
-      const std::size_t place = v < s[0] ? 0 : v < s[1] ? 1 : v < s[2] ? 2 : v < s[3] ? 3 : 4;
-      std::copy_backward(s.begin() + static_cast<std::ptrdiff_t>(place), s.begin() + 4, s.end());
-      s[place] = v;
-      forgetsLargest_ = place < 3;
-    } else {
-      const std::size_t place = s[4] < v ? 4 : s[3] < v ? 3 : s[2] < v ? 2 : s[1] < v ? 1 : 0;
-      std::copy(s.begin() + 1, s.begin() + static_cast<std::ptrdiff_t>(place) + 1, s.begin());
-      s[place] = v;
-      forgetsLargest_ = place < 2;
-    }
+    const std::int32_t* const four = sorted_.data() + (forgetsLargest_ ? 0 : 1);
+    const std::int32_t a = four[0], b = four[1], c = four[2], d = four[3];
+    forgetsLargest_ = forgetsLargest_ ? v < sorted_[2] : v <= sorted_[2];
+    sorted_ = {std::min(a, v), std::max(a, std::min(b, v)), std::max(b, std::min(c, v)), std::max(c, std::min(d, v)),
+               std::max(d, v)};
   }
 
  private:

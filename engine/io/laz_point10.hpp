@@ -129,10 +129,13 @@ class LazRow10 {
       colors_.code(coder, lastColor_, load<LazColors::Color>(row + layout_.colorAt));
       std::memcpy(row + layout_.colorAt, &lastColor_, sizeof lastColor_);
     }
-    std::byte* bytes = row + layout_.bytesAt;
-    for (std::size_t k = 0; k < bytes_.size(); ++k) {
-      codeLazByte(coder, bytes_[k], lastBytes_[k], bytes[k]);
-      bytes[k] = lastBytes_[k];
+    if (bytes_.empty()) return;
+    if constexpr (Coder::kEncodes) {
+      codeBytes(coder, row + layout_.bytesAt);
+    } else {
+      Coder held = coder;  // in the processor's own memory from byte to byte
+      codeBytes(held, row + layout_.bytesAt);
+      coder = held;
     }
   }
 
@@ -142,6 +145,14 @@ class LazRow10 {
     T value;
     std::memcpy(&value, at, sizeof value);
     return value;
+  }
+
+  template <class Coder>
+  void codeBytes(Coder& coder, std::byte* bytes) {
+    for (std::size_t k = 0; k < bytes_.size(); ++k) {
+      codeLazByte(coder, bytes_[k], lastBytes_[k], bytes[k]);
+      bytes[k] = lastBytes_[k];
+    }
   }
 
   LazLayout layout_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <utility>
 
 #include "engine/core/parallel.hpp"
 #include "engine/io/laz_chunk.hpp"
@@ -13,7 +14,7 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBlock = 1024;  // rows that stay near the processor
-constexpr std::uint64_t kTogether = std::uint64_t{1} << 23, kSlice = kTogether / 32;  // points
+constexpr std::uint64_t kTogether = std::uint64_t{1} << 25, kSlice = std::uint64_t{1} << 18;  // points
 constexpr std::uint64_t kMostFromByte = 64;  // points that room is made for at once; more are rare
 
 /// Unpacks the next `count` points of a chunk, which are from number `base` on.
@@ -27,42 +28,67 @@ void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std:
   }
 }
 
+/// Chunks that are unpacked at the same time: one alone where it is said to hold more than its bytes make likely.
+struct Group {
+  std::size_t begin, end;  // of the chunks
+  std::uint64_t base, to;  // of their points
+  bool alone;
+};
+
+std::vector<Group> groupsOf(std::span<const LazChunk> chunks) {
+  const auto isUnlikely = [](const LazChunk& chunk) {
+    return chunk.points > kTogether || chunk.points > chunk.bytes * kMostFromByte;
+  };
+  std::vector<Group> groups;
+  std::uint64_t base = 0;
+  for (std::size_t k = 0; k < chunks.size(); ++k) {
+    const std::uint64_t points = chunks[k].points;
+    const bool alone = isUnlikely(chunks[k]);
+    if (groups.empty() || alone || groups.back().alone || groups.back().to + points > groups.back().base + kTogether)
+      groups.push_back({k, k, base, base, alone});
+    groups.back().end = k + 1;
+    groups.back().to = base += points;
+  }
+  return groups;
+}
+
 }  // namespace
 
 void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, std::span<const LazChunk> chunks,
                    std::span<const std::byte> body, std::uint64_t bodyAt, LasColumns& columns, Log* log) {
-  std::uint64_t points = 0;
-  for (const LazChunk& chunk : chunks) points += chunk.points;
+  const std::vector<Group> groups = groupsOf(chunks);
+  const std::uint64_t points = groups.empty() ? 0 : groups.back().to;
   columns.reserve(std::min<std::uint64_t>(points, body.size() * kMostFromByte));
   std::atomic<std::size_t> odd = 0;
   const auto open = [&](const LazChunk& chunk) {
     return LazChunkDecoder(file, layout, chunk, body.subspan(chunk.at - bodyAt, chunk.bytes));
   };
-  for (std::size_t begin = 0, end = 0; begin < chunks.size(); begin = end) {
-    std::vector<std::size_t> bases;
-    std::size_t to = columns.size();
-    for (; end < chunks.size() && (end == begin || to + chunks[end].points <= columns.size() + kTogether); ++end) {
-      bases.push_back(to);
-      to += chunks[end].points;
-    }
-    if (end == begin + 1) {  // perhaps a very long one, which is unpacked slice by slice
-      LazChunkDecoder decoder = open(chunks[begin]);
-      for (std::size_t base = columns.size(); base < to; base = columns.size()) {
-        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kSlice, to - base));
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const Group& group = groups[g];
+    if (group.alone) {  // perhaps a very long one, which is unpacked slice by slice
+      LazChunkDecoder decoder = open(chunks[group.begin]);
+      for (std::uint64_t base = group.base; base < group.to;) {
+        const std::uint64_t count = std::min(kSlice, group.to - base);
         columns.grow(base + count);
         take(decoder, layout.rowBytes, base, count, columns);
+        base += count;
       }
       odd += decoder.left() > 0 ? 1 : 0;
     } else {
-      columns.grow(to);
-      parallelBlocks(end - begin, 1, columns.threads(), [&](std::size_t k, std::size_t) {
-        const LazChunk& chunk = chunks[begin + k];
+      std::vector<std::uint64_t> bases;
+      for (std::uint64_t base = group.base; const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
+        bases.push_back(std::exchange(base, base + chunk.points));
+      columns.grow(group.to);
+      const bool goesOn = g + 1 < groups.size() && !groups[g + 1].alone;
+      const Jobs jobs = goesOn ? columns.growth(groups[g + 1].to) : Jobs();
+      parallelBlocksBeside(jobs, bases.size(), 1, columns.threads(), [&](std::size_t k, std::size_t) {
+        const LazChunk& chunk = chunks[group.begin + k];
         LazChunkDecoder decoder = open(chunk);
         take(decoder, layout.rowBytes, bases[k], chunk.points, columns);
         odd += decoder.left() > 0 ? 1 : 0;
       });
     }
-    if (log) log->progress(file.filename().string(), static_cast<double>(to) / static_cast<double>(points));
+    if (log) log->progress(file.filename().string(), static_cast<double>(group.to) / static_cast<double>(points));
   }
   if (odd > 0 && log && layout.chunked)
     log->say("{}: {} of {} chunks are longer than their points need: perhaps damaged", file.filename().string(),

@@ -25,13 +25,17 @@ void BitModel::update() {
   untilUpdate_ = cycle_;
 }
 
-SymbolModel::SymbolModel(unsigned symbols) : counts_(symbols, 1), sums_(symbols) {
-  constexpr unsigned kFewCells = 3;
-  unsigned bits = 0;
-  if (symbols > 16)
-    for (bits = kFewCells; symbols > 1u << (bits + 2);) ++bits;
-  cellShift_ = kShift - bits;
-  cells_.resize((std::size_t{1} << bits) + 2);
+SymbolModel::SymbolModel(unsigned symbols) {
+  // About as many parts as symbols, so that few searches go beyond their first step.
+  const auto bits = static_cast<unsigned>(std::bit_width(symbols - 1));
+  const std::size_t cells = (std::size_t{1} << bits) + 2, behind = symbols + kBehind;
+  last_ = static_cast<std::uint16_t>(symbols - 1);
+  countsAt_ = static_cast<std::uint16_t>(behind);
+  cellsAt_ = static_cast<std::uint16_t>(behind + symbols);
+  cellShift_ = static_cast<std::uint16_t>(kShift - bits);
+  words_.assign(behind + symbols + cells, 0);
+  std::fill_n(words_.begin() + symbols, kBehind, std::uint16_t{0xffff});
+  std::fill_n(words_.begin() + countsAt_, symbols, std::uint16_t{1});
   cycle_ = symbols;
   update();
   cycle_ = (symbols + 6) / 2;
@@ -40,23 +44,26 @@ SymbolModel::SymbolModel(unsigned symbols) : counts_(symbols, 1), sums_(symbols)
 
 void SymbolModel::update() {
   constexpr std::uint32_t kMostCounted = 1u << 15;
-  const auto symbols = static_cast<std::uint32_t>(counts_.size());
+  const std::uint32_t symbols = last_ + 1u;
+  std::uint16_t *const sums = words_.data(), *const counts = sums + countsAt_, *const cells = sums + cellsAt_;
   all_ += cycle_;
   if (all_ > kMostCounted) {
     all_ = 0;
-    for (std::uint32_t& count : counts_) all_ += count = (count + 1) / 2;
+    for (std::uint32_t k = 0; k < symbols; ++k) {
+      counts[k] = static_cast<std::uint16_t>((counts[k] + 1) / 2);
+      all_ += counts[k];
+    }
   }
   const std::uint32_t scale = kWhole / all_;
-  std::uint32_t sum = 0;
-  std::size_t cell = 0;
+  std::uint32_t sum = 0, cell = 0;
   for (std::uint32_t k = 0; k < symbols; ++k) {
-    sums_[k] = scale * sum >> (31 - kShift);
-    sum += counts_[k];
-    for (const std::size_t begin = sums_[k] >> cellShift_; cell < begin;)
-      cells_[++cell] = static_cast<std::uint16_t>(k - 1);
+    sums[k] = static_cast<std::uint16_t>(scale * sum >> (31 - kShift));
+    sum += counts[k];
+    for (const std::uint32_t begin = sums[k] >> cellShift_; cell < begin;)
+      cells[++cell] = static_cast<std::uint16_t>(k - 1);
   }
-  cells_[0] = 0;
-  while (cell + 1 < cells_.size()) cells_[++cell] = static_cast<std::uint16_t>(symbols - 1);
+  for (const std::uint32_t last = (1u << (kShift - cellShift_)) + 1; cell < last;)  // a share may be 2^15 and more
+    cells[++cell] = static_cast<std::uint16_t>(last_);
   cycle_ = longer(cycle_, 8 * (symbols + 6));
   untilUpdate_ = cycle_;
 }

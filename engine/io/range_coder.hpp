@@ -7,8 +7,11 @@
 // for both (laz_point10.hpp and the others).
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -40,34 +43,29 @@ class SymbolModel {
   SymbolModel() = default;
   explicit SymbolModel(unsigned symbols);
 
-  bool isMade() const { return !counts_.empty(); }
-  unsigned last() const { return static_cast<unsigned>(counts_.size()) - 1; }
+  bool isMade() const { return !words_.empty(); }
+  unsigned last() const { return last_; }
   /// The share of all symbols before this one.
-  std::uint32_t before(unsigned symbol) const { return sums_[symbol]; }
-  /// The symbol that has `share` in its part; the last one where it is beyond all of them.
-  unsigned at(std::uint32_t share) const {
-    const std::size_t cell = share >> cellShift_;
-    unsigned low = cells_[cell], high = cells_[cell + 1] + 1;
-    while (high > low + 1) {
-      const unsigned middle = (low + high) / 2;
-      if (sums_[middle] > share)
-        high = middle;
-      else
-        low = middle;
-    }
-    return low;
+  std::uint32_t before(unsigned symbol) const { return words_[symbol]; }
+  /// The shares before a symbol and those behind it: a search for the one that has `share` in its part begins there. It
+  /// ends before kBehind more, which nothing reaches.
+  const std::uint16_t* from(std::uint32_t share) const {
+    return words_.data() + words_[cellsAt_ + (share >> cellShift_)];
   }
+  unsigned symbolOf(const std::uint16_t* shares) const { return static_cast<unsigned>(shares - words_.data()); }
   void count(unsigned symbol) {
-    ++counts_[symbol];
+    ++words_[countsAt_ + symbol];
     if (--untilUpdate_ == 0) update();
   }
 
  private:
+  static constexpr unsigned kBehind = 6;
   void update();
 
-  std::vector<std::uint32_t> counts_, sums_;
-  std::vector<std::uint16_t> cells_;  // the symbol at the beginning of each of equal parts, where a search begins
-  unsigned cellShift_ = 0;
+  // The shares before the symbols, and behind them kBehind that are more than any; how often each symbol passed; the symbol
+  // at the beginning of each of equal parts, where a search begins. In one piece, of which little is touched.
+  std::vector<std::uint16_t> words_;
+  std::uint16_t last_ = 0, countsAt_ = 0, cellsAt_ = 0, cellShift_ = 0;
   std::uint32_t all_ = 0, cycle_ = 0, untilUpdate_ = 0;
 };
 
@@ -94,14 +92,23 @@ class RangeDecoder : RangeCoder {
   std::size_t left() const { return static_cast<std::size_t>(end_ - at_); }
   void setWrong() { wrong_ = true; }
 
-  unsigned symbol(SymbolModel& model, unsigned = 0) {
-    const std::uint32_t whole = length_;
-    length_ >>= SymbolModel::kShift;
-    const unsigned found = model.at(value_ / length_);
-    const std::uint32_t low = model.before(found) * length_;
-    const std::uint32_t high = found == model.last() ? whole : model.before(found + 1) * length_;
-    value_ -= low;
-    length_ = high - low;
+  [[gnu::always_inline]] unsigned symbol(SymbolModel& model, unsigned = 0) {
+    // What comes next waits for this: the steps of the search are few, and have no branch but where a part of the table
+    // has more than three symbols, which are rare ones then.
+    const std::uint64_t part = length_ >> SymbolModel::kShift, value = value_;
+    const std::uint16_t* at = model.from(static_cast<std::uint32_t>(value_ / static_cast<std::uint32_t>(part)));
+    std::uint64_t low = at[0] * part, first = at[1] * part, second = at[2] * part, high = at[3] * part;
+    while (value >= high) [[unlikely]] {
+      at += 3;
+      low = high, first = at[1] * part, second = at[2] * part, high = at[3] * part;
+    }
+    const unsigned one = value >= first ? 1 : 0, two = value >= second ? 1 : 0;
+    const std::uint64_t ifOne = 0 - std::uint64_t{one}, ifTwo = 0 - std::uint64_t{two};
+    low += ((first - low) & ifOne) + ((second - first) & ifTwo);
+    high = first + ((second - first) & ifOne) + ((high - second) & ifTwo);
+    const unsigned found = model.symbolOf(at) + one + two;
+    value_ = static_cast<std::uint32_t>(value - low);
+    length_ = (found == model.last() ? length_ : static_cast<std::uint32_t>(high)) - static_cast<std::uint32_t>(low);
     widen();
     model.count(found);
     return found;
@@ -135,11 +142,18 @@ class RangeDecoder : RangeCoder {
     wrong_ = true;
     return 0;
   }
-  void widen() {
-    while (length_ < kShortest) {
-      value_ = value_ << 8 | next();
-      length_ <<= 8;
+  /// Without a branch, but near the end: how many bytes come in next nobody could foresee. No length is 0.
+  [[gnu::always_inline]] void widen() {
+    const auto bits = static_cast<unsigned>(std::countl_zero(length_ | 1)) & 24u;
+    if (end_ - at_ < 4) [[unlikely]] {
+      for (unsigned k = 0; k < bits; k += 8) value_ = value_ << 8 | next();
+    } else {
+      const auto byte = [&](unsigned k) { return static_cast<std::uint32_t>(at_[k]); };
+      const std::uint32_t ahead = byte(0) << 24 | byte(1) << 16 | byte(2) << 8 | byte(3);  // one load
+      value_ = static_cast<std::uint32_t>((std::uint64_t{value_} << 32 | ahead) << bits >> 32);
+      at_ += bits / 8;
     }
+    length_ <<= bits;
   }
 
   const std::byte *at_, *end_;

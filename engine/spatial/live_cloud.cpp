@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <limits>
 
+#include "engine/core/parallel.hpp"
 #include "engine/gpu/device.hpp"
 #include "engine/gpu/transfer.hpp"
 #include "shaders/shared/spatial_hash.h"
@@ -44,14 +46,28 @@ LiveCloud::LiveCloud(Device& device, const PointCloud& cloud, std::uint32_t spar
 
 void LiveCloud::upload(Queue& queue, const PointCloud& cloud, const Half& half) const {
   PALPATE_CHECK_LE(cloud.size(), std::size_t{slots_});
-  std::vector<Vec4> packed(slots_, Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot)));
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.positions[i], std::bit_cast<float>(i));
-  palpate::upload(device_, queue, half.positions, packed);
-  std::ranges::fill(packed, Vec4(0));
-  for (std::uint32_t i = 0; i < cloud.size(); ++i) packed[i] = Vec4(cloud.normals[i], 0.0f);
-  for (std::uint32_t i = 0; colored_ && i < cloud.colors.size(); ++i)
-    packed[i].w = std::bit_cast<float>(bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2]));
-  palpate::upload(device_, queue, half.normals, packed);
+  const auto put = [&](const Buffer& to, auto&& valueOf) {
+    uploadMade(device_, queue, to, slots_ * sizeof(Vec4), [&](std::uint64_t offset, std::span<std::byte> piece) {
+      const std::size_t first = offset / sizeof(Vec4);
+      parallelFor(piece.size() / sizeof(Vec4), 0, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+          const Vec4 value = valueOf(first + k);
+          std::memcpy(piece.data() + k * sizeof value, &value, sizeof value);
+        }
+      });
+    });
+  };
+  const std::size_t count = cloud.size(), colors = colored_ ? cloud.colors.size() : 0;
+  put(half.positions, [&](std::size_t i) {
+    if (i >= count) return Vec4(0, 0, 0, std::bit_cast<float>(shared::kEmptySlot));
+    return Vec4(cloud.positions[i], std::bit_cast<float>(static_cast<std::uint32_t>(i)));
+  });
+  put(half.normals, [&](std::size_t i) {
+    if (i >= count) return Vec4(0);
+    const float color =
+        i < colors ? std::bit_cast<float>(bitsOfColor(cloud.colors[i][0], cloud.colors[i][1], cloud.colors[i][2])) : 0;
+    return Vec4(cloud.normals[i], color);
+  });
 }
 
 std::vector<PointState> LiveCloud::points() const {

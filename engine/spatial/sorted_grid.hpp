@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/worker_team.hpp"
 #include "engine/spatial/hash_grid.hpp"
 #include "engine/spatial/neighbour_search.hpp"
@@ -75,11 +76,11 @@ class SortedGrid final : public NeighbourSearch {
   std::span<const Vec3> positions_;
   std::span<const std::uint8_t> there_;
   std::vector<Part> parts_;
-  std::vector<std::uint32_t> keys_;     // bucket of every point
+  BareVector<std::uint32_t> keys_;     // bucket of every point
   std::vector<std::uint32_t> grouped_;  // first point of every group of buckets
-  std::vector<Placed> halfway_;
-  std::vector<LowBits> halfwayLow_;
-  std::vector<Placed> placed_;
+  BareVector<Placed> halfway_;
+  BareVector<LowBits> halfwayLow_;
+  BareVector<Placed> placed_;
   std::vector<std::uint32_t> starts_;  // first point of every bucket
 };
 

@@ -36,6 +36,7 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   see(world_->state());
   MatterAnswer answer{.question = question, .moves = !held, .state = world_->state()};
   std::ranges::copy(world_->answers(), answer.hands.begin());
+  if (steps > 0 && !held) unshown_s_ = question.time_s;
   if (steps > 0 && wanted_.load(std::memory_order_relaxed)) show(question.time_s);
   return answer;
 }
@@ -46,7 +47,12 @@ void MatterSteps::show(double time_s) {
   positions_ = world_->positionsById();
   velocities_ = world_->velocitiesById();
   shownAt_s_ = time_s;
+  unshown_s_.reset();
   wanted_.store(false, std::memory_order_relaxed);
+}
+
+void MatterSteps::showPresent() {
+  if (unshown_s_) show(*unshown_s_);
 }
 
 bool MatterSteps::take(MatterView& view) {

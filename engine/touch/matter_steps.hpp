@@ -44,8 +44,10 @@ class MatterSteps final : public SteppedControl {
   MatterAnswer goTo(const MatterQuestion& question);
   const MatterSimulation& world() const { return *world_; }
 
-  /// The newest particles. False where none are since the last time.
+  /// The newest particles that are shown. False where none are since the last time.
   bool take(MatterView& view);
+  /// Shows the particles as the last question has left them, unless they were. For the thread of goTo().
+  void showPresent();
 
  private:
   void restart();
@@ -55,6 +57,7 @@ class MatterSteps final : public SteppedControl {
   std::size_t tools_;
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
+  std::optional<double> unshown_s_;  // time of the last question, where it moved what is not shown yet
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown
   std::mutex mutex_;
   std::optional<double> shownAt_s_;  // nothing: it was taken

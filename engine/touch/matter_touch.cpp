@@ -51,12 +51,19 @@ MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const Mat
     : up_(upOf(simulation->scene())),
       stiffness_N_m_(simulation->scene().gain * toolSpring(simulation->scene().tool, kMatterStep_s).stiffness),
       machine_(options.machine),
-      steps_(std::move(simulation), options.hands, options.realtime ? kMostAtOnce : 0),
+      steps_(std::move(simulation), options.hands, kMostAtOnce),
       answers_(options.hands),
       surface_(boxOf(steps_.world().scene()), steps_.world().plan().spacing_m, options.threads) {
   if (const MatterModel* const model = steps_.world().model()) addModel(*model, stillPositions_, stillNormals_);
   PALPATE_CHECK(steps_.world().scene().tool.radius_mm > 0);
-  if (options.realtime) thread_.emplace(steps_);
+  setRealtime(options.realtime);
+}
+
+void MatterTouch::setRealtime(bool realtime) {
+  if (realtime == thread_.has_value()) return steps_.setLeavesOut(realtime);
+  thread_.reset();
+  steps_.setLeavesOut(realtime);
+  if (realtime) thread_.emplace(steps_);
 }
 
 std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double budget_us) noexcept {
@@ -118,6 +125,7 @@ std::size_t MatterTouch::readBack(PointCloud& cloud) const {
 }
 
 bool MatterTouch::takeFrame(CloudFrame& frame) {
+  if (!thread_) steps_.showPresent();
   if (!steps_.take(view_)) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);

@@ -17,7 +17,8 @@ inline constexpr double kMatterUnit_m = 1e-3;
 struct MatterTouchOptions {
   std::size_t hands = 1;  ///< as many as the simulation has tools
   unsigned threads = 0;   ///< for pictures; 0: one per core
-  bool realtime = false;  ///< it goes on a thread of its own, and no tick waits for it past its budget
+  bool realtime =
+      false;  ///< at first (setRealtime()): on a thread of its own, and no tick waits for it past its budget
   std::string machine;    ///< that simulates
 };
 
@@ -32,9 +33,11 @@ class MatterTouch final : public TouchBackend {
 
   std::size_t hands() const noexcept override { return answers_.size(); }
   std::span<const Contact> ask(std::span<const Pose> poses, double budget_us) noexcept override;
+  void setRealtime(bool realtime) override;
   /// Throws Error where the simulation has failed.
   void finish() override;
   std::size_t readBack(PointCloud& cloud) const override;
+  /// In virtual time for the thread that queries, which finds the particles as the last answer has left them.
   bool takeFrame(CloudFrame& frame) override;
   SimulationControl* simulation() override { return &steps_; }
 

@@ -42,6 +42,7 @@ class SoftTouch final : public TouchBackend, private ShapeStrokes {
   bool takeFrame(CloudFrame& frame) override { return surface_->takeFrame(frame); }
   FramePipeline* framesOn(const Device& sight) override { return surface_->framesOn(sight); }
   SimulationControl* simulation() override { return source_.get(); }
+  void setRealtime(bool realtime) override { source_->setLeavesOut(realtime); }
   ShapeStrokes* shapeStrokes() override { return this; }
   const ShapeStrokes* shapeStrokes() const override { return this; }
   std::optional<PointsTime> pointsTime() const noexcept override { return surface_->pointsTime(); }

@@ -29,6 +29,8 @@ class SteppedControl : public SimulationControl {
   std::string failure() const override;
   std::vector<SimulationParameter> parameters() const override;
   void set(std::string_view name, double value) override;
+  /// Whether steps beyond the most at a time are left out, as at first, or made up for.
+  void setLeavesOut(bool leavesOut) noexcept { leavesOut_.store(leavesOut); }
 
  protected:
   /// `hands`: as many as put energy into `world`. `mostAtOnce`: steps at a time; those beyond it are left out. 0: any
@@ -55,7 +57,7 @@ class SteppedControl : public SimulationControl {
  private:
   std::uint32_t mostAtOnce_;
   std::optional<std::int64_t> last_;
-  std::atomic<bool> reset_ = false, held_ = false, changed_ = false;
+  std::atomic<bool> reset_ = false, held_ = false, changed_ = false, leavesOut_ = true;
   std::atomic<std::uint64_t> leftOut_ = 0;  // steps
   std::atomic<MatterState> state_ = MatterState::running;
   struct Meter {

@@ -4,10 +4,11 @@
 
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/rgbd_folder.hpp"
+#include "haptics/library/failures.hpp"
 #include "haptics/library/gpu_half.hpp"
 #include "haptics/library/objects.hpp"
-#include "haptics/library/open_session.hpp"
 #include "haptics/library/options.hpp"
+#include "haptics/library/remarks.hpp"
 
 using namespace palpate;
 using namespace palpate::library;
@@ -43,14 +44,14 @@ pp_points viewOf(const PointCloud& cloud) {
 
 pp_status pp_cloud_create(const pp_cloud_arrays* arrays, pp_cloud* cloud) {
   return guarded([&] {
-    const pp_cloud_arrays given = optionsFrom(&required(arrays, "arrays"), pp_default_cloud_arrays(), "arrays");
+    const pp_cloud_arrays given = optionsFrom(&required(arrays, "arrays"), "arrays");
     required(cloud, "cloud") = opened<pp_cloud>(std::make_shared<CloudObject>(cloudOf(arraysFrom(given), nullptr)));
   });
 }
 
 pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_cloud* cloud) {
   return guarded([&] {
-    const pp_read_options given = optionsFrom(options, pp_default_read_options(), "options");
+    const pp_read_options given = optionsFrom(options, "options");
     const std::string name = &required(file, "file");
     required(cloud, "cloud");
     if (isRgbdFolder(name)) throw FileError(name, "is a recorded depth camera, and not one cloud");
@@ -60,7 +61,11 @@ pp_status pp_cloud_read(const char* file, const pp_read_options* options, pp_clo
                                     .pointsOnly = true,
                                     .allPoints = given.all_points != 0});
     if (!stored.leftOut.empty()) remarks.sink().say("{}: left out are {}", name, stored.leftOut);
-    *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(std::move(stored.cloud)));
+    *cloud = opened<pp_cloud>(std::make_shared<CloudObject>(
+        std::move(stored.cloud),
+        ModelConfig{.file = name,
+                    .normals = given.normals_from_faces ? NormalSource::face : NormalSource::keep,
+                    .allPoints = given.all_points != 0}));
   });
 }
 
@@ -68,7 +73,7 @@ pp_status pp_cloud_write(pp_cloud cloud, const char* file, const pp_write_option
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     const std::string name = &required(file, "file");
-    const pp_write_options given = optionsFrom(options, pp_default_write_options(), "options");
+    const pp_write_options given = optionsFrom(options, "options");
     std::filesystem::path kept;
     cloudFormats().toWrite(name).write(name, found->cloud,
                                        {.ascii = given.ascii != 0, .keptAs = given.keep ? &kept : nullptr});

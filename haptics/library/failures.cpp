@@ -35,6 +35,8 @@ pp_status noteHandled() {
     return note(PP_ERROR_STATE, error.what());
   } catch (const DeviceError& error) {
     return note(PP_ERROR_DEVICE, error.what());
+  } catch (const SimulationError& error) {
+    return note(PP_ERROR_SIMULATION, error.what());
   } catch (const UnsupportedError& error) {
     return note(PP_ERROR_UNSUPPORTED, error.what());
   } catch (const BugFound& error) {
@@ -106,6 +108,8 @@ const char* pp_status_name(int status) {
       return "failed";
     case PP_ERROR_BUG:
       return "bug";
+    case PP_ERROR_SIMULATION:
+      return "simulation";
   }
   return "unknown";
 }

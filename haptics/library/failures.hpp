@@ -30,6 +30,11 @@ class UnsupportedError : public Error {
  public:
   using Error::Error;
 };
+/// What moves by itself goes on no more.
+class SimulationError : public Error {
+ public:
+  using Error::Error;
+};
 /// A broken invariant of ours, which stops a program and not the host of a library.
 class BugFound : public Error {
  public:

@@ -3,8 +3,10 @@
 #include <optional>
 
 #include "engine/gpu/device_lookup.hpp"
+#include "engine/gpu/host_device.hpp"
 #include "engine/mesh/marching_cubes.hpp"
 #include "engine/mesh/mesh_memory.hpp"
+#include "haptics/library/options.hpp"
 #include "haptics/session/picture.hpp"
 #include "haptics/session/vulkan_backend.hpp"
 
@@ -20,6 +22,30 @@ bool hasRealGpu() { return palpate::hasRealGpu({}); }
 
 void writePicture(const std::string& file, const Image& image) { writeImage(file, image); }
 
+namespace {
+
+HostQueue queueFrom(const pp_vulkan_queue& queue) { return {static_cast<VkQueue>(queue.handle), queue.family}; }
+
+HostDevice hostFrom(const pp_vulkan_device& device) {
+  HostDevice host{.getInstanceProcAddr = reinterpret_cast<PFN_vkGetInstanceProcAddr>(device.get_instance_proc_addr),
+                  .instance = static_cast<VkInstance>(device.instance),
+                  .apiVersion = device.api_version,
+                  .validation = device.validated ? Validation::core : Validation::off,
+                  .debugUtils = device.debug_utils != 0,
+                  .physical = static_cast<VkPhysicalDevice>(device.physical_device),
+                  .device = static_cast<VkDevice>(device.device),
+                  .features = static_cast<const VkPhysicalDeviceFeatures2*>(device.features),
+                  .throughput = queueFrom(device.throughput),
+                  .latency = queueFrom(device.latency),
+                  .background = queueFrom(device.background)};
+  void* const user = device.lock_user;
+  if (device.lock) host.lock = [lock = device.lock, user](VkQueue queue) { lock(user, queue); };
+  if (device.unlock) host.unlock = [unlock = device.unlock, user](VkQueue queue) { unlock(user, queue); };
+  return host;
+}
+
+}  // namespace
+
 struct GpuHalf::State {
   std::string gpu;
   std::unique_ptr<Device> device;
@@ -31,7 +57,15 @@ struct GpuHalf::State {
   }
 };
 
-GpuHalf::GpuHalf(std::string gpu) : state_(std::make_unique<State>()) { state_->gpu = std::move(gpu); }
+GpuHalf::GpuHalf(const GpuChoice& choice) : state_(std::make_unique<State>()) {
+  const bool names = choice.gpu && std::string("cpu") != choice.gpu;
+  if (!choice.lent) {
+    if (names) state_->gpu = choice.gpu;
+    return;
+  }
+  if (names) throw UsageError("gpu: '{}' is named, and a device is lent in vulkan; leave one of them out", choice.gpu);
+  state_->device = std::make_unique<Device>(hostFrom(optionsFrom(choice.lent, "vulkan")));
+}
 
 GpuHalf::~GpuHalf() {
   if (state_->device) state_->device->waitIdle();

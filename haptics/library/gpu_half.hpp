@@ -1,6 +1,8 @@
 // What of the library needs a GPU. A library that is built without Vulkan has the same class, which says so.
 #pragma once
 
+#include <palpate/palpate.h>
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +21,17 @@ namespace palpate::library {
 std::vector<std::string> gpuNames();
 /// Whether there is a GPU that palpate can use and that is no software driver.
 bool hasRealGpu();
+/// Which GPU a program wants (pp_session_options), if any.
+struct GpuChoice {
+  const char* gpu = nullptr;               ///< number or part of a name; "cpu": none; null: one where there is one
+  const pp_vulkan_device* lent = nullptr;  ///< in place of one by name
+
+  /// The back end that answers.
+  std::string backend() const {
+    const std::string name = gpu ? gpu : "";
+    return name == "cpu" || (name.empty() && !lent && !hasRealGpu()) ? "cpu" : "vulkan";
+  }
+};
 /// Throws UnsupportedError without Vulkan, FileError.
 void writePicture(const std::string& file, const Image& image);
 
@@ -26,8 +39,8 @@ void writePicture(const std::string& file, const Image& image);
 /// but that the back end asks on its own queue.
 class GpuHalf {
  public:
-  /// `gpu`: number or part of a name; empty: the best that there is.
-  explicit GpuHalf(std::string gpu);
+  /// One that is lent is taken up at once. Throws GpuError, and UsageError where one is named besides.
+  explicit GpuHalf(const GpuChoice& choice);
   ~GpuHalf();
   GpuHalf(const GpuHalf&) = delete;
   GpuHalf& operator=(const GpuHalf&) = delete;

@@ -27,6 +27,12 @@ std::string_view nameOf(HandleKind kind) {
       return "session";
     case HandleKind::mesh:
       return "mesh";
+    case HandleKind::frame:
+      return "frame";
+    case HandleKind::matter:
+      return "matter";
+    case HandleKind::log:
+      return "log";
   }
   return {};
 }

@@ -18,7 +18,9 @@ void writePicture(const std::string&, const Image&) { refuse("a picture"); }
 
 struct GpuHalf::State {};
 
-GpuHalf::GpuHalf(std::string) {}
+GpuHalf::GpuHalf(const GpuChoice& choice) {
+  if (choice.lent) refuse("a device of the program's own");
+}
 GpuHalf::~GpuHalf() = default;
 std::unique_ptr<BackendKind> GpuHalf::backend() { refuse("a session on a GPU"); }
 void GpuHalf::follow(const EditBatch&) noexcept {}

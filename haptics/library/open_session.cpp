@@ -1,27 +1,37 @@
 #include "haptics/library/open_session.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <chrono>
+#include <thread>
+#include <utility>
 
 #include "engine/edit/journal.hpp"
+#include "engine/matter/matter_model.hpp"
 #include "haptics/devices/path_device.hpp"
+#include "haptics/library/failures.hpp"
 #include "haptics/library/options.hpp"
 
 namespace palpate::library {
 
 namespace {
 
-SessionConfig configFrom(const pp_session_options& options) {
-  const pp_feel feel = optionsFrom(options.feel, pp_default_feel(), "feel");
-  SessionConfig config{.model = {.file = "the cloud",
-                                 .mm_per_unit = options.mm_per_unit,
-                                 .normals = options.estimate_normals ? NormalSource::estimate : NormalSource::keep},
-                       .surface = surfaceFrom(feel),
-                       .force = forceFrom(feel)};
+std::size_t handsFrom(const pp_session_options& options) {
+  if (options.hands > PP_MOST_HANDS)
+    throw UsageError("hands: {} are more than the {} that one session may have", options.hands, PP_MOST_HANDS);
+  return std::max(1u, options.hands);
+}
+
+SessionConfig configFrom(const Subject& subject, const pp_session_options& options) {
+  const pp_feel feel = optionsFrom(options.feel, "feel");
+  SessionConfig config{.model = subject.model, .surface = surfaceFrom(feel), .force = forceFrom(feel)};
+  config.model.mm_per_unit = options.mm_per_unit;
+  if (options.estimate_normals) config.model.normals = NormalSource::estimate;
+  config.matter = subject.scene;
+  if (options.tool) config.tool = toolFrom(optionsFrom(options.tool, "tool"));
+  config.hands.resize(handsFrom(options));
   config.rate_Hz = options.rate_Hz;
   config.undo.memory_MiB = options.undo_memory_MiB;
-  const std::string gpu = textOf(options.gpu);
-  config.backend.name = gpu == "cpu" || (gpu.empty() && !hasRealGpu()) ? "cpu" : "vulkan";
+  config.backend.name = GpuChoice{options.gpu, options.vulkan}.backend();
   validate(config);
   return config;
 }
@@ -33,16 +43,11 @@ double budgetFrom(const pp_session_options& options) {
   return options.budget_us;
 }
 
-std::string gpuFrom(const pp_session_options& options) {
-  const std::string gpu = textOf(options.gpu);
-  return gpu == "cpu" ? std::string() : gpu;
-}
-
-template <std::size_t kSize>
-void putText(std::string_view text, char (&to)[kSize]) {
-  const std::size_t length = std::min(text.size(), kSize - 1);
-  std::memcpy(to, text.data(), length);
-  to[length] = '\0';
+// A session begins at 0, and what moves may have come farther.
+Path later(const Path& path, double by_s) {
+  std::vector<PathKey> keys(path.keys().begin(), path.keys().end());
+  for (PathKey& key : keys) key.t_s += by_s;
+  return Path(std::move(keys));
 }
 
 }  // namespace
@@ -60,24 +65,37 @@ class OpenSession::Followers final : public EditFollower {
   OpenSession& session_;
 };
 
-OpenSession::OpenSession(const PointCloud& cloud, const pp_session_options& options)
+OpenSession::OpenSession(const Subject& subject, const pp_session_options& options)
     : remarks_(options.log, options.log_user),
-      config_(configFrom(options)),
+      config_(configFrom(subject, options)),
       threads_(options.threads),
       budget_us_(budgetFrom(options)),
-      gpu_(gpuFrom(options)),
+      gpu_({options.gpu, options.vulkan}),
       backend_(config_.backend.name == "cpu" ? cpuBackend() : gpu_.backend()) {
-  if (cloud.empty()) throw UsageError("the cloud has no points; there is nothing to touch");
-  model_ = std::make_shared<const Model>(modelOf(
-      cloud, config_.model,
-      {.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()}));
+  if (subject.cloud && subject.cloud->empty()) throw UsageError("the cloud has no points; there is nothing to touch");
+  backend_->check(config_);
+  const ModelLoading loading{.log = remarks_.sink(), .threads = threads_, .estimate = backend_->normalEstimator()};
+  model_ = std::make_shared<const Model>(subject.cloud ? modelOf(*subject.cloud, config_.model, loading)
+                                                       : loadModel(config_, loading));
+  if (subject.frames) {
+    const std::size_t most = subject.frames->most_points ? subject.frames->most_points : model_->cloud.size();
+    frames_ = std::make_unique<PushedFrames>(model_->cloud, most, subject.frames->keeps_points != 0);
+  }
   law_ = ForceFunction(options.law, options.law_user, textOf(options.law_library), model_->scale.mm_per_unit);
-  build(false);
+  hasLaw_ = static_cast<bool>(law_.custom());
+  build(false, false);
 }
 
-OpenSession::~OpenSession() = default;
+OpenSession::~OpenSession() {
+  try {
+    if (live_) live_->stop();
+    endRecording();
+  } catch (const std::exception& error) {  // the log has what could be written
+    remarks_.sink().say("{}", error.what());
+  }
+}
 
-void OpenSession::build(bool editable) {
+void OpenSession::build(bool journal, bool editable) {
   SessionConfig config = session_ ? session_->config() : config_;
   if (editable) config.brush = BrushConfig{};
   UndoConfig undo = config.undo;
@@ -88,12 +106,14 @@ void OpenSession::build(bool editable) {
       config, model_,
       SessionParts{.backend = *backend_,
                    .threads = threads_,
-                   .journal = editable,
+                   .journal = journal,
                    .undo_bytes = undoBytes(undo),
                    .paintable = editable,
                    .log = &remarks_.sink(),
+                   .source = frames_.get(),
                    .follower = [this](const Model&, TouchBackend&) { return std::make_unique<Followers>(*this); }});
   if (editable) session_->setBrush(std::nullopt);
+  editable_ = editable;
 }
 
 void OpenSession::settle() {
@@ -102,30 +122,88 @@ void OpenSession::settle() {
     asked_->check();
     asked_.reset();
   }
+  if (hasFailed()) return session_->relay().finish();  // all that is left of it is its reset
   session_->finish();
+  endRecording();
 }
 
-ServoResult OpenSession::run(Path path, const std::optional<BrushConfig>& brush) {
+void OpenSession::record(const std::string& file) {
+  settle();
+  if (hands() > 1) throw StateError("a session log is of one hand, and this session has {}", hands());
+  if (hasLaw_) throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
+  if (frames_) throw StateError("frames that a program brings do not come again, and are not recorded");
+  if (edits_ > 0 || (shape && shape->counts().version > 0))
+    throw StateError(
+        "a log begins with the points as they were opened, and these have been edited; save them, and open what "
+        "was saved");
+  if (!session_->journal()) build(true, false);
+  recordTo_ = file;
+}
+
+void OpenSession::beginRecording(const OpenHand& hand, const RunOptions& run) {
+  if (!recordTo_) return;
+  const std::string file = *std::exchange(recordTo_, std::nullopt);
+  next_s_ = 0;
+  session_->record(
+      file, hand, [this](const std::string& what) { remarks_.sink().say("{}", what); }, run);
+}
+
+void OpenSession::endRecording() { session_->endRecording(); }
+
+void OpenSession::requireRunning() const {
+  if (hasFailed())
+    throw SimulationError("the simulation {}; begin it anew, with more substeps or a slower hand",
+                          session_->simulation()->failure());
+}
+
+// Where points move and time goes on, a hand that is where it was keeps what it touches.
+bool OpenSession::goesOn(std::size_t hand, const Path& path) const {
+  constexpr double kSamePlace_mm = 1;
+  return next_s_ > 0 && hand < hips_.size() &&
+         model_->scale.toMm(glm::distance(path.at(0), hips_[hand])) <= kSamePlace_mm;
+}
+
+ServoResult OpenSession::run(std::vector<Path> paths, const std::optional<BrushConfig>& brush) {
+  settle();
   const std::optional<BrushConfig> before = brush_;
-  setBrush(brush);
-  const double duration_s = path.duration_s();
-  PathDevice device(std::move(path));
-  const OpenHand hand{.device = &device, .duration_s = duration_s};
-  session_->backend().resetHand(0);
-  ServoResult result = session_->run({&hand, 1}, {.law = law_.custom()});
+  setBrushBetween(brush);
+  if (recordTo_ || reset_.exchange(false)) next_s_ = 0;  // a log begins at 0
+  std::vector<PathDevice> devices;
+  devices.reserve(paths.size());
+  std::vector<OpenHand> hands;
+  for (const Path& path : paths) {
+    devices.emplace_back(later(path, next_s_));
+    hands.push_back({.device = &devices.back(), .duration_s = path.duration_s()});
+    if (!goesOn(hands.size() - 1, path)) session_->backend().resetHand(hands.size() - 1);
+  }
+  beginRecording(hands.front(), {});
+  ServoResult result = session_->run(hands, {.begin_s = next_s_, .law = law_.custom()});
+  if (moves() && !result.trace().rows.empty()) next_s_ = result.trace().rows.back().time_s + 1 / config_.rate_Hz;
+  if (hasFailed()) session_->releaseRecording();  // whose end is not known
+  hips_.clear();
+  for (const HandResult& hand : result.hands)
+    if (moves() && !hand.trace.rows.empty()) hips_.push_back(hand.trace.rows.back().hip);
+  requireRunning();
   session_->finish();
-  setBrush(before);
+  endRecording();
+  setBrushBetween(before);
   return result;
 }
 
 void OpenSession::setBrush(const std::optional<BrushConfig>& brush) {
   settle();
+  setBrushBetween(brush);
+}
+
+void OpenSession::setBrushBetween(const std::optional<BrushConfig>& brush) {
   if (brush == brush_) return;
+  if (frames_) throw UsageError("brush: frames that a program brings cannot be sculpted");
   SessionConfig wanted = session_->config();
   wanted.brush = brush;
   validate(wanted);
   backend_->check(wanted);
-  if (!session_->journal()) build(true);
+  if (brush && !editable_ && !moves()) build(true, true);  // a soft body takes one whenever it comes
   session_->setBrush(brush);
   session_->finish();
   brush_ = brush;
@@ -142,32 +220,50 @@ void OpenSession::setFeel(const SurfaceConfig& surface, const ForceOptions& forc
 
 std::size_t OpenSession::goBack(std::size_t undo, std::size_t redo) {
   settle();
-  if (!session_->journal()) return 0;
+  if (!session_->journal() && !session_->backend().shapeStrokes()) return 0;
   const UndoneStrokes strokes = session_->undo(undo, redo);
   return strokes.undone + strokes.redone;
 }
 
 PointCloud OpenSession::points() {
   settle();
-  return session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  return present();
 }
 
 void OpenSession::startLive(const pp_live_options& options) {
   settle();
   live_.reset();
-  session_->backend().resetHand(0);
-  live_.emplace(options, LiveHand::Surroundings{.session = *session_,
-                                                .log = remarks_.sink(),
-                                                .forcesOn = forcesOn_,
-                                                .law = law_.custom()});
+  next_s_ = 0;
+  hips_.clear();
+  if (frames_) frames_->restart();
+  for (std::size_t i = 0; i < hands(); ++i) session_->backend().resetHand(i);
+  live_.emplace(options,
+                LiveHands::Surroundings{
+                    .session = *session_, .log = remarks_.sink(), .forcesOn = forcesOn_, .law = law_.custom()});
+  if (recordTo_ && live_->hasLaw())
+    throw StateError("a session with a force law of its own cannot be run again, and is not recorded");
+  beginRecording(live_->first(), {.rate_Hz = live_->rate_Hz(), .realtime = true});
+  live_->start();
 }
 
-AskedTick OpenSession::touch(const Pose& pose) {
+void OpenSession::stopLive() {
+  if (live_) live_->stop();
+  if (!session_->recording()) return takeIn();
+  session_->finish();
+  endRecording();
+}
+
+std::span<const AskedTick> OpenSession::touch(std::span<const Pose> poses) {
+  if (poses.size() != hands())
+    throw UsageError("hands: {} poses were given to a session of {} hands", poses.size(), hands());
   if (!asked_) {
     if (isLive()) throw StateError("the session is live; pp_live_stop() comes first");
-    asked_.emplace(*session_, AskedHandOptions{.budget_us = budget_us_, .law = law_.custom()});
+    asked_.emplace(*session_, AskedHandsOptions{.budget_us = budget_us_, .law = law_.custom()});
   }
-  return asked_->tick(pose);
+  reset_.store(false, std::memory_order_relaxed);
+  hips_.clear();
+  next_s_ = moves() ? poses.front().time_s + 1 / config_.rate_Hz : 0;
+  return asked_->tick(poses);
 }
 
 void OpenSession::lift() {
@@ -177,7 +273,7 @@ void OpenSession::lift() {
 void OpenSession::takeIn() { session_->relay().catchUp(); }
 
 pp_session_info OpenSession::info() const {
-  pp_session_info info = pp_default_session_info();
+  pp_session_info info = usual<pp_session_info>();
   const ModelScale& scale = model_->scale;
   info.live = isLive();
   info.points = model_->cloud.size();
@@ -185,7 +281,11 @@ pp_session_info OpenSession::info() const {
   info.spacing_mm = scale.toMm(model_->spacing);
   info.radius_mm = scale.toMm(session_->surface().radius);
   info.rate_Hz = session_->config().rate_Hz;
-  if (const Journal* journal = session_->journal()) {
+  const ShapeStrokes* const shape = session_->backend().shapeStrokes();
+  if (shape) {
+    info.undoable = shape->counts().undoable;
+    info.redoable = shape->counts().redoable;
+  } else if (const Journal* journal = session_->journal()) {
     info.undoable = journal->undoable();
     info.redoable = journal->redoable();
   }
@@ -195,14 +295,114 @@ pp_session_info OpenSession::info() const {
   return info;
 }
 
+std::size_t OpenSession::standing() const { return model_->standing ? model_->standing->points().size() : 0; }
+
+bool OpenSession::takeFrame() {
+  CloudFrame taken;
+  if (!session_->backend().takeFrame(taken)) return false;
+  auto frame = std::make_shared<FrameObject>();
+  frame->cloud.origin = model_->cloud.origin;
+  frame->cloud.positions = std::move(taken.positions);
+  frame->cloud.normals = std::move(taken.normals);
+  frame->velocities = std::move(taken.velocities);
+  frame->velocities.resize(frame->cloud.size(), Vec3(0));
+  frame->moving = frame->cloud.size() - standing();
+  frame->time_s = taken.time_s;
+  frame_ = std::move(frame);
+  return true;
+}
+
+std::shared_ptr<const FrameObject> OpenSession::frame() {
+  if (!moves()) throw StateError("the points of this session stand still; pp_session_cloud() has them");
+  if (!frame_) {
+    auto first = std::make_shared<FrameObject>();
+    first->cloud.origin = model_->cloud.origin;
+    first->cloud.positions = model_->cloud.positions;
+    first->cloud.normals = model_->cloud.normals;
+    first->velocities.assign(model_->cloud.size(), Vec3(0));
+    first->moving = first->cloud.size() - standing();
+    frame_ = std::move(first);
+  }
+  takeFrame();
+  if (!isLive()) return frame_;
+  // What was ready may be as old as the last time that somebody asked.
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+  while (!takeFrame() && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return frame_;
+}
+
+PointCloud OpenSession::present() {
+  if (!moves()) return session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  const auto now = frame();
+  PointCloud cloud = now->cloud;
+  if (cloud.size() == model_->cloud.size()) cloud.colors = model_->cloud.colors;
+  cloud.storedAs.comments = model_->cloud.storedAs.comments;
+  return cloud;
+}
+
+void OpenSession::pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s) {
+  if (!frames_) throw StateError("this session was not opened with pp_session_open_frames()");
+  CloudFrame frame;
+  frame.time_s = time_s;
+  frame.positions = std::move(cloud.positions);
+  frame.normals = std::move(cloud.normals);
+  frame.velocities = std::move(velocities);
+  const DVec3 away = cloud.origin - model_->cloud.origin;
+  for (Vec3& position : frame.positions) position = Vec3(DVec3(position) + away);
+  frames_->push(std::move(frame));
+}
+
+SimulationControl& OpenSession::simulation() const {
+  if (SimulationControl* const control = session_->simulation()) return *control;
+  throw StateError("the points of this session do not move by themselves; pp_session_open_matter() opens what does");
+}
+
+void OpenSession::reset() {
+  simulation().reset();
+  reset_ = true;
+}
+
+void OpenSession::setParameter(std::string_view name, double value) {
+  simulation();
+  try {
+    session_->setParameter(name, value);
+  } catch (const UsageError&) {
+    throw;
+  } catch (const Error& error) {
+    throw UsageError("{}", error.what());
+  }
+}
+
+pp_motion OpenSession::motion() const {
+  const SimulationControl& control = simulation();
+  pp_motion motion = usual<pp_motion>();
+  motion.held = control.isHeld();
+  const std::string failure = control.failure();
+  motion.failed = !failure.empty();
+  motion.hands = static_cast<std::uint32_t>(hands());
+  putText(failure, motion.failure);
+  motion.left_out_s = control.leftOut_s();
+  const std::vector<PortEnergy> energies = control.portEnergies();
+  for (std::size_t i = 0; i < energies.size() && i < PP_MOST_HANDS; ++i) {
+    motion.energy_J[i] = energies[i].now_J;
+    motion.least_energy_J[i] = energies[i].least_J;
+  }
+  return motion;
+}
+
 Image OpenSession::draw(const PictureRequest& request) {
   takeIn();
-  return gpu_.draw(*model_, session_->journal(), request);
+  if (!moves()) return gpu_.draw(*model_, session_->journal(), request);
+  gpu_.forgetPicture();
+  Model now = *model_;
+  now.cloud = present();
+  return gpu_.draw(now, nullptr, request);
 }
 
 Mesh OpenSession::mesh(const pp_mesh_options& options) {
   takeIn();
-  const PointCloud cloud = session_->journal() ? session_->sculpted().cloud : model_->cloud;
+  const PointCloud cloud = present();
   return gpu_.mesh(cloud, planMesh(boundsOf(cloud), model_->spacing, meshFrom(options, model_->scale)));
 }
 

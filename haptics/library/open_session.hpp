@@ -4,39 +4,35 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "haptics/library/claims.hpp"
 #include "haptics/library/force_function.hpp"
 #include "haptics/library/gpu_half.hpp"
-#include "haptics/library/live_hand.hpp"
-#include "haptics/session/asked_hand.hpp"
+#include "haptics/library/live_hands.hpp"
+#include "haptics/library/objects.hpp"
+#include "haptics/library/pushed_frames.hpp"
+#include "haptics/library/remarks.hpp"
+#include "haptics/session/asked_hands.hpp"
 #include "haptics/session/session.hpp"
 
 namespace palpate::library {
 
-/// Passes remarks on.
-class Remarks final : public LogListener {
- public:
-  Remarks(pp_log_function log, void* user) : log_(log), user_(user) {
-    if (log) sink_.listen(this);
-  }
-  Log& sink() { return sink_; }
-  void said(std::string_view line) override { log_(user_, std::string(line).c_str()); }
-  void progressed(std::string_view, double) override {}
-
- private:
-  pp_log_function log_;
-  void* user_;
-  Log sink_{true};
+/// What a session is of: points, or a scene of matter.
+struct Subject {
+  ModelConfig model;  ///< with the name of its file
+  const PointCloud* cloud = nullptr;
+  std::optional<MatterScene> scene;
+  std::optional<pp_frames_options> frames;  ///< whose points a program moves, frame by frame
 };
 
 /// Every call but claims() and setForces() is for a thread that holds what it says: touch, look, or all.
 class OpenSession {
  public:
   /// Throws Error.
-  OpenSession(const PointCloud& cloud, const pp_session_options& options);
+  OpenSession(const Subject& subject, const pp_session_options& options);
   ~OpenSession();
   OpenSession(const OpenSession&) = delete;
   OpenSession& operator=(const OpenSession&) = delete;
@@ -46,19 +42,24 @@ class OpenSession {
   Claim looking() const { return budget_us_ > 0 ? Claim::look : Claim::all; }
   const SessionConfig& config() const { return session_->config(); }
   const Model& model() const { return *model_; }
+  std::size_t hands() const { return config_.hands.size(); }
 
   // All.
-  /// Follows a path in virtual time, with that brush or without any.
-  ServoResult run(Path path, const std::optional<BrushConfig>& brush);
+  /// Each hand follows its path in virtual time, the first one with that brush or without any.
+  ServoResult run(std::vector<Path> paths, const std::optional<BrushConfig>& brush);
   void setBrush(const std::optional<BrushConfig>& brush);
   void setFeel(const SurfaceConfig& surface, const ForceOptions& force);
   std::size_t undo(std::size_t strokes) { return goBack(strokes, 0); }
   std::size_t redo(std::size_t strokes) { return goBack(0, strokes); }
   PointCloud points();
+  /// The next path, or the next live session, goes into this log. Throws StateError, FileError once it begins.
+  void record(const std::string& file);
   void startLive(const pp_live_options& options);
+  void stopLive();
 
   // Touch.
-  AskedTick touch(const Pose& pose);
+  /// A pose for each hand. Throws UsageError for another number of them.
+  std::span<const AskedTick> touch(std::span<const Pose> poses);
   void lift();
 
   // Look.
@@ -68,18 +69,41 @@ class OpenSession {
   Image draw(const PictureRequest& request);
   Mesh mesh(const pp_mesh_options& options);
   /// Null before the first one.
-  LiveHand* live() { return live_ ? &*live_ : nullptr; }
+  LiveHands* live() { return live_ ? &*live_ : nullptr; }
   bool isLive() const { return live_ && live_->isRunning(); }
+  /// The points of what moves, as they are. Throws StateError where nothing does.
+  std::shared_ptr<const FrameObject> frame();
+  /// Throws StateError where nothing moves by itself.
+  SimulationControl& simulation() const;
+  void reset();
+  void setParameter(std::string_view name, double value);
+  pp_motion motion() const;
 
   // From any thread.
+  /// Positions in file coordinates. Throws UsageError, and StateError where no frames are brought.
+  void pushFrame(PointCloud cloud, std::vector<Vec3> velocities, double time_s);
   void setForces(bool on) { forcesOn_ = on; }
 
  private:
   class Followers;
   /// Throws StateError while it is live; what was asked for tick by tick ends, and all that was done is taken in.
   void settle();
-  void build(bool editable);
+  // With a journal where it is to be logged, and for brushes of any kind where it is to be edited.
+  void build(bool journal, bool editable);
+  void beginRecording(const OpenHand& hand, const RunOptions& run);
+  void endRecording();
   std::size_t goBack(std::size_t undo, std::size_t redo);
+  // The points do not stand still.
+  bool moves() const { return config_.moves() || frames_; }
+  bool hasFailed() const { return session_->simulation() && !session_->simulation()->failure().empty(); }
+  void setBrushBetween(const std::optional<BrushConfig>& brush);
+  void requireRunning() const;
+  bool goesOn(std::size_t hand, const Path& path) const;
+  // How many points at the end are of what stands in the scene.
+  std::size_t standing() const;
+  bool takeFrame();
+  // The points as they are; where they move, as the newest frame has them.
+  PointCloud present();
 
   Remarks remarks_;
   Claims claims_;
@@ -89,13 +113,21 @@ class OpenSession {
   std::atomic<bool> forcesOn_ = true;
   std::uint64_t edits_ = 0;
   std::optional<BrushConfig> brush_;
+  bool editable_ = false;
+  bool hasLaw_ = false;
+  std::optional<std::string> recordTo_;  // what runs next
+  double next_s_ = 0;                    // where the time of what moves has come to, for the next path
+  std::vector<DVec3> hips_;              // of the hands, where a path has left them
+  std::atomic<bool> reset_ = false;      // the next path begins at 0
   GpuHalf gpu_;
   std::unique_ptr<BackendKind> backend_;
   std::shared_ptr<const Model> model_;
   ForceFunction law_;
+  std::shared_ptr<const FrameObject> frame_;  // the newest one
+  std::unique_ptr<PushedFrames> frames_;      // where a program brings them
   std::unique_ptr<Session> session_;
-  std::optional<AskedHand> asked_;
-  std::optional<LiveHand> live_;  // goes first
+  std::optional<AskedHands> asked_;
+  std::optional<LiveHands> live_;  // goes first
 };
 
 }  // namespace palpate::library

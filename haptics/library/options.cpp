@@ -30,15 +30,6 @@ std::size_t bytesOf(std::int32_t type) {
   }
 }
 
-NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name) {
-  if (!rows.data) return {};
-  const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
-  if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
-    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
-  constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
-  return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
-}
-
 DVec3 vectorFrom(const double (&v)[3], std::string_view name) {
   const DVec3 vector(v[0], v[1], v[2]);
   if (!isFinite(vector)) throw UsageError("{}: is not finite", name);
@@ -68,11 +59,42 @@ void checkSize(std::uint32_t size, std::size_t known, std::string_view name) {
 
 std::string textOf(const char* text) { return text ? text : ""; }
 
+NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name) {
+  if (!rows.data) return {};
+  const bool real = rows.type == PP_FLOAT32 || rows.type == PP_FLOAT64;
+  if (!real && !(mayBeWhole && bytesOf(rows.type) > 0))
+    throw UsageError("{}: {} is no type that they may have (pp_number)", name, rows.type);
+  constexpr ScalarType kTypes[]{ScalarType::f32, ScalarType::f64, ScalarType::u8, ScalarType::u16};
+  return {static_cast<const std::byte*>(rows.data), kTypes[rows.type], static_cast<std::ptrdiff_t>(rows.stride)};
+}
+
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays) {
   return {.count = arrays.count,
           .positions = rowsFrom(arrays.positions, false, "positions"),
           .normals = rowsFrom(arrays.normals, false, "normals"),
           .colors = rowsFrom(arrays.colors, true, "colors")};
+}
+
+ToolConfig toolFrom(const pp_tool& tool) {
+  return {.kind = chosen(kToolKinds, tool.kind, ToolKind::point, "tool.kind"),
+          .points = tool.points,
+          .size_mm = tool.size_mm,
+          .axis = vectorFrom(tool.axis, "tool.axis")};
+}
+
+std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name) {
+  const NumberRows given = rowsFrom(rows, false, name);
+  std::vector<Vec3> vectors;
+  if (!given.data) return vectors;
+  vectors.reserve(count);
+  const auto stride = given.stride != 0 ? given.stride : static_cast<std::ptrdiff_t>(3 * bytesOf(rows.type));
+  const std::byte* row = given.data;
+  for (std::uint64_t i = 0; i < count; ++i, row += stride) {
+    const DVec3 vector(numberAt(row, rows.type, 0), numberAt(row, rows.type, 1), numberAt(row, rows.type, 2));
+    if (!isFinite(Vec3(vector))) throw UsageError("{}: row {} is not finite", name, i);
+    vectors.emplace_back(vector);
+  }
+  return vectors;
 }
 
 SurfaceConfig surfaceFrom(const pp_feel& feel) {
@@ -122,7 +144,7 @@ MeshOptions meshFrom(const pp_mesh_options& options, const ModelScale& scale) {
 }
 
 Path pathFrom(const pp_path* given, double rate_Hz) {
-  const pp_path path = optionsFrom(&required(given, "path"), pp_default_path(), "path");
+  const pp_path path = optionsFrom(&required(given, "path"), "path");
   checkPath(path);
   const auto stride =
       path.stride != 0 ? path.stride : static_cast<std::int64_t>(path.columns * bytesOf(path.type));
@@ -145,89 +167,3 @@ Path pathFrom(const pp_path* given, double rate_Hz) {
 std::uint64_t ticksOf(const Path& path, double rate_Hz) { return plannedTicks(rate_Hz, path.duration_s() + 1 / rate_Hz); }
 
 }  // namespace palpate::library
-
-using palpate::BrushConfig;
-using palpate::ForceOptions;
-using palpate::MeshOptions;
-using palpate::PictureRequest;
-using palpate::SessionConfig;
-
-namespace {
-
-/// As much of `usual` as the program knows of the struct; what it knows and this does not is zero.
-template <class Options>
-void init(Options* to, std::uint32_t size, Options usual) {
-  if (!to) return;
-  usual.size = size;
-  std::memset(to, 0, size);
-  std::memcpy(to, &usual, std::min<std::size_t>(size, sizeof usual));
-}
-
-pp_feel usualFeel() {
-  const ForceOptions force;
-  pp_feel feel{};
-  feel.stiffness_N_per_mm = force.stiffness_N_per_mm;
-  feel.damping_N_s_per_mm = force.damping_N_s_per_mm;
-  feel.max_force_N = force.maxForce_N;
-  return feel;
-}
-
-pp_session_options usualSessionOptions() {
-  const SessionConfig config;
-  pp_session_options options{};
-  options.rate_Hz = config.rate_Hz;
-  options.undo_memory_MiB = config.undo.memory_MiB;
-  return options;
-}
-
-pp_path usualPath() {
-  pp_path path{};
-  path.type = PP_FLOAT64;
-  path.columns = 3;
-  return path;
-}
-
-pp_brush usualBrush() {
-  const BrushConfig usual;
-  pp_brush brush{};
-  brush.falloff = usual.falloff;
-  brush.tau_mm = usual.tau_mm;
-  brush.beta = usual.beta;
-  brush.radius_mm = usual.radius_mm;
-  brush.strength = usual.strength;
-  for (int k = 0; k < 3; ++k) brush.color[k] = usual.color[static_cast<std::size_t>(k)];
-  brush.color[3] = 255;
-  brush.keeps_density = usual.keepsDensity ? 1 : 0;
-  return brush;
-}
-
-pp_picture_options usualPictureOptions() {
-  const PictureRequest usual;
-  pp_picture_options options{};
-  options.width = usual.width;
-  options.height = usual.height;
-  options.samples = usual.samples;
-  options.fov_deg = 45;
-  return options;
-}
-
-pp_mesh_options usualMeshOptions() {
-  pp_mesh_options options{};
-  options.lattice = MeshOptions{}.lattice;
-  return options;
-}
-
-}  // namespace
-
-void pp_init_cloud_arrays(pp_cloud_arrays* options, uint32_t size) { init(options, size, {}); }
-void pp_init_read_options(pp_read_options* options, uint32_t size) { init(options, size, {}); }
-void pp_init_write_options(pp_write_options* options, uint32_t size) { init(options, size, {}); }
-void pp_init_feel(pp_feel* options, uint32_t size) { init(options, size, usualFeel()); }
-void pp_init_session_options(pp_session_options* options, uint32_t size) { init(options, size, usualSessionOptions()); }
-void pp_init_session_info(pp_session_info* options, uint32_t size) { init(options, size, {}); }
-void pp_init_path(pp_path* options, uint32_t size) { init(options, size, usualPath()); }
-void pp_init_brush(pp_brush* options, uint32_t size) { init(options, size, usualBrush()); }
-void pp_init_picture_options(pp_picture_options* options, uint32_t size) { init(options, size, usualPictureOptions()); }
-void pp_init_mesh_options(pp_mesh_options* options, uint32_t size) { init(options, size, usualMeshOptions()); }
-void pp_init_live_options(pp_live_options* options, uint32_t size) { init(options, size, {}); }
-void pp_init_live_state(pp_live_state* options, uint32_t size) { init(options, size, {}); }

@@ -12,6 +12,7 @@
 #include "engine/core/named_values.hpp"
 #include "engine/io/cloud_arrays.hpp"
 #include "engine/mesh/mesh_plan.hpp"
+#include "haptics/library/defaults.hpp"
 #include "haptics/path.hpp"
 #include "haptics/session/model.hpp"
 #include "haptics/session/picture_request.hpp"
@@ -31,7 +32,8 @@ void checkSize(std::uint32_t size, std::size_t known, std::string_view name);
 
 /// What is given, over the defaults as far as the program knows the struct; the defaults where it is null.
 template <class Options>
-Options optionsFrom(const Options* given, Options options, std::string_view name) {
+Options optionsFrom(const Options* given, std::string_view name) {
+  Options options = usual<Options>();
   if (!given) return options;
   checkSize(given->size, sizeof(Options), name);
   std::memcpy(&options, given, given->size);
@@ -47,6 +49,14 @@ void giveInfo(Info* to, Info value, std::string_view name) {
   std::memcpy(to, &value, to->size);
 }
 
+/// Cut off where it does not fit.
+template <std::size_t kSize>
+void putText(std::string_view text, char (&to)[kSize]) {
+  const std::size_t length = text.size() < kSize ? text.size() : kSize - 1;
+  std::memcpy(to, text.data(), length);
+  to[length] = '\0';
+}
+
 /// Null is empty.
 std::string textOf(const char* text);
 
@@ -60,7 +70,12 @@ auto chosen(const Table& table, const char* name, typename Table::value_type::se
   throw UsageError("{}: '{}' is not known; there is {}", field, name, all);
 }
 
+ToolConfig toolFrom(const pp_tool& tool);
+/// `mayBeWhole`: they may be whole numbers. Throws UsageError.
+NumberRows rowsFrom(const pp_rows& rows, bool mayBeWhole, std::string_view name);
 CloudArrays arraysFrom(const pp_cloud_arrays& arrays);
+/// Vectors of so many points; none where none are given. Throws UsageError for what is not finite.
+std::vector<Vec3> vectorsFrom(const pp_rows& rows, std::uint64_t count, std::string_view name);
 SurfaceConfig surfaceFrom(const pp_feel& feel);
 ForceOptions forceFrom(const pp_feel& feel);
 BrushConfig brushFrom(const pp_brush& brush);

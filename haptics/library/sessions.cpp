@@ -1,13 +1,14 @@
 // The C interface: sessions, touched by a path or tick by tick, sculpted, seen, meshed and live.
-#include "haptics/library/open_session.hpp"
+#include "haptics/library/held_session.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
+#include "engine/core/tool_shape.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/mesh/mesh.hpp"
-#include "haptics/library/objects.hpp"
 #include "haptics/library/options.hpp"
 
 using namespace palpate;
@@ -15,44 +16,58 @@ using namespace palpate::library;
 
 namespace {
 
-/// A session, and the claim of this thread on it while a call lasts.
-template <class Do>
-pp_status with(pp_session session, Claim claim, Do&& act) {
-  return guarded([&] {
-    const auto found = objectOf<OpenSession>(session.id);
-    const Claims::Held held(found->claims(), claim);
-    act(*found);
-  });
-}
-
-template <class Do>
-pp_status looking(pp_session session, Do&& act) {
-  return guarded([&] {
-    const auto found = objectOf<OpenSession>(session.id);
-    const Claims::Held held(found->claims(), found->looking());
-    act(*found);
-  });
-}
-
+/// Rows of all hands at a tick, tick after tick.
 struct TickRoom {
   pp_tick* ticks;
   std::uint64_t capacity;
   std::uint64_t* count;
+  double* torques_mNm = nullptr;  ///< 3 for each row; null: not wanted
 };
 
-void runInto(const TickRoom& room, OpenSession& session, const pp_path* given, const std::optional<BrushConfig>& brush) {
-  Path path = pathFrom(given, session.config().rate_Hz);
-  const std::uint64_t wanted = ticksOf(path, session.config().rate_Hz);
-  if (wanted > room.capacity)
-    throw UsageError("capacity: the path takes {} ticks, and there is room for {}", wanted, room.capacity);
+void runInto(const TickRoom& room, OpenSession& session, std::vector<Path> paths,
+             const std::optional<BrushConfig>& brush) {
+  if (paths.size() != session.hands())
+    throw UsageError("paths: {} were given to a session of {} hands, each of which follows one", paths.size(),
+                     session.hands());
+  std::uint64_t ticks = 0;
+  for (const Path& path : paths) ticks = std::max(ticks, ticksOf(path, session.config().rate_Hz));
+  const std::size_t hands = paths.size();
+  if (ticks * hands > room.capacity)
+    throw UsageError("capacity: the path takes {} ticks, and there is room for {}", ticks, room.capacity / hands);
   required(room.ticks, "ticks");
   required(room.count, "count") = 0;
-  const ServoResult result = session.run(std::move(path), brush);
-  const auto& rows = result.trace().rows;
-  std::ranges::transform(rows, room.ticks, tickOf);
-  *room.count = rows.size();
-  const auto faults = std::ranges::count_if(rows, [](const TraceRow& row) { return !row.valid; });
-  if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, rows.size());
+  const ServoResult result = session.run(std::move(paths), brush);
+  const std::size_t done = result.trace().rows.size();
+  std::size_t faults = 0;
+  for (std::size_t i = 0; i < done * hands; ++i) {
+    const TraceRow& row = result.hands[i % hands].trace.rows[i / hands];
+    room.ticks[i] = tickOf(row);
+    for (int k = 0; room.torques_mNm && k < 3; ++k)
+      room.torques_mNm[3 * i + static_cast<std::size_t>(k)] = row.torque_mNm[k];
+    faults += row.valid ? 0 : 1;
+  }
+  *room.count = done * hands;
+  if (faults > 0) throw GpuError("{} of {} ticks had no valid answer; their force was zero", faults, done * hands);
+}
+
+std::vector<Path> onePath(const OpenSession& session, const pp_path* path) {
+  std::vector<Path> paths;
+  paths.push_back(pathFrom(path, session.config().rate_Hz));
+  return paths;
+}
+
+std::optional<BrushConfig> brushOr(const pp_brush* brush) {
+  if (!brush) return std::nullopt;
+  return brushFrom(optionsFrom(brush, "brush"));
+}
+
+Pose poseFrom(const pp_pose& pose, const double* turn) {
+  Pose asked{.time_s = pose.t_s, .hip = {pose.hip[0], pose.hip[1], pose.hip[2]}, .sculpts = pose.feels == 0};
+  if (turn) asked.turn = {turn[0], turn[1], turn[2], turn[3]};
+  if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: is not finite");
+  if (!isTurn(asked.turn))
+    throw UsageError("turns: {}, {}, {}, {} is no unit quaternion", turn[0], turn[1], turn[2], turn[3]);
+  return asked;
 }
 
 }  // namespace
@@ -61,8 +76,9 @@ pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_
   return guarded([&] {
     const auto found = objectOf<CloudObject>(cloud.id);
     required(session, "session");
-    const pp_session_options given = optionsFrom(options, pp_default_session_options(), "options");
-    *session = opened<pp_session>(std::make_shared<OpenSession>(found->cloud, given));
+    const pp_session_options given = optionsFrom(options, "options");
+    *session = opened<pp_session>(
+        std::make_shared<OpenSession>(Subject{.model = found->source, .cloud = &found->cloud, .scene = {}}, given));
   });
 }
 
@@ -86,25 +102,51 @@ pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count
 }
 
 pp_status pp_session_touch(pp_session session, const pp_path* path, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
-  return with(session, Claim::all,
-              [&](OpenSession& open) { runInto({ticks, capacity, count}, open, path, std::nullopt); });
+  return with(session, Claim::all, [&](OpenSession& open) {
+    runInto({ticks, capacity, count}, open, onePath(open, path), std::nullopt);
+  });
 }
 
 pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                             uint64_t capacity, uint64_t* count) {
   return with(session, Claim::all, [&](OpenSession& open) {
-    runInto({ticks, capacity, count}, open, path, brushFrom(optionsFrom(brush, pp_default_brush(), "brush")));
+    runInto({ticks, capacity, count}, open, onePath(open, path), brushFrom(optionsFrom(brush, "brush")));
+  });
+}
+
+pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands, const pp_brush* brush,
+                                 pp_tick* ticks, double* torques_mNm, uint64_t capacity, uint64_t* count) {
+  return with(session, Claim::all, [&](OpenSession& open) {
+    if (hands > PP_MOST_HANDS) throw UsageError("hands: {} are more than {}", hands, PP_MOST_HANDS);
+    if (hands > 0) required(paths, "paths");
+    std::vector<Path> all;
+    for (std::uint32_t i = 0; i < hands; ++i) all.push_back(pathFrom(paths[i], open.config().rate_Hz));
+    runInto({ticks, capacity, count, torques_mNm}, open, std::move(all), brushOr(brush));
   });
 }
 
 pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact) {
+  return pp_touch_hands(session, pose, nullptr, 1, contact, nullptr);
+}
+
+pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
+                         pp_contact* contacts, double* torques_mNm) {
   return with(session, Claim::touch, [&](OpenSession& open) {
-    const pp_pose& given = required(pose, "pose");
-    required(contact, "contact");
-    const Pose asked{.time_s = given.t_s, .hip = {given.hip[0], given.hip[1], given.hip[2]}, .sculpts = given.feels == 0};
-    if (!isFinite(asked.hip) || !std::isfinite(asked.time_s)) throw UsageError("pose: is not finite");
-    const AskedTick tick = open.touch(asked);
-    *contact = contactOf(tick.contact, asked.hip, tick.force_N, open.model().scale.mm_per_unit);
+    if (hands != open.hands())
+      throw UsageError("hands: {} poses were given to a session of {} hands", hands, open.hands());
+    required(poses, "pose");
+    required(contacts, "contact");
+    std::array<Pose, PP_MOST_HANDS> asked;
+    for (std::size_t i = 0; i < hands; ++i) {
+      asked[i] = poseFrom(poses[i], turns ? turns + 4 * i : nullptr);
+      asked[i].time_s = asked[0].time_s;
+    }
+    const std::span<const AskedTick> ticks = open.touch({asked.data(), hands});
+    for (std::size_t i = 0; i < hands; ++i) {
+      contacts[i] = contactOf(ticks[i].contact, asked[i].hip, ticks[i].force_N, open.model().scale.mm_per_unit);
+      for (int k = 0; torques_mNm && k < 3; ++k)
+        torques_mNm[3 * i + static_cast<std::size_t>(k)] = ticks[i].torque_mNm[k];
+    }
   });
 }
 
@@ -113,16 +155,12 @@ pp_status pp_touch_lift(pp_session session) {
 }
 
 pp_status pp_session_set_brush(pp_session session, const pp_brush* brush) {
-  return with(session, Claim::all, [&](OpenSession& open) {
-    std::optional<BrushConfig> wanted;
-    if (brush) wanted = brushFrom(optionsFrom(brush, pp_default_brush(), "brush"));
-    open.setBrush(wanted);
-  });
+  return with(session, Claim::all, [&](OpenSession& open) { open.setBrush(brushOr(brush)); });
 }
 
 pp_status pp_session_set_feel(pp_session session, const pp_feel* feel) {
   return with(session, Claim::all, [&](OpenSession& open) {
-    const pp_feel given = optionsFrom(&required(feel, "feel"), pp_default_feel(), "feel");
+    const pp_feel given = optionsFrom(&required(feel, "feel"), "feel");
     open.setFeel(surfaceFrom(given), forceFrom(given));
   });
 }
@@ -153,7 +191,7 @@ pp_status pp_session_cloud(pp_session session, pp_cloud* cloud) {
 
 pp_status pp_session_render(pp_session session, const pp_picture_options* options, uint8_t* rgba, uint64_t bytes) {
   return looking(session, [&](OpenSession& open) {
-    const PictureRequest request = pictureFrom(optionsFrom(options, pp_default_picture_options(), "options"));
+    const PictureRequest request = pictureFrom(optionsFrom(options, "options"));
     const std::uint64_t needed = std::uint64_t{4} * request.width * request.height;
     required(rgba, "rgba");
     if (bytes < needed) throw UsageError("bytes: the picture takes {}, and there is room for {}", needed, bytes);
@@ -179,7 +217,7 @@ pp_status pp_image_write(const char* file, const uint8_t* rgba, uint32_t width, 
 pp_status pp_session_mesh(pp_session session, const pp_mesh_options* options, pp_mesh* mesh) {
   return looking(session, [&](OpenSession& open) {
     required(mesh, "mesh");
-    const pp_mesh_options given = optionsFrom(options, pp_default_mesh_options(), "options");
+    const pp_mesh_options given = optionsFrom(options, "options");
     auto made = std::make_shared<MeshObject>(MeshObject{.mesh = open.mesh(given)});
     const Mesh& result = made->mesh;
     if (result.triangles.empty())
@@ -201,7 +239,7 @@ pp_status pp_mesh_write(pp_mesh mesh, const char* file, const pp_write_options* 
   return guarded([&] {
     const auto found = objectOf<MeshObject>(mesh.id);
     const std::string name = &required(file, "file");
-    const pp_write_options given = optionsFrom(options, pp_default_write_options(), "options");
+    const pp_write_options given = optionsFrom(options, "options");
     cloudFormats().toWrite(name);  // refuses an ending that nobody knows
     std::filesystem::path kept;
     writeMesh(name, found->mesh, found->cell, given.ascii != 0, given.keep ? &kept : nullptr);
@@ -213,9 +251,7 @@ pp_status pp_mesh_close(pp_mesh mesh) {
 }
 
 pp_status pp_live_start(pp_session session, const pp_live_options* options) {
-  return with(session, Claim::all, [&](OpenSession& open) {
-    open.startLive(optionsFrom(options, pp_default_live_options(), "options"));
-  });
+  return with(session, Claim::all, [&](OpenSession& open) { open.startLive(optionsFrom(options, "options")); });
 }
 
 pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count) {
@@ -230,8 +266,8 @@ pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, ui
 
 pp_status pp_live_get_state(pp_session session, pp_live_state* state) {
   return looking(session, [&](OpenSession& open) {
-    pp_live_state now = pp_default_live_state();
-    if (LiveHand* const live = open.live()) {
+    pp_live_state now = usual<pp_live_state>();
+    if (LiveHands* const live = open.live()) {
       now.running = live->isRunning();
       now.ticks = live->ticks();
       now.missed = live->missed();
@@ -245,8 +281,5 @@ pp_status pp_live_set_forces(pp_session session, uint32_t on) {
 }
 
 pp_status pp_live_stop(pp_session session) {
-  return with(session, Claim::all, [](OpenSession& open) {
-    if (open.live()) open.live()->stop();
-    open.takeIn();
-  });
+  return with(session, Claim::all, [](OpenSession& open) { open.stopLive(); });
 }

@@ -92,23 +92,24 @@ std::unique_ptr<TouchBackend> BackendKind::softTouch(const BackendRequest& reque
   const std::unique_ptr<BackendKind> cpu =
       (isElastic ? can.movesSoftBodies : can.matchesShapes) ? nullptr : cpuBackend();
   auto world = (cpu ? *cpu : *this).simulate(*request.config.matter, options);
-  auto source = std::make_unique<SoftSource>(std::move(world),
-                                             SoftSourceOptions{.points = request.model.cloud.size(),
-                                                               .hands = request.tools.size(),
-                                                               .radius = request.surface.radius,
-                                                               .toolReach = reach,
-                                                               .mostAtOnce = request.config.realtime ? kMostAtOnce : 0});
+  auto source = std::make_unique<SoftSource>(std::move(world), SoftSourceOptions{.points = request.model.cloud.size(),
+                                                                                 .hands = request.tools.size(),
+                                                                                 .radius = request.surface.radius,
+                                                                                 .toolReach = reach,
+                                                                                 .mostAtOnce = kMostAtOnce});
   BackendRequest felt = request;
   felt.source = source.get();
   felt.brush.reset();  // the body has it, and its points follow
   felt.paintable = false;
   auto surface = make(felt);
-  return std::make_unique<SoftTouch>(
-      std::move(source), std::move(surface),
-      SoftTouchOptions{.tools = request.tools,
-                       .friction = request.config.surface.friction,
-                       .brush = request.brush,
-                       .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+  auto touch =
+      std::make_unique<SoftTouch>(std::move(source), std::move(surface),
+                                  SoftTouchOptions{.tools = request.tools,
+                                                   .friction = request.config.surface.friction,
+                                                   .brush = request.brush,
+                                                   .bodyMachine = cpu ? cpu->machine(request.threads) : std::string()});
+  touch->setRealtime(request.config.realtime);
+  return touch;
 }
 
 const BackendKind& Backends::named(std::string_view name) const {

@@ -2,18 +2,20 @@
 
 namespace palpate {
 
-ServoThread::ServoThread(Session& session, const OpenHand& hand, const Options& options)
-    : thread_([this, &session, hand, options] { run(session, hand, options); }) {}
+ServoThread::ServoThread(Session& session, std::span<const OpenHand> hands, const Options& options)
+    : feed_(hands.size()), thread_([this, &session, all = std::vector<OpenHand>(hands.begin(), hands.end()), options] {
+        run(session, all, options);
+      }) {}
 
-void ServoThread::run(Session& session, const OpenHand& hand, const Options& options) {
+void ServoThread::run(Session& session, const std::vector<OpenHand>& hands, const Options& options) {
   try {
-    const ServoResult result = session.run({&hand, 1}, {.rate_Hz = options.rate_Hz,
-                                                        .endless = true,
-                                                        .stop = &stop_,
-                                                        .forcesOn = options.forcesOn,
-                                                        .recorder = &feed_,
-                                                        .realtime = true,
-                                                        .law = options.law});
+    const ServoResult result = session.run(hands, {.rate_Hz = options.rate_Hz,
+                                                   .endless = true,
+                                                   .stop = &stop_,
+                                                   .forcesOn = options.forcesOn,
+                                                   .recorder = &feed_,
+                                                   .realtime = true,
+                                                   .law = options.law});
     deviceFailed_ = result.deviceFailed;
     if (result.deviceFailed) fault_ = result.fault;
     if (result.queryLost) fault_ = session.backend().machine() + " was lost: what it gave before is kept";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,16 +18,17 @@ class ServoThread {
  public:
   struct Options {
     const std::atomic<bool>* forcesOn = nullptr;  ///< no force while it is false (RunOptions::forcesOn)
-    CustomForce law;                              ///< in place of spring and damper
+    CustomForce law;                              ///< the first hand's, in place of spring and damper
     double rate_Hz = 0;                           ///< 0: as the session is configured
   };
-  /// Begins at once. Session, device and what is pointed to outlive it, and nothing else runs the session meanwhile.
-  ServoThread(Session& session, const OpenHand& hand, const Options& options);
+  /// Begins at once. Session, devices and what is pointed to outlive it, and nothing else runs the session meanwhile.
+  ServoThread(Session& session, std::span<const OpenHand> hands, const Options& options);
   ~ServoThread() { stop(); }
   ServoThread(const ServoThread&) = delete;
   ServoThread& operator=(const ServoThread&) = delete;
 
-  /// Appends the ticks since the last call. What is not taken for half a minute at 1 kHz is left out.
+  /// Appends the ticks since the last call, as TickFeed does: a row for each hand. What is not taken for half a minute
+  /// at 1 kHz is left out.
   void take(std::vector<TraceRow>& rows) { feed_.take(rows); }
   /// Waits for the tick under way; the device has no force then.
   void stop();
@@ -38,7 +40,7 @@ class ServoThread {
   bool deviceFailed() const { return deviceFailed_; }
 
  private:
-  void run(Session& session, const OpenHand& hand, const Options& options);
+  void run(Session& session, const std::vector<OpenHand>& hands, const Options& options);
 
   TickFeed feed_;
   std::atomic<bool> stop_ = false, ended_ = false;

@@ -45,6 +45,10 @@ class Recorders final : public TickRecorder {
     for (TickRecorder* each : all_)
       if (each) each->ticked(row, device);
   }
+  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override {
+    for (TickRecorder* each : all_)
+      if (each) each->tickedToo(hand, row);
+  }
 
  private:
   std::array<TickRecorder*, 2> all_;
@@ -66,7 +70,8 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       stream_(takeStream(config_, *model_)),
       fusion_(fusedStream(config_, model_, stream_, parts.threads, parts.log)),
       source_(fusion_ && kind_.capabilities().fusesFrames ? nullptr : makeSource(config_, *model_, stream_, fusion_)),
-      backend_(makeBackend(config_, *model_, surface_, parts, source_.get(), fusion_)),
+      isMoved_(parts.source != nullptr),
+      backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
       relay_(model_->cloud, *backend_,
              {.follower = follower_.get(),
@@ -121,14 +126,18 @@ void Session::setParameter(std::string_view name, double value) {
   palpate::setParameter(*config_.matter, name, value);
 }
 
-void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault) {
+void Session::record(const std::string& file, const OpenHand& hand, RecordingFault onFault, const RunOptions& run) {
   if (config_.stream && config_.stream->live)
     throw Error("{}: a session with a live camera cannot be recorded: its frames do not come again", file);
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
+  if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
+  SessionConfig config = config_;
+  config.realtime = config.realtime || run.realtime;
+  if (run.rate_Hz > 0) config.rate_Hz = run.rate_Hz;
   recording_ = std::make_unique<SessionRecording>(file,
-                                                  RecordedSession{.config = config_,
+                                                  RecordedSession{.config = config,
                                                                   .points = model_->cloud.size(),
                                                                   .checksum = checksumOf(*model_),
                                                                   .machine = backend_->machine(),
@@ -171,13 +180,14 @@ void Session::setSprings(std::span<const OpenHand> hands) {
 
 ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& options) {
   setSprings(hands);
+  const bool realtime = config_.realtime || options.realtime;
+  backend_->setRealtime(realtime);
   std::vector<SessionHand> touching;
   for (const OpenHand& hand : hands)
     touching.push_back({.device = *hand.device,
                         .law = ForceLaw(config_.force, model_->scale),
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
-  const bool realtime = config_.realtime || options.realtime;
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
   Recorders recorders(recording_.get(), options.recorder);
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
@@ -212,7 +222,7 @@ UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
 }
 
 SculptedCloud Session::sculpted() const {
-  if (const Journal* journal = relay_.journal(); journal && !config_.moves())
+  if (const Journal* journal = relay_.journal(); journal && !config_.moves() && !isMoved_)
     return {editedCloud(model_->cloud, journal->points()), changedPoints(model_->cloud, journal->points())};
   SculptedCloud sculpted{.cloud = model_->cloud};
   sculpted.edited = backend_->readBack(sculpted.cloud);

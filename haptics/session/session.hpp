@@ -27,6 +27,8 @@ struct SessionParts {
   std::uint64_t undo_bytes = 0;  ///< for strokes that can be taken back
   bool paintable = false;     ///< keeps colours for a brush that comes later
   Log* log = nullptr;         ///< hears of frames that do not go into the map of a depth camera; outlives the session
+  /// Moves the points, where the configuration says nothing of it; outlives the session. Null: nothing does.
+  CloudSource* source = nullptr;
   FollowerMaker follower;     ///< empty: nobody follows but the journal and the log
 };
 
@@ -99,9 +101,10 @@ class Session {
   void setParameter(std::string_view name, double value);
 
   /// Begins a session log, which says how the session goes from the model's file on. `hand`: the first one. Before a
-  /// run. `onFault` hears at once, on the log's thread, what cannot be written; SessionRecording::takeFault() has it
-  /// otherwise. Throws FileError, and Error where no journal is kept.
-  void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {});
+  /// run, of whose options the rate and the clock are recorded. `onFault` hears at once, on the log's thread, what
+  /// cannot be written; SessionRecording::takeFault() has it otherwise. Throws FileError, and Error where no journal is
+  /// kept.
+  void record(const std::string& file, const OpenHand& hand, RecordingFault onFault = {}, const RunOptions& run = {});
   SessionRecording* recording() const { return recording_.get(); }
   /// Ends the log: says how the session ended. Throws FileError where not all could be written.
   void endRecording();
@@ -132,6 +135,7 @@ class Session {
   std::shared_ptr<PlayedStream> stream_;  // where frames are played
   std::optional<FusedStream> fusion_;     // where they fuse
   std::unique_ptr<CloudSource> source_;   // where the back end does not do it itself
+  bool isMoved_;                          // by somebody else's source
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
   EditRelay relay_;

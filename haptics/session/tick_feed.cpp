@@ -10,16 +10,28 @@ namespace palpate {
 void TickFeed::ticked(const TraceRow& row, const DeviceState& device) noexcept {
   core_.store(currentCore(), std::memory_order_relaxed);
   if (listener_) listener_->ticked(row, device);
+  if (std::exchange(leftOut_, false) || isFull()) return;
   const std::uint64_t added = added_.load(std::memory_order_relaxed);
-  if (added - taken_.load(std::memory_order_acquire) >= kRing) return;
-  ring_[added % kRing] = row;
+  rowOf(added, 0) = row;
   added_.store(added + 1, std::memory_order_release);
+}
+
+// A tick is added with all its hands, or not at all.
+void TickFeed::tickedToo(std::size_t hand, const TraceRow& row) noexcept {
+  if (hand >= hands_ || leftOut_) return;
+  leftOut_ = isFull();
+  if (!leftOut_) rowOf(added_.load(std::memory_order_relaxed), hand) = row;
+}
+
+bool TickFeed::isFull() const noexcept {
+  return added_.load(std::memory_order_relaxed) - taken_.load(std::memory_order_acquire) >= kRing;
 }
 
 void TickFeed::take(std::vector<TraceRow>& rows) {
   const std::uint64_t added = added_.load(std::memory_order_acquire);
   std::uint64_t taken = taken_.load(std::memory_order_relaxed);
-  for (; taken < added; ++taken) rows.push_back(ring_[taken % kRing]);
+  for (; taken < added; ++taken)
+    for (std::size_t hand = 0; hand < hands_; ++hand) rows.push_back(rowOf(taken, hand));
   taken_.store(taken, std::memory_order_release);
 }
 

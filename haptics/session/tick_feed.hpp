@@ -11,14 +11,16 @@ namespace palpate {
 /// Brings what the servo thread does to the thread that shows it; the former waits for nobody.
 class TickFeed final : public TickRecorder {
  public:
-  TickFeed() : ring_(kRing) {}
+  explicit TickFeed(std::size_t hands = 1) : hands_(hands), ring_(kRing * hands) {}
 
   /// On the servo thread.
+  void tickedToo(std::size_t hand, const TraceRow& row) noexcept override;
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override;
   /// Also notified of every tick; set while no servo thread runs.
   void setListener(TickRecorder* listener) { listener_ = listener; }
 
-  /// Appends the rows since the last call. For one thread.
+  /// Appends the rows since the last call: those of all hands at a tick, and then those at the next one. For one
+  /// thread.
   void take(std::vector<TraceRow>& rows);
   /// On which core the last tick was served; negative before the first.
   int core() const { return core_.load(std::memory_order_relaxed); }
@@ -26,6 +28,11 @@ class TickFeed final : public TickRecorder {
  private:
   static constexpr std::uint64_t kRing = 1 << 15;  // half a minute at 1 kHz; rows past it are left out
 
+  TraceRow& rowOf(std::uint64_t tick, std::size_t hand) noexcept { return ring_[tick % kRing * hands_ + hand]; }
+  bool isFull() const noexcept;
+
+  std::size_t hands_;
+  bool leftOut_ = false;  // the tick that is being recorded, for there was no room
   std::vector<TraceRow> ring_;
   std::atomic<std::uint64_t> added_ = 0, taken_ = 0;
   std::atomic<int> core_ = -1;

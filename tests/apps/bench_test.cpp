@@ -375,4 +375,35 @@ TEST_CASE("bench matter measures what is stirred on each back end, and its passe
   CHECK(palpate("bench matter --points -1").code == 2);
 }
 
+TEST_CASE("bench read reads what it is given, on as many threads as are asked for") {
+  const ScratchFolder folder;
+  const std::string las = (folder / "a.las").string(), laz = (folder / "a.laz").string(),
+                    json = (folder / "r.json").string();
+  works("make sphere -n 60000 -o " + las);
+  works("convert " + las + " " + laz);
+  for (const int threads : {1, 3}) {
+    const Outcome outcome =
+        palpate(fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --json {}", las, laz, threads, json));
+    REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
+    CHECK(says(outcome.text, "M points/s"));
+    const auto records = jsonOf(json)["read"];
+    REQUIRE(records.size() == 2);
+    CHECK(records[0]["format"] == "LAS");
+    CHECK(records[1]["format"] == "LAZ");
+    for (const auto& record : records) {
+      CHECK(record["points"] == 60'000);
+      CHECK(record["threads"] == threads);
+      CHECK(record["bytes"] == std::filesystem::file_size(record["file"].get<std::string>()));
+      CHECK(record["time_s"]["n"] == 6);
+      const double once_s = record["time_s"]["p50"];
+      CHECK(record["points_per_s"].get<double>() == doctest::Approx(60'000 / once_s));
+      CHECK(record["bytes_per_s"].get<double>() == doctest::Approx(record["bytes"].get<double>() / once_s));
+    }
+  }
+  CHECK(palpate("bench read").code == 2);
+  const Outcome none = palpate("bench read " + (folder / "none.las").string());
+  CHECK(none.code == 1);
+  CHECK(says(none.text, "none.las"));
+}
+
 }  // namespace palpate

@@ -7,6 +7,7 @@
 #include "engine/io/ply_reader.hpp"
 #include "tests/gaussian_scenes.hpp"
 #include "tests/rgbd_writer.hpp"
+#include "tests/says.hpp"
 
 namespace palpate {
 
@@ -238,6 +239,32 @@ TEST_CASE("convert refuses names that it writes nothing under, and says what is 
   CHECK(foreign.code == 1);
   CHECK(foreign.text.find("not a PLY file") != std::string::npos);
   CHECK_FALSE(std::filesystem::exists(folder / "out.ply"));
+}
+
+TEST_CASE("convert samples as many points from a mesh as it is asked for, and none from points") {
+  const ScratchFolder folder;
+  const std::string mesh = (folder / "roof.obj").string(), points = (folder / "points.ply").string();
+  // Two squares that meet at a ridge, one of them four times as large.
+  std::ofstream(mesh) << "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv -4 0 0\nv -4 1 0\nf 1 2 3 4\nf 1 4 6 5\n";
+  for (const std::size_t samples : {1u, 999u, 20'000u}) {
+    CAPTURE(samples);
+    works(fmt::format("convert {} {} --samples {} --force", mesh, points, samples));
+    const PointCloud cloud = readPly(points);
+    REQUIRE(cloud.size() == samples);
+    std::size_t onSmall = 0;
+    for (const Vec3& p : cloud.positions) {
+      CHECK(p.z == 0);
+      CHECK((p.x >= -4 && p.x <= 1 && p.y >= 0 && p.y <= 1));
+      onSmall += p.x > 0;
+    }
+    const double expected = 0.2 * static_cast<double>(samples);
+    if (samples > 900) CHECK(static_cast<double>(onSmall) == doctest::Approx(expected).epsilon(0.05));
+  }
+  CHECK(palpate("convert " + mesh + " " + points + " --samples 0 --force").code == 2);
+  const Outcome cloud = palpate("convert " + points + " " + (folder / "b.ply").string() + " --samples 10");
+  CHECK(cloud.code == 2);
+  CHECK(says(cloud.text, "--samples is of meshes; PLY holds points"));
+  CHECK_FALSE(std::filesystem::exists(folder / "b.ply"));
 }
 
 }  // namespace palpate

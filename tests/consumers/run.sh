@@ -17,14 +17,14 @@ done
 library=$(find "$scratch/installed" -name 'libpalpate.so.0')
 [ -n "$library" ] || fail "there is no libpalpate.so.0"
 
-# Nothing but the C interface is exported, all of the header is, and the library says its name.
-header="$scratch/installed/include/palpate/palpate.h"
+# Nothing but the C interface is exported, all of the headers is, and the library says its name.
+headers=("$scratch/installed/include/palpate/"*.h)
 exported=$(nm -D --defined-only "$library" | awk '$2 != "A" {print $3}' | sort)
 strays=$(grep -v '^pp_' <<< "$exported" || true)
 [ -z "$strays" ] || fail "exported are also: $strays"
-declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' "$header" | sort)
-[ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the header declares too little"
-[ "$declared" = "$exported" ] || fail "header and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
+declared=$(sed -n -e 's/^PP_API .*[ *]\(pp_[a-z_]*\)(.*/\1/p' -e 's/^PP_OPTIONS(\([a-z_]*\))$/pp_init_\1/p' "${headers[@]}" | sort)
+[ "$(wc -l <<< "$declared")" -gt 50 ] || fail "the headers declare too little"
+[ "$declared" = "$exported" ] || fail "headers and library differ: $(diff <(echo "$declared") <(echo "$exported") || true)"
 readelf -d "$library" | grep -q 'SONAME.*\[libpalpate.so.0\]' || fail "another soname"
 for other in glfw imgui X11; do
   if readelf -d "$library" | grep NEEDED | grep -qi "$other"; then fail "the library needs $other"; fi
@@ -46,6 +46,7 @@ awk 'BEGIN {print "x,y,z"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++
   printf "%g,%g,%g\n", i, j, 20 * exp(-(i * i + j * j) / 800)}' > "$scratch/hump.csv"
 "$scratch/build/dent" "$scratch/hump.csv" "$scratch/dented.ply"
 [ "$(head -c 3 "$scratch/dented.ply")" = ply ] || fail "nothing was saved"
+"$scratch/build/stir"
 
 if command -v pkg-config > /dev/null; then
   export PKG_CONFIG_PATH

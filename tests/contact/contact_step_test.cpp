@@ -13,6 +13,9 @@ namespace palpate {
 namespace {
 
 class ContactFixture : public GpuFixture {
+ public:
+  using GpuFixture::GpuFixture;
+
  protected:
   // Plays a path to the GPU and to the reference; both must come to the same outcome.
   struct Outcome {
@@ -47,7 +50,7 @@ class ContactFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(ContactFixture, "GPU and reference agree over random paths on every shape") {
+TEST_CASE_FIXTURE(CoreValidated<ContactFixture>, "GPU and reference agree over random paths on every shape") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 20'000);

@@ -221,7 +221,7 @@ TEST_CASE_FIXTURE(GpuFixture, "duplicates change nothing, and the same cloud giv
   for (std::size_t i = 0; i < doubled.size(); ++i) REQUIRE(doubled.normals[i] == once.normals[i % once.size()]);
 }
 
-TEST_CASE_FIXTURE(GpuFixture,
+TEST_CASE_FIXTURE(CoreGpuFixture,
                   "places much denser or sparser than the rest are fitted over fitting radii, or by the CPU") {
   const Scene scene = makeScene("sphere", 20'000);
   PointCloud cloud = cloudAt(scene.cloud.positions);

@@ -40,6 +40,9 @@ std::vector<DVec3> leapingPath(const Scene& scene, std::size_t stride, double de
 }
 
 class MethodsFixture : public GpuFixture {
+ public:
+  using GpuFixture::GpuFixture;
+
  protected:
   Device* player = &device;
 
@@ -128,7 +131,7 @@ PointCloud cloudOf(std::size_t count, const Vec3& at) {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same on every shape, and what the reference feels") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same on every shape, and what the reference feels") {
   for (const std::string_view name : shapeNames()) {
     CAPTURE(name);
     const Scene scene = makeScene(name, 8'000);
@@ -137,7 +140,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same on every shape, and
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture,
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
                   "all methods feel the same where the support radius spans 1, 3 and 7 buckets a side") {
   const Scene scene = makeScene("bumpy-sphere", 10'000);
   const auto path = leapingPath(scene, 14, 0.5 * scene.radius);
@@ -147,7 +150,7 @@ TEST_CASE_FIXTURE(MethodsFixture,
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same far from the origin") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same far from the origin") {
   const Scene scene = makeScene("torus", 8'000, DVec3(1e6, -2e6, 3e6));
   const auto path = leapingPath(scene, 4, 0.5 * scene.radius);
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, {.radius = scene.radius}));
@@ -181,7 +184,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where a gather's ce
   checkAgainstReference(scene, path, checkAllMethods(scene.cloud, path, options));
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where thousands of points spill from shared memory") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "all methods feel the same where thousands of points spill from shared memory") {
   Scene scene = makeScene("sphere", 20'000);
   scene.radius = 16 * scene.spacing;
   const auto path = leapingPath(scene, 8, 0.2 * scene.radius);
@@ -190,7 +193,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "all methods feel the same where thousands of 
   CHECK(std::ranges::max(fused.contacts, {}, &Contact::neighbours).neighbours > shared::kMostSharedPatch / 2);
 }
 
-TEST_CASE_FIXTURE(MethodsFixture, "where the cloud is thinned, the methods that read buckets thin it the same") {
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>, "where the cloud is thinned, the methods that read buckets thin it the same") {
   Scene scene = makeScene("sphere", 100'000);
   scene.radius = 30;
   std::vector<DVec3> path;
@@ -210,7 +213,7 @@ TEST_CASE_FIXTURE(MethodsFixture, "where the cloud is thinned, the methods that 
   }
 }
 
-TEST_CASE_FIXTURE(MethodsFixture,
+TEST_CASE_FIXTURE(CoreValidated<MethodsFixture>,
                   "every method lives with clouds of no, one, two, and a hundred thousand equal points") {
   const std::vector<DVec3> path{{1, 2, 5}, {1, 2, 3.5}, {1, 2, 3.1}, {1, 2, 2.8}, {1, 2, 2.5}, {9, 9, 9}};
   for (const std::size_t count : {0, 1, 2, 100'000}) {

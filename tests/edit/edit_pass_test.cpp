@@ -18,6 +18,9 @@ namespace palpate {
 namespace {
 
 class EditFixture : public GpuFixture {
+ public:
+  using GpuFixture::GpuFixture;
+
  protected:
   struct Moved {
     std::vector<Vec4> positions, normals;    // in id order
@@ -58,7 +61,7 @@ class EditFixture : public GpuFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(EditFixture, "points in range move as the reference says, the others stay bit by bit") {
+TEST_CASE_FIXTURE(CoreValidated<EditFixture>, "points in range move as the reference says, the others stay bit by bit") {
   const Scene scene = makeScene("sphere", 20'000);
   const DVec3 outward = glm::normalize(DVec3(1, 2, 2));
   for (const BrushOptions options :

@@ -63,27 +63,27 @@ struct LongWork {
   Queue::Ticket ticket;
 };
 
-void checkEditsBetweenSlices(Device& device, std::uint32_t mostAtOnce) {
+void checkEditsBetweenSlices(Device& device, std::uint32_t mostAtOnce, int edits) {
   const Scene scene = makeScene("sphere", 5'000);
   for (const BrushKind kind : {BrushKind::push, BrushKind::carve}) {
     CAPTURE(static_cast<int>(kind));
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
                        brushOf(kind), {}, kDefaultSort, std::nullopt, kShortSlices);
-    RandomEdits edits(edited, 31 + static_cast<std::uint32_t>(kind), mostAtOnce);
+    RandomEdits made(edited, 31 + static_cast<std::uint32_t>(kind), mostAtOnce);
     std::mt19937 random(3);
     int compactions = 0;
-    for (int i = 0; i < 150; ++i) {
-      edits.one();
+    for (int i = 0; i < edits; ++i) {
+      made.one();
       const bool completed = edited.compactFurther(random() % 16);
       compactions += completed;
       if (!completed && i % 10 != 0) continue;
       CHECK(edited.faults() == 0);
-      CHECK(edits.agrees());
+      CHECK(made.agrees());
     }
-    CHECK(compactions >= 10);
+    CHECK(compactions >= edits / 15);
     CHECK(edited.faults() == 0);
-    CHECK(edits.agrees());
-    MESSAGE(compactions << " compactions of " << edited.compaction().slices() << " slices, " << edits.refused()
+    CHECK(made.agrees());
+    MESSAGE(compactions << " compactions of " << edited.compaction().slices() << " slices, " << made.refused()
                         << " edits refused");
   }
 }
@@ -91,11 +91,11 @@ void checkEditsBetweenSlices(Device& device, std::uint32_t mostAtOnce) {
 }  // namespace
 
 TEST_CASE_FIXTURE(GpuFixture, "edits of every kind between the slices of compactions leave every point in its bucket") {
-  checkEditsBetweenSlices(device, kFewAtOnce);
+  checkEditsBetweenSlices(device, kFewAtOnce, 45);
 }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "edits of many points at once between the slices of compactions do so, too") {
-  checkEditsBetweenSlices(device, kManyAtOnce);
+  checkEditsBetweenSlices(device, kManyAtOnce, 150);
 }
 
 TEST_CASE_FIXTURE(GpuFixture, "points stand in a bucket as they would without compaction") {
@@ -278,8 +278,8 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
 }
 
 TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without") {
-  Device device({.gpu = "", .validation = Validation::off});  // which would take a minute for a million points
-  const Scene scene = makeScene("sphere", 1'000'000);
+  Device device({.gpu = "", .validation = Validation::off});  // which would take long for so many points
+  const Scene scene = makeScene("sphere", 250'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
   const SpatialHash plain(device, grid, static_cast<std::uint32_t>(scene.cloud.size()));
@@ -293,9 +293,9 @@ TEST_CASE("a live cloud whose index follows edits takes less than two thirds as 
 }
 
 TEST_CASE(
-    "a compaction of a million points is made of short slices, or of a few long ones, between which edits go on") {
+    "a compaction of half a million points is made of short slices, or of a few long ones, between which edits go on") {
   Device device({.gpu = "", .validation = Validation::off});  // times are shown
-  const Scene scene = makeScene("sphere", 1'000'000);
+  const Scene scene = makeScene("sphere", 500'000);
   constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
   for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,

@@ -24,7 +24,7 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "after any edit the index holds every point in
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "the same edits give the same order in every bucket, whatever the GPU's timing") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "the same edits give the same order in every bucket, whatever the GPU's timing") {
   const Scene scene = makeScene("torus", 3'000);
   std::map<std::uint32_t, std::vector<std::uint32_t>> first;
   for (int run = 0; run < 2; ++run) {

@@ -66,7 +66,7 @@ TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread")
   CHECK(run.code == 0);
   CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^(haptics\\.|core\\.latest_value$) threads=\n"));
-  CHECK(says(run.text, "-R ^(spatial|contact|edit|mesh|matter_gpu|motion_gpu)\\.(gpu|hash_compaction)$ threads=1\n"));
+  CHECK(says(run.text, "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1\n"));
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));

@@ -1,5 +1,6 @@
 // Every reader that takes bytes from strangers, with files that are made worse, for a while or for as long as one
-// likes: PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds.
+// likes: PALPATE_FUZZ_S=3600 build/asan/tests_io --source-file='*reader_fuzz*' says how many seconds,
+// and PALPATE_FUZZ_FROM from which round on, so that several can run at once.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -79,14 +80,15 @@ bool isRead(const ScratchFolder& folder, const Specimen& specimen, Damage& damag
 }  // namespace
 
 TEST_CASE("no reader falls over whatever a file has become") {
-  const char* given = std::getenv("PALPATE_FUZZ_S");
+  const char *given = std::getenv("PALPATE_FUZZ_S"), *first = std::getenv("PALPATE_FUZZ_FROM");
   const double wanted_s = given ? std::atof(given) : 0;
+  const std::uint32_t from = first ? static_cast<std::uint32_t>(std::atol(first)) : 0;
   constexpr std::uint32_t kRounds = 25;  // where nobody says how long
   const std::vector<Specimen> all = specimens();
   const ScratchFolder folder;
   const Stopwatch watch;
   std::uint64_t read = 0, refused = 0;
-  for (std::uint32_t round = 0; wanted_s > 0 ? watch.elapsed_s() < wanted_s : round < kRounds; ++round)
+  for (std::uint32_t round = from; wanted_s > 0 ? watch.elapsed_s() < wanted_s : round - from < kRounds; ++round)
     for (const Specimen& specimen : all) {
       CAPTURE(specimen.ending);
       CAPTURE(round);

@@ -3,7 +3,7 @@
 
 namespace palpate {
 
-TEST_CASE_FIXTURE(GpuFixture, "a model is on the GPU to water and sand what it is on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a model is on the GPU to water and sand what it is on the CPU") {
   for (const Matter matter : {Matter::water, Matter::sand}) {
     CAPTURE(static_cast<int>(matter));
     MatterScene scene = modelInTank("sphere", 60, matter);
@@ -31,11 +31,11 @@ TEST_CASE_FIXTURE(GpuFixture, "a model is on the GPU to water and sand what it i
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "no water comes into a model that it falls upon, on the GPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "no water comes into a model that it falls upon, on the GPU") {
   checkModelKeepsOut(onGpu(device), modelInTank("torus", 80), 250);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a ball that begins in water grows there, on the GPU as on the CPU") {
   MatterScene scene = tank({12, 14, 12}, 10);
   scene.tool = {.radius_mm = 20, .mass_kg = 0.03};
   const HandPose hand{.place_m = {0.055, 0.055, 0.065}};

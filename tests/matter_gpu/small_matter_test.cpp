@@ -129,6 +129,24 @@ TEST_CASE_FIXTURE(GpuFixture, "several tools are answered on the GPU as on the C
     }
 }
 
+TEST_CASE_FIXTURE(GpuFixture, "few particles around a model, and in a ball, are on the GPU as on the CPU") {
+  for (const Matter matter : {Matter::water, Matter::sand}) {
+    CAPTURE(nameOf(kMatters, matter));
+    MatterScene scene = smallScene(matter);
+    scene.model = "builtin:sphere";
+    scene.model_mm = DVec3(40);
+    if (matter == Matter::water) scene.cohesion_N_m = 0.0728;
+    Both both(device, scene, 1, placesAtRest(scene));
+    REQUIRE(both.gpu->leftOut() == both.cpu->leftOut());
+    REQUIRE(both.gpu->leftOut() > 10);
+    both.step(2);
+    both.checkAlike();
+    CHECK(both.cpu->pushedOut(0) > 5);
+    CHECK(both.gpu->pushedOut(0) == both.cpu->pushedOut(0));
+    CHECK(glm::length(both.cpu->impulses().onModel) > 1e-7);
+  }
+}
+
 TEST_CASE_FIXTURE(GpuFixture, "more neighbours than a list holds are a state: nothing moves, no force, until a reset") {
   for (const std::size_t count : {129, 130}) {
     CAPTURE(count);

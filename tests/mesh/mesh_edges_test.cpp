@@ -104,7 +104,7 @@ TEST_CASE_FIXTURE(GpuFixture, "a surface that goes exactly through the nodes has
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "a lattice of more blocks than one axis of a dispatch holds workgroups is meshed") {
+TEST_CASE_FIXTURE(CoreGpuFixture, "a lattice of more blocks than one axis of a dispatch holds workgroups is meshed") {
   // Two small patches in opposite corners of a lattice of 2048 cells: some seventeen million blocks, few of them there.
   std::vector<Vec3> places;
   for (const float corner : {0.0f, 2048.0f})

@@ -19,6 +19,35 @@ def strongest(file: str) -> float:
     return float(ticks["penetration_mm"].max())
 
 
+def stirred(scene: str) -> float:
+    with pp.Matter(scene, gpu="cpu") as matter:
+        matter.simulate(0.1)
+        velocities: NDArray[np.float32] = matter.frame().velocities
+        print(matter.state()["front_mm"], matter.parameters["gain"].high)
+    with pp.Session(scene, hands=2, law=lambda tick: tick.force_N, allow_python=True) as water:
+        ticks: NDArray[np.void] = water.touch([np.zeros((10, 3)), np.zeros((10, 3))])
+        with water.live(builtin="press", others=[pp.Hand(builtin="orbit")]) as live:
+            water.set("gain", 2)
+            print(live.late_laws, water.port_energies[0].least_J, water.failure)
+    return float(velocities.max()) + float(ticks["t_s"].max())
+
+
+def filmed(cloud: pp.Cloud) -> float:
+    with pp.Session(cloud, moving=True, keeps_points=True) as film:
+        film.add_frame(0.5, np.zeros((10, 3)), np.ones((10, 3)))
+        return film.frame().t_s
+
+
+def recorded(file: str, log: str) -> bool:
+    with pp.Session(pp.read(file)) as session:
+        session.record(log)
+        session.touch(np.zeros((10, 3)))
+    read: pp.Log = pp.read_log(log)
+    forces: NDArray[np.float64] = read.ticks["force_N"]
+    print(forces.max(), read.header["machine"], read.missing, read.map[0])
+    return pp.replay(log, gpu="cpu").identical
+
+
 def failing() -> int | None:
     try:
         pp.read("nowhere.ply")

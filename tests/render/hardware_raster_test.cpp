@@ -52,6 +52,9 @@ PointCloud colored(PointCloud cloud) {
 }
 
 class HardwareRasterFixture : public PictureFixture {
+ public:
+  using PictureFixture::PictureFixture;
+
  protected:
   bool drawsHere() const {
     if (!device.draws()) MESSAGE("skipped: ", device.name(), " does not draw, or not under validation");
@@ -81,7 +84,7 @@ class HardwareRasterFixture : public PictureFixture {
 
 }  // namespace
 
-TEST_CASE_FIXTURE(HardwareRasterFixture, "shapes look the same, even and uneven, with and without colours") {
+TEST_CASE_FIXTURE(CoreValidated<HardwareRasterFixture>, "shapes look the same, even and uneven, with and without colours") {
   if (!drawsHere()) return;
   for (const char* name : {"sphere", "torus", "cube"})
     for (const double thinning : {1.0, 10.0}) {

@@ -9,12 +9,18 @@
 
 namespace palpate {
 
-/// Draws clouds on the test GPU. A frame of each size serves all tests: under validation its pipelines take seconds.
+/// Draws clouds on the test GPU. A frame of each size serves all tests of a device: under validation its pipelines take seconds.
 class PictureFixture : public GpuFixture {
+ public:
+  using GpuFixture::GpuFixture;
+
  protected:
   Frame& frameOf(std::uint32_t width, std::uint32_t height, std::uint32_t supersample) {
-    static auto& frames = makeUntilEnd<std::map<std::array<std::uint32_t, 3>, Frame>>();
-    return frames.try_emplace({width, height, supersample}, device, width, height, supersample).first->second;
+    using Frames = std::map<std::array<std::uint32_t, 3>, Frame>;  // each goes before the device that it is of
+    static std::map<const Device*, Frames*> ofDevices;
+    Frames*& frames = ofDevices[&device];
+    if (!frames) frames = &makeUntilEnd<Frames>();
+    return frames->try_emplace({width, height, supersample}, device, width, height, supersample).first->second;
   }
   void draw(Frame& frame, const DrawnCloud& cloud, const Camera& camera, const FrameOptions& options) {
     CommandList list(device, device.throughputQueue(), "test frame");

@@ -206,7 +206,7 @@ TEST_CASE_FIXTURE(PictureFixture, "every pass and every colouring draws") {
     for (std::size_t j = 0; j < i; ++j) CHECK(seen[i].rgba != seen[j].rgba);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "colours by height go along up, and span what is shown") {
+TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "colours by height go along up, and span what is shown") {
   const PointCloud cloud = sphereCloud(4000);
   FrameOptions options = optionsFor(cloud, ImagePass::color);
   options.color = ColorBy::height;
@@ -284,7 +284,7 @@ TEST_CASE_FIXTURE(PictureFixture, "ball, disc and arrow show in front, and shine
   }
 }
 
-TEST_CASE_FIXTURE(PictureFixture,
+TEST_CASE_FIXTURE(CoreValidated<PictureFixture>,
                   "the tool shows as a ring, and the scale bar from end to end, before and behind the surface") {
   const PointCloud cloud = sphereCloud(5000);
   Camera camera;
@@ -333,7 +333,7 @@ TEST_CASE_FIXTURE(PictureFixture, "sizes that cannot be drawn are refused") {
   CHECK(colorByNamed("height") == ColorBy::height);
 }
 
-TEST_CASE_FIXTURE(PictureFixture, "a picture is the same bytes when it gives way to touch in between") {
+TEST_CASE_FIXTURE(CoreValidated<PictureFixture>, "a picture is the same bytes when it gives way to touch in between") {
   for (const std::size_t count : {std::size_t{1}, std::size_t{257}, std::size_t{20'000}}) {
     CAPTURE(count);
     const PointCloud cloud = sphereCloud(count);

@@ -20,6 +20,9 @@ struct Difference {
 };
 
 class SplatPickFixture : public PictureFixture {
+ public:
+  using PictureFixture::PictureFixture;
+
  protected:
   struct Shot {
     Image image;
@@ -95,7 +98,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "a share of the points shows what all of the
   }
 }
 
-TEST_CASE_FIXTURE(SplatPickFixture, "nothing pops while the camera draws back") {
+TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "nothing pops while the camera draws back") {
   const PointCloud cloud = sampleShape(*makeShape("bumpy-sphere", 2.0), {.count = 100'000});
   const DrawnCloud drawn(device, cloud, {.spacing = meanSpacing(cloud)});
   Frame& frame = frameOf(kWidth, kHeight, 2);
@@ -125,7 +128,7 @@ TEST_CASE_FIXTURE(SplatPickFixture, "nothing pops while the camera draws back") 
   }
 }
 
-TEST_CASE_FIXTURE(SplatPickFixture, "both widths of atomics leave the same bytes") {
+TEST_CASE_FIXTURE(CoreValidated<SplatPickFixture>, "both widths of atomics leave the same bytes") {
   PointCloud cloud = strewnCloud(3000);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i / 7), std::uint8_t(i / 31), 255});

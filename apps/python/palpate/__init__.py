@@ -17,21 +17,34 @@ from typing import TYPE_CHECKING, Any
 
 from . import _palpate
 from ._errors import Error, UsageError
-from ._palpate import Cloud, Mesh, formats_read, formats_written, gpus, read, write
-from ._session import Live, Session
+from ._logs import Log, Replay, read_log, replay
+from ._matter import Matter, Parameter, PortEnergy
+from ._palpate import Cloud, Frame, LawInput, Mesh, formats_read, formats_written, gpus, read, write
+from ._session import Hand, Live, Session
 
 __all__ = [
     "Cloud",
     "Error",
+    "Frame",
+    "Hand",
+    "LawInput",
     "Live",
+    "Log",
+    "Matter",
     "Mesh",
+    "Parameter",
+    "PortEnergy",
+    "Replay",
     "Session",
     "UsageError",
     "formats_read",
     "formats_written",
     "gpus",
     "read",
+    "read_log",
+    "replay",
     "tick_dtype",
+    "tool_tick_dtype",
     "write",
 ]
 
@@ -41,9 +54,12 @@ if TYPE_CHECKING:
     import numpy
 
     tick_dtype: numpy.dtype[Any]  # of what touch() gives
+    tool_tick_dtype: numpy.dtype[Any]  # with a tool of many points
 
 
 def __getattr__(name: str) -> Any:
     if name == "tick_dtype":  # when it is first asked for: it takes NumPy, which takes longer than all of this
         return _palpate._tick_dtype()
+    if name == "tool_tick_dtype":
+        return _palpate._tool_tick_dtype()
     raise AttributeError(f"module 'palpate' has no attribute '{name}'")

@@ -8,12 +8,15 @@ import threading
 import time
 import weakref
 import zlib
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Callable
 
 from . import _palpate
 from ._errors import Error
+from ._matter import Parameter, PortEnergy, _by_name
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from types import TracebackType
 
     from numpy.typing import NDArray
@@ -21,11 +24,21 @@ if TYPE_CHECKING:
 _alive: weakref.WeakSet[Live] = weakref.WeakSet()
 
 
+@dataclass(frozen=True)
+class Hand:
+    """A hand of a live session after the first: its device, and the way that it follows where that is none (Session.live())."""
+
+    device: str | None = None
+    path: Any = None
+    builtin: str | None = None
+
+
 class Session(_palpate._Session):
-    """A cloud that is felt, seen and sculpted.
+    """A cloud, or a scene of matter, that is felt, seen and sculpted.
 
     Args:
-        cloud: the points; normals are estimated where it has none.
+        cloud: the points; normals are estimated where it has none. Or the name of a scene of matter that moves by itself, as
+            of Matter, in mm: a hand holds a ball in water and sand, and presses on what is soft.
         gpu: number or part of the name of a GPU; "cpu": none, in double precision; None: a GPU where there is one.
         mm_per_unit: millimetres per model unit; None: as the file says, or the longest side becomes 100 mm.
         surface: what the points define: "average", "sphere" (true to curvature) or "sharp" (keeps edges).
@@ -36,14 +49,25 @@ class Session(_palpate._Session):
         estimate_normals: also where the cloud has some.
         threads: of the CPU; 0: one per core.
         undo_memory_MiB: for strokes that can be taken back.
-        law: a compiled force law in place of spring and damper: "libmine.so:law", or a numba cfunc.
+        hands: that touch at the same time, 1 to 8; the first one sculpts, the others feel.
+        tool: of the first hand: "point", or many points that share the stiffness: "pad" (a fingertip), "ball", "spatula".
+        tool_points, tool_size_mm: of a pad, ball or spatula: 1 to 64; diameter or length.
+        tool_axis: where the face of a pad or spatula looks, in the model's axes.
+        moving: the points move, frame by frame, as add_frame() says; the cloud stands still until the first one.
+        keeps_points: of those: a point has its row in all frames.
+        most_points: of those: points of a frame; 0: as many as the cloud has.
+        law: a compiled force law of the first hand in place of spring and damper: "libmine.so:law", or a numba cfunc. With
+            allow_python a function of Python's, which is called with a LawInput in each tick of contact.
+        allow_python: takes such a function, which costs a tick some 30 us where nobody else holds Python's lock, and 5 ms and
+            more beside one busy thread. By path the tick waits for it. Live, it waits 0.3 ms; where the force comes later,
+            the last one is held for 10 ms and fades until 50 ms. What it raises is raised by touch(), wait() and stop().
 
     Raises Error, and UsageError for an argument that is out of its bounds. Threads may share it and wait for one another.
     """
 
     def __init__(
         self,
-        cloud: _palpate.Cloud,
+        cloud: _palpate.Cloud | str,
         gpu: int | str | None = None,
         mm_per_unit: float | None = None,
         *,
@@ -57,7 +81,16 @@ class Session(_palpate._Session):
         estimate_normals: bool = False,
         threads: int = 0,
         undo_memory_MiB: float = 1024,
+        hands: int = 1,
+        tool: str = "point",
+        tool_points: int = 16,
+        tool_size_mm: float = 10,
+        tool_axis: Sequence[float] = (0, 0, -1),
+        moving: bool = False,
+        keeps_points: bool = False,
+        most_points: int = 0,
         law: Any = None,
+        allow_python: bool = False,
     ) -> None:
         super().__init__(
             cloud,
@@ -73,9 +106,19 @@ class Session(_palpate._Session):
             estimate_normals=estimate_normals,
             threads=threads,
             undo_memory_MiB=undo_memory_MiB,
+            hands=hands,
+            tool=tool,
+            tool_points=tool_points,
+            tool_size_mm=tool_size_mm,
+            tool_axis=tool_axis,
+            moving=moving,
+            keeps_points=keeps_points,
+            most_points=most_points,
             law=law,
+            allow_python=allow_python,
         )
         self._live: Live | None = None
+        self._is_scene = isinstance(cloud, str)
 
     def __enter__(self) -> Session:
         return self
@@ -108,6 +151,8 @@ class Session(_palpate._Session):
         path: Any = None,
         builtin: str | None = None,
         law: Any = None,
+        allow_python: bool = False,
+        others: Sequence[Hand] = (),
         interval_s: float = 1 / 30,
     ) -> Live:
         """Begins ticks against the wall clock, on a servo thread that Python has no part in.
@@ -115,12 +160,17 @@ class Session(_palpate._Session):
         Args:
             device: openhaptics[:NAME], dhd[:NUMBER], hid[:WHICH], sim, replay:FILE or path; None: path.
             rate: ticks per second; 0: the session's.
-            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`.
+            on_ticks: is called with blocks of ticks (tick_dtype), on a thread of its own, each `interval_s`; of several hands
+                with shape (ticks, hands).
             path: of a device that is none: an array as of touch(), followed once.
             builtin: of sim and path: "press", "slide", "scan" or "orbit".
-            law: in place of the session's.
+            law, allow_python: in place of the session's, as there.
+            others: the hands after the first.
+
+        A scene of matter begins from the start. Where it diverges wait() and stop() raise Error.
         """
-        self._live_start(device, rate, builtin, path, law)
+        rest = [(hand.device, hand.builtin, hand.path) for hand in others]
+        self._live_start(device, rate, builtin, path, law, allow_python, rest)
         self._live = Live(self, on_ticks, interval_s)
         return self._live
 
@@ -169,6 +219,31 @@ class Session(_palpate._Session):
         """ "vulkan" or "cpu"."""
         return str(self._info()["backend"])
 
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """Of a scene of matter: those that set() changes, by name."""
+        return _by_name(self._parameters())
+
+    @property
+    def port_energies(self) -> list[PortEnergy]:
+        """Of a scene of matter: what each hand has put into it."""
+        return [PortEnergy(*energy) for energy in self._motion()["energies_J"]]
+
+    @property
+    def held(self) -> bool:
+        """Whether a scene of matter stands still, by hold()."""
+        return bool(self._motion()["held"])
+
+    @property
+    def failure(self) -> str | None:
+        """Why a scene of matter goes on no more until reset(), as "has diverged"; None while it does."""
+        return str(self._motion()["failure"]) or None
+
+    @property
+    def left_out_s(self) -> float:
+        """Time by which a live scene of matter has stayed behind the clock, and which it leaves out."""
+        return float(self._motion()["left_out_s"])
+
     def __repr__(self) -> str:
         try:
             info = self._info()
@@ -193,6 +268,7 @@ class Live:
         self._over = threading.Event()
         self._failure: BaseException | None = None
         self._failed = False
+        self._diverged: str | None = None
         self._thread: threading.Thread | None = None
         _alive.add(self)
         if on_ticks is not None:
@@ -203,7 +279,9 @@ class Live:
         """The ticks since the last call; only where there is no on_ticks, which has them. Raises what ended the session."""
         if self._on_ticks is not None:
             raise Error("the ticks go to on_ticks", status="state")
-        return self._session._live_take()
+        ticks = self._session._live_take()
+        self._look_at_scene()
+        return ticks
 
     def wait(self, seconds: float | None = None) -> bool:
         """Waits until the session ends, or so long. True where it has ended; raises what went wrong on_ticks or with it."""
@@ -211,6 +289,9 @@ class Live:
         while self.running and (end is None or time.monotonic() < end):
             left = self._interval_s if end is None else min(self._interval_s, max(0.0, end - time.monotonic()))
             if self._over.wait(left):
+                break
+            self._look_at_scene()
+            if self._diverged:
                 break
         self._raise()
         return not self.running
@@ -224,6 +305,11 @@ class Live:
     def running(self) -> bool:
         """False once it has ended, or was stopped."""
         return not self._over.is_set() and self._session._live_running()
+
+    @property
+    def late_laws(self) -> int:
+        """Ticks that a force law in Python was too late for."""
+        return self._session._live_late()
 
     @property
     def missed(self) -> int:
@@ -255,8 +341,13 @@ class Live:
             self._failure, self._failed = failure, True
             self._over.set()
 
+    def _look_at_scene(self) -> None:
+        if self._session._is_scene:
+            self._diverged = self._session.failure
+
     def _pass_on(self) -> None:
         ticks = self._session._live_take()
+        self._look_at_scene()
         if len(ticks) and self._on_ticks is not None:
             self._on_ticks(ticks)
 
@@ -267,6 +358,7 @@ class Live:
         self._over.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
+        self._look_at_scene()
         self._session._live_stop()
         if self._on_ticks is not None and not self._failed:
             try:
@@ -278,6 +370,9 @@ class Live:
         failure, self._failure = self._failure, None
         if failure is not None:
             raise failure
+        self._session._live_raise()
+        if self._diverged:
+            raise Error(f"the simulation {self._diverged}", status="simulation")
 
 
 def _png(rgba: NDArray[Any]) -> bytes:

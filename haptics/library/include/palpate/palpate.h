@@ -3,20 +3,22 @@
  * Units: positions in model units (the coordinates of the cloud's file), lengths that a hand feels in mm, forces in N,
  * stiffness in N/mm, times in s. Axes are right-handed.
  *
- * Errors: every function that can fail returns a pp_status. What went wrong stands in words in pp_last_error(), for each
- * thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program.
+ * Errors: every function that can fail returns a pp_status. What went wrong stands in words in pp_last_error(), for
+ * each thread its own, until another call of that thread fails. Nothing is thrown, and nothing ends the program.
  *
  * Handles are small values that may be copied. One that is null, closed, or of another kind gives PP_ERROR_HANDLE.
  * Whoever opens closes, in any order: a session keeps what it needs of its cloud.
  *
- * Threads: clouds and meshes are never changed, and may be used by any number of threads. Of a session one thread may call
- * pp_touch() and pp_touch_lift() (its servo thread) while another one looks: pp_session_follow(), pp_session_render(),
- * pp_session_mesh(), pp_session_get_info(), pp_live_take(), pp_live_get_state(). All other calls want it for themselves.
- * Two calls that do not go together: the later one gives PP_ERROR_THREAD and does nothing.
+ * Threads: clouds, meshes, frames and logs are never changed, and may be used by any number of threads. Of a session
+ * one thread may call pp_touch(), pp_touch_hands() and pp_touch_lift() (its servo thread) while another one looks:
+ * pp_session_follow(), pp_session_render(), pp_session_mesh(), pp_session_get_info(), pp_session_frame(), what governs
+ * matter (pp_session_hold() and those after it), pp_live_take(), pp_live_get_state(). All other calls want it for
+ * themselves, as all calls on a pp_matter do. Two calls that do not go together: the later one gives PP_ERROR_THREAD
+ * and does nothing.
  *
- * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is compiled
- * into the program and hands the size that it knows to pp_init_…(), which a program in another language calls itself; so a
- * library that is newer than the program takes the defaults for what the program does not know.
+ * Options: a struct that begins with `size` is filled by its pp_default_…() function, and then changed. That is
+ * compiled into the program and hands the size that it knows to pp_init_…(), which a program in another language calls
+ * itself; so a library that is newer than the program takes the defaults for what the program does not know.
  */
 #ifndef PALPATE_H
 #define PALPATE_H
@@ -59,7 +61,8 @@ typedef enum pp_status {
   PP_ERROR_DEVICE = 8,      /* the haptic device failed */
   PP_ERROR_UNSUPPORTED = 9, /* this palpate was built without it */
   PP_ERROR_FAILED = 10,     /* anything else; the words say what and what to do */
-  PP_ERROR_BUG = 11         /* of palpate: close what the call was about, and report the words */
+  PP_ERROR_BUG = 11,        /* of palpate: close what the call was about, and report the words */
+  PP_ERROR_SIMULATION = 12  /* matter has diverged, or is too dense to be simulated; it goes on once it is reset */
 } pp_status;
 
 /* "0.1.0", of the library that runs. */
@@ -161,6 +164,8 @@ PP_API pp_status pp_gpu_count(uint32_t* count);
 /* With its end, into `name`, cut off after `capacity` bytes. */
 PP_API pp_status pp_gpu_name(uint32_t index, char* name, uint64_t capacity);
 
+#include <palpate/vulkan.h>
+
 /* --- Sessions: a cloud that is felt, seen and sculpted. ------------------------------------------------------------ */
 
 typedef struct pp_session {
@@ -218,6 +223,20 @@ typedef struct pp_feel {
 } pp_feel;
 PP_OPTIONS(feel)
 
+/* What touches: a point, or many that share the stiffness, each with a proxy of its own. */
+typedef struct pp_tool {
+  uint32_t size;
+  uint32_t points;  /* of a pad, ball or spatula, 1 to 64 */
+  const char* kind; /* "point", "pad" (a fingertip), "ball" or "spatula"; null: point */
+  double size_mm;   /* diameter of a pad or ball, length of a spatula */
+  double
+      axis[3]; /* where the face of a pad or spatula looks while it is not turned; model's axes, of any length but 0 */
+} pp_tool;
+PP_OPTIONS(tool)
+
+/* Hands that touch one session at most. */
+#define PP_MOST_HANDS 8
+
 typedef struct pp_session_options {
   uint32_t size;
   uint32_t threads;   /* of the CPU; 0: one per core */
@@ -234,10 +253,20 @@ typedef struct pp_session_options {
   const char* law_library; /* "libmine.so:function": a force law that is loaded, in place of `law` */
   pp_log_function log; /* hears remarks; null: nobody. Until the session is closed. */
   void* log_user;
+  uint32_t hands; /* that touch at the same time, 1 to PP_MOST_HANDS; the first one sculpts, the others feel; 0: 1 */
+  uint32_t reserved2;
+  const pp_tool* tool;            /* of the first hand; null: a point. The others touch with a point. */
+  const pp_vulkan_device* vulkan; /* a device of the program's own, in place of one by name; null: there is none */
 } pp_session_options;
 PP_OPTIONS(session_options)
 /* Builds the index; normals are estimated where the cloud has none. Options may be null. */
 PP_API pp_status pp_session_open(pp_cloud cloud, const pp_session_options* options, pp_session* session);
+/* The same of a scene of matter that moves by itself, in millimetres: "water", "sand", "jelly" or another one that is
+ * built in, "FILE in water", "FILE in sand" or "soft FILE" with a closed cloud or mesh, or a JSON file. Each hand holds
+ * a ball in water and sand, and presses on the surface of what is soft; of that a brush changes the shape. By path it
+ * goes as far as the path does, from path to path; with a budget, and live, it follows the clock. Where time goes back,
+ * and where a live session begins or has ended, the scene begins from the start. Options may be null. */
+PP_API pp_status pp_session_open_matter(const char* scene, const pp_session_options* options, pp_session* session);
 /* Ends it, and the live session with it. */
 PP_API pp_status pp_session_close(pp_session session);
 
@@ -269,7 +298,8 @@ typedef struct pp_path {
   int64_t stride;   /* bytes from a row to the next; 0: the rows follow one another */
 } pp_path;
 PP_OPTIONS(path)
-/* How many ticks a path takes at the session's rate. */
+/* How many ticks a path takes at the session's rate. Where there are several hands, the longest of their paths counts.
+ */
 PP_API pp_status pp_path_ticks(pp_session session, const pp_path* path, uint64_t* count);
 
 /* Follows the path in virtual time, as fast as it goes, and only feels: the same path gives the same ticks. `ticks` has
@@ -281,7 +311,12 @@ PP_API pp_status pp_session_touch(pp_session session, const pp_path* path, pp_ti
  * after it allocate nothing while nothing is edited, and with a budget take no longer than that by much. PP_OK also where
  * contact->valid is 0. */
 PP_API pp_status pp_touch(pp_session session, const pp_pose* pose, pp_contact* contact);
-/* The hand was lifted, and is put down elsewhere with the next pose. */
+/* The same for all hands of a session at once: `poses`, `contacts` and the others have `hands` of them, all of the same
+ * time, that of the first one. `turns`: of each hand's tool, unit quaternions w x y z; null: none is turned.
+ * `torques_mNm`: of tools, about the HIP, 3 for each hand; null: not wanted. */
+PP_API pp_status pp_touch_hands(pp_session session, const pp_pose* poses, const double* turns, uint32_t hands,
+                                pp_contact* contacts, double* torques_mNm);
+/* All hands were lifted, and are put down elsewhere with the next poses. */
 PP_API pp_status pp_touch_lift(pp_session session);
 
 /* A brush changes the points that it reaches while the hand is deeper than tau_mm. */
@@ -304,6 +339,13 @@ PP_API pp_status pp_session_set_feel(pp_session session, const pp_feel* feel);
 /* pp_session_touch() with a brush, for this one path. A stroke is all that is done in one contact. */
 PP_API pp_status pp_session_stroke(pp_session session, const pp_path* path, const pp_brush* brush, pp_tick* ticks,
                                    uint64_t capacity, uint64_t* count);
+/* pp_session_touch() or pp_session_stroke() for all hands of a session: `paths` has one for each of them, `hands` of
+ * them, and a hand whose path has ended stays there. `ticks` and `capacity` count rows: those of all hands at a tick,
+ * in order, and then those at the next one. `brush`: the first hand's; null: it only feels. `torques_mNm`: of tools,
+ * about the HIP, 3 for each row; null: not wanted. */
+PP_API pp_status pp_session_touch_hands(pp_session session, const pp_path* const* paths, uint32_t hands,
+                                        const pp_brush* brush, pp_tick* ticks, double* torques_mNm, uint64_t capacity,
+                                        uint64_t* count);
 /* Takes back the last strokes, or does those again that were taken back last; each point is as it was, to the last bit.
  * `done`: how many there were; may be null. */
 PP_API pp_status pp_session_undo(pp_session session, uint64_t strokes, uint64_t* done);
@@ -372,13 +414,17 @@ typedef struct pp_live_options {
   pp_force_law law;    /* null: the session's */
   void* law_user;
   const char* law_library; /* null: the session's */
+  /* Of the next hand, where the session has several: its device, builtin, path, and its own `next`. Its rate is the
+   * first one's, and a law is of the first hand alone. A device that would call the ticks is called by them. */
+  const struct pp_live_options* next;
 } pp_live_options;
 PP_OPTIONS(live_options)
 /* Begins ticks against the wall clock, on a thread of their own. Until pp_live_stop() a session does what looks at it, and
  * nothing else. Options may be null. */
 PP_API pp_status pp_live_start(pp_session session, const pp_live_options* options);
-/* Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks that
- * nobody takes for half a minute at 1 kHz are left out. Where the session has ended by itself, PP_ERROR_DEVICE or
+/* Where there are several hands, `capacity` and `count` are of rows, as of pp_session_touch_hands(), of whole ticks.
+ * Copies the ticks since the last call, as many as there is room for, and takes in what was done to the points. Ticks
+ * that nobody takes for half a minute at 1 kHz are left out. Where the session has ended by itself, PP_ERROR_DEVICE or
  * PP_ERROR_GPU, once no ticks are left. */
 PP_API pp_status pp_live_take(pp_session session, pp_tick* ticks, uint64_t capacity, uint64_t* count);
 
@@ -394,6 +440,10 @@ PP_API pp_status pp_live_get_state(pp_session session, pp_live_state* state);
 PP_API pp_status pp_live_set_forces(pp_session session, uint32_t on);
 /* Waits for the tick under way; the device has no force then. What was not taken yet still can be. */
 PP_API pp_status pp_live_stop(pp_session session);
+
+#include <palpate/frames.h>
+#include <palpate/logs.h>
+#include <palpate/matter.h>
 
 #ifdef __cplusplus
 }

@@ -139,12 +139,102 @@ class Mesh : public detail::Owned<pp_mesh, pp_mesh_close> {
   }
 };
 
-/// A cloud that is felt, seen and sculpted.
+/// Points that move, as they were at a time; never changed.
+class Frame : public detail::Owned<pp_frame, pp_frame_close> {
+ public:
+  using Owned::Owned;
+  /// Where the points lie, as long as this is open; nothing is copied.
+  pp_moving_points view() const {
+    pp_moving_points points{};
+    check(pp_frame_view(handle(), &points));
+    return points;
+  }
+};
+
+/// A session log, read and never changed.
+class Log : public detail::Owned<pp_log, pp_log_close> {
+ public:
+  using Owned::Owned;
+  /// Of one that is damaged or cut off all that is whole.
+  static Log read(const std::string& file) {
+    pp_log log{};
+    check(pp_log_read(file.c_str(), &log));
+    return Log(log);
+  }
+  /// Its ticks and edits, as long as this is open; nothing is copied.
+  pp_log_content view() const {
+    pp_log_content content{};
+    check(pp_log_view(handle(), &content));
+    return content;
+  }
+};
+
+/// Runs a recorded session again, and says whether it came out the same.
+inline pp_replay_result replay(const std::string& file,
+                               const pp_replay_options& options = pp_default_replay_options()) {
+  pp_replay_result result = pp_default_replay_result();
+  check(pp_log_replay(file.c_str(), &options, &result));
+  return result;
+}
+
+/// Matter that moves by itself, and that no hand touches. For one thread at a time.
+class Matter : public detail::Owned<pp_matter, pp_matter_close> {
+ public:
+  using Owned::Owned;
+  /// A scene by its name, or in a file (pp_session_open_matter()).
+  explicit Matter(const std::string& scene, const pp_matter_options& options = pp_default_matter_options()) {
+    pp_matter matter{};
+    check(pp_matter_open(scene.c_str(), &options, &matter));
+    *this = Matter(matter);
+  }
+  /// So many milliseconds further. Throws Error with PP_ERROR_SIMULATION where it fails on the way.
+  void step(std::uint64_t steps = 1) { check(pp_matter_step(handle(), steps)); }
+  void reset() { check(pp_matter_reset(handle())); }
+  Frame frame() const {
+    pp_frame frame{};
+    check(pp_matter_frame(handle(), &frame));
+    return Frame(frame);
+  }
+  std::vector<pp_parameter> parameters() const {
+    std::uint64_t count = 0;
+    check(pp_matter_parameter_count(handle(), &count));
+    std::vector<pp_parameter> all(count);
+    for (std::uint64_t i = 0; i < count; ++i) check(pp_matter_get_parameter(handle(), i, &all[i]));
+    return all;
+  }
+  void setParameter(const std::string& name, double value) {
+    check(pp_matter_set_parameter(handle(), name.c_str(), value));
+  }
+  pp_matter_state state() const {
+    pp_matter_state state = pp_default_matter_state();
+    check(pp_matter_get_state(handle(), &state));
+    return state;
+  }
+};
+
+/// A cloud, or a scene of matter, that is felt, seen and sculpted.
 class Session : public detail::Owned<pp_session, pp_session_close> {
  public:
   using Owned::Owned;
   explicit Session(const Cloud& cloud, const pp_session_options& options = pp_default_session_options())
       : Owned(made(cloud, options)) {}
+
+  /// Of a scene of matter that moves by itself (pp_session_open_matter()).
+  static Session ofMatter(const std::string& scene, const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_matter(scene.c_str(), &options, &session));
+    return Session(session);
+  }
+
+  /// Of points that come frame by frame (pp_session_open_frames()).
+  static Session ofFrames(const Cloud& cloud, const pp_frames_options& frames = pp_default_frames_options(),
+                          const pp_session_options& options = pp_default_session_options()) {
+    pp_session session{};
+    check(pp_session_open_frames(cloud.handle(), &frames, &options, &session));
+    return Session(session);
+  }
+  /// From any thread.
+  void pushFrame(const pp_frame_arrays& frame) { check(pp_session_push_frame(handle(), &frame)); }
 
   pp_session_info info() const {
     pp_session_info info = pp_default_session_info();
@@ -166,7 +256,31 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     check(pp_touch(handle(), &pose, &contact));
     return contact;
   }
+  /// The same for all hands at once. `turns`: of their tools, w x y z each; null: none is turned.
+  std::vector<pp_contact> touch(const std::vector<pp_pose>& poses, const double* turns = nullptr) {
+    std::vector<pp_contact> contacts(poses.size());
+    check(pp_touch_hands(handle(), poses.data(), turns, static_cast<std::uint32_t>(poses.size()), contacts.data(),
+                         nullptr));
+    return contacts;
+  }
   void lift() { check(pp_touch_lift(handle())); }
+  /// Each hand follows its path; the first one sculpts where `brush` is not null. Rows of all hands at a tick, and then
+  /// those at the next one.
+  std::vector<pp_tick> touchHands(const std::vector<pp_path>& paths, const pp_brush* brush = nullptr) {
+    std::vector<const pp_path*> given;
+    std::uint64_t most = 0;
+    for (const pp_path& path : paths) {
+      given.push_back(&path);
+      const std::uint64_t ticks = ticksOf(path);
+      if (ticks > most) most = ticks;
+    }
+    std::vector<pp_tick> ticks(most * paths.size());
+    std::uint64_t count = 0;
+    check(pp_session_touch_hands(handle(), given.data(), static_cast<std::uint32_t>(given.size()), brush, ticks.data(),
+                                 nullptr, ticks.size(), &count));
+    ticks.resize(count);
+    return ticks;
+  }
 
   void setBrush(const pp_brush& brush) { check(pp_session_set_brush(handle(), &brush)); }
   void setNoBrush() { check(pp_session_set_brush(handle(), nullptr)); }
@@ -209,8 +323,35 @@ class Session : public detail::Owned<pp_session, pp_session_close> {
     return Mesh(mesh);
   }
 
+  // Of matter that moves by itself.
+  Frame frame() const {
+    pp_frame frame{};
+    check(pp_session_frame(handle(), &frame));
+    return Frame(frame);
+  }
+  void hold(bool on = true) { check(pp_session_hold(handle(), on ? 1 : 0)); }
+  void reset() { check(pp_session_reset(handle())); }
+  std::vector<pp_parameter> parameters() const {
+    std::uint64_t count = 0;
+    check(pp_session_parameter_count(handle(), &count));
+    std::vector<pp_parameter> all(count);
+    for (std::uint64_t i = 0; i < count; ++i) check(pp_session_get_parameter(handle(), i, &all[i]));
+    return all;
+  }
+  void setParameter(const std::string& name, double value) {
+    check(pp_session_set_parameter(handle(), name.c_str(), value));
+  }
+  pp_motion motion() const {
+    pp_motion motion = pp_default_motion();
+    check(pp_session_get_motion(handle(), &motion));
+    return motion;
+  }
+
+  /// The next path, or the next live session, goes into a session log (pp_session_record()).
+  void record(const std::string& file) { check(pp_session_record(handle(), file.c_str())); }
+
   void startLive(const pp_live_options& options) { check(pp_live_start(handle(), &options)); }
-  /// The ticks since the last call, `most` of them at most.
+  /// The rows of ticks since the last call, `most` of them at most: one for each hand.
   std::vector<pp_tick> takeTicks(std::size_t most = 4096) {
     std::vector<pp_tick> ticks(most);
     std::uint64_t count = 0;

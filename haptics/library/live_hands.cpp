@@ -1,4 +1,4 @@
-#include "haptics/library/live_hand.hpp"
+#include "haptics/library/live_hands.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,9 @@ namespace palpate::library {
 
 namespace {
 
-HandSource opened(const pp_live_options& options, const LiveHand::Surroundings& with, double rate_Hz) {
-  HandConfig config{.device = options.device ? options.device : "path"};
+HandSource opened(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz, bool first) {
+  // The ticks are the first one's.
+  HandConfig config{.device = options.device ? options.device : "path", .ownScheduler = !first};
   if (options.builtin) config.path = std::string("builtin:") + options.builtin;
   if (options.path) {
     if (options.builtin || config.device != "path")
@@ -24,6 +25,22 @@ HandSource opened(const pp_live_options& options, const LiveHand::Surroundings& 
   if (config.path.empty() && (config.device == "path" || config.device == "sim"))
     throw UsageError("device: {} follows a path, or builtin, and neither is given", config.device);
   return openHand(config, {.model = with.session.model(), .rate_Hz = rate_Hz, .log = with.log});
+}
+
+std::vector<HandSource> openedAll(const pp_live_options& options, const LiveHands::Surroundings& with, double rate_Hz) {
+  std::vector<HandSource> hands;
+  const std::size_t wanted = with.session.config().hands.size();
+  hands.push_back(opened(options, with, rate_Hz, true));
+  for (const pp_live_options* next = options.next; next;) {
+    if (hands.size() == wanted) throw UsageError("next: the session has {} hands, and more are given", wanted);
+    const pp_live_options given = optionsFrom(next, "next");
+    if (given.law || given.law_library) throw UsageError("next: a force law is of the first hand alone");
+    if (given.rate_Hz != 0) throw UsageError("next: the rate is the first hand's");
+    hands.push_back(opened(given, with, rate_Hz, false));
+    next = given.next;
+  }
+  if (hands.size() < wanted) throw UsageError("next: the session has {} hands, and {} are given", wanted, hands.size());
+  return hands;
 }
 
 double rateFrom(const pp_live_options& options, const Session& session) {
@@ -53,21 +70,28 @@ pp_tick tickOf(const TraceRow& row) {
   return tick;
 }
 
-LiveHand::LiveHand(const pp_live_options& options, const Surroundings& with)
-    : rate_Hz_(rateFrom(options, with.session)),
+LiveHands::LiveHands(const pp_live_options& options, const Surroundings& with)
+    : with_(with),
+      rate_Hz_(rateFrom(options, with.session)),
       law_(options.law, options.law_user, textOf(options.law_library), with.session.model().scale.mm_per_unit),
-      hand_(opened(options, with, rate_Hz_)) {
+      hands_(openedAll(options, with, rate_Hz_)),
+      hasLaw_(static_cast<bool>(law_.custom())) {}
+
+void LiveHands::start() {
+  std::vector<OpenHand> hands;
+  for (const HandSource& source : hands_) hands.push_back(source.hand());
   const CustomForce own = law_.custom();
-  thread_.emplace(with.session, hand_.hand(),
-                  ServoThread::Options{.forcesOn = &with.forcesOn, .law = own ? own : with.law, .rate_Hz = rate_Hz_});
+  thread_.emplace(with_.session, hands,
+                  ServoThread::Options{
+                      .forcesOn = &with_.forcesOn, .law = own ? own : with_.law, .rate_Hz = rate_Hz_});
 }
 
-void LiveHand::stop() {
+void LiveHands::stop() {
   stopped_ = true;
-  thread_->stop();
+  if (thread_) thread_->stop();
 }
 
-std::uint64_t LiveHand::take(pp_tick* ticks, std::uint64_t capacity) {
+std::uint64_t LiveHands::take(pp_tick* ticks, std::uint64_t capacity) {
   if (next_ == waiting_.size()) {
     const bool ended = thread_->hasEnded();  // before the last ticks are taken
     waiting_.clear();
@@ -79,16 +103,17 @@ std::uint64_t LiveHand::take(pp_tick* ticks, std::uint64_t capacity) {
       throw GpuError("{}", why);
     }
   }
-  const std::uint64_t count = std::min<std::uint64_t>(capacity, waiting_.size() - next_);
+  const std::size_t hands = hands_.size();
+  const std::uint64_t count = std::min<std::uint64_t>(capacity / hands, (waiting_.size() - next_) / hands);
   for (std::uint64_t i = 0; i < count; ++i) {
-    const TraceRow& row = waiting_[next_++];
-    ticks[i] = tickOf(row);
+    const double time_s = waiting_[next_].time_s;
+    for (std::size_t hand = 0; hand < hands; ++hand) ticks[i * hands + hand] = tickOf(waiting_[next_++]);
     if (lastTime_s_)
-      missed_ += static_cast<std::uint64_t>(std::max(0LL, std::llround((row.time_s - *lastTime_s_) * rate_Hz_) - 1));
-    lastTime_s_ = row.time_s;
+      missed_ += static_cast<std::uint64_t>(std::max(0LL, std::llround((time_s - *lastTime_s_) * rate_Hz_) - 1));
+    lastTime_s_ = time_s;
   }
   ticks_ += count;
-  return count;
+  return count * hands;
 }
 
 }  // namespace palpate::library

@@ -1,4 +1,4 @@
-#include "apps/cli/matter_options.hpp"
+#include "haptics/session/matter_scenes.hpp"
 
 #include <fmt/ranges.h>
 

@@ -1,4 +1,4 @@
-// A scene of matter as the model, as the command line names it.
+// A scene of matter as the model, by its name.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,8 @@
 
 namespace palpate {
 
-/// One that is built in, a closed cloud in its place ("bunny.ply in water", "soft bunny.ply"), or else a JSON file. Throws FileError, and Error as planOf() does.
+/// One that is built in, a closed cloud in its place ("bunny.ply in water", "soft bunny.ply"), or else a JSON file. Throws
+/// FileError, and Error as planOf() does.
 MatterScene readSceneNamed(const std::string& name);
 
 /// What a model's name says of matter: a scene that is built in, where no file has its name, or in a .json file, with a tool

@@ -1,4 +1,4 @@
-#include "apps/cli/replay_comparison.hpp"
+#include "haptics/session/replay_comparison.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,149 @@
+#include "apps/python/law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace palpate::python {
+
+namespace {
+
+/// What a law in Python is called with.
+struct LawInput {
+  pp_pose pose;
+  pp_contact contact;
+  double dt_s;
+};
+
+using Vector = std::array<double, 3>;
+
+Vector vectorOf(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+}  // namespace
+
+void PythonLaw::setLive(bool live) {
+  if (live == live_) return;
+  live_ = live;
+  if (live) {
+    begin();
+    stop_ = false;
+    isAsked_ = false;
+    last_ = {};
+    while (asked_.try_acquire() || answered_.try_acquire()) {
+    }
+    thread_ = std::thread([this] { serve(); });
+    return;
+  }
+  stop_ = true;
+  asked_.release();
+  const py::gil_scoped_release released;  // which it may be waiting for
+  thread_.join();
+}
+
+void PythonLaw::begin() {
+  failed_ = false;
+  raised_ = nullptr;
+}
+
+void PythonLaw::raise() {
+  if (!failed_) return;
+  if (const std::exception_ptr raised = std::exchange(raised_, nullptr)) std::rethrow_exception(raised);
+}
+
+PythonLaw::Answer PythonLaw::answerTo(const Question& question) {
+  Answer answer{.t_s = question.pose.t_s};
+  if (failed_) return answer;
+  const py::gil_scoped_acquire held;
+  try {
+    const py::object given = callable_(LawInput{question.pose, question.contact, question.dt_s});
+    const auto force_N = given.cast<Vector>();
+    if (!std::ranges::all_of(force_N, [](double f) { return std::isfinite(f); }))
+      throw py::value_error("law: gave a force that is not finite");
+    answer.force_N = force_N;
+  } catch (const py::cast_error&) {
+    raised_ = std::make_exception_ptr(py::type_error("law: gave no force of three numbers, N"));
+    failed_ = true;
+  } catch (...) {
+    raised_ = std::current_exception();
+    failed_ = true;
+  }
+  return answer;
+}
+
+void PythonLaw::serve() {
+  for (asked_.acquire(); !stop_; asked_.acquire()) {
+    answer_ = answerTo(question_);
+    answered_.release();
+  }
+}
+
+void PythonLaw::answerLive(const Question& question, double force_N[3]) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  const auto takes = [&] {
+    if (!isAsked_ || !answered_.try_acquire_until(end)) return false;
+    isAsked_ = false;
+    last_ = answer_;
+    return true;
+  };
+  takes();  // what was too late for an earlier tick
+  if (!isAsked_) {
+    question_ = question;
+    isAsked_ = true;
+    asked_.release();
+    takes();
+  }
+  const double age_s = question.pose.t_s - last_.t_s;
+  if (age_s > 0) ++late_;
+  const double left = failed_ ? 0 : std::clamp((kGone_s - age_s) / (kGone_s - kHeld_s), 0.0, 1.0);
+  for (std::size_t k = 0; k < 3; ++k) force_N[k] = left * last_.force_N[k];
+}
+
+void PythonLaw::call(void* user, const pp_pose* pose, const pp_contact* contact, double dt_s, double force_N[3]) {
+  auto& law = *static_cast<PythonLaw*>(user);
+  const Question question{*pose, *contact, dt_s};
+  if (law.live_) return law.answerLive(question, force_N);
+  const Answer answer = law.answerTo(question);
+  std::ranges::copy(answer.force_N, force_N);
+}
+
+Law::Law(const py::object& given, bool allowPython) {
+  if (given.is_none()) return;
+  if (py::isinstance<py::str>(given)) {
+    library_ = given.cast<std::string>();
+    return;
+  }
+  const py::object address = py::hasattr(given, "address") ? py::object(given.attr("address")) : given;
+  if (py::isinstance<py::int_>(address) && !py::isinstance<py::bool_>(address)) {
+    function_ = reinterpret_cast<pp_force_law>(address.cast<std::uintptr_t>());
+    return;
+  }
+  if (PyCallable_Check(given.ptr()) == 0)
+    throw py::type_error("law: " + std::string(py::str(py::type::of(given))) +
+                         " is no force law; one is \"libmine.so:law\", a numba cfunc, or a function");
+  if (!allowPython)
+    throw py::type_error(
+        "law: a function of Python's runs in every tick and waits for Python's lock: some 30 us where nobody else "
+        "holds it, and 5 ms and more beside one busy thread of Python's, which a hand feels as a force that lags and "
+        "fades. Take a compiled function (\"libmine.so:law\", or a numba cfunc), or say allow_python=True");
+  python_ = std::make_shared<PythonLaw>(given);
+  function_ = &PythonLaw::call;
+}
+
+void bindLaws(py::module_& module) {
+  py::class_<LawInput>(
+      module, "LawInput",
+      "What a force law in Python is called with, once a tick: t_s and dt_s (s), hip, proxy and normal\n"
+      "(model units), force_N (of spring and damper), penetration_mm, neighbours, fresh. It returns the\n"
+      "force on the hand, three numbers in N; limits of size and rise act on it.")
+      .def_property_readonly("t_s", [](const LawInput& in) { return in.pose.t_s; })
+      .def_property_readonly("dt_s", [](const LawInput& in) { return in.dt_s; })
+      .def_property_readonly("hip", [](const LawInput& in) { return vectorOf(in.pose.hip); })
+      .def_property_readonly("proxy", [](const LawInput& in) { return vectorOf(in.contact.proxy); })
+      .def_property_readonly("normal", [](const LawInput& in) { return vectorOf(in.contact.normal); })
+      .def_property_readonly("force_N", [](const LawInput& in) { return vectorOf(in.contact.force_N); })
+      .def_property_readonly("penetration_mm", [](const LawInput& in) { return in.contact.penetration_mm; })
+      .def_property_readonly("neighbours", [](const LawInput& in) { return in.contact.neighbours; })
+      .def_property_readonly("fresh", [](const LawInput& in) { return in.contact.fresh != 0; });
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,153 @@
+// Session logs in Python.
+#include <cstddef>
+
+#include "apps/python/session.hpp"
+
+namespace palpate::python {
+
+namespace {
+
+class PyLog {
+ public:
+  explicit PyLog(pp::Log log) : log_(std::move(log)) {}
+  pp_log_content view() const { return log_.view(); }
+
+ private:
+  pp::Log log_;
+};
+
+using LogPointer = std::shared_ptr<PyLog>;
+
+/// Fields where a struct of the library has them.
+class Fields {
+ public:
+  Fields& add(const char* name, const char* format, std::size_t offset) {
+    names_.append(name);
+    formats_.append(format);
+    offsets_.append(offset);
+    return *this;
+  }
+  py::dtype type(std::size_t bytes) const {
+    return py::dtype(names_, formats_, offsets_, static_cast<py::ssize_t>(bytes));
+  }
+
+ private:
+  py::list names_, formats_, offsets_;
+};
+
+py::dtype logTickType() {
+  Fields fields;
+  fields.add("t_s", "f8", offsetof(pp_log_tick, t_s))
+      .add("device", "3f8", offsetof(pp_log_tick, device))
+      .add("turn", "4f8", offsetof(pp_log_tick, turn))
+      .add("proxy", "3f8", offsetof(pp_log_tick, proxy))
+      .add("force_N", "3f8", offsetof(pp_log_tick, force_N))
+      .add("edits", "u8", offsetof(pp_log_tick, edits))
+      .add("neighbours", "u4", offsetof(pp_log_tick, neighbours))
+      .add("buttons", "u4", offsetof(pp_log_tick, buttons))
+      .add("contact", "?", offsetof(pp_log_tick, contact))
+      .add("fresh", "?", offsetof(pp_log_tick, fresh))
+      .add("valid", "?", offsetof(pp_log_tick, valid))
+      .add("put_down", "?", offsetof(pp_log_tick, put_down))
+      .add("forceless", "?", offsetof(pp_log_tick, forceless))
+      .add("edit_left_out", "?", offsetof(pp_log_tick, edit_left_out));
+  return fields.type(sizeof(pp_log_tick));
+}
+
+py::dtype logEditType() {
+  Fields fields;
+  fields.add("point", "u4", offsetof(pp_log_edit, point))
+      .add("parent", "u4", offsetof(pp_log_edit, parent))
+      .add("position", "3f4", offsetof(pp_log_edit, position))
+      .add("normal", "3f4", offsetof(pp_log_edit, normal))
+      .add("color", "4u1", offsetof(pp_log_edit, color))
+      .add("gone", "u4", offsetof(pp_log_edit, gone));
+  return fields.type(sizeof(pp_log_edit));
+}
+
+py::array rowsOf(const py::dtype& type, const void* rows, std::uint64_t count, const py::object& owner) {
+  if (count == 0) return py::array(type, 0);
+  py::array view(type, {count}, {}, rows, owner);
+  view.attr("setflags")(py::arg("write") = false);
+  return view;
+}
+
+py::dict replayed(const py::object& log, const std::shared_ptr<PyCloud>& cloud, const py::object& model,
+                  const std::optional<std::string>& gpu, std::uint32_t threads, double tolerance) {
+  const std::string file = fileOf(log), name = model.is_none() ? std::string() : fileOf(model);
+  pp_replay_options options = pp_default_replay_options();
+  options.threads = threads;
+  options.gpu = gpu ? gpu->c_str() : nullptr;
+  options.model = name.empty() ? nullptr : name.c_str();
+  if (cloud) options.cloud = cloud->cloud().handle();
+  options.tolerance = tolerance;
+  pp_replay_result result = pp_default_replay_result();
+  {
+    py::gil_scoped_release released;
+    result = pp::replay(file, options);
+  }
+  py::dict told;
+  told["identical"] = result.identical != 0;
+  told["ticks"] = result.ticks;
+  told["compared"] = result.compared;
+  told["force_ticks"] = result.force_ticks;
+  told["largest_force_N"] = result.largest_force_N;
+  told["edit_ticks"] = result.edit_ticks;
+  told["points"] = result.ends_compared != 0 ? py::object(py::int_(result.points)) : py::object(py::none());
+  told["first_difference_s"] =
+      result.first_difference_s < 0 ? py::object(py::none()) : py::object(py::float_(result.first_difference_s));
+  told["recorded_edits_agree"] =
+      result.recorded_edits == 0 ? py::object(py::none()) : py::object(py::bool_(result.recorded_edits == 1));
+  told["because"] = std::string(result.because);
+  told["machine"] = std::string(result.machine);
+  told["recorded_on"] = std::string(result.recorded_on);
+  return told;
+}
+
+}  // namespace
+
+void bindLogs(py::module_& module) {
+  py::class_<PyLog, LogPointer>(module, "_Log")
+      .def(py::init([](const py::object& path) {
+             const std::string file = fileOf(path);
+             py::gil_scoped_release released;
+             return std::make_shared<PyLog>(pp::Log::read(file));
+           }),
+           py::arg("file"))
+      .def_property_readonly(
+          "ticks",
+          [](const py::object& self) {
+            const pp_log_content log = self.cast<LogPointer>()->view();
+            return rowsOf(logTickType(), log.tick, log.ticks, self);
+          },
+          "A structured view, a row a tick: t_s, device (3, the device's own unit), turn (w x y z), proxy (3,\n"
+          "model units), force_N (3), edits (that came before it), neighbours, buttons, contact, fresh,\n"
+          "valid, put_down, forceless, edit_left_out.")
+      .def_property_readonly(
+          "edits",
+          [](const py::object& self) {
+            const pp_log_content log = self.cast<LogPointer>()->view();
+            return rowsOf(logEditType(), log.edit, log.edits, self);
+          },
+          "A structured view, a row for each state of a point: point, parent, position and normal (3,\n"
+          "relative to the origin of the cloud), color (4), gone.")
+      .def_property_readonly(
+          "points", [](const PyLog& log) { return log.view().points; }, "Of the model.")
+      .def_property_readonly(
+          "ended", [](const PyLog& log) { return log.view().ended != 0; }, "Whether the session came to its end.")
+      .def_property_readonly("lost_ticks", [](const PyLog& log) { return log.view().lost_ticks; })
+      .def_property_readonly("merged_edits", [](const PyLog& log) { return log.view().merged_edits; })
+      .def_property_readonly(
+          "map",
+          [](const PyLog& log) {
+            const pp_log_content view = log.view();
+            return std::pair(view.map_scale,
+                             std::array<double, 3>{view.map_offset[0], view.map_offset[1], view.map_offset[2]});
+          },
+          "Scale and offset: model units = scale * device + offset, as long as no clutch was drawn.")
+      .def("_header", [](const PyLog& log) { return std::string(log.view().header); })
+      .def("_missing", [](const PyLog& log) { return std::string(log.view().missing); });
+  module.def("_replay", &replayed);
+}
+
+}  // namespace palpate::python

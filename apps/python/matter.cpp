@@ -1,0 +1,174 @@
+// Matter in Python: scenes that move by themselves, alone and in sessions, and their points.
+#include "apps/python/session.hpp"
+
+namespace palpate::python {
+
+namespace {
+
+class PyFrame {
+ public:
+  explicit PyFrame(pp::Frame frame) : frame_(std::move(frame)) {}
+  pp_moving_points view() const { return frame_.view(); }
+
+ private:
+  pp::Frame frame_;
+};
+
+using FramePointer = std::shared_ptr<PyFrame>;
+
+template <class Get>
+auto viewed(Get&& get) {
+  return [get = std::forward<Get>(get)](const py::object& self) -> py::object {
+    const pp_moving_points points = self.cast<FramePointer>()->view();
+    return viewOf(get(points), {static_cast<py::ssize_t>(points.points.count), 3}, self);
+  };
+}
+
+/// name, value, low, high, unit, label
+py::list told(const std::vector<pp_parameter>& parameters) {
+  py::list all;
+  for (const pp_parameter& each : parameters)
+    all.append(py::make_tuple(std::string(each.name), each.value, each.low, each.high, std::string(each.unit),
+                              std::string(each.label)));
+  return all;
+}
+
+/// One thread at a time is in it; others wait.
+class PyMatter {
+ public:
+  PyMatter(const std::string& scene, const std::optional<std::string>& gpu, std::uint32_t threads) {
+    pp_matter_options options = pp_default_matter_options();
+    options.gpu = gpu ? gpu->c_str() : nullptr;
+    options.threads = threads;
+    py::gil_scoped_release released;
+    matter_ = pp::Matter(scene, options);
+  }
+
+  template <class Do>
+  auto with(Do&& act) {
+    py::gil_scoped_release released;
+    const std::scoped_lock lock(inUse_);
+    return act(matter_);
+  }
+
+ private:
+  std::mutex inUse_;
+  pp::Matter matter_;
+};
+
+py::dict stateOf(const pp_matter_state& state) {
+  const auto three = [](const double(&v)[3]) { return py::make_tuple(v[0], v[1], v[2]); };
+  py::dict told;
+  told["t_s"] = state.t_s;
+  told["particles"] = state.particles;
+  told["substeps"] = state.substeps;
+  told["kinetic_J"] = state.kinetic_J;
+  told["potential_J"] = state.potential_J;
+  told["momentum_kg_m_s"] = three(state.momentum_kg_m_s);
+  told["max_compression"] = state.max_compression;
+  told["front_mm"] = state.front_mm;
+  told["on_model_N"] = three(state.on_model_N);
+  told["inside_model"] = state.inside_model;
+  told["failed"] = state.failed != 0;
+  told["machine"] = std::string(state.machine);
+  return told;
+}
+
+}  // namespace
+
+void bindMatter(py::module_& module) {
+  py::class_<PyFrame, FramePointer>(
+      module, "Frame", "Points that move, as they were at a time; views cannot be written to, and keep the frame.")
+      .def("__len__", [](const PyFrame& frame) { return frame.view().points.count; })
+      .def("__repr__",
+           [](const PyFrame& frame) {
+             const pp_moving_points points = frame.view();
+             return "<palpate.Frame of " + std::to_string(points.points.count) + " points at " +
+                    py::str("{:.6g}").format(points.t_s).cast<std::string>() + " s>";
+           })
+      .def_property_readonly("t_s", [](const PyFrame& frame) { return frame.view().t_s; })
+      .def_property_readonly(
+          "moving", [](const PyFrame& frame) { return frame.view().moving; },
+          "The first so many move; those behind them are of what stands in the scene.")
+      .def_property_readonly("positions", viewed([](const pp_moving_points& p) { return p.points.positions; }),
+                             "(N, 3) float32 view, model units; of a scene mm.")
+      .def_property_readonly("velocities", viewed([](const pp_moving_points& p) { return p.velocities; }),
+                             "(N, 3) float32 view, model units per second.")
+      .def_property_readonly("normals", viewed([](const pp_moving_points& p) { return p.points.normals; }),
+                             "(N, 3) float32 view, or None where nothing has some.");
+
+  py::class_<PyMatter>(module, "_Matter")
+      .def(py::init<const std::string&, const std::optional<std::string>&, std::uint32_t>(), py::arg("scene"),
+           py::arg("gpu") = py::none(), py::arg("threads") = 0)
+      .def("close", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.close(); }); })
+      .def(
+          "step",
+          [](PyMatter& self, std::uint64_t steps) { self.with([&](pp::Matter& matter) { matter.step(steps); }); },
+          py::arg("steps") = 1,
+          "step(steps=1)\n\nSo many milliseconds further. Raises Error with the status \"simulation\" where it "
+          "diverges: it\n"
+          "stays where it was then, until reset().")
+      .def(
+          "reset", [](PyMatter& self) { self.with([](pp::Matter& matter) { matter.reset(); }); },
+          "reset()\n\nEverything goes back to where it began, with the parameters that were set.")
+      .def(
+          "frame",
+          [](PyMatter& self) {
+            return std::make_shared<PyFrame>(self.with([](pp::Matter& matter) { return matter.frame(); }));
+          },
+          "frame() -> Frame\n\nThe particles as they are, or the surface of a soft body.")
+      .def(
+          "set",
+          [](PyMatter& self, const std::string& name, double value) {
+            self.with([&](pp::Matter& matter) { matter.setParameter(name, value); });
+          },
+          py::arg("name"), py::arg("value"), "set(name, value)\n\nA parameter, from the next step on.")
+      .def("_parameters",
+           [](PyMatter& self) { return told(self.with([](pp::Matter& matter) { return matter.parameters(); })); })
+      .def(
+          "state", [](PyMatter& self) { return stateOf(self.with([](pp::Matter& matter) { return matter.state(); })); },
+          "state() -> dict\n\nOf all particles: t_s, particles, substeps, kinetic_J, potential_J, momentum_kg_m_s,\n"
+          "max_compression, front_mm, on_model_N, inside_model, failed, machine.");
+}
+
+void bindSessionsMatter(py::class_<PySession>& session) {
+  session
+      .def(
+          "frame",
+          [](PySession& self) {
+            return std::make_shared<PyFrame>(self.with([](pp::Session& open) { return open.frame(); }));
+          },
+          "frame() -> Frame\n\nThe points of a scene of matter as they are.")
+      .def(
+          "hold", [](PySession& self) { self.with([](pp::Session& open) { open.hold(true); }); },
+          "hold()\n\nA scene of matter stands still, and no hand feels it, until resume().")
+      .def(
+          "resume", [](PySession& self) { self.with([](pp::Session& open) { open.hold(false); }); },
+          "resume()\n\nIt moves on.")
+      .def(
+          "reset", [](PySession& self) { self.with([](pp::Session& open) { open.reset(); }); },
+          "reset()\n\nA scene of matter goes back to where it began, with the next tick.")
+      .def(
+          "set",
+          [](PySession& self, const std::string& name, double value) {
+            self.with([&](pp::Session& open) { open.setParameter(name, value); });
+          },
+          py::arg("name"), py::arg("value"),
+          "set(name, value)\n\nA parameter of a scene, from the next step on, live, too.")
+      .def("_parameters",
+           [](PySession& self) { return told(self.with([](pp::Session& open) { return open.parameters(); })); })
+      .def("_motion", [](PySession& self) {
+        const pp_motion motion = self.with([](pp::Session& open) { return open.motion(); });
+        py::list energies;
+        for (std::uint32_t i = 0; i < motion.hands; ++i)
+          energies.append(py::make_tuple(motion.energy_J[i], motion.least_energy_J[i]));
+        py::dict told;
+        told["held"] = motion.held != 0;
+        told["failure"] = std::string(motion.failure);
+        told["left_out_s"] = motion.left_out_s;
+        told["energies_J"] = energies;
+        return told;
+      });
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,283 @@
+#include "apps/python/session.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace palpate::python {
+
+namespace {
+
+const char* orNull(const std::optional<std::string>& text) { return text ? text->c_str() : nullptr; }
+
+// A path, or one for each of several hands.
+std::vector<std::unique_ptr<PathArray>> pathsOf(const py::object& given, std::uint32_t hands) {
+  std::vector<std::unique_ptr<PathArray>> paths;
+  if (hands == 1) {
+    paths.push_back(std::make_unique<PathArray>(given));
+    return paths;
+  }
+  if (!py::isinstance<py::sequence>(given) && !py::isinstance<py::array>(given))
+    refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, as a list of arrays");
+  for (const py::handle& path : given)
+    paths.push_back(std::make_unique<PathArray>(py::reinterpret_borrow<py::object>(path)));
+  if (paths.size() != hands)
+    refuse("path: a session of " + std::to_string(hands) + " hands wants a path for each, and " +
+           std::to_string(paths.size()) + " are given");
+  return paths;
+}
+
+}  // namespace
+
+Brush::Brush(const std::string& name, const py::kwargs& settings) : kind(name) {
+  for (const auto& [key, value] : settings) set(key.cast<std::string>(), value);
+  brush.kind = kind.c_str();
+}
+
+void Brush::set(const std::string& key, const py::handle& value) {
+  if (key == "radius_mm")
+    brush.radius_mm = value.cast<double>();
+  else if (key == "tau_mm")
+    brush.tau_mm = value.cast<double>();
+  else if (key == "beta")
+    brush.beta = value.cast<double>();
+  else if (key == "strength")
+    brush.strength = value.cast<double>();
+  else if (key == "falloff")
+    brush.falloff = value.cast<std::uint32_t>();
+  else if (key == "keeps_density")
+    brush.keeps_density = value.cast<bool>() ? 1 : 0;
+  else if (key == "color")
+    std::ranges::copy(value.cast<std::array<std::uint8_t, 3>>(), brush.color);
+  else
+    throw py::type_error("a brush has no " + key +
+                         "; it has radius_mm, tau_mm, beta, strength, falloff, keeps_density and color");
+}
+
+PySession::PySession(const py::object& cloud, const SessionSettings& settings, Law law)
+    : surface_(settings.surface), hands_(settings.hands), hasTorques_(settings.tool != "point"), law_(std::move(law)) {
+  const bool isScene = py::isinstance<py::str>(cloud);
+  const std::string scene = isScene ? cloud.cast<std::string>() : std::string();
+  if (!isScene) {
+    if (!py::isinstance<PyCloud>(cloud))
+      throw py::type_error("cloud: " + std::string(py::str(py::type::of(cloud))) +
+                           " is neither a Cloud nor the name of a scene");
+    cloud_ = cloud.cast<CloudPointer>();
+  }
+  feel_ = pp_default_feel();
+  feel_.friction = settings.friction;
+  feel_.radius_mm = settings.radius_mm.value_or(0);
+  feel_.stiffness_N_per_mm = settings.stiffness_N_per_mm;
+  feel_.damping_N_s_per_mm = settings.damping_N_s_per_mm;
+  feel_.max_force_N = settings.max_force_N;
+  const pp_feel feel = feelWith(surface_);
+  pp_tool tool = pp_default_tool();
+  tool.kind = settings.tool.c_str();
+  tool.points = settings.tool_points;
+  tool.size_mm = settings.tool_size_mm;
+  std::ranges::copy(settings.tool_axis, tool.axis);
+  pp_session_options options = pp_default_session_options();
+  options.feel = &feel;
+  options.gpu = orNull(settings.gpu);
+  options.mm_per_unit = settings.mm_per_unit.value_or(0);
+  options.rate_Hz = settings.rate_Hz;
+  options.estimate_normals = settings.estimate_normals ? 1 : 0;
+  options.threads = settings.threads;
+  options.undo_memory_MiB = settings.undo_memory_MiB;
+  options.hands = settings.hands;
+  if (settings.hands == 0) refuse("hands: is 0; there is at least one");
+  options.tool = &tool;
+  options.law = law_.function();
+  options.law_user = law_.user();
+  options.law_library = law_.library();
+  options.log = [](void* user, const char* line) { static_cast<PySession*>(user)->hear(line); };
+  options.log_user = this;
+  pp_frames_options frames = pp_default_frames_options();
+  frames.keeps_points = settings.keeps_points ? 1 : 0;
+  frames.most_points = settings.most_points;
+  if (isScene && settings.moving) refuse("moving: a scene moves by itself; leave it out");
+  if (!settings.moving && (settings.keeps_points || settings.most_points > 0))
+    refuse("keeps_points, most_points: are of points that move frame by frame; say moving=True");
+  py::gil_scoped_release released;
+  if (settings.moving) {
+    session_ = pp::Session::ofFrames(cloud_->cloud(), frames, options);
+    return;
+  }
+  session_ = isScene ? pp::Session::ofMatter(scene, options) : pp::Session(cloud_->cloud(), options);
+}
+
+PySession::~PySession() {
+  py::gil_scoped_release released;  // a thread of palpate's may be waiting for it
+  session_ = pp::Session();
+}
+
+pp_feel PySession::feelWith(const std::string& surface) const {
+  pp_feel feel = feel_;
+  feel.surface = surface.c_str();
+  return feel;
+}
+
+py::array PySession::touch(const py::object& path, const std::optional<std::string>& surface) {
+  if (surface && *surface != surface_) {
+    const pp_feel feel = feelWith(*surface);
+    with([&](pp::Session& session) { session.setFeel(feel); });
+    surface_ = *surface;
+  }
+  return along(path, nullptr);
+}
+
+py::array PySession::stroke(const py::object& path, const std::string& kind, const py::kwargs& settings) {
+  const Brush brush(kind, settings);
+  return along(path, &brush.brush);
+}
+
+py::array PySession::along(const py::object& given, const pp_brush* brush) {
+  const auto paths = pathsOf(given, hands_);
+  if (law_.python()) law_.python()->begin();
+  std::vector<const pp_path*> pointers;
+  for (const auto& path : paths) pointers.push_back(&path->path);
+  std::uint64_t ticks = 0;
+  with([&](pp::Session& session) {
+    for (const pp_path* path : pointers) {
+      std::uint64_t count = 0;
+      pp::check(pp_path_ticks(session.handle(), path, &count));
+      ticks = std::max(ticks, count);
+    }
+  });
+  const std::uint64_t rows = ticks * hands_;
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(ticks)};
+  if (hands_ > 1) shape.push_back(hands_);
+  py::array felt(tickType(), shape);
+  std::vector<double> torques_mNm(hasTorques_ ? 3 * rows : 0);
+  auto* const to = static_cast<pp_tick*>(felt.mutable_data());
+  try {
+    with([&](pp::Session& session) {
+      std::uint64_t done = 0;
+      pp::check(pp_session_touch_hands(session.handle(), pointers.data(), hands_, brush, to,
+                                       hasTorques_ ? torques_mNm.data() : nullptr, rows, &done));
+    });
+  } catch (const pp::Error&) {
+    if (law_.python()) law_.python()->raise();
+    throw;
+  }
+  if (law_.python()) law_.python()->raise();
+  if (!hasTorques_) return felt;
+  py::array all(toolTickType(), shape);
+  auto* row = static_cast<std::byte*>(all.mutable_data());
+  for (std::uint64_t i = 0; i < rows; ++i, row += kToolTickBytes) {
+    std::memcpy(row, to + i, sizeof(pp_tick));
+    std::memcpy(row + sizeof(pp_tick), &torques_mNm[3 * i], kToolTickBytes - sizeof(pp_tick));
+  }
+  return all;
+}
+
+void PySession::addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities) {
+  const py::array places = threeColumns(xyz, "xyz");
+  const py::array facing = threeColumns(normals, "normals", places.shape(0));
+  py::array speeds;  // kept until they are copied
+  pp_frame_arrays frame = pp_default_frame_arrays();
+  frame.count = static_cast<std::uint64_t>(places.shape(0));
+  frame.t_s = t_s;
+  frame.positions = rowsOf(places);
+  frame.normals = rowsOf(facing);
+  if (!velocities.is_none()) {
+    speeds = threeColumns(velocities, "velocities", places.shape(0));
+    frame.velocities = rowsOf(speeds);
+  }
+  py::gil_scoped_release released;
+  session_.pushFrame(frame);  // beside whatever else is done with it
+}
+
+py::array PySession::render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options) {
+  py::array_t<std::uint8_t> picture(
+      std::vector<py::ssize_t>{static_cast<py::ssize_t>(size.second), static_cast<py::ssize_t>(size.first), 4});
+  std::uint8_t* const rgba = picture.mutable_data();
+  const auto bytes = static_cast<std::uint64_t>(picture.size());
+  with([&](pp::Session& session) { pp::check(pp_session_render(session.handle(), &options, rgba, bytes)); });
+  return picture;
+}
+
+void PySession::startLive(const std::optional<std::string>& device, double rate,
+                          const std::optional<std::string>& builtin, const py::object& path, const py::object& law,
+                          bool allowPython, const py::list& others) {
+  struct Hand {
+    std::optional<std::string> device, builtin;
+    std::unique_ptr<PathArray> path;
+    pp_live_options options = pp_default_live_options();
+  };
+  std::vector<Hand> hands;
+  const auto add = [&](const std::optional<std::string>& its, const std::optional<std::string>& way,
+                       const py::object& rows) {
+    hands.push_back({its, way, rows.is_none() ? nullptr : std::make_unique<PathArray>(rows)});
+  };
+  add(device, builtin, path);
+  for (const py::handle& other : others) {
+    const auto [its, way, rows] =
+        other.cast<std::tuple<std::optional<std::string>, std::optional<std::string>, py::object>>();
+    add(its, way, rows);
+  }
+  for (std::size_t i = hands.size(); i-- > 0;) {
+    pp_live_options& options = hands[i].options;
+    options.device = orNull(hands[i].device);
+    options.builtin = orNull(hands[i].builtin);
+    options.path = hands[i].path ? &hands[i].path->path : nullptr;
+    if (i + 1 < hands.size()) options.next = &hands[i + 1].options;
+  }
+  Law own(law, allowPython);
+  pp_live_options& first = hands.front().options;
+  first.rate_Hz = rate;
+  first.law = own.function();
+  first.law_user = own.user();
+  first.law_library = own.library();
+  if (with([](pp::Session& session) { return session.liveState().running != 0; }))
+    with([&](pp::Session& session) { session.startLive(first); });  // refused, in the library's words
+  liveLaw_ = own ? std::move(own) : law_;
+  PythonLaw* const slow = liveLaw_.python();
+  if (slow) slow->setLive(true);
+  try {
+    with([&](pp::Session& session) { session.startLive(first); });
+  } catch (...) {
+    if (slow) slow->setLive(false);
+    throw;
+  }
+}
+
+void PySession::stopLive() {
+  with([](pp::Session& session) { session.stopLive(); });
+  if (liveLaw_.python()) liveLaw_.python()->setLive(false);
+}
+
+void PySession::raiseOfLaw() {
+  if (liveLaw_.python()) liveLaw_.python()->raise();
+}
+
+py::array PySession::takeTicks() {
+  constexpr std::size_t kMost = 1 << 15;
+  auto ticks = std::make_unique<pp_tick[]>(kMost);
+  std::uint64_t count = 0;
+  with([&](pp::Session& session) { pp::check(pp_live_take(session.handle(), ticks.get(), kMost, &count)); });
+  std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(count / hands_)};
+  if (hands_ > 1) shape.push_back(hands_);
+  py::array taken(tickType(), shape);
+  std::copy_n(ticks.get(), count, static_cast<pp_tick*>(taken.mutable_data()));
+  return taken;
+}
+
+void PySession::close() {
+  with([](pp::Session& session) {
+    if (session.isOpen()) pp::check(pp_session_close(session.handle()));
+    session = pp::Session();
+  });
+  if (liveLaw_.python()) liveLaw_.python()->setLive(false);
+}
+
+std::vector<std::string> PySession::remarks() const {
+  const std::scoped_lock lock(heard_);
+  return remarks_;
+}
+
+void PySession::hear(const char* line) {
+  const std::scoped_lock lock(heard_);
+  remarks_.emplace_back(line);
+}
+
+}  // namespace palpate::python

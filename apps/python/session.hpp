@@ -1,0 +1,101 @@
+// A session as Python has it.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "apps/python/arrays.hpp"
+#include "apps/python/law.hpp"
+
+namespace palpate::python {
+
+using CloudPointer = std::shared_ptr<PyCloud>;
+
+struct SessionSettings {
+  std::optional<std::string> gpu;
+  std::optional<double> mm_per_unit;
+  std::string surface = "average";
+  std::optional<double> radius_mm;
+  double friction = 0, stiffness_N_per_mm = 0, damping_N_s_per_mm = 0, max_force_N = 0, rate_Hz = 1000;
+  bool estimate_normals = false;
+  std::uint32_t threads = 0;
+  double undo_memory_MiB = 0;
+  std::uint32_t hands = 1;
+  std::string tool = "point";
+  std::uint32_t tool_points = 1;
+  double tool_size_mm = 1;
+  std::array<double, 3> tool_axis{};
+  bool moving = false, keeps_points = false;
+  std::uint64_t most_points = 0;
+};
+
+/// Whatever brush.
+struct Brush {
+  std::string kind;
+  pp_brush brush = pp_default_brush();
+
+  Brush(const std::string& name, const py::kwargs& settings);
+  Brush(const Brush&) = delete;
+  Brush& operator=(const Brush&) = delete;
+
+ private:
+  void set(const std::string& key, const py::handle& value);
+};
+
+/// One thread at a time is in it; others wait.
+class PySession {
+ public:
+  /// `cloud`: a cloud, or the name of a scene of matter.
+  PySession(const py::object& cloud, const SessionSettings& settings, Law law);
+  ~PySession();
+  PySession(const PySession&) = delete;
+  PySession& operator=(const PySession&) = delete;
+
+  /// With the session to oneself, and without Python's lock.
+  template <class Do>
+  auto with(Do&& act) {
+    py::gil_scoped_release released;
+    const std::scoped_lock lock(inUse_);
+    return act(session_);
+  }
+
+  py::array touch(const py::object& path, const std::optional<std::string>& surface);
+  py::array stroke(const py::object& path, const std::string& kind, const py::kwargs& settings);
+  void addFrame(double t_s, const py::object& xyz, const py::object& normals, const py::object& velocities);
+  py::array render(const std::pair<std::uint32_t, std::uint32_t>& size, const pp_picture_options& options);
+
+  /// Of the hands after the first: device, builtin and path of each.
+  void startLive(const std::optional<std::string>& device, double rate, const std::optional<std::string>& builtin,
+                 const py::object& path, const py::object& law, bool allowPython, const py::list& others);
+  void stopLive();
+  py::array takeTicks();
+  /// Throws what the force law has raised in a live session.
+  void raiseOfLaw();
+  std::uint64_t lateLaws() const { return liveLaw_.python() ? liveLaw_.python()->late() : 0; }
+
+  void close();
+  std::vector<std::string> remarks() const;
+  pp::Session& session() { return session_; }
+
+ private:
+  void hear(const char* line);
+  pp_feel feelWith(const std::string& surface) const;
+  py::array along(const py::object& path, const pp_brush* brush);
+
+  CloudPointer cloud_;
+  mutable std::mutex heard_;
+  std::vector<std::string> remarks_;
+  std::string surface_;
+  pp_feel feel_{};
+  std::uint32_t hands_;
+  bool hasTorques_;
+  Law law_, liveLaw_;
+  std::mutex inUse_;
+  pp::Session session_;  // goes first
+};
+
+void bindLogs(py::module_& module);
+void bindSessionsMatter(py::class_<PySession>& session);
+
+}  // namespace palpate::python

@@ -1,0 +1,31 @@
+// The options of the C interface as they are where a program says nothing.
+#pragma once
+
+#include <palpate/palpate.h>
+
+namespace palpate::library {
+
+/// Zero but for what is declared below.
+template <class Options>
+Options usual() {
+  Options options{};
+  options.size = sizeof(Options);
+  return options;
+}
+
+template <>
+pp_feel usual();
+template <>
+pp_tool usual();
+template <>
+pp_session_options usual();
+template <>
+pp_path usual();
+template <>
+pp_brush usual();
+template <>
+pp_picture_options usual();
+template <>
+pp_mesh_options usual();
+
+}  // namespace palpate::library

@@ -1,0 +1,159 @@
+// The C interface: session logs, written, read and run again.
+#include <algorithm>
+#include <vector>
+
+#include "haptics/library/failures.hpp"
+#include "haptics/library/gpu_half.hpp"
+#include "haptics/library/held_session.hpp"
+#include "haptics/library/options.hpp"
+#include "haptics/library/remarks.hpp"
+#include "haptics/session/session_replay.hpp"
+
+namespace palpate::library {
+
+/// A log in memory, never changed once it is read.
+struct LogObject {
+  std::vector<pp_log_tick> ticks;
+  std::vector<pp_log_edit> edits;
+  std::string header, missing;
+  pp_log_content view{};
+};
+
+namespace {
+
+void put(const DVec3& vector, double (&to)[3]) {
+  for (int k = 0; k < 3; ++k) to[k] = vector[k];
+}
+
+pp_log_tick tickOf(const LoggedTick& tick) {
+  pp_log_tick told{};
+  told.t_s = tick.time_s;
+  put(tick.device, told.device);
+  told.turn[0] = tick.turn.w;
+  told.turn[1] = tick.turn.x;
+  told.turn[2] = tick.turn.y;
+  told.turn[3] = tick.turn.z;
+  put(tick.proxy, told.proxy);
+  put(tick.force_N, told.force_N);
+  told.edits = tick.edits;
+  told.neighbours = tick.neighbours;
+  told.buttons = tick.buttons();
+  told.contact = tick.has(LoggedTick::kContact);
+  told.fresh = tick.has(LoggedTick::kFresh);
+  told.valid = tick.has(LoggedTick::kValid);
+  told.put_down = tick.has(LoggedTick::kPutDown);
+  told.forceless = tick.has(LoggedTick::kForceless);
+  told.edit_left_out = tick.has(LoggedTick::kEditLeftOut);
+  return told;
+}
+
+pp_log_edit editOf(const PointState& state) {
+  pp_log_edit told{};
+  told.point = state.number();
+  told.parent = state.parent;
+  for (int k = 0; k < 3; ++k) {
+    told.position[k] = state.position[k];
+    told.normal[k] = state.normal[k];
+  }
+  std::memcpy(told.color, &state.color, sizeof told.color);
+  told.gone = state.gone() ? 1 : 0;
+  return told;
+}
+
+std::shared_ptr<LogObject> logOf(const std::string& file) {
+  const SessionRecord record = readSessionLog(file);
+  const RecordedSession session = parseHeader(file, record.text);
+  auto log = std::make_shared<LogObject>();
+  std::ranges::transform(record.ticks, std::back_inserter(log->ticks), tickOf);
+  std::ranges::transform(record.edits.points, std::back_inserter(log->edits), editOf);
+  log->header = record.text;
+  for (const std::string& sentence : whatIsMissing(record)) log->missing += sentence + "\n";
+  pp_log_content& view = log->view;
+  view.ticks = log->ticks.size();
+  view.edits = log->edits.size();
+  view.tick = log->ticks.data();
+  view.edit = log->edits.data();
+  view.header = log->header.c_str();
+  view.missing = log->missing.c_str();
+  view.points = session.points;
+  view.lost_ticks = record.end ? record.end->lostTicks : 0;
+  view.merged_edits = record.mergedEdits;
+  view.map_scale = session.map.scale;
+  put(session.map.offset, view.map_offset);
+  view.ended = record.end.has_value();
+  return log;
+}
+
+/// Of this build; a GPU is opened when it is needed.
+Backends backendsOn(GpuHalf& gpu) {
+  std::vector<std::unique_ptr<BackendKind>> kinds;
+  kinds.push_back(cpuBackend());
+  if (!gpuNames().empty()) kinds.push_back(gpu.backend());
+  return Backends(std::move(kinds));
+}
+
+pp_replay_result replayed(const std::string& file, const pp_replay_options& options) {
+  const auto cloud = options.cloud.id == 0 ? nullptr : objectOf<CloudObject>(options.cloud.id);
+  if (!(options.tolerance >= 0)) throw UsageError("tolerance: {} is not zero or more", options.tolerance);
+  Remarks remarks(options.log, options.log_user);
+  GpuHalf gpu({.gpu = options.gpu});
+  const Backends backends = backendsOn(gpu);
+  const ReplayParts parts{.backends = backends,
+                          .log = remarks.sink(),
+                          .threads = options.threads,
+                          .model = textOf(options.model),
+                          .cloud = cloud ? &cloud->cloud : nullptr};
+  Recorded recorded = loadRecorded(file, parts);
+  const SessionAgain again = runAgain(recorded, parts);
+  const ReplayOutcome outcome = compareRuns(recorded, again, options.tolerance);
+  const Differences& found = outcome.differences;
+  pp_replay_result result = usual<pp_replay_result>();
+  result.identical = outcome.isWhole(recorded) && recorded.endsAsRecorded.value_or(false);
+  result.ticks = recorded.record.ticks.size();
+  result.compared = found.ticks;
+  result.force_ticks = found.forceTicks;
+  result.edit_ticks = found.editTicks;
+  result.points = found.points;
+  result.largest_force_N = found.largestForce_N;
+  result.first_difference_s = found.first_s.value_or(-1);
+  result.ends_compared = found.ends;
+  if (recorded.endsAsRecorded) result.recorded_edits = *recorded.endsAsRecorded ? 1 : 2;
+  putText(outcome.comparable.because, result.because);
+  putText(backends.named(recorded.session.config.backend.name).machine(options.threads), result.machine);
+  putText(recorded.session.machine, result.recorded_on);
+  return result;
+}
+
+}  // namespace
+
+}  // namespace palpate::library
+
+using namespace palpate;
+using namespace palpate::library;
+
+pp_status pp_session_record(pp_session session, const char* file) {
+  return with(session, Claim::all, [&](OpenSession& open) { open.record(&required(file, "file")); });
+}
+
+pp_status pp_log_read(const char* file, pp_log* log) {
+  return guarded([&] {
+    const std::string name = &required(file, "file");
+    required(log, "log") = opened<pp_log>(logOf(name));
+  });
+}
+
+pp_status pp_log_view(pp_log log, pp_log_content* content) {
+  return guarded([&] { required(content, "content") = objectOf<LogObject>(log.id)->view; });
+}
+
+pp_status pp_log_close(pp_log log) {
+  return guarded([&] { handles().remove(HandleKind::log, log.id); });
+}
+
+pp_status pp_log_replay(const char* file, const pp_replay_options* options, pp_replay_result* result) {
+  return guarded([&] {
+    const std::string name = &required(file, "file");
+    checkSize(required(result, "result").size, sizeof(pp_replay_result), "result");
+    giveInfo(result, replayed(name, optionsFrom(options, "options")), "result");
+  });
+}

@@ -1,0 +1,118 @@
+#include "haptics/library/open_matter.hpp"
+
+#include "engine/matter/matter_parameters.hpp"
+#include "haptics/library/failures.hpp"
+#include "haptics/library/options.hpp"
+#include "haptics/library/remarks.hpp"
+#include "haptics/session/matter_scenes.hpp"
+
+namespace palpate::library {
+
+namespace {
+
+constexpr float kUnits_per_m = 1e3f;  // of a scene: millimetres
+
+void put(const DVec3& vector, double (&to)[3]) {
+  for (int k = 0; k < 3; ++k) to[k] = vector[k];
+}
+
+// Soft bodies are moved by the CPU unless somebody names a GPU.
+std::string backendOf(const MatterScene& scene, const pp_matter_options& options) {
+  return scene.matter == Matter::soft && !options.gpu && !options.vulkan
+             ? "cpu"
+             : GpuChoice{options.gpu, options.vulkan}.backend();
+}
+
+}  // namespace
+
+MatterScene sceneNamed(const std::string& name) {
+  if (const auto scene = matterScene(name)) return *scene;
+  throw UsageError("scene: '{}' is neither a JSON file nor one of {}", name, builtInScenes());
+}
+
+pp_parameter parameterOf(const SimulationParameter& parameter) {
+  pp_parameter told{};
+  putText(parameter.name, told.name);
+  putText(parameter.label, told.label);
+  putText(parameter.unit, told.unit);
+  told.value = parameter.value;
+  told.low = parameter.low;
+  told.high = parameter.high;
+  return told;
+}
+
+OpenMatter::OpenMatter(const std::string& name, const pp_matter_options& options)
+    : gpu_({options.gpu, options.vulkan}) {
+  const MatterScene scene = sceneNamed(name);
+  backend_ = backendOf(scene, options) == "cpu" ? cpuBackend() : gpu_.backend();
+  machine_ = backend_->machine(options.threads);
+  Remarks remarks(options.log, options.log_user);
+  SessionConfig config{.model = {.file = name}};
+  config.matter = scene;
+  model_ = loadModel(config, {.log = remarks.sink(), .threads = options.threads});
+  MatterOptions matter{.threads = options.threads, .model = model_.standing};
+  matter.soft = model_.soft;
+  world_ = backend_->simulate(scene, matter);
+}
+
+void OpenMatter::step(std::uint64_t steps) {
+  const auto require = [this] {
+    if (world_->state() == MatterState::running) return;
+    throw SimulationError(
+        "the simulation {} after {:.3f} s; take more substeps, and reset it",
+        world_->state() == MatterState::diverged ? "has diverged" : "has too many particles in one place",
+        world_->time_s());
+  };
+  require();
+  for (std::uint64_t k = 0; k < steps; ++k) {
+    world_->step();
+    require();
+  }
+}
+
+std::vector<SimulationParameter> OpenMatter::parameters() const { return parametersOf(world_->scene()); }
+
+void OpenMatter::setParameter(std::string_view name, double value) {
+  MatterScene scene = world_->scene();
+  try {
+    palpate::setParameter(scene, name, value);
+    world_->change(scene);
+  } catch (const Error& error) {
+    throw UsageError("{}", error.what());
+  }
+}
+
+std::shared_ptr<const FrameObject> OpenMatter::frame() {
+  CloudFrame now;
+  world_->makeFrame(now);
+  auto frame = std::make_shared<FrameObject>();
+  frame->cloud.positions = std::move(now.positions);
+  frame->cloud.normals = std::move(now.normals);
+  frame->velocities = std::move(now.velocities);
+  for (Vec3& position : frame->cloud.positions) position *= kUnits_per_m;
+  for (Vec3& velocity : frame->velocities) velocity *= kUnits_per_m;
+  frame->velocities.resize(frame->cloud.size(), Vec3(0));
+  frame->moving = frame->cloud.size();
+  frame->time_s = world_->time_s();
+  return frame;
+}
+
+pp_matter_state OpenMatter::state() const {
+  pp_matter_state state = usual<pp_matter_state>();
+  const MatterObservation seen = world_->observe();
+  state.failed = world_->state() != MatterState::running;
+  state.substeps = world_->plan().substeps;
+  state.particles = seen.particles;
+  state.inside_model = world_->model() ? world_->insideModel() : 0;
+  state.t_s = seen.time_s;
+  state.kinetic_J = seen.kinetic_J;
+  state.potential_J = seen.potential_J;
+  put(seen.momentum, state.momentum_kg_m_s);
+  state.max_compression = seen.maxCompression;
+  state.front_mm = static_cast<double>(kUnits_per_m) * seen.front_m;
+  if (world_->model()) put(world_->onModel().force_N, state.on_model_N);
+  putText(machine_, state.machine);
+  return state;
+}
+
+}  // namespace palpate::library

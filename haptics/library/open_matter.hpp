@@ -1,0 +1,50 @@
+// Matter as the C interface has it where no hand touches it.
+#pragma once
+
+#include <palpate/palpate.h>
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/matter/matter_simulation.hpp"
+#include "haptics/library/claims.hpp"
+#include "haptics/library/gpu_half.hpp"
+#include "haptics/library/objects.hpp"
+#include "haptics/session/model.hpp"
+
+namespace palpate::library {
+
+/// A scene by its name, or in a file. Throws UsageError that lists those that are built in, FileError, and Error as
+/// planOf() does.
+MatterScene sceneNamed(const std::string& name);
+/// A parameter as programs have it; what is too long is cut off.
+pp_parameter parameterOf(const SimulationParameter& parameter);
+
+/// For a thread that holds all of it.
+class OpenMatter {
+ public:
+  /// Throws Error.
+  OpenMatter(const std::string& scene, const pp_matter_options& options);
+
+  Claims& claims() { return claims_; }
+  /// So many milliseconds further. Throws SimulationError where it fails on the way, or has.
+  void step(std::uint64_t steps);
+  void reset() { world_->reset(); }
+  std::vector<SimulationParameter> parameters() const;
+  /// Throws UsageError; nothing is changed then.
+  void setParameter(std::string_view name, double value);
+  std::shared_ptr<const FrameObject> frame();
+  pp_matter_state state() const;
+
+ private:
+  Claims claims_;
+  GpuHalf gpu_;
+  std::unique_ptr<BackendKind> backend_;
+  std::string machine_;
+  Model model_;
+  std::unique_ptr<MatterSimulation> world_;
+};
+
+}  // namespace palpate::library

@@ -1,0 +1,130 @@
+#include "haptics/session/session_replay.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/error.hpp"
+#include "engine/edit/journal.hpp"
+#include "haptics/devices/replay_device.hpp"
+#include "haptics/session/session.hpp"
+
+namespace palpate {
+
+namespace {
+
+// States that a log lacks, as far as it is known: no more than its gaps have room for, or say.
+std::uint64_t mostMissingEdits(const SessionRecord& record) {
+  std::uint64_t most = 0;
+  for (const LogGap& gap : record.gaps) most += gap.states.value_or((gap.end - gap.begin) / sizeof(PointState));
+  return most;
+}
+
+// What a log of edits may do to the points: sets them, and adds some behind them.
+std::vector<PointState> edited(const std::string& log, const Model& model, const SessionRecord& record) {
+  const EditBatch& edits = record.edits;
+  const std::size_t most = model.cloud.size() + edits.points.size() + mostMissingEdits(record);
+  for (const PointState& state : edits.points)
+    if (state.number() >= most || state.parent >= most)
+      throw FileError(log, fmt::format("names the point {}, and with all its edits there are {}; it is damaged",
+                                       std::max(state.number(), state.parent), most));
+  Journal journal(model.cloud);
+  journal.follow(edits);
+  return {journal.points().begin(), journal.points().end()};
+}
+
+/// Keeps all that was done to the points.
+class EditCollector final : public EditFollower {
+ public:
+  explicit EditCollector(EditBatch& all) : all_(all) {}
+  void catchUp(const EditBatch& batch) override {
+    const std::size_t before = all_.points.size();
+    all_.points.insert(all_.points.end(), batch.points.begin(), batch.points.end());
+    for (const EditMark& mark : batch.marks) all_.marks.push_back({before + mark.at, mark.kind});
+  }
+
+ private:
+  EditBatch& all_;
+};
+
+}  // namespace
+
+Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
+  Recorded recorded;
+  recorded.file = log;
+  recorded.record = readSessionLog(log);
+  recorded.session = parseHeader(log, recorded.record.text);
+  const SessionRecord& record = recorded.record;
+  SessionConfig& config = recorded.session.config;
+  ModelConfig& model = config.model;
+  if (!parts.model.empty()) model.file = parts.model;
+  const bool isHere = parts.cloud && !config.matter && !config.stream;
+  if (!config.matter && !isHere && !std::filesystem::exists(model.file))
+    throw FileError(model.file, fmt::format("is not there; name the model of the session with {}", parts.naming));
+  const BackendKind& kind = parts.backends.named(config.backend.name);
+  const ModelLoading loading{.log = parts.log, .threads = parts.threads, .estimate = kind.normalEstimator()};
+  recorded.model = isHere ? modelOf(*parts.cloud, model, loading) : loadModel(config, loading);
+  recorded.scale = recorded.model.scale;
+  if (recorded.model.cloud.size() != recorded.session.points)
+    throw FileError(model.file,
+                    fmt::format("has {} points, and that of the session had {}; name the right model with {}",
+                                recorded.model.cloud.size(), recorded.session.points, parts.naming));
+  if (checksumOf(recorded.model) != recorded.session.checksum)
+    throw FileError(model.file,
+                    fmt::format("has changed since the session: its points are others; name the right model with {}",
+                                parts.naming));
+  const auto falls = [](const LoggedTick& a, const LoggedTick& b) { return !(a.time_s < b.time_s); };
+  if (std::ranges::adjacent_find(record.ticks, falls) != record.ticks.end())
+    throw FileError(log, "its ticks do not follow one another in time; it is damaged");
+  recorded.points = edited(log, recorded.model, record);
+  if (record.end)
+    recorded.endsAsRecorded = checksumOf(recorded.model.cloud.origin, recorded.points) == record.end->points;
+  return recorded;
+}
+
+SessionAgain runAgain(Recorded& recorded, const ReplayParts& parts) {
+  const SessionRecord& record = recorded.record;
+  if (record.ticks.empty()) throw FileError(recorded.file, "has no whole tick; there is nothing to run again");
+  SessionConfig config = recorded.session.config;
+  config.realtime = false;
+  config.hands = {HandConfig{}};
+  config.duration_s = 0;  // as long as the recording
+  SessionAgain again;
+  Session session(
+      config, std::move(recorded.model),
+      {.backend = parts.backends.named(config.backend.name),
+       .threads = parts.threads,
+       .journal = true,
+       .undo_bytes = undoBytes(config.undo),
+       .log = &parts.log,
+       .follower = [&](const Model&, TouchBackend&) { return std::make_unique<EditCollector>(again.edits); }});
+  ReplayDevice device(record.ticks, recorded.session.limits);
+  TickTap tap(session.backend(), [&](const LoggedTick& tick) { again.ticks.push_back(tick); });
+  const OpenHand hand{.device = &device,
+                      .map = recorded.session.map,
+                      .duration_s = record.ticks.back().time_s,
+                      .passivity = recorded.session.passivity};
+  again.result = session.run({&hand, 1}, {.recorder = &tap});
+  session.finish();
+  if (record.end) session.undo(config.undo.undo, config.undo.redo);
+  session.checkFollower();
+  again.points.assign(session.journal()->points().begin(), session.journal()->points().end());
+  return again;
+}
+
+ReplayOutcome compareRuns(const Recorded& recorded, const SessionAgain& again, double tolerance) {
+  const SessionConfig& config = recorded.session.config;
+  const bool ordered = config.backend.name == "cpu" || config.backend.deterministic;
+  const Tolerance allowed{tolerance, recorded.scale};
+  ReplayOutcome outcome{.comparable = comparableTicks(recorded.record, config.rate_Hz, config.realtime, ordered)};
+  if (config.realtime && config.moves())
+    outcome.comparable = {0, "in real time the frames of a model that moves come when they are ready"};
+  outcome.differences = compareTicks({recorded.record.ticks, &recorded.record.edits}, {again.ticks, &again.edits},
+                                     outcome.comparable.count, allowed);
+  outcome.differences.ends =
+      recorded.record.end && recorded.record.gaps.empty() && outcome.comparable.count == recorded.record.ticks.size();
+  if (outcome.differences.ends) outcome.differences.points = differingPoints(recorded.points, again.points, allowed);
+  return outcome;
+}
+
+}  // namespace palpate

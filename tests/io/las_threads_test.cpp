@@ -1,0 +1,153 @@
+// LAS and LAZ are read by many threads: what is read does not depend on how many they are.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/io/laz_bytes.hpp"
+
+namespace palpate::test {
+
+namespace {
+
+StoredCloud readBy(const std::filesystem::path& file, unsigned threads) {
+  return readCloud(file, nullptr, {.threads = threads});
+}
+
+template <class T>
+bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Which part differs; empty where none does.
+std::string difference(const StoredCloud& a, const StoredCloud& b) {
+  const PointCloud &p = a.cloud, &q = b.cloud;
+  if (p.origin != q.origin) return "origin";
+  if (!sameBytes(p.positions, q.positions)) return "positions";
+  if (!sameBytes(p.exactPositions, q.exactPositions)) return "exact positions";
+  if (!sameBytes(p.normals, q.normals)) return "normals";
+  if (!sameBytes(p.colors, q.colors)) return "colours";
+  if (a.lost != b.lost) return "what is lost";
+  if (namesOf(p) != namesOf(q)) return "names";
+  for (std::size_t k = 0; k < p.extra.size(); ++k)
+    if (p.extra[k].type != q.extra[k].type || !sameBytes(p.extra[k].data, q.extra[k].data)) return p.extra[k].name;
+  return "";
+}
+
+/// A file of places and normals, as extra bytes.
+LasBytes withNormals(const std::vector<std::array<float, 3>>& normals) {
+  std::string descriptors;
+  for (const std::string_view name : kLasNormals) descriptors += lasDescriptor(std::string(name), 9);
+  LasBytes las{.minor = 4, .format = 0, .pointBytes = 32, .records = lasRecord("LASF_Spec", 4, descriptors)};
+  las.recordCount = 1;
+  las.count = normals.size();
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    std::string row(32, '\0');
+    for (std::size_t k = 0; k < 3; ++k) putAt(row, 4 * k, static_cast<std::int32_t>(i * (k + 1) % 1000));
+    for (std::size_t k = 0; k < 3; ++k) putAt(row, 20 + 4 * k, normals[i][k]);
+    las.points += row;
+  }
+  return las;
+}
+
+PointCloud readText(const std::string& text, unsigned threads) {
+  const ScratchFolder folder;
+  std::ofstream(folder / "a.las", std::ios::binary) << text;
+  return readBy(folder / "a.las", threads).cloud;
+}
+
+}  // namespace
+
+TEST_CASE("any number of threads reads the same, on both sides of every border between what they take") {
+  const ScratchFolder folder;
+  // The first rows are 65,536, the next twice as many; threads take 4096 rows, and look at 512 at a time.
+  for (const unsigned format : {0u, 3u, 7u})
+    for (const std::size_t count : {0, 1, 3, 511, 512, 513, 4097, 65'535, 65'536, 65'537, 196'609}) {
+      if (count > 4097 && format != 3) continue;
+      CAPTURE(format);
+      CAPTURE(count);
+      const LasBytes las = variedFile(format, count, 2);
+      const std::filesystem::path file = folder / "a.las";
+      std::ofstream(file, std::ios::binary) << las.text();
+      const StoredCloud one = readBy(file, 1);
+      REQUIRE(one.cloud.size() == count);
+      CHECK(pointsOf(written(one.cloud)) == las.points);
+      for (const unsigned threads : {2u, 3u, 16u}) CHECK(difference(readBy(file, threads), one) == "");
+    }
+}
+
+TEST_CASE("any number of threads unpacks the same, in chunks of any length") {
+  const ScratchFolder folder;
+  const std::filesystem::path file = folder / "a.laz";
+  for (const unsigned format : {1u, 3u, 7u})
+    for (const std::vector<std::size_t>& chunks :
+         {std::vector<std::size_t>{}, {1}, {1, 1, 1}, {511, 512, 513}, {1023, 1024, 1025, 1}, {5000, 1, 20'000}}) {
+      CAPTURE(format);
+      CAPTURE(chunks.size());
+      std::size_t count = 0;
+      for (const std::size_t points : chunks) count += points;
+      const LasBytes las = variedFile(format, count, 3);
+      std::ofstream(file, std::ios::binary) << packedFile(las, {.chunks = chunks});
+      const StoredCloud one = readBy(file, 1);
+      REQUIRE(one.cloud.size() == count);
+      if (count > 0) CHECK(pointsOf(written(one.cloud)) == las.points);
+      for (const unsigned threads : {2u, 3u, 16u}) CHECK(difference(readBy(file, threads), one) == "");
+    }
+}
+
+TEST_CASE("an attribute that only the last points have is whole, and one that nobody has is none") {
+  for (const std::size_t at : {std::size_t{0}, std::size_t{70'000}, std::size_t{199'999}}) {
+    CAPTURE(at);
+    LasBytes las{.format = 1, .pointBytes = 28};
+    las.count = 200'000;
+    las.points.assign(las.count * 28, '\0');
+    putAt(las.points, at * 28 + 12, std::uint16_t{77});           // intensity
+    putAt(las.points, at * 28 + 20, -0.0);                        // a time that is zero, but not all of whose bits are
+    for (const unsigned threads : {1u, 3u, 16u}) {
+      CAPTURE(threads);
+      const PointCloud cloud = readText(las.text(), threads);
+      CHECK(namesOf(cloud) == std::vector<std::string>{"intensity", "gps_time"});
+      CHECK(valueOf(cloud, "intensity", at) == 77);
+      CHECK(std::signbit(valueOf(cloud, "gps_time", at)));
+      std::size_t others = 0;
+      for (const Attribute& attribute : cloud.extra) {
+        const std::size_t each = sizeOf(attribute.type);
+        for (std::size_t k = 0; k < attribute.data.size(); ++k)
+          others += k / each != at && attribute.data[k] != std::byte{0};
+      }
+      CHECK(others == 0);
+    }
+  }
+}
+
+TEST_CASE("normals of a file are of unit length, those that are missing are made, and what is no vector stays as it is") {
+  std::vector<std::array<float, 3>> normals(5000, {0, 0, 1});
+  normals[10] = {0, 3, 4};
+  normals[4999] = {1 + 1e-6f, 0, 0};  // as good as of unit length
+  for (const unsigned threads : {1u, 2u, 16u}) {
+    CAPTURE(threads);
+    PointCloud cloud = readText(withNormals(normals).text(), threads);
+    CHECK(cloud.extra.empty());
+    REQUIRE(cloud.normals.size() == normals.size());
+    CHECK(cloud.normals[10] == Vec3(0, 0.6f, 0.8f));
+    CHECK(cloud.normals[4999] == Vec3(1 + 1e-6f, 0, 0));
+    CHECK(cloud.normals[9] == Vec3(0, 0, 1));
+
+    std::vector<std::array<float, 3>> some = normals;
+    some[600] = {0, 0, 0};
+    cloud = readText(withNormals(some).text(), threads);
+    REQUIRE(cloud.hasNormals());
+    CHECK(glm::length(cloud.normals[600]) == doctest::Approx(1));
+    CHECK(cloud.normals[599] == Vec3(0, 0, 1));
+
+    some[4998] = {std::numeric_limits<float>::infinity(), 0, 0};
+    cloud = readText(withNormals(some).text(), threads);
+    CHECK(!cloud.hasNormals());
+    CHECK(namesOf(cloud) == std::vector<std::string>(kLasNormals.begin(), kLasNormals.end()));
+    CHECK(valueOf(cloud, "NormalY", 10) == 3);
+    CHECK(valueOf(cloud, "NormalX", 4998) == std::numeric_limits<double>::infinity());
+    CHECK(pointsOf(written(cloud)) == withNormals(some).points);
+  }
+}
+
+}  // namespace palpate::test

@@ -1,0 +1,193 @@
+// A cloud whose frames a program brings: felt where it is at each time, by path, tick by tick and live.
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "tests/library/ball.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr std::size_t kPoints = 5'000;
+
+struct MovingBall {
+  BallCloud cloud{kPoints};
+  pp_session session{};
+  explicit MovingBall(const pp_frames_options& frames = pp_default_frames_options(),
+                      const pp_session_options& options = cpuOptions()) {
+    PP_REQUIRE_OK(pp_session_open_frames(cloud.cloud, &frames, &options, &session));
+  }
+  ~MovingBall() { pp_session_close(session); }
+  MovingBall(const MovingBall&) = delete;
+  MovingBall& operator=(const MovingBall&) = delete;
+
+  pp_status push(double t_s, double height, double speed = 0, std::size_t points = kPoints) const {
+    const BallArrays<float> ball(points, {0, 0, height});
+    std::vector<float> velocities;
+    for (std::size_t i = 0; i < points; ++i) velocities.insert(velocities.end(), {0, 0, static_cast<float>(speed)});
+    pp_frame_arrays frame = pp_default_frame_arrays();
+    frame.count = points;
+    frame.t_s = t_s;
+    frame.positions = ball.arrays().positions;
+    frame.normals = ball.arrays().normals;
+    if (speed != 0) frame.velocities = {velocities.data(), PP_FLOAT32, 0, 0};
+    return pp_session_push_frame(session, &frame);
+  }
+};
+
+// A hand that stands 1 mm above the ball where it begins.
+std::vector<double> stand(std::size_t ticks) {
+  std::vector<double> rows;
+  for (std::size_t i = 0; i < ticks; ++i) rows.insert(rows.end(), {0.3, -0.2, kBallRadius + 1});
+  return rows;
+}
+
+}  // namespace
+
+TEST_CASE("a frame is felt from its time on, and time goes on from path to path") {
+  const MovingBall ball;
+  PP_REQUIRE_OK(ball.push(0.05, 1.5));
+  PP_REQUIRE_OK(ball.push(0.15, 2.5));
+  const auto rows = stand(100);
+  const auto first = touch(ball.session, pathOf(rows));
+  CHECK(first[49].contact == 0);
+  CHECK(first[52].contact == 1);
+  CHECK(first.back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  const auto second = touch(ball.session, pathOf(rows));
+  CHECK(second.front().t_s == doctest::Approx(0.1));
+  CHECK(second[40].penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  CHECK(second.back().penetration_mm == doctest::Approx(1.5).epsilon(0.1));
+  pp_frame frame{};
+  PP_REQUIRE_OK(pp_session_frame(ball.session, &frame));
+  pp_moving_points points{};
+  PP_REQUIRE_OK(pp_frame_view(frame, &points));
+  CHECK(points.points.count == kPoints);
+  CHECK(points.points.max[2] == doctest::Approx(kBallRadius + 2.5).epsilon(1e-3));
+  CHECK(points.t_s == 0.15);
+  PP_REQUIRE_OK(pp_frame_close(frame));
+  CHECK(placesOf(ball.session).size() == 3 * kPoints);
+}
+
+TEST_CASE("velocities carry points on between frames, for so long and no longer") {
+  const MovingBall still, carried;
+  PP_REQUIRE_OK(still.push(0.01, 1.2));
+  PP_REQUIRE_OK(carried.push(0.01, 1.2, 20));
+  const auto rows = stand(200);
+  const auto a = touch(still.session, pathOf(rows)), b = touch(carried.session, pathOf(rows));
+  CHECK(a[40].penetration_mm == doctest::Approx(a[190].penetration_mm).epsilon(1e-3));
+  CHECK(b[40].penetration_mm == doctest::Approx(a[40].penetration_mm + 20 * 0.03).epsilon(0.1));
+  CHECK(b[190].penetration_mm == doctest::Approx(a[190].penetration_mm + 20 * 0.05).epsilon(0.1));
+}
+
+TEST_CASE("frames of other sizes are felt as they are, and those of doubles far from zero keep their places") {
+  pp_frames_options frames = pp_default_frames_options();
+  frames.most_points = 2 * kPoints;
+  const MovingBall ball(frames);
+  PP_REQUIRE_OK(ball.push(0.02, 1.5, 0, 2 * kPoints));
+  PP_REQUIRE_OK(ball.push(0.05, 2, 0, kPoints / 2));
+  const auto rows = stand(90);
+  const auto ticks = touch(ball.session, pathOf(rows));
+  CHECK(ticks[40].penetration_mm == doctest::Approx(0.5).epsilon(0.15));
+  CHECK(ticks[80].penetration_mm == doctest::Approx(1).epsilon(0.15));
+  CHECK(ball.push(0.2, 2, 0, 2 * kPoints + 1) == PP_ERROR_ARGUMENT);
+  const BallArrays<double> far(kPoints, {5e6, 4e6, 0}), higher(kPoints, {5e6, 4e6, 1.5});
+  const pp_cloud_arrays arrays = far.arrays();
+  pp_cloud cloud{};
+  pp_session session{};
+  PP_REQUIRE_OK(pp_cloud_create(&arrays, &cloud));
+  const pp_session_options options = cpuOptions();
+  PP_REQUIRE_OK(pp_session_open_frames(cloud, nullptr, &options, &session));
+  pp_frame_arrays frame = pp_default_frame_arrays();
+  frame.count = kPoints;
+  frame.t_s = 0.01;
+  frame.positions = higher.arrays().positions;
+  frame.normals = higher.arrays().normals;
+  PP_REQUIRE_OK(pp_session_push_frame(session, &frame));
+  std::vector<double> there;
+  for (int i = 0; i < 40; ++i) there.insert(there.end(), {5e6 + 0.3, 4e6 - 0.2, kBallRadius + 1});
+  CHECK(touch(session, pathOf(there)).back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+  PP_REQUIRE_OK(pp_session_close(session));
+  PP_REQUIRE_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("frames come from one thread while another touches, and live") {
+  const MovingBall ball;
+  const std::vector<double> rows{0, 0.3, -0.2, kBallRadius + 1};
+  const pp_path path = pathOf(rows, 4);
+  pp_live_options live = pp_default_live_options();
+  live.path = &path;
+  live.rate_Hz = 500;
+  PP_REQUIRE_OK(ball.push(3, -5));  // of before: time begins at 0 with it
+  PP_REQUIRE_OK(pp_live_start(ball.session, &live));
+  std::atomic<int> wrong = 0;
+  std::thread camera([&] {
+    for (int k = 1; k <= 25; ++k) {
+      wrong += ball.push(0.02 * k, -5 + 0.3 * k) != PP_OK;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+  camera.join();
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  std::vector<pp_tick> ticks(4096);
+  std::uint64_t count = 0;
+  PP_REQUIRE_OK(pp_live_take(ball.session, ticks.data(), ticks.size(), &count));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  CHECK(wrong == 0);
+  REQUIRE(count > 100);
+  CHECK(ticks[5].contact == 0);
+  CHECK(ticks[count - 1].contact == 1);
+  CHECK(ticks[count - 1].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
+}
+
+TEST_CASE("frames that are no frames are refused, and what was felt is felt on") {
+  pp_frames_options kept = pp_default_frames_options();
+  kept.keeps_points = 1;
+  const MovingBall ball(kept);
+  PP_REQUIRE_OK(ball.push(0.01, 1.5));
+  CHECK(ball.push(0.01, 2) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("after the frame before"));
+  CHECK(ball.push(std::nan(""), 2) == PP_ERROR_ARGUMENT);
+  CHECK(ball.push(0.02, std::nan("")) == PP_ERROR_ARGUMENT);
+  CHECK(ball.push(0.02, 1, 0, kPoints - 1) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("keeps_points"));
+  pp_frame_arrays frame = pp_default_frame_arrays();
+  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_push_frame(ball.session, nullptr) == PP_ERROR_ARGUMENT);
+  const BallArrays<float> bare(kPoints);
+  frame.count = kPoints;
+  frame.t_s = 1;
+  frame.positions = bare.arrays().positions;
+  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("normals"));
+  frame.normals = bare.arrays().normals;
+  std::vector<float> velocities(3 * kPoints, 1);
+  velocities[7] = INFINITY;
+  frame.velocities = {velocities.data(), PP_FLOAT32, 0, 0};
+  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("velocities"));
+  frame.velocities.type = PP_UINT8;
+  CHECK(pp_session_push_frame(ball.session, &frame) == PP_ERROR_ARGUMENT);
+  pp_status full = PP_OK;
+  for (int k = 0; k < 1100 && full == PP_OK; ++k) full = ball.push(1 + k, 1.5);
+  CHECK(full == PP_ERROR_STATE);
+  pp_brush brush = pp_default_brush();
+  CHECK(pp_session_set_brush(ball.session, &brush) == PP_ERROR_ARGUMENT);
+  CHECK(pp_session_record(ball.session, "/tmp/never.session") == PP_ERROR_STATE);
+  CHECK(pp_session_hold(ball.session, 1) == PP_ERROR_STATE);
+  const auto rows = stand(50);
+  CHECK(touch(ball.session, pathOf(rows)).back().penetration_mm == doctest::Approx(0.5).epsilon(0.1));
+
+  const OpenBall still;
+  frame.velocities = {};
+  CHECK(pp_session_push_frame(still.session, &frame) == PP_ERROR_STATE);
+  CHECK(pp_session_push_frame({}, &frame) == PP_ERROR_HANDLE);
+  pp_frames_options few = pp_default_frames_options();
+  few.most_points = 3;
+  pp_session session{};
+  CHECK(pp_session_open_frames(ball.cloud.cloud, &few, nullptr, &session) == PP_ERROR_ARGUMENT);
+  CHECK(lastErrorSays("most_points"));
+}
+
+}  // namespace palpate

@@ -1,0 +1,253 @@
+// Session logs: written by a path and live, read into arrays, run again to the last bit; and what is no such log.
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "tests/content_of.hpp"
+#include "tests/library/ball.hpp"
+#include "tests/library/own_law.hpp"
+#include "tests/scratch_folder.hpp"
+
+namespace palpate {
+
+namespace {
+
+struct ReadLog {
+  pp_log log{};
+  pp_log_content content{};
+  explicit ReadLog(const std::filesystem::path& file) {
+    PP_REQUIRE_OK(pp_log_read(file.string().c_str(), &log));
+    PP_REQUIRE_OK(pp_log_view(log, &content));
+  }
+  ~ReadLog() { pp_log_close(log); }
+  ReadLog(const ReadLog&) = delete;
+  ReadLog& operator=(const ReadLog&) = delete;
+};
+
+pp_replay_result replay(const std::filesystem::path& file, pp_cloud cloud) {
+  pp_replay_options options = pp_default_replay_options();
+  options.cloud = cloud;
+  options.threads = 2;
+  pp_replay_result result = pp_default_replay_result();
+  PP_REQUIRE_OK(pp_log_replay(file.string().c_str(), &options, &result));
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("a path that is only felt is recorded, read again tick by tick, and comes out the same to the last bit") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "felt.session";
+  const OpenBall ball;
+  const auto press = pressPath(1.5);
+  PP_REQUIRE_OK(pp_session_record(ball.session, file.string().c_str()));
+  const auto ticks = touch(ball.session, pathOf(press));
+  {
+    const ReadLog log(file);
+    REQUIRE(log.content.ticks == ticks.size());
+    CHECK(log.content.ended == 1);
+    CHECK(log.content.edits == 0);
+    CHECK(log.content.points == 20'000);
+    CHECK(std::string(log.content.missing).empty());
+    CHECK(std::string(log.content.header).find("\"cpu\"") != std::string::npos);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      const pp_log_tick& tick = log.content.tick[i];
+      CHECK(tick.t_s == ticks[i].t_s);
+      CHECK(std::memcmp(tick.force_N, ticks[i].force_N, sizeof tick.force_N) == 0);
+      CHECK(std::memcmp(tick.proxy, ticks[i].proxy, sizeof tick.proxy) == 0);
+      for (int k = 0; k < 3; ++k)
+        CHECK(log.content.map_scale * tick.device[k] + log.content.map_offset[k] == ticks[i].hip[k]);
+      CHECK(tick.contact == ticks[i].contact);
+      CHECK(tick.neighbours == ticks[i].neighbours);
+      CHECK(tick.turn[0] == 1);
+    }
+  }
+  const pp_replay_result result = replay(file, ball.cloud.cloud);
+  CHECK(result.identical == 1);
+  CHECK(result.compared == ticks.size());
+  CHECK(result.ticks == ticks.size());
+  CHECK(result.force_ticks == 0);
+  CHECK(result.first_difference_s < 0);
+  CHECK(result.recorded_edits == 1);
+  // Only that path was recorded.
+  const std::string bytes = contentOf(file);
+  touch(ball.session, pathOf(press));
+  CHECK(contentOf(file) == bytes);
+}
+
+TEST_CASE("a stroke is recorded with all that it did to the points, and comes out the same again") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "dent.session";
+  const OpenBall ball;
+  pp_brush brush = pp_default_brush();
+  brush.radius_mm = 5;
+  SUBCASE("push") { brush.kind = "push"; }
+  SUBCASE("carve") {
+    brush.kind = "carve";
+    brush.strength = 1;
+  }
+  SUBCASE("paint") { brush.kind = "paint"; }
+  PP_REQUIRE_OK(pp_session_record(ball.session, file.string().c_str()));
+  const auto press = pressPath(4, 150, 50);
+  stroke(ball.session, pathOf(press), brush);
+  {
+    const ReadLog log(file);
+    CHECK(log.content.edits > 10);
+    CHECK(log.content.tick[log.content.ticks - 1].edits <= log.content.edits);
+    std::uint64_t changed = 0;
+    for (std::uint64_t i = 0; i < log.content.edits; ++i) {
+      const pp_log_edit& edit = log.content.edit[i];
+      const double radius = std::hypot(edit.position[0], edit.position[1], edit.position[2]);
+      const bool painted = edit.color[0] != 0 || edit.color[3] != 0;
+      changed += edit.gone == 1 || std::abs(radius - kBallRadius) > 1e-3 || painted;
+      CHECK(std::hypot(edit.normal[0], edit.normal[1], edit.normal[2]) == doctest::Approx(1).epsilon(1e-3));
+    }
+    CHECK(changed > log.content.edits / 4);
+  }
+  CHECK(replay(file, ball.cloud.cloud).identical == 1);
+  // Once there are edits no log can begin.
+  CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
+  CHECK(lastErrorSays("edited"));
+}
+
+TEST_CASE("a file's own name is in the log, so that it is run again without being told") {
+  const ScratchFolder folder;
+  const auto model = folder.path() / "ball.ply", file = folder.path() / "felt.session";
+  const BallCloud made(5'000);
+  PP_REQUIRE_OK(pp_cloud_write(made.cloud, model.string().c_str(), nullptr));
+  pp_cloud cloud{};
+  PP_REQUIRE_OK(pp_cloud_read(model.string().c_str(), nullptr, &cloud));
+  pp_session session{};
+  const pp_session_options options = cpuOptions();
+  PP_REQUIRE_OK(pp_session_open(cloud, &options, &session));
+  PP_REQUIRE_OK(pp_session_record(session, file.string().c_str()));
+  const auto press = pressPath(1);
+  touch(session, pathOf(press));
+  PP_REQUIRE_OK(pp_session_close(session));
+  CHECK(replay(file, {}).identical == 1);
+  CHECK(replay(file, cloud).identical == 1);
+  // Another model is found out.
+  const BallCloud other(4'999);
+  pp_replay_options wrong = pp_default_replay_options();
+  wrong.cloud = other.cloud;
+  pp_replay_result result = pp_default_replay_result();
+  CHECK(pp_log_replay(file.string().c_str(), &wrong, &result) == PP_ERROR_FILE);
+  CHECK(lastErrorSays("4999 points"));
+  std::filesystem::remove(model);
+  CHECK(pp_log_replay(file.string().c_str(), nullptr, &result) == PP_ERROR_FILE);
+  CHECK(lastErrorSays("not there"));
+  PP_REQUIRE_OK(pp_cloud_close(cloud));
+}
+
+TEST_CASE("matter is recorded whole, and comes out the same again although time had gone on") {
+  const ScratchFolder folder;
+  const auto scene = folder.path() / "tank.json", file = folder.path() / "tank.session";
+  std::ofstream(scene) << R"({"matter": "water", "box_mm": [80, 120, 80], "fill_mm": [80, 70, 80], "spacing_mm": 10})";
+  pp_session session{};
+  const pp_session_options options = cpuOptions();
+  PP_REQUIRE_OK(pp_session_open_matter(scene.string().c_str(), &options, &session));
+  std::vector<double> dive;
+  for (int i = 0; i < 200; ++i) dive.insert(dive.end(), {40, std::max(40.0, 100 - 0.4 * i), 40});
+  touch(session, pathOf(dive));
+  PP_REQUIRE_OK(pp_session_set_parameter(session, "viscosity_Pa_s", 0.3));
+  PP_REQUIRE_OK(pp_session_record(session, file.string().c_str()));
+  const auto ticks = touch(session, pathOf(dive));
+  CHECK(ticks.front().t_s == 0);
+  PP_REQUIRE_OK(pp_session_close(session));
+  std::filesystem::remove(scene);  // the log has it
+  const pp_replay_result result = replay(file, {});
+  CHECK(result.identical == 1);
+  CHECK(result.compared == ticks.size());
+}
+
+TEST_CASE("a live session is recorded until it is stopped, and run again as far as answers came in time") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "live.session";
+  const OpenBall ball;
+  const std::vector<double> rows{0, 0, 0, 52, 0.1, 0, 0, 49};
+  const pp_path path = pathOf(rows, 4);
+  pp_live_options live = pp_default_live_options();
+  live.path = &path;
+  live.rate_Hz = 250;
+  PP_REQUIRE_OK(pp_session_record(ball.session, file.string().c_str()));
+  PP_REQUIRE_OK(pp_live_start(ball.session, &live));
+  CHECK(pp_session_record(ball.session, file.string().c_str()) == PP_ERROR_STATE);
+  std::this_thread::sleep_for(std::chrono::milliseconds(400));
+  PP_REQUIRE_OK(pp_live_stop(ball.session));
+  const ReadLog log(file);
+  CHECK(log.content.ended == 1);
+  CHECK(log.content.ticks > 30);
+  const pp_replay_result result = replay(file, ball.cloud.cloud);
+  CHECK(result.ticks == log.content.ticks);
+  CHECK(result.compared <= result.ticks);
+  CHECK(result.force_ticks == 0);
+  CHECK((result.compared == result.ticks) == std::string(result.because).empty());
+}
+
+TEST_CASE("what cannot be recorded, and what is no log, is refused in words") {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "x.session";
+  const std::string name = file.string();
+  pp_session_options two = cpuOptions();
+  two.hands = 2;
+  {
+    const OpenBall hands(two);
+    CHECK(pp_session_record(hands.session, name.c_str()) == PP_ERROR_STATE);
+    CHECK(lastErrorSays("one hand"));
+    Calls calls;
+    pp_session_options lawful = cpuOptions();
+    lawful.law = ownLaw;
+    lawful.law_user = &calls;
+    const OpenBall law(lawful);
+    CHECK(pp_session_record(law.session, name.c_str()) == PP_ERROR_STATE);
+    CHECK(lastErrorSays("law"));
+  }
+  const OpenBall ball;
+  CHECK(pp_session_record(ball.session, nullptr) == PP_ERROR_ARGUMENT);
+  const auto press = pressPath(1);
+  const pp_path path = pathOf(press);
+  std::vector<pp_tick> ticks(200);
+  std::uint64_t count = 0;
+  PP_REQUIRE_OK(pp_session_record(ball.session, (folder.path() / "no" / "folder").string().c_str()));
+  CHECK(pp_session_touch(ball.session, &path, ticks.data(), ticks.size(), &count) == PP_ERROR_FILE);
+  CHECK(touch(ball.session, path).size() == 200);  // and that was all
+
+  pp_log log{};
+  pp_replay_result result = pp_default_replay_result();
+  CHECK(pp_log_read(name.c_str(), &log) == PP_ERROR_FILE);
+  std::ofstream(file) << "this is no log";
+  CHECK(pp_log_read(name.c_str(), &log) == PP_ERROR_FILE);
+  CHECK(pp_log_replay(name.c_str(), nullptr, &result) == PP_ERROR_FILE);
+  CHECK(pp_log_replay(name.c_str(), nullptr, nullptr) == PP_ERROR_ARGUMENT);
+  CHECK(log.id == 0);
+  CHECK(pp_log_close(log) == PP_ERROR_HANDLE);
+  CHECK(pp_log_close({ball.session.id}) == PP_ERROR_HANDLE);
+  PP_REQUIRE_OK(pp_session_record(ball.session, name.c_str()));
+  touch(ball.session, path);
+  const std::string whole = contentOf(file);
+  // Cut off anywhere it is either read as far as it goes, or refused.
+  for (std::size_t bytes = 0; bytes < whole.size(); bytes += whole.size() / 37 + 1) {
+    std::ofstream(file, std::ios::binary) << whole.substr(0, bytes);
+    pp_log torn{};
+    const pp_status status = pp_log_read(name.c_str(), &torn);
+    CHECK((status == PP_OK || status == PP_ERROR_FILE));
+    if (status != PP_OK) continue;
+    pp_log_content content{};
+    PP_REQUIRE_OK(pp_log_view(torn, &content));
+    CHECK(content.ended == 0);
+    CHECK_FALSE(std::string(content.missing).empty());
+    PP_REQUIRE_OK(pp_log_close(torn));
+  }
+  std::ofstream(file, std::ios::binary) << whole;
+  pp_replay_options options = pp_default_replay_options();
+  options.cloud = ball.cloud.cloud;
+  options.tolerance = -1;
+  CHECK(pp_log_replay(name.c_str(), &options, &result) == PP_ERROR_ARGUMENT);
+  options.tolerance = 0;
+  options.cloud = {ball.session.id};
+  CHECK(pp_log_replay(name.c_str(), &options, &result) == PP_ERROR_HANDLE);
+}
+
+}  // namespace palpate

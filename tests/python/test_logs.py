@@ -1,0 +1,101 @@
+"""Session logs: recorded, read into arrays, and run again to the last bit."""
+
+from __future__ import annotations
+
+import gc
+import os
+import subprocess
+import time
+
+import numpy as np
+import palpate as pp
+import pytest
+from conftest import press_path
+
+
+@pytest.fixture
+def recorded(session, tmp_path):
+    file = tmp_path / "a.session"
+    session.record(file)
+    return file, session.push(press_path(4, 150, 50), radius_mm=5)
+
+
+def test_a_recorded_stroke_is_read_as_arrays(recorded):
+    file, t = recorded
+    log = pp.read_log(file)
+    assert len(log.ticks) == 200 and log.ended and log.missing == [] and log.points == 20_000
+    assert "200 ticks" in repr(log) and log.lost_ticks == 0 and log.merged_edits == 0
+    for name in ("t_s", "force_N", "proxy", "contact", "fresh", "neighbours"):
+        assert np.array_equal(log.ticks[name], t[name]), name
+    scale, offset = log.map
+    assert np.array_equal(scale * log.ticks["device"] + offset, t["hip"])
+    assert log.ticks["valid"].all() and log.ticks["contact"].dtype == bool
+    assert 0 < log.ticks["edits"][-1] <= len(log.edits)  # those of the last answer come behind it
+    assert set(log.edits.dtype.names) == {"point", "parent", "position", "normal", "color", "gone"}
+    assert log.header["config"]["brush"]["radius_mm"] == 5
+    ticks = log.ticks
+    assert not ticks.flags.writeable and np.shares_memory(ticks, log.ticks)
+    forces = ticks["force_N"].copy()
+    del log
+    gc.collect()
+    assert np.array_equal(ticks["force_N"], forces)
+
+
+def test_a_recorded_session_comes_out_the_same_to_the_last_bit(recorded, ball):
+    file, t = recorded
+    again = pp.replay(file, ball)
+    assert again.identical and again.compared == again.ticks == 200 and again.points == 0
+    assert again.first_difference_s is None and again.recorded_edits_agree and again.because == ""
+    with pytest.raises(pp.Error, match="not there"):
+        pp.replay(file)
+    with pytest.raises(pp.Error, match="points"):
+        pp.replay(file, pp.Cloud(ball.xyz[:-1]))
+    with pytest.raises(pp.Error, match="changed"):
+        pp.replay(file, pp.Cloud(ball.xyz + 1e-3))
+
+
+def test_the_program_runs_again_what_python_recorded(recorded, ball, tmp_path):
+    program = os.environ.get("PALPATE_PROGRAM")
+    if not program:
+        pytest.skip("the program is not built")
+    file, _ = recorded
+    model = tmp_path / "ball.ply"
+    with pp.Session(ball, gpu="cpu", mm_per_unit=1) as fresh:
+        pp.write(model, fresh.cloud())
+    cloud = pp.read(model)
+    with pp.Session(cloud, gpu="cpu", mm_per_unit=1) as session:
+        session.record(file)
+        session.push(press_path(4, 150, 50), radius_mm=5)
+    done = subprocess.run([program, "replay", str(file)], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_live_session_is_recorded(session, tmp_path, ball):
+    file = tmp_path / "live.session"
+    session.record(file)
+    with session.live(path=np.array([[0, 0, 0, 52], [0.1, 0, 0, 49]]), rate=250):
+        time.sleep(0.4)
+        with pytest.raises(pp.Error):
+            session.record(file)
+    log = pp.read_log(file)
+    assert len(log.ticks) > 30 and log.ended and log.header["config"]["realtime"]
+    assert pp.replay(file, ball).force_ticks == 0
+
+
+def test_what_cannot_be_recorded_or_read_is_refused(session, ball, tmp_path):
+    session.push(press_path(4, 150, 50), radius_mm=5)
+    with pytest.raises(pp.Error, match="edited"):
+        session.record(tmp_path / "b.session")
+    with pp.Session(ball, gpu="cpu", law=lambda tick: (0, 0, 0), allow_python=True) as lawful:
+        with pytest.raises(pp.Error, match="law"):
+            lawful.record(tmp_path / "b.session")
+    for content in (b"", b"palplog", os.urandom(5000)):
+        (tmp_path / "c.session").write_bytes(content)
+        with pytest.raises(pp.Error) as caught:
+            pp.read_log(tmp_path / "c.session")
+        assert caught.value.file and "c.session" in caught.value.file
+        with pytest.raises(pp.Error):
+            pp.replay(tmp_path / "c.session")
+    for wrong in (None, 3, [1]):
+        with pytest.raises(TypeError):
+            pp.read_log(wrong)
