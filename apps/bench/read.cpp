@@ -1,7 +1,10 @@
 // What it costs to read a file of points, from the system's memory where it was read before.
+#include <array>
 #include <filesystem>
+#include <optional>
 
 #include "apps/bench/bench.hpp"
+#include "engine/core/page_faults.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/cloud_formats.hpp"
 
@@ -9,33 +12,70 @@ namespace palpate {
 
 namespace {
 
+/// What comes into ReadRecord::stages, as the table and the record name it.
+constexpr std::array<const char*, 5> kStages{"open_s", "points_s", "finish_s", "free_s", "waited_s"};
+
 struct ReadRecord {
   std::string file, format;
   std::size_t points = 0;
+  unsigned threads = 1;
   std::uintmax_t bytes = 0;
   Summary time_s;
+  // Medians of the stages, and of what came with them.
+  std::array<double, 5> stages{};
+  std::optional<double> faults;
 
   double perSecond(double amount) const { return time_s.p50 > 0 ? amount / time_s.p50 : 0; }
 };
 
 ReadRecord measure(Context& context, const std::string& file, const BenchOptions& options) {
-  ReadRecord record{.file = file, .format = std::string(cloudFormats().toRead(file).name)};
+  ReadRecord record{
+      .file = file, .format = std::string(cloudFormats().toRead(file).name), .threads = threadCount(context.threads())};
   std::error_code isFolder;
   record.bytes = std::filesystem::file_size(file, isFolder);
   if (isFolder) record.bytes = 0;
+  std::vector<double> times_s, faults;
+  std::array<std::vector<double>, kStages.size()> stages;
   const auto once = [&] {
+    ReadStages now;
+    const std::uint64_t before = pageFaults().value_or(0);
     const Stopwatch watch;
-    record.points = readCloud(file, nullptr, {.threads = context.threads()}).cloud.size();
-    return watch.elapsed_s();
+    std::optional<StoredCloud> stored = readCloud(file, nullptr, {.threads = context.threads(), .stages = &now});
+    const double read_s = watch.elapsed_s();
+    record.points = stored->cloud.size();
+    stored.reset();
+    times_s.push_back(watch.elapsed_s());
+    faults.push_back(static_cast<double>(pageFaults().value_or(0) - before));
+    const std::array<double, kStages.size()> all{now.open_s, now.points_s, now.finish_s, times_s.back() - read_s,
+                                                 now.waited_s};
+    for (std::size_t k = 0; k < all.size(); ++k) stages[k].push_back(all[k]);
   };
   once();  // what it reads is in memory then
-  std::vector<double> times_s;
-  repeatMeasurement(options, [&](std::int64_t) { times_s.push_back(once()); });
+  times_s.clear(), faults.clear();
+  for (auto& stage : stages) stage.clear();
+  repeatMeasurement(options, [&](std::int64_t) { once(); });
   record.time_s = summarize(std::move(times_s));
+  if (pageFaults()) record.faults = summarize(std::move(faults)).p50;
+  for (std::size_t k = 0; k < stages.size(); ++k) record.stages[k] = summarize(std::move(stages[k])).p50;
   return record;
 }
 
-Json benchRead(Context& context, const BenchOptions& options) {
+Json stagesOf(const ReadRecord& record) {
+  Json json = Json::object();
+  for (std::size_t k = 0; k < kStages.size(); ++k) json[kStages[k]] = record.stages[k];
+  json["page_faults"] = record.faults ? Json(*record.faults) : Json();
+  return json;
+}
+
+void printStages(std::FILE* out, const ReadRecord& record) {
+  fmt::print(out, "  header {:.3f} s, points {:.3f} s (waited for memory: {:.3f} s of {} threads together), ",
+             record.stages[0], record.stages[1], record.stages[4], record.threads);
+  fmt::print(out, "places {:.3f} s, freed {:.3f} s", record.stages[2], record.stages[3]);
+  if (record.faults) fmt::print(out, ", page faults {:.0f}", *record.faults);
+  fmt::print(out, "\n");
+}
+
+Json benchRead(Context& context, const BenchOptions& options, bool withStages) {
   Json records = Json::array();
   std::FILE* out = context.tables();
   fmt::print(out, "{:<32} {:<6} {:>12} {:>8} {:>9} {:>9} {:>12} {:>8}\n", "file", "format", "points", "reads", "p50 s",
@@ -47,12 +87,14 @@ Json benchRead(Context& context, const BenchOptions& options) {
     fmt::print(out, "{:<32} {:<6} {:>12} {:>8} {:>9.3f} {:>9.3f} {:>12.1f} {:>8.2f}\n",
                std::filesystem::path(file).filename().string(), record.format, record.points, record.time_s.count,
                record.time_s.p50, record.time_s.max, points, bytes);
+    if (withStages) printStages(out, record);
     records.push_back({{"file", record.file},
                        {"format", record.format},
                        {"points", record.points},
                        {"bytes", record.bytes},
-                       {"threads", threadCount(context.threads())},
+                       {"threads", record.threads},
                        {"time_s", summaryOf(record.time_s)},
+                       {"stages", stagesOf(record)},
                        {"points_per_s", points * 1e6},
                        {"bytes_per_s", bytes * 1e9}});
   }
@@ -68,13 +110,15 @@ void addReadBench(Options& bench, Context& context, Command& command) {
   options->repeat = 20;
   sub.add("file", options->models, cloudFormats().namesRead() + " files").required().typeName("FILE...");
   addRepeatOptions(sub, *options);
+  const auto stages = std::make_shared<bool>(false);
+  sub.addFlag("--stages", *stages, "print what the time was spent on, medians: LAS and LAZ say so");
   sub.footer(
       "Each file is read once before it is measured. --threads says how many threads read LAS and LAZ; other formats "
       "are "
       "read as always.\n");
-  sub.whenNamed([&, options] {
-    command = [&context, options] {
-      measureAlone(context, *options, "read", [&] { return benchRead(context, *options); });
+  sub.whenNamed([&, options, stages] {
+    command = [&context, options, stages] {
+      measureAlone(context, *options, "read", [&] { return benchRead(context, *options, *stages); });
     };
   });
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/cloud/scalar_type.hpp"
+#include "engine/core/bare_vector.hpp"
 #include "engine/core/vec.hpp"
 
 namespace palpate {
@@ -61,7 +62,7 @@ struct PointCloud {
   std::vector<Attribute> extra;
   /// File coordinates in full, where float32 cannot hold them. A point whose position is still float(exact - origin)
   /// has not moved and is written back from here, bit by bit.
-  std::vector<DVec3> exactPositions;
+  BareVector<DVec3> exactPositions;
   StoredAs storedAs;
 
   std::size_t size() const { return positions.size(); }

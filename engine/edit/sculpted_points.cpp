@@ -1,11 +1,14 @@
 #include "engine/edit/sculpted_points.hpp"
 
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numeric>
 
 #include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/check.hpp"
+#include "engine/core/large_array.hpp"
+#include "engine/core/parallel.hpp"
 #include "engine/edit/placed_brush.hpp"
 
 namespace palpate {
@@ -29,18 +32,33 @@ Vec3 middleNormal(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-SculptedPoints::SculptedPoints(const PointCloud& cloud)
-    : positions(cloud.positions),
-      normals(cloud.normals),
-      colors(cloud.size()),
-      parents(cloud.size()),
-      there(cloud.size(), 1),
-      unsettled(cloud.size(), 0),
-      rests(cloud.positions),
-      fromFile(static_cast<std::uint32_t>(cloud.size())) {
-  PALPATE_CHECK_EQ(normals.size(), positions.size());
-  for (std::size_t i = 0; i < cloud.size(); ++i) colors[i] = palpate::packedColor(cloud, i);
-  std::iota(parents.begin(), parents.end(), 0);
+SculptedPoints::SculptedPoints(const PointCloud& cloud) : fromFile(static_cast<std::uint32_t>(cloud.size())) {
+  PALPATE_CHECK_EQ(cloud.normals.size(), cloud.size());
+  const std::size_t count = cloud.size();
+  const auto copyTo = [&](std::vector<Vec3>& to, const std::vector<Vec3>& from) {
+    reserveLarge(to, count);
+    to.assign(from.begin(), from.end());
+  };
+  // An array each, since std::vector is filled by one thread; of many points all take about as long as the longest.
+  const std::array<std::function<void()>, 6> arrays{
+      [&] { copyTo(positions, cloud.positions); },
+      [&] { copyTo(normals, cloud.normals); },
+      [&] { copyTo(rests, cloud.positions); },
+      [&] {
+        reserveLarge(colors, count);
+        for (std::size_t i = 0; i < count; ++i) colors.push_back(palpate::packedColor(cloud, i));
+      },
+      [&] {
+        reserveLarge(parents, count);
+        for (std::size_t i = 0; i < count; ++i) parents.push_back(static_cast<std::uint32_t>(i));
+      },
+      [&] {
+        there.assign(count, 1);
+        unsettled.assign(count, 0);
+      },
+  };
+  constexpr std::size_t kMany = std::size_t{1} << 18;  // points, for which it is worth to start threads
+  parallelBlocks(arrays.size(), 1, count < kMany ? 1 : 0, [&](std::size_t k, std::size_t) { arrays[k](); });
 }
 
 PointState SculptedPoints::state(std::uint32_t point) const {

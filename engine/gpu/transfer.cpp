@@ -34,19 +34,27 @@ void uploadMade(Device& device, Queue& queue, const Buffer& to, std::uint64_t by
     std::optional<Queue::Ticket> copying;
   };
   std::array<std::unique_ptr<Turn>, 2> turns;
+  const auto waitForAll = [&] {
+    for (const std::unique_ptr<Turn>& turn : turns)
+      if (turn && turn->copying) queue.wait(*turn->copying);
+  };
   std::size_t number = 0;
-  inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) {
-    std::unique_ptr<Turn>& turn = turns[number++ % turns.size()];
-    if (!turn) turn = std::make_unique<Turn>(device, queue, std::min(bytes, kStagingBytes), to.name());
-    if (turn->copying) queue.wait(*turn->copying);
-    make(offset, turn->staging.mapped<std::byte>().first(piece));
-    turn->list.begin();
-    turn->list.copy(turn->staging, to, piece, 0, offset);
-    turn->list.end();
-    turn->copying = queue.submit(turn->list);
-  });
-  for (const std::unique_ptr<Turn>& turn : turns)
-    if (turn) queue.wait(*turn->copying);
+  try {
+    inPieces(bytes, [&](std::uint64_t offset, std::uint64_t piece) {
+      std::unique_ptr<Turn>& turn = turns[number++ % turns.size()];
+      if (!turn) turn = std::make_unique<Turn>(device, queue, std::min(bytes, kStagingBytes), to.name());
+      if (turn->copying) queue.wait(*turn->copying);
+      make(offset, turn->staging.mapped<std::byte>().first(piece));
+      turn->list.begin();
+      turn->list.copy(turn->staging, to, piece, 0, offset);
+      turn->list.end();
+      turn->copying = queue.submit(turn->list);
+    });
+  } catch (...) {
+    waitForAll();  // before the memory that is copied from goes
+    throw;
+  }
+  waitForAll();
 }
 
 void uploadBytes(Device& device, Queue& queue, const Buffer& to, std::span<const std::byte> bytes) {

@@ -77,19 +77,12 @@ void ChunkedFile::fillTogether(std::size_t wanted) {
 }
 
 void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
-                             const std::function<void(std::span<const std::byte>, std::uint64_t)>& take,
-                             const Jobs& beside) {
-  const std::uint64_t blocks = (bytes + block - 1) / block, parts = beside.size() + blocks;
+                             const std::function<void(std::span<const std::byte>, std::uint64_t)>& take) {
+  const std::uint64_t blocks = (bytes + block - 1) / block;
   std::atomic<std::uint64_t> next = 0;
   const auto work = [&](std::size_t) {
-    BareVector<std::byte> buffer;
-    for (std::uint64_t part; (part = next++) < parts;) {
-      if (part < beside.size()) {
-        beside[part]();
-        continue;
-      }
-      const std::uint64_t k = part - beside.size();
-      buffer.resize(static_cast<std::size_t>(std::min<std::uint64_t>(block, bytes)));
+    BareVector<std::byte> buffer(static_cast<std::size_t>(std::min<std::uint64_t>(block, bytes)));
+    for (std::uint64_t k; (k = next++) < blocks;) {
       const std::uint64_t before = k * block;
       const std::span<std::byte> piece(buffer.data(),
                                        static_cast<std::size_t>(std::min<std::uint64_t>(block, bytes - before)));
@@ -100,7 +93,7 @@ void ChunkedFile::readBlocks(std::uint64_t bytes, std::size_t block, unsigned th
       take(piece, before);
     }
   };
-  parallelParts(static_cast<std::size_t>(std::min<std::uint64_t>(parts, threadCount(threads))), work);
+  parallelParts(static_cast<std::size_t>(std::min<std::uint64_t>(blocks, threadCount(threads))), work);
   offset_ += bytes;
   begin_ = end_ = 0;
   if (!seekTo(file_, offset_))

@@ -11,7 +11,6 @@
 #include <string_view>
 
 #include "engine/core/bare_vector.hpp"
-#include "engine/core/large_array.hpp"
 
 namespace palpate {
 
@@ -44,11 +43,9 @@ class ChunkedFile {
   }
   /// Gives the next `bytes`, of a file whose size is known, to `threads` (0: one per core): in blocks of `block` bytes,
   /// the last one shorter, each with how many come before it. They are read by then, and none is kept. Throws FileError
-  /// with the byte where the file ends before. `beside`: what these threads do first, at the same time as the first
-  /// blocks where it is less than all of them do.
+  /// with the byte where the file ends before.
   void readBlocks(std::uint64_t bytes, std::size_t block, unsigned threads,
-                  const std::function<void(std::span<const std::byte>, std::uint64_t before)>& take,
-                  const Jobs& beside = {});
+                  const std::function<void(std::span<const std::byte>, std::uint64_t before)>& take);
   /// Passes over `bytes`; false when the file ends before.
   bool skip(std::uint64_t bytes);
 

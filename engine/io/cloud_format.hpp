@@ -50,6 +50,14 @@ struct StoredCloud {
   std::vector<CameraFrustum> cameras = {};
 };
 
+/// What a reader spent its time on, where it says so (LAS and LAZ); wall seconds.
+struct ReadStages {
+  double open_s = 0;    ///< until the first point is known to be there: header and records
+  double points_s = 0;  ///< the points come out of the file
+  double finish_s = 0;  ///< they get their places, colours and normals
+  double waited_s = 0;  ///< of all threads together: waited for memory that another one makes ready
+};
+
 struct CloudReadOptions {
   bool normalsFromFaces = false;  ///< area-weighted, in place of any that the file gives
   /// Leaves out the triangles, which need not be right then; what is lost is said through the log, and nowhere else.
@@ -60,6 +68,8 @@ struct CloudReadOptions {
   std::size_t samples = 0;
   /// That read LAS and LAZ; 0: one per core. What is read does not depend on it.
   unsigned threads = 0;
+  /// Gets what the time was spent on; null: nobody asks.
+  ReadStages* stages = nullptr;
   /// Of lines of text: what their columns are, in place of what the file says (CloudFormat::isText); empty: that.
   std::vector<std::string> columns = {};
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <mutex>
 
@@ -17,6 +18,7 @@ namespace {
 
 constexpr double kExactSteps = 1 << 22;  // float32 tells so many steps of the grid apart
 constexpr std::size_t kFew = 512;        // rows that stay next to the processor while all columns take theirs
+constexpr std::size_t kMany = 1 << 17;   // points, so that threads hardly meet in a large page that has to be fetched
 constexpr double kUnitTolerance = 1e-5;  // nearer to 1 a normal stays as it is
 
 using Numbers = std::array<std::int32_t, 3>;
@@ -72,6 +74,14 @@ void inFew(std::size_t begin, std::size_t end, F&& f) {
   for (; begin < end; begin += kFew) f(begin, std::min(end, begin + kFew));
 }
 
+/// What all threads share is written when it changes, and otherwise read: a write has every other processor wait.
+void setOnce(std::atomic<bool>& flag, bool set) {
+  if (set && !flag.load(std::memory_order_relaxed)) flag = true;
+}
+void addBits(std::atomic<std::uint32_t>& bits, std::uint32_t more) {
+  if (more & ~bits.load(std::memory_order_relaxed)) bits |= more;
+}
+
 double squaredLength(const float* n) {
   const double x = n[0], y = n[1], z = n[2];
   return x * x + y * y + z * z;
@@ -106,33 +116,40 @@ LasColumns::LasColumns(const LasHeader& header, const LasPointFormat& format, co
 void LasColumns::reserve(std::size_t points) {
   reserveLarge(cloud_.positions, points);
   if (!normals_.empty()) reserveLarge(cloud_.normals, points);
-  if (format_.colorAt) colors_.reserve(points);
+  if (format_.colorAt) reserveLarge(colors_, points);
   reserved_ = points;
 }
 
-Jobs LasColumns::growth(std::size_t to) {
-  Jobs jobs;
+void LasColumns::makeRoom(std::size_t to) {
   size_ = to;
-  addGrowth(cloud_.positions, to, jobs);
-  if (!normals_.empty()) addGrowth(cloud_.normals, to, jobs);
-  if (format_.colorAt) colors_.resize(to);
+  places_.makeRoom(to);
+  if (!normals_.empty()) vectors_.makeRoom(to);
+  if (format_.colorAt) fineColors_.makeRoom(to);
   for (const auto& column : columns_)
-    if (column->used) addGrowth(column->attribute.data, to * sizeOf(column->field.type), jobs);
-  return jobs;
+    if (column->used) column->bytes.makeRoom(to * sizeOf(column->field.type));
 }
 
-/// With zeros for all points that there is room for, or soon is.
+/// With room for all points that there is room for, or soon is.
 void LasColumns::make(Column& column) {
   const std::scoped_lock hold(column.making);
   if (column.used) return;
   const std::size_t each = sizeOf(column.field.type);
   reserveLarge(column.attribute.data, std::max(reserved_, size_) * each);
-  resizeLarge(column.attribute.data, size_ * each, 1);
+  column.bytes.makeRoom(size_ * each);
   column.used = true;
+}
+
+double LasColumns::waited_s() const {
+  double waited_s = places_.waited_s() + vectors_.waited_s() + fineColors_.waited_s();
+  for (const auto& column : columns_) waited_s += column->bytes.waited_s();
+  return waited_s;
 }
 
 void LasColumns::take(const std::byte* rows, std::size_t base, std::size_t count) {
   if (count == 0) return;
+  places_.need(base + count);
+  if (!normals_.empty()) vectors_.need(base + count);
+  if (format_.colorAt) fineColors_.need(base + count);
   Range range;
   inFew(0, count, [&](std::size_t begin, std::size_t end) {
     takeFew(rows + begin * header_.pointBytes, base + begin, end - begin, range);
@@ -145,8 +162,8 @@ void LasColumns::takeFew(const std::byte* rows, std::size_t base, std::size_t co
   takePlaces(rows, base, count, range);
   if (format_.colorAt) takeColors(rows, base, count);
   if (!normals_.empty()) takeNormals(rows, base, count);
-  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight bytes
-  // at a time.
+  // Columns lie one behind the other, and most have nothing: the bits that are set in some row are looked for eight
+  // bytes at a time.
   const std::size_t rowBytes = header_.pointBytes;
   std::size_t windowAt = 0;
   std::uint64_t window = 0;
@@ -204,9 +221,9 @@ void LasColumns::takeNormals(const std::byte* rows, std::size_t base, std::size_
     missing |= squared == 0;
     scaled |= std::abs(squared - 1) >= kUnitTolerance;
   }
-  if (infinite) normalKinds_.infinite = true;
-  if (missing) normalKinds_.missing = true;
-  if (scaled) normalKinds_.scaled = true;
+  setOnce(normalKinds_.infinite, infinite);
+  setOnce(normalKinds_.missing, missing);
+  setOnce(normalKinds_.scaled, scaled);
   std::memcpy(static_cast<void*>(cloud_.normals.data() + base), few.data(), count * sizeof few[0]);
 }
 
@@ -221,13 +238,14 @@ void LasColumns::takeColumn(Column& column, const std::byte* rows, std::size_t b
       if (first == count) return;
       make(column);
     }
+    column.bytes.need((base + count) * sizeof(T));
     std::byte* to = column.attribute.data.data() + base * sizeof(T);
     for (std::size_t r = 0; r < count; ++r) {
       const T value = load(from + r * rowBytes);
       std::memcpy(to + r * sizeof(T), &value, sizeof(T));
     }
   });
-  if (column.field.wide && anyRounded(column.field, rows, rowBytes, count)) column.rounded = true;
+  if (column.field.wide && anyRounded(column.field, rows, rowBytes, count)) setOnce(column.rounded, true);
 }
 
 void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t count) {
@@ -241,8 +259,8 @@ void LasColumns::takeColors(const std::byte* rows, std::size_t base, std::size_t
       unequal |= (value >> 8) ^ (value & 0xff);
     }
   }
-  colorBits_.all |= all;
-  colorBits_.unequal |= unequal;
+  addBits(colorBits_.all, all);
+  addBits(colorBits_.unequal, unequal);
 }
 
 /// The numbers of the file become float32 about an origin of the cloud; where these cannot tell them apart, they are
@@ -267,9 +285,8 @@ void LasColumns::placePoints() {
     }
   };
   const auto placeAll = [&](std::size_t begin, std::size_t end) { inFew(begin, end, place); };
-  if (!exact) return parallelBlocks(size_, 16 * kFew, threads_, placeAll);
-  reserveLarge(cloud_.exactPositions, size_);
-  growAndFill(size_, threads_, [&](std::size_t to, Jobs& jobs) { addGrowth(cloud_.exactPositions, to, jobs); }, placeAll);
+  if (exact) cloud_.exactPositions.resize(size_);
+  parallelBlocks(size_, kMany, threads_, placeAll);
 }
 
 /// Colours of 16 bits that hold 8, in either way that programs have, become those; others are kept besides. Files whose
@@ -282,13 +299,13 @@ void LasColumns::placeColors(unsigned& colorStep) {
   const bool fine = !low && !high && !both;
   for (std::size_t k = 0; fine && k < 3; ++k)
     cloud_.extra.push_back({std::string(kLasFineColors[k]), ScalarType::u16, {}});
-  reserveLarge(cloud_.colors, size_);
-  for (Attribute& kept : cloud_.extra) reserveLarge(kept.data, size_ * sizeof(std::uint16_t));
-  const auto grow = [&](std::size_t to, Jobs& jobs) {
-    addGrowth(cloud_.colors, to, jobs);
-    for (Attribute& kept : cloud_.extra) addGrowth(kept.data, to * sizeof(std::uint16_t), jobs);
-  };
-  growAndFill(size_, threads_, grow, [&](std::size_t begin, std::size_t end) {
+  GrowingArray<std::array<std::uint8_t, 4>> colors(cloud_.colors);
+  colors.makeRoom(size_);
+  std::deque<GrowingArray<std::byte>> keptBytes;
+  for (Attribute& kept : cloud_.extra) keptBytes.emplace_back(kept.data).makeRoom(size_ * sizeof(std::uint16_t));
+  parallelBlocks(size_, 16 * kFew, threads_, [&](std::size_t begin, std::size_t end) {
+    colors.need(end);
+    for (auto& bytes : keptBytes) bytes.need(end * sizeof(std::uint16_t));
     for (std::size_t i = begin; i < end; ++i) {
       cloud_.colors[i][3] = 255;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -300,17 +317,20 @@ void LasColumns::placeColors(unsigned& colorStep) {
   colors_ = {};
 }
 
-/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are attributes,
-/// all of them.
+/// Makes them of unit length; who has none is given back. Whatever vectors are that are not finite, they are
+/// attributes, all of them.
 std::vector<std::size_t> LasColumns::placeNormals() {
   if (normals_.empty()) return {};
   if (normalKinds_.infinite) {
     for (std::size_t k = 0; k < normals_.size(); ++k) {
       Attribute& attribute = cloud_.extra.emplace_back(Attribute{normals_[k].name, normals_[k].type, {}});
-      resizeLarge(attribute.data, size_ * sizeof(float), threads_);
-      parallelFor(size_, threads_, [&](std::size_t begin, std::size_t end) {
+      GrowingArray<std::byte> bytes(attribute.data);
+      bytes.makeRoom(size_ * sizeof(float));
+      parallelBlocks(size_, 16 * kFew, threads_, [&](std::size_t begin, std::size_t end) {
+        bytes.need(end * sizeof(float));
         for (std::size_t i = begin; i < end; ++i)
-          std::memcpy(attribute.data.data() + i * sizeof(float), &cloud_.normals[i][static_cast<int>(k)], sizeof(float));
+          std::memcpy(attribute.data.data() + i * sizeof(float), &cloud_.normals[i][static_cast<int>(k)],
+                      sizeof(float));
       });
     }
     cloud_.normals = {};
@@ -338,6 +358,7 @@ PointCloud LasColumns::finish(std::vector<std::string>& lost, unsigned& colorSte
     Column& column = *columns_[k];
     if (column.rounded) lost.push_back(fmt::format("whole numbers of '{}' beyond 2^53", column.field.name));
     if (k >= standard && !column.used) make(column);  // what a file describes is there, though it be zero
+    if (column.used) complete(column);
     if (column.used || k >= standard) cloud_.extra.push_back(std::move(column.attribute));
   }
   columns_.clear();

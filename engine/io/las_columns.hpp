@@ -20,19 +20,19 @@ class LasColumns {
              unsigned threads = 0);
 
   unsigned threads() const { return threads_; }
-  /// Room for so many points, of which nothing is touched.
+  /// Seconds for which threads waited until now for memory that another one made ready, all together.
+  double waited_s() const;
+  /// Addresses for so many points, of which nothing is touched.
   void reserve(std::size_t points);
-  /// What makes room for the rows up to `to`, for any threads; what is there stays. While they do it, rows may be taken
-  /// for which there was room before. Jobs that were given before must be done.
-  Jobs growth(std::size_t to);
-  /// Does that at once.
-  void grow(std::size_t to) { doTogether(growth(to), threads_); }
-  /// Rows of points from number `base` on. From any threads, for points that differ.
+  /// Rows up to `to` are about to be taken; what is there stays. Their memory is fetched while they are. No rows are
+  /// taken meanwhile.
+  void makeRoom(std::size_t to);
+  /// Rows of points from number `base` on, for which there is room. From any threads, for points that differ.
   void take(const std::byte* rows, std::size_t base, std::size_t count);
 
-  /// Places, colours, normals and attributes, once, of as many points as there is room for. What does not come along goes
-  /// to `lost`, in words; what one step of 8 bits is in the file's colours to `colorStep`; to `withoutNormal` who has none
-  /// though the cloud has.
+  /// Places, colours, normals and attributes, once, of as many points as there is room for. What does not come along
+  /// goes to `lost`, in words; what one step of 8 bits is in the file's colours to `colorStep`; to `withoutNormal` who
+  /// has none though the cloud has.
   PointCloud finish(std::vector<std::string>& lost, unsigned& colorStep, std::vector<std::size_t>& withoutNormal);
 
  private:
@@ -42,6 +42,7 @@ class LasColumns {
     LasField field;
     std::atomic<bool> used = false, rounded = false;  // a value other than zero; one that its type cannot hold
     Attribute attribute;
+    GrowingArray<std::byte> bytes{attribute.data};
     std::mutex making;
   };
   struct ColorBits {
@@ -59,6 +60,7 @@ class LasColumns {
     std::atomic<bool> infinite = false, missing = false, scaled = false;
   };
   void make(Column& column);
+  void complete(Column& column) { column.bytes.need(size_ * sizeOf(column.field.type)); }
   void takeFew(const std::byte* rows, std::size_t base, std::size_t count, Range& range);
   void takePlaces(const std::byte* rows, std::size_t base, std::size_t count, Range& range);
   void takeNormals(const std::byte* rows, std::size_t base, std::size_t count);
@@ -75,11 +77,14 @@ class LasColumns {
   std::vector<LasField> normals_;                 // three, or none
   std::size_t size_ = 0, reserved_ = 0;           // points
   PointCloud cloud_;  // the positions hold the bits of the file's whole numbers until the points are placed
-  Range range_;
-  std::mutex ranging_;
   BareVector<std::array<std::uint16_t, 3>> colors_;
-  ColorBits colorBits_;
+  GrowingArray<Vec3> places_{cloud_.positions}, vectors_{cloud_.normals};
+  GrowingArray<std::array<std::uint16_t, 3>, BareAllocator<std::array<std::uint16_t, 3>>> fineColors_{colors_};
+  // What threads write apart from what all of them read for each block.
+  alignas(64) ColorBits colorBits_;
   NormalKinds normalKinds_;
+  alignas(64) std::mutex ranging_;
+  Range range_;
 };
 
 }  // namespace palpate

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstring>
 
+#include "engine/core/clock.hpp"
 #include "engine/core/system_file.hpp"
 #include "engine/io/las_reader.hpp"
 #include "engine/io/las_writer.hpp"
@@ -50,8 +51,10 @@ FileContents contentsOfLas(const std::filesystem::path& path) {
 StoredCloud readLas(const std::filesystem::path& path, Log* log, const CloudReadOptions& options) {
   if (options.normalsFromFaces && log) log->say("{}: has no faces to take normals from", path.filename().string());
   StoredCloud stored;
+  const Stopwatch opening;
   LasReader reader(path);
-  stored.cloud = reader.read(log, stored.lost, options.threads);
+  if (options.stages) options.stages->open_s = opening.elapsed_s();
+  stored.cloud = reader.read(log, stored.lost, options);
   return stored;
 }
 

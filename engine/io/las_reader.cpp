@@ -8,6 +8,7 @@
 
 #include "engine/cloud/normals.hpp"
 #include "engine/cloud/up.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/in_quotes.hpp"
@@ -20,8 +21,8 @@ namespace palpate {
 namespace {
 
 constexpr std::size_t kBlock = 4096;                         // points that one thread takes at a time
-constexpr std::size_t kSlab = std::size_t{1} << 27;          // bytes of points that room is made for at a time
-constexpr std::size_t kFirst = std::size_t{1} << 16;         // points by which columns are found that have something
+constexpr std::size_t kSlab = std::size_t{1} << 30;          // bytes of points that threads read before they meet
+constexpr std::size_t kLessSlab = std::size_t{1} << 27;      // as kSlab, where they are in memory all at once
 constexpr std::size_t kMostReserved = std::size_t{1} << 27;  // points: a sparse file is long without holding any
 
 std::string textOf(std::span<const std::byte> bytes) {
@@ -93,12 +94,16 @@ void LasReader::checkCount() const {
                                         header.points, header.pointBytes, *there));
 }
 
-PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, unsigned threads) {
+PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options) {
+  const unsigned threads = options.threads;
   if (log) file_.onProgress([&](double share) { log->progress(file_.path().filename().string(), share); });
   LasColumns columns(head_.header, head_.format, head_.extra, threads);
+  const Stopwatch reading;
   const Tail tail = head_.packing ? readPacked(columns, log, lost) : readPlain(columns, threads);
   const std::shared_ptr<LasBaggage> baggage = packBaggage(tail);
   std::vector<std::size_t> withoutNormal;
+  if (options.stages) options.stages->points_s = reading.elapsed_s(), options.stages->waited_s = columns.waited_s();
+  const Stopwatch finishing;
   PointCloud cloud = columns.finish(lost, baggage->colorStep, withoutNormal);
   if (!withoutNormal.empty()) fillMissingNormals(cloud, withoutNormal, file_.path().filename().string(), log);
   StoredAs& stored = cloud.storedAs;
@@ -106,39 +111,37 @@ PointCloud LasReader::read(Log* log, std::vector<std::string>& lost, unsigned th
   stored.comments = head_.comments;
   if (!upSaidIn(stored.comments)) stored.comments.emplace_back(fmt::format("comment up: {}", nameOf(UpAxis::z)));
   stored.baggage = baggage;
+  if (options.stages) options.stages->finish_s = finishing.elapsed_s();
   return cloud;
 }
 
 LasReader::Tail LasReader::readPlain(LasColumns& columns, unsigned threads) {
   const LasHeader& header = head_.header;
-  const std::size_t rowBytes = header.pointBytes, slab = std::max<std::size_t>(1, kSlab / rowBytes);
   const bool known = file_.remaining().has_value();
+  const std::size_t rowBytes = header.pointBytes;
+  const std::size_t slab = std::max<std::size_t>(1, (known ? kSlab : kLessSlab) / rowBytes);
   columns.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(known ? header.points : 0, kMostReserved)));
-  const auto most = [&](std::uint64_t done, std::size_t wanted) {
-    return static_cast<std::size_t>(std::min<std::uint64_t>(wanted, header.points - done));
-  };
-  std::size_t count = most(0, std::min(slab, kFirst));
-  if (known) columns.grow(count);
   for (std::size_t done = 0; done < header.points;) {
-    const std::size_t next = most(done + count, std::min(slab, 2 * count));
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(slab, header.points - done));
     if (known) {
+      columns.makeRoom(done + count);
       const auto take = [&](std::span<const std::byte> rows, std::uint64_t before) {
         columns.take(rows.data(), done + before / rowBytes, rows.size() / rowBytes);
       };
-      file_.readBlocks(count * rowBytes, kBlock * rowBytes, threads, take, columns.growth(done + count + next));
+      file_.readBlocks(count * rowBytes, kBlock * rowBytes, threads, take);
     } else {
       const auto rows = file_.peek(count * rowBytes);
       if (rows.size() < count * rowBytes)
         throw FileError::atByte(
             file_.path(), file_.offset() + rows.size(),
             fmt::format("the file ends inside point {} of {}", done + rows.size() / rowBytes + 1, header.points));
-      columns.grow(done + count);
+      columns.makeRoom(done + count);
       parallelBlocks(count, kBlock, threads, [&](std::size_t begin, std::size_t end) {
         columns.take(rows.data() + begin * rowBytes, done + begin, end - begin);
       });
       file_.consume(count * rowBytes);
     }
-    done += std::exchange(count, next);
+    done += count;
   }
   Tail tail{.at = file_.offset()};
   for (auto bytes = file_.peek(1); !bytes.empty(); bytes = file_.peek(1)) {

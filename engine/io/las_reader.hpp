@@ -3,6 +3,7 @@
 
 #include "engine/core/log.hpp"
 #include "engine/io/chunked_file.hpp"
+#include "engine/io/cloud_format.hpp"
 #include "engine/io/copc.hpp"
 #include "engine/io/las_columns.hpp"
 #include "engine/io/las_layout.hpp"
@@ -27,8 +28,8 @@ class LasReader {
   explicit LasReader(const std::filesystem::path& path);
 
   const LasHead& head() const { return head_; }
-  /// The cloud, once. What does not come along goes to `lost`, in words. `threads`: 0: one per core.
-  PointCloud read(Log* log, std::vector<std::string>& lost, unsigned threads = 0);
+  /// The cloud, once. What does not come along goes to `lost`, in words.
+  PointCloud read(Log* log, std::vector<std::string>& lost, const CloudReadOptions& options = {});
 
  private:
   /// Where points end and the records behind them begin.

@@ -63,25 +63,23 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
   const auto open = [&](const LazChunk& chunk) {
     return LazChunkDecoder(file, layout, chunk, body.subspan(chunk.at - bodyAt, chunk.bytes));
   };
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const Group& group = groups[g];
+  for (const Group& group : groups) {
     if (group.alone) {  // perhaps a very long one, which is unpacked slice by slice
       LazChunkDecoder decoder = open(chunks[group.begin]);
       for (std::uint64_t base = group.base; base < group.to;) {
         const std::uint64_t count = std::min(kSlice, group.to - base);
-        columns.grow(base + count);
+        columns.makeRoom(base + count);
         take(decoder, layout.rowBytes, base, count, columns);
         base += count;
       }
       odd += decoder.left() > 0 ? 1 : 0;
     } else {
       std::vector<std::uint64_t> bases;
-      for (std::uint64_t base = group.base; const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
+      for (std::uint64_t base = group.base;
+           const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
         bases.push_back(std::exchange(base, base + chunk.points));
-      columns.grow(group.to);
-      const bool goesOn = g + 1 < groups.size() && !groups[g + 1].alone;
-      const Jobs jobs = goesOn ? columns.growth(groups[g + 1].to) : Jobs();
-      parallelBlocksBeside(jobs, bases.size(), 1, columns.threads(), [&](std::size_t k, std::size_t) {
+      columns.makeRoom(group.to);
+      parallelBlocks(bases.size(), 1, columns.threads(), [&](std::size_t k, std::size_t) {
         const LazChunk& chunk = chunks[group.begin + k];
         LazChunkDecoder decoder = open(chunk);
         take(decoder, layout.rowBytes, bases[k], chunk.points, columns);

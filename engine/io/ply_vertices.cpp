@@ -188,7 +188,7 @@ PointCloud PlyVertices::finish(Log* log) {
 
 /// Splits double coordinates into an origin and float32 positions; drops the doubles where that lost nothing.
 void PlyVertices::placeOrigin() {
-  const std::vector<DVec3>& exact = cloud_.exactPositions;
+  const BareVector<DVec3>& exact = cloud_.exactPositions;
   if (exact.empty()) return;
   Bounds box{exact.front(), exact.front()};
   for (const DVec3& p : exact) box = {glm::min(box.min, p), glm::max(box.max, p)};

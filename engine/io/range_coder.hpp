@@ -83,6 +83,8 @@ class RangeDecoder : RangeCoder {
 
   explicit RangeDecoder(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
     for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();
+    // What follows takes for granted that the value is within the interval, and no encoder leaves it.
+    if (value_ >= length_) wrong_ = true, value_ = 0;
   }
 
   /// What was read is no stream of an encoder, or was read with other models: it ended too early, or named what there

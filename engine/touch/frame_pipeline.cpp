@@ -125,9 +125,12 @@ void FramePipeline::finish() {
 }
 
 void FramePipeline::stop() noexcept {
-  if (stage_ != Stage::making) return;
+  if (stage_ == Stage::idle) return;
   try {
-    task_.finishedWithin(0);
+    if (stage_ == Stage::making)
+      task_.finishedWithin(0);
+    else
+      on_->wait(ticket_);  // of a queue that waiting for the device may not wait for
   } catch (...) {  // a frame that could not be made is nobody's any more
   }
   stage_ = Stage::idle;

@@ -41,6 +41,22 @@ MatterAnswer MatterSteps::goTo(const MatterQuestion& question) {
   return answer;
 }
 
+MatterAnswer MatterSteps::answerTo(const MatterQuestion& question) noexcept {
+  if (!faulty_.load()) {
+    try {
+      return goTo(question);
+    } catch (...) {
+      fault_ = std::current_exception();
+      faulty_.store(true);
+    }
+  }
+  return {.question = question, .moves = false, .state = MatterState::diverged};
+}
+
+void MatterSteps::throwFault() const {
+  if (faulty_.load()) std::rethrow_exception(fault_);
+}
+
 void MatterSteps::show(double time_s) {
   const std::unique_lock lock(mutex_, std::try_to_lock);
   if (!lock) return;  // it is just being taken; the next step is shown

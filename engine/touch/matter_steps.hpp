@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -42,6 +43,11 @@ class MatterSteps final : public SteppedControl {
   /// As many steps as fit between the last question and this one, at the first one a single one; where time goes back the
   /// scene begins anew.
   MatterAnswer goTo(const MatterQuestion& question);
+  /// The same where nothing may be thrown: what was is kept, and this and all further answers are of a simulation that
+  /// does not run.
+  MatterAnswer answerTo(const MatterQuestion& question) noexcept;
+  /// Throws what answerTo() has kept, if anything.
+  void throwFault() const;
   const MatterSimulation& world() const { return *world_; }
 
   /// The newest particles that are shown. False where none are since the last time.
@@ -58,6 +64,8 @@ class MatterSteps final : public SteppedControl {
   std::vector<HandPose> hands_;       // of the last question
   std::vector<HandPose> between_;
   std::optional<double> unshown_s_;  // time of the last question, where it moved what is not shown yet
+  std::atomic<bool> faulty_ = false;
+  std::exception_ptr fault_;         // written before the flag
   std::atomic<bool> wanted_ = true;  // somebody would take what is shown
   std::mutex mutex_;
   std::optional<double> shownAt_s_;  // nothing: it was taken

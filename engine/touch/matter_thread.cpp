@@ -17,7 +17,7 @@ void MatterThread::serve() {
     const auto newest = asked_.load();
     if (!newest || (question && newest->time_s == question->time_s)) continue;  // answered with an earlier wake
     question = newest;
-    answered_.store(steps_.goTo(*question));
+    answered_.store(steps_.answerTo(*question));
     done_.post();
   }
 }

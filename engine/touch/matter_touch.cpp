@@ -60,6 +60,7 @@ MatterTouch::MatterTouch(std::unique_ptr<MatterSimulation> simulation, const Mat
 }
 
 void MatterTouch::setRealtime(bool realtime) {
+  const std::lock_guard lock(paceGuard_);  // a picture's thread may just look at the particles
   if (realtime == thread_.has_value()) return steps_.setLeavesOut(realtime);
   thread_.reset();
   steps_.setLeavesOut(realtime);
@@ -75,7 +76,7 @@ std::span<const Contact> MatterTouch::ask(std::span<const Pose> poses, double bu
     finite &= isFinite(poses[i].hip);
   }
   std::optional<MatterAnswer> answer;
-  if (finite) answer = thread_ ? thread_->ask(question, budget_us) : steps_.goTo(question);
+  if (finite) answer = thread_ ? thread_->ask(question, budget_us) : steps_.answerTo(question);
   for (std::size_t i = 0; i < poses.size(); ++i)
     answers_[i] = answer ? contactOf(*answer, i, poses[i]) : Contact{.proxy = poses[i].hip, .valid = finite};
   return answers_;
@@ -107,6 +108,7 @@ Contact MatterTouch::contactOf(const MatterAnswer& answer, std::size_t hand, con
 
 void MatterTouch::finish() {
   if (thread_) thread_->finish();
+  steps_.throwFault();
   if (const std::string failure = steps_.failure(); !failure.empty())
     throw Error("the simulation {}; begin it anew, with more substeps or a slower hand", failure);
 }
@@ -125,7 +127,10 @@ std::size_t MatterTouch::readBack(PointCloud& cloud) const {
 }
 
 bool MatterTouch::takeFrame(CloudFrame& frame) {
-  if (!thread_) steps_.showPresent();
+  {
+    const std::lock_guard lock(paceGuard_);
+    if (!thread_) steps_.showPresent();
+  }
   if (!steps_.take(view_)) return false;
   frame.time_s = view_.time_s;
   frame.positions = inUnits(view_.positions);

@@ -1,6 +1,7 @@
 // Hands in matter that moves by itself: each holds a ball, which the matter pushes.
 #pragma once
 
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,7 @@ class MatterTouch final : public TouchBackend {
   mutable MatterSurface surface_;  // of the one who shows it
   MatterView view_;
   std::vector<Vec3> stillPositions_, stillNormals_;  // of a model that stands in the matter, units
+  std::mutex paceGuard_;  // of whether there is a thread, and of what is done in the place of one
   std::optional<MatterThread> thread_;  // against the clock; goes first
 };
 

@@ -165,6 +165,7 @@ void SoftSource::advance(std::uint32_t steps) {
     }
     world_->press(presses_);
     world_->step();
+    if (world_->state() != MatterState::running) break;  // what was pressed is of an earlier step
     for (std::size_t n = 0; n < pressing_.size(); ++n) {
       slots_[pressing_[n]].place_m = world_->pressed()[n].place_m;
       energies_J_[presses_[n].hand] += world_->pressed()[n].work_J;

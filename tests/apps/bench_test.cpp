@@ -382,10 +382,11 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
   works("make sphere -n 60000 -o " + las);
   works("convert " + las + " " + laz);
   for (const int threads : {1, 3}) {
-    const Outcome outcome =
-        palpate(fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --json {}", las, laz, threads, json));
+    const Outcome outcome = palpate(
+        fmt::format("bench read {} {} --threads {} --repeat 6 --limit 0 --stages --json {}", las, laz, threads, json));
     REQUIRE_MESSAGE(outcome.code == 0, outcome.text);
     CHECK(says(outcome.text, "M points/s"));
+    CHECK(says(outcome.text, "waited for memory"));
     const auto records = jsonOf(json)["read"];
     REQUIRE(records.size() == 2);
     CHECK(records[0]["format"] == "LAS");
@@ -395,6 +396,14 @@ TEST_CASE("bench read reads what it is given, on as many threads as are asked fo
       CHECK(record["threads"] == threads);
       CHECK(record["bytes"] == std::filesystem::file_size(record["file"].get<std::string>()));
       CHECK(record["time_s"]["n"] == 6);
+      const auto& stages = record["stages"];
+      double all_s = 0;
+      for (const char* stage : {"open_s", "points_s", "finish_s", "free_s"}) {
+        CHECK(stages[stage].get<double>() > 0);
+        all_s += stages[stage].get<double>();
+      }
+      CHECK(all_s < 2 * record["time_s"]["max"].get<double>());
+      CHECK(stages["waited_s"].get<double>() >= 0);
       const double once_s = record["time_s"]["p50"];
       CHECK(record["points_per_s"].get<double>() == doctest::Approx(60'000 / once_s));
       CHECK(record["bytes_per_s"].get<double>() == doctest::Approx(record["bytes"].get<double>() / once_s));

@@ -3,75 +3,81 @@
 
 #include <doctest/doctest.h>
 
-#include <atomic>
 #include <numeric>
-#include <stdexcept>
+
+#include "engine/core/bare_vector.hpp"
+#include "engine/core/parallel.hpp"
 
 namespace palpate::test {
 
-TEST_CASE("arrays that grow keep what is there, and have zeros behind it") {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{6'000'001}})
-    for (const unsigned threads : {1u, 3u}) {
-      CAPTURE(count);
-      CAPTURE(threads);
-      std::vector<std::uint32_t> values{7, 8, 9};
-      values.reserve(5);
-      resizeLarge(values, count, threads);
-      REQUIRE(values.size() == std::max<std::size_t>(count, 3));  // it does not shrink
-      CHECK(values[0] == 7);
-      CHECK(values[2] == 9);
-      CHECK(std::all_of(values.begin() + 3, values.end(), [](std::uint32_t v) { return v == 0; }));
-    }
+namespace {
+
+/// Makes room in two steps, and numbers the entries from 1 on, a block at a time and on threads that begin anywhere.
+template <class Array, class Growing>
+bool fillTwice(Array& values, Growing& growing, std::size_t first, std::size_t count, unsigned threads) {
+  std::atomic<bool> wrong = false;
+  const auto fill = [&](std::size_t from, std::size_t to) {
+    growing.makeRoom(to);
+    parallelBlocks(to - from, 777, threads, [&](std::size_t begin, std::size_t end) {
+      growing.need(from + end);
+      for (std::size_t i = from + begin; i < from + end; ++i) {
+        if (std::is_same_v<Array, std::vector<std::uint32_t>> && values.data()[i] != 0) wrong = true;
+        values.data()[i] = static_cast<std::uint32_t>(i + 1);
+      }
+    });
+  };
+  fill(0, first);
+  fill(first, count);
+  return !wrong;
 }
 
-TEST_CASE("what is filled while it grows is filled once, after it has grown") {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{65'535}, std::size_t{65'536},
-                                  std::size_t{65'537}, std::size_t{1'000'003}})
+template <class Array>
+void checkNumbered(const Array& values, std::size_t count) {
+  REQUIRE(values.size() == count);
+  bool all = true;
+  for (std::size_t i = 0; i < count; ++i) all = all && values[i] == i + 1;
+  CHECK(all);
+}
+
+}  // namespace
+
+TEST_CASE("what grows while it is filled has zeros first, keeps what is there, and ends where it should") {
+  for (const std::size_t count :
+       {std::size_t{0}, std::size_t{1}, std::size_t{1000}, std::size_t{524'288}, std::size_t{6'000'001}})
     for (const unsigned threads : {1u, 2u, 16u})
       for (const bool reserved : {false, true}) {
         CAPTURE(count);
         CAPTURE(threads);
         CAPTURE(reserved);
-        std::vector<std::uint32_t> numbers;
-        std::vector<std::uint8_t> times;
-        if (reserved) reserveLarge(numbers, count);
-        std::atomic<bool> early = false;
-        growAndFill(
-            count, threads,
-            [&](std::size_t to, Jobs& jobs) {
-              addGrowth(numbers, to, jobs);
-              addGrowth(times, to, jobs);
-            },
-            [&](std::size_t begin, std::size_t end) {
-              for (std::size_t i = begin; i < end; ++i) {
-                if (numbers[i] != 0 || times[i] != 0) early = true;
-                numbers[i] = static_cast<std::uint32_t>(i + 1);
-                ++times[i];
-              }
-            });
-        REQUIRE(numbers.size() == count);
-        REQUIRE(times.size() == count);
-        CHECK(!early);
-        std::vector<std::uint32_t> expected(count);
-        std::iota(expected.begin(), expected.end(), 1u);
-        CHECK((numbers == expected));
-        CHECK(std::all_of(times.begin(), times.end(), [](std::uint8_t t) { return t == 1; }));
+        std::vector<std::uint32_t> values;
+        BareVector<std::uint32_t> bare;
+        if (reserved) reserveLarge(values, count);
+        GrowingArray growing(values);
+        GrowingArray growingBare(bare);
+        CHECK(fillTwice(values, growing, count / 3, count, threads));
+        fillTwice(bare, growingBare, count / 3, count, threads);
+        checkNumbered(values, count);
+        checkNumbered(bare, count);
+        CHECK(growing.waited_s() >= 0);
       }
 }
 
-TEST_CASE("jobs and blocks are each done once, and what one of them throws comes out") {
-  for (const unsigned threads : {1u, 2u, 16u}) {
-    std::vector<int> done(20, 0), seen(1003, 0);
-    Jobs jobs;
-    for (std::size_t k = 0; k < done.size(); ++k) jobs.emplace_back([&, k] { ++done[k]; });
-    parallelBlocksBeside(jobs, seen.size(), 100, threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) ++seen[i];
-    });
-    CHECK(done == std::vector<int>(20, 1));
-    CHECK(seen == std::vector<int>(1003, 1));
-    jobs.emplace_back([] { throw std::runtime_error("no"); });
-    CHECK_THROWS_AS(doTogether(jobs, threads), std::runtime_error);
-  }
+TEST_CASE("an array grows no further than there is room for, and never shrinks") {
+  std::vector<std::uint32_t> values{7, 8, 9};
+  GrowingArray growing(values);
+  growing.need(0);
+  CHECK(values.size() == 3);
+  growing.makeRoom(2);
+  growing.need(2);
+  CHECK(values == std::vector<std::uint32_t>{7, 8, 9});
+  growing.makeRoom(10'000'000);
+  growing.need(4);
+  CHECK(values.size() >= 4);
+  CHECK(values.size() < 10'000'000);  // memory follows what is needed
+  CHECK(values[2] == 9);
+  growing.need(10'000'000);
+  CHECK(values.size() == 10'000'000);
+  CHECK(std::accumulate(values.begin(), values.end(), std::uint64_t{0}) == 24);
 }
 
 }  // namespace palpate::test

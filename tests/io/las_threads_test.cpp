@@ -14,9 +14,9 @@ StoredCloud readBy(const std::filesystem::path& file, unsigned threads) {
   return readCloud(file, nullptr, {.threads = threads});
 }
 
-template <class T>
-bool sameBytes(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+template <class Array>
+bool sameBytes(const Array& a, const Array& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(a[0])) == 0);
 }
 
 /// Which part differs; empty where none does.
@@ -101,8 +101,8 @@ TEST_CASE("an attribute that only the last points have is whole, and one that no
     LasBytes las{.format = 1, .pointBytes = 28};
     las.count = 200'000;
     las.points.assign(las.count * 28, '\0');
-    putAt(las.points, at * 28 + 12, std::uint16_t{77});           // intensity
-    putAt(las.points, at * 28 + 20, -0.0);                        // a time that is zero, but not all of whose bits are
+    putAt(las.points, at * 28 + 12, std::uint16_t{77});  // intensity
+    putAt(las.points, at * 28 + 20, -0.0);               // a time that is zero, but not all of whose bits are
     for (const unsigned threads : {1u, 3u, 16u}) {
       CAPTURE(threads);
       const PointCloud cloud = readText(las.text(), threads);
@@ -120,7 +120,8 @@ TEST_CASE("an attribute that only the last points have is whole, and one that no
   }
 }
 
-TEST_CASE("normals of a file are of unit length, those that are missing are made, and what is no vector stays as it is") {
+TEST_CASE(
+    "normals of a file are of unit length, those that are missing are made, and what is no vector stays as it is") {
   std::vector<std::array<float, 3>> normals(5000, {0, 0, 1});
   normals[10] = {0, 3, 4};
   normals[4999] = {1 + 1e-6f, 0, 0};  // as good as of unit length

@@ -41,6 +41,23 @@ TEST_CASE("symbols, bits and whole numbers of any likelihood come out as they we
   }
 }
 
+TEST_CASE("bytes that no encoder has written name symbols that there are, and are said to be wrong") {
+  for (const unsigned symbols : {2u, 17u, 256u, 516u})
+    for (const unsigned kept : {0u, 1u, 2u, 3u, 4u, 64u}) {  // of bytes that are all ones, before others
+      CAPTURE(symbols);
+      CAPTURE(kept);
+      Dice dice(kept + 1);
+      std::vector<std::byte> stream(64, std::byte{0xff});
+      for (std::size_t k = kept; k < stream.size(); ++k) stream[k] = static_cast<std::byte>(dice.below(256));
+      RangeDecoder decoder(stream);
+      SymbolModel model(symbols);
+      bool known = true;
+      for (int k = 0; k < 5000; ++k) known = known && decoder.symbol(model) < symbols;
+      CHECK(known);
+      CHECK(decoder.isWrong());
+    }
+}
+
 TEST_CASE("a symbol that is likely takes less than one that is not, near what its share is worth") {
   RangeEncoder encoder;
   SymbolModel model(64);

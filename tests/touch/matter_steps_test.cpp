@@ -25,6 +25,7 @@ struct Told {
   std::vector<double> gains;  // as they were changed to
   MatterState state = MatterState::running;
   std::atomic<bool> waits = false;
+  bool faulty = false;  // as where a GPU is lost
 };
 
 // Says the same of its tools at each step.
@@ -44,6 +45,7 @@ class ToldSimulation final : public MatterSimulation {
   void placeTools(std::span<const HandPose>) override {}
   StepReport run(std::span<const HandPose> from, std::span<const HandPose> to) override {
     told_.waits.wait(true);
+    if (told_.faulty) throw Error("the GPU is lost");
     told_.from.push_back(from[0]);
     told_.to.push_back(to[0]);
     const DVec3 impulse = -kMatterStep_s / scene().gain * kForce_N;
@@ -253,6 +255,25 @@ TEST_CASE("a parameter is taken with the next step, once, and what is refused ch
   steps.goTo(at(0.002, {1, 0, 0}));
   CHECK(told.gains == std::vector<double>{8});
   CHECK(steps.world().scene().gain == 8);
+}
+
+TEST_CASE("what a simulation throws is no force and an invalid answer, and is said when it is asked for") {
+  for (const bool realtime : {false, true}) {
+    CAPTURE(realtime);
+    Told told;
+    MatterTouch touch(std::make_unique<ToldSimulation>(smallScene(), told), {.hands = 1, .realtime = realtime});
+    REQUIRE(touch.query({.time_s = 0.1, .hip = {10, 20, 30}}, 0).touching);
+    told.faulty = true;
+    for (const double time_s : {0.2, 0.3}) {
+      const Contact contact = touch.query({.time_s = time_s, .hip = {10, 20, 30}}, 0);
+      CHECK_FALSE(contact.valid);
+      CHECK_FALSE(contact.touching);
+      CHECK(contact.force_N.value_or(DVec3(0)) == DVec3(0));
+    }
+    told.faulty = false;
+    CHECK_FALSE(touch.query({.time_s = 0.4, .hip = {10, 20, 30}}, 0).valid);
+    CHECK_THROWS_WITH_AS(touch.finish(), "the GPU is lost", Error);
+  }
 }
 
 }  // namespace palpate

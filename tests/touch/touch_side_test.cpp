@@ -91,7 +91,7 @@ TEST_CASE_FIXTURE(GpuFixture, "the same presses give the same contacts and the s
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "a reader that has fallen behind costs edits, never the unread entries") {
   // A wide tool, deep inside: every tick moves a fifth of the points, a little.
-  const Scene scene = makeScene("sphere", 20'000);
+  const Scene scene = makeScene("sphere", 60'000);
   TouchSide touch(
       device, scene.cloud,
       {.radius = scene.radius, .brush = BrushOptions{.tau = 0.01, .beta = 1e-5, .radius = 200, .keepsDensity = false}});
