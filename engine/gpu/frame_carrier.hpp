@@ -8,8 +8,8 @@ namespace palpate {
 
 class CommandList;
 
-/// Where points that are carried are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in the order
-/// of the ids. Units are those of who reads.
+/// Where points that are carried are written: a vec4 a point, as a live cloud has them (LiveCloud::Half), but in the
+/// order of the ids. Units are those of who reads.
 struct CarriedPoints {
   DeviceAddress positions = 0;   ///< and the bits of the id
   DeviceAddress normals = 0;     ///< unit, and 0

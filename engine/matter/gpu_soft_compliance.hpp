@@ -16,10 +16,12 @@ class Queue;
 /// Conjugate gradients as SoftWorld has them, in single precision. A round is eight passes over the body.
 class GpuSoftCompliance {
  public:
-  /// All of them outlive it. `hold_1_s2`: what holds a body that nothing else does, for its mass. Throws OutOfGpuMemory.
+  /// All of them outlive it. `hold_1_s2`: what holds a body that nothing else does, for its mass. Throws
+  /// OutOfGpuMemory.
   GpuSoftCompliance(Device& device, Queue& queue, const SoftMemory& memory, const SoftSizes& sizes, double hold_1_s2);
 
-  /// The load times how far the nodes go under it, N m. `load`: of each node, N; those that are pinned have none. Waits.
+  /// The load times how far the nodes go under it, N m. `load`: of each node, N; those that are pinned have none.
+  /// Waits.
   double give(const std::vector<Vec4>& load);
   std::uint64_t bytes() const;
 

@@ -171,7 +171,9 @@ void GpuSoftPress::recordSubstep(CommandList& list, std::uint32_t substep, std::
                                       .perStep = perStep});
 }
 
-void GpuSoftPress::recordEnd(CommandList& list) const { list.copy(memory_->done, memory_->doneRead, memory_->done.bytes()); }
+void GpuSoftPress::recordEnd(CommandList& list) const {
+  list.copy(memory_->done, memory_->doneRead, memory_->done.bytes());
+}
 
 void GpuSoftPress::end() {
   for (std::size_t i = 0; i < reports_.size(); ++i) {
@@ -187,7 +189,8 @@ void GpuSoftPress::end() {
 std::uint64_t GpuSoftPress::bytes() const {
   std::uint64_t sum = boxes_.bytes() + blockBoxes_.bytes() + coupling_.bytes();
   if (!memory_) return sum;
-  for (const Buffer* buffer : {&memory_->asked, &memory_->count, &memory_->counts, &memory_->held, &memory_->done, &memory_->doneRead})
+  for (const Buffer* buffer :
+       {&memory_->asked, &memory_->count, &memory_->counts, &memory_->held, &memory_->done, &memory_->doneRead})
     sum += buffer->bytes();
   return sum;
 }

@@ -13,10 +13,10 @@
 
 namespace palpate {
 
-/// The same as SoftPress, in single precision. What each press holds is found on the GPU when a step begins: boxes about
-/// the places of the skin, cell by cell and block by block, say which nodes to look at. In a substep one workgroup has all
-/// presses: places of presses go with each other by the nodes that they share, which a matrix says, so that Gauss and
-/// Seidel's sweep is over numbers. Its time grows with the presses, about a microsecond each.
+/// The same as SoftPress, in single precision. What each press holds is found on the GPU when a step begins: boxes
+/// about the places of the skin, cell by cell and block by block, say which nodes to look at. In a substep one
+/// workgroup has all presses: places of presses go with each other by the nodes that they share, which a matrix says,
+/// so that Gauss and Seidel's sweep is over numbers. Its time grows with the presses.
 class GpuSoftPress {
  public:
   /// `memory` must outlive it. Throws OutOfGpuMemory.

@@ -21,8 +21,7 @@ constexpr const char *kStep = "step", *kFrame = "frame";
 SoftLayout layoutOf(const MatterScene& scene, const SoftSolid& solid) {
   if (scene.preset != SoftPreset::elastic) throw Error("preset: shapes are matched on the CPU alone; take cpu");
   const SoftMaterial material = materialOf(scene);
-  const std::vector<float> masses =
-      nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());
+  const std::vector<float> masses = nodeMasses(solid.lattice, material.density_kg_m3 * solid.lattice.volume_m3());
   return {solid.lattice,
           skinOf(solid.lattice, masses, solid.surface, touchFrequency(material, solid.lattice.spacing_m()))};
 }
@@ -105,8 +104,7 @@ GpuSoftWorld::GpuSoftWorld(Device& device, std::unique_ptr<Queue> queue, const M
     : GpuSoftWorld(device, nullptr, scene, options, model, layoutOf(scene, model->solid), std::move(queue)) {}
 
 GpuSoftWorld::GpuSoftWorld(Device& device, Queue* queue, const MatterScene& scene, const MatterOptions& options,
-                           std::shared_ptr<const SoftModel> model, const SoftLayout& layout,
-                           std::unique_ptr<Queue> own)
+                           std::shared_ptr<const SoftModel> model, const SoftLayout& layout, std::unique_ptr<Queue> own)
     : MatterSimulation(scene, options, restOf(*model)),
       device_(device),
       own_(std::move(own)),
@@ -276,13 +274,13 @@ MatterSimulation::StepReport GpuSoftWorld::run(std::span<const HandPose> from, s
   const auto& sums = *reinterpret_cast<const shared::MatterSums*>(state.subspan(SoftMemory::kSums).data());
   const auto* balls = reinterpret_cast<const shared::ToolState*>(state.subspan(SoftMemory::kTools).data());
   const auto kinetic_J = static_cast<double>(sums.kinetic);
-  StepReport report{
-      .state = kinetic_J <= mostSoftKinetic_J(scene(), plan(), body_.mass_kg()) ? MatterState::running : MatterState::diverged,
-      .gravity = static_cast<double>(sizes_.substeps) * gravityOfSubstep_,
-      .onWalls = DVec3(sums.onWalls) + press_.onPins(),
-      .totals = {.kinetic_J = kinetic_J,
-                 .momentum = sums.momentum,
-                 .maxCompression = static_cast<double>(sums.mostCompression)}};
+  StepReport report{.state = kinetic_J <= mostSoftKinetic_J(scene(), plan(), body_.mass_kg()) ? MatterState::running
+                                                                                              : MatterState::diverged,
+                    .gravity = static_cast<double>(sizes_.substeps) * gravityOfSubstep_,
+                    .onWalls = DVec3(sums.onWalls) + press_.onPins(),
+                    .totals = {.kinetic_J = kinetic_J,
+                               .momentum = sums.momentum,
+                               .maxCompression = static_cast<double>(sums.mostCompression)}};
   for (const PressReport& pressed : press_.reports()) report.onPresses += pressed.impulse;
   for (std::size_t tool = 0; tool < tools(); ++tool) report.tools.push_back(reportOf(balls[tool], to[tool]));
   return report;
@@ -305,8 +303,7 @@ std::vector<PassRecord> GpuSoftWorld::passes() const {
 }
 
 std::uint64_t GpuSoftWorld::bytes() const {
-  return memory_.bytes() + press_.bytes() +
-         (compliance_ ? compliance_->bytes() : 0) +
+  return memory_.bytes() + press_.bytes() + (compliance_ ? compliance_->bytes() : 0) +
          (frames_ ? frames_->positions.bytes() + frames_->normals.bytes() + frames_->velocities.bytes() : 0);
 }
 

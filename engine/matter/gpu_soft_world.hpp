@@ -19,8 +19,8 @@ namespace palpate {
 /// every time. A step is one submission, after which the host reads its report; whether it has diverged is seen then.
 class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
  public:
-  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread alone. Throws Error as
-  /// planOf() does, and OutOfGpuMemory.
+  /// The body of a scene without a model, or of MatterOptions::soft. `queue`: of the device, and used by this thread
+  /// alone. Throws Error as planOf() does, and OutOfGpuMemory.
   GpuSoftWorld(Device& device, Queue& queue, const MatterScene& scene, const MatterOptions& options = {});
   /// A body that was filled (soft_scan.hpp), and `points` that it carries: those of its surface in any number and
   /// order, or, where there are none, its skin.
@@ -133,7 +133,7 @@ class GpuSoftWorld final : public MatterSimulation, public FrameCarrier {
   CommandList step_;
   std::unique_ptr<CommandList> pressedStep_;  // where somebody has pressed
   const CommandList* ran_ = &step_;           // last
-  std::unique_ptr<Frames> frames_;  // where frames are asked for
+  std::unique_ptr<Frames> frames_;            // where frames are asked for
 };
 
 }  // namespace palpate

@@ -1,5 +1,5 @@
-// The boxes in which places of the skin of a soft body are, cell by cell. Whoever includes this has `args` with incident,
-// boxes, stride and skinCount.
+// The boxes in which places of the skin of a soft body are, cell by cell. Whoever includes this has `args` with
+// incident, boxes, stride and skinCount.
 #ifndef PALPATE_LIB_SOFT_BOXES_GLSL
 #define PALPATE_LIB_SOFT_BOXES_GLSL
 

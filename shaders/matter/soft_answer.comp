@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// What a soft body answers to a way: what its cells and the walls do less on the far side of a trial, and more on the near
-// side.
+// What a soft body answers to a way: what its cells and the walls do less on the far side of a trial, and more on the
+// near side.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_descent.h"
 

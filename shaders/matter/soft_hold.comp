@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Which nodes of a soft body a press may hold: those that have a part in a cell with skin within its radius, in the order
-// of their numbers.
+// Which nodes of a soft body a press may hold: those that have a part in a cell with skin within its radius, in the
+// order of their numbers.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 

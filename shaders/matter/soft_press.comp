@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Hands that press on a soft body, in a substep: a spring and a damper each, implicit for what cells and the other presses
-// do to the place, one press after another from what they were before (Gauss and Seidel; engine/matter/soft_press.hpp).
+// Hands that press on a soft body, in a substep: a spring and a damper each, implicit for what cells and the other
+// presses do to the place, one press after another from what they were before (Gauss and Seidel;
+// engine/matter/soft_press.hpp).
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// How much of a press each node of a soft body bears: the press takes the mean of the places of the skin about it, with the
-// weights that touch has for them, less for what faces away, and each place is where its cell's nodes are.
+// How much of a press each node of a soft body bears: the press takes the mean of the places of the skin about it, with
+// the weights that touch has for them, less for what faces away, and each place is where its cell's nodes are.
 #include "shaders/lib/index.glsl"
 #include "shaders/shared/soft_press.h"
 #include "shaders/shared/weight.h"

@@ -6,15 +6,16 @@
 
 PALPATE_SHARED_BEGIN
 
-// Vectors of a vec4 a node, one behind another: the way that is tried; what the body answers to it; what is left of the load;
-// how far the nodes have moved.
+// Vectors of a vec4 a node, one behind another: the way that is tried; what the body answers to it; what is left of the
+// load; how far the nodes have moved.
 const uint kWayVector = 0u;
 const uint kAnswerVector = 1u;
 const uint kLeftVector = 2u;
 const uint kMovedVector = 3u;
 const uint kDescentVectors = 4u;
-// Rows of sums over blocks of nodes: of the squares of what is left, before even and before odd rounds; of the way times
-// the answer; the longest part of the way, squared, which is no sum and stands in w; of the load times how far it has moved.
+// Rows of sums over blocks of nodes: of the squares of what is left, before even and before odd rounds; of the way
+// times the answer; the longest part of the way, squared, which is no sum and stands in w; of the load times how far it
+// has moved.
 const uint kLeftRow = 0u;
 const uint kAnswerRow = 2u;
 const uint kLongestRow = 3u;

@@ -1,6 +1,5 @@
-// Hands that press on the surface of a soft body on a GPU (engine/matter/gpu_soft_press.hpp). What a press holds are nodes,
-// in the order of their numbers, with their shares of its place. All that stands by press has room for so many as there
-// may be, and for each as many nodes as have a part in the skin.
+// Hands that press on the surface of a soft body on a GPU (engine/matter/gpu_soft_press.hpp). What a press holds are
+// nodes, in the order of their numbers, with their shares of its place: at most as many as have a part in the skin.
 #ifndef PALPATE_SHARED_SOFT_PRESS_H
 #define PALPATE_SHARED_SOFT_PRESS_H
 #include "shaders/shared/soft_passes.h"
@@ -98,8 +97,8 @@ struct SoftHoldArgs {
 };
 PALPATE_SIZE(SoftHoldArgs, 72);
 
-// Their shares; a workgroup for each press. Where the press has no place of the skin within its radius, it holds the nodes
-// of the nearest one.
+// Their shares; a workgroup for each press. Where the press has no place of the skin within its radius, it holds the
+// nodes of the nearest one.
 struct SoftShareArgs {
   PALPATE_ADDRESS(SoftSettings) setting;
   PALPATE_ADDRESS(SoftPresses) presses;
@@ -122,7 +121,8 @@ struct SoftShareArgs {
 };
 PALPATE_SIZE(SoftShareArgs, 120);
 
-// How much the place of one press is accelerated by a force on another one's, or on its own: 1/kg. A workgroup for each.
+// How much the place of one press is accelerated by a force on another one's, or on its own: 1/kg. A workgroup for
+// each.
 struct SoftCoupleArgs {
   PALPATE_ADDRESS(Uints) counts;
   PALPATE_ADDRESS(SoftHelds) held;

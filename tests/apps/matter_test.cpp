@@ -158,6 +158,39 @@ TEST_CASE(
   CHECK(dented < undone - 0.8f);
 }
 
+TEST_CASE("a soft body on a GPU is sculpted, taken back and replayed, as on the CPU; where shapes are matched the CPU moves it") {
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  std::ofstream(in("block.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
+                                         "spacing_mm": 5, "young_Pa": 30000})";
+  std::ofstream(in("matched.json")) << R"({"matter": "soft", "box_mm": [100, 80, 100], "fill_mm": [40, 30, 40],
+                                           "spacing_mm": 5, "preset": "shape-matching", "stiffness": 0.4})";
+  std::ofstream(in("press.csv")) << "t_s,x,y,z\n0,50,32,50\n0.05,50,26,50\n0.12,50,26,50\n0.14,50,40,50\n0.18,50,40,50\n";
+  const auto top = [&](const std::string& backend, const std::string& more) {
+    const Outcome outcome = palpate("touch " + in("block.json") + " --path " + in("press.csv") + " --backend " + backend +
+                                    " --edit push --tool-radius 10 --tau 0.1 --json " + in("r.json") + " --save " +
+                                    in("s.ply") + " --log " + in("log") + more);
+    CHECK_MESSAGE(outcome.code == 0, outcome.text);
+    CHECK(outcome.text.find("the body on") == std::string::npos);
+    CHECK(jsonOf(in("r.json"))["shape_strokes"] == 1);
+    float lowest = 100;
+    for (const Vec3& position : readPly(in("s.ply")).positions)
+      if (position.y > 20 && std::abs(position.x - 50) < 4 && std::abs(position.z - 50) < 4)
+        lowest = std::min(lowest, position.y);
+    return lowest;
+  };
+  const float gpu = top("vulkan", "");
+  works("replay " + in("log"));
+  const float cpu = top("cpu", "");
+  CHECK(gpu < 29);
+  CHECK(std::abs(gpu - cpu) < 0.1f);
+  CHECK(top("vulkan", " --undo 1") > gpu + 0.5f);
+  const Outcome matched =
+      palpate("touch " + in("matched.json") + " --path " + in("press.csv") + " --duration 0.05 --backend vulkan");
+  CHECK_MESSAGE(matched.code == 0, matched.text);
+  CHECK(matched.text.find("the body on") != std::string::npos);
+}
+
 TEST_CASE("what does not go with a scene is refused, and says why") {
   const ScratchFolder folder;
   const std::string bad = (folder / "bad.json").string();

@@ -29,9 +29,7 @@ MatterScene slowScene(const DVec3& fill_mm) {
           .gravity_m_s2 = DVec3(0)};
 }
 
-DVec3 topOf(const MatterScene& scene) {
-  return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2);
-}
+DVec3 topOf(const MatterScene& scene) { return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2); }
 
 double missingShare(const MatterSimulation& world) {
   const MatterImpulses& given = world.impulses();
@@ -159,8 +157,7 @@ void checkPressLocality(const SoftMaker& make) {
   const double spacing = scene.spacing_mm * 1e-3;
   int moved = 0;
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    const double away =
-        std::min(glm::distance(DVec3(rest[i]), places[0]), glm::distance(DVec3(rest[i]), places[1]));
+    const double away = std::min(glm::distance(DVec3(rest[i]), places[0]), glm::distance(DVec3(rest[i]), places[1]));
     if (away > radius + 1.8 * spacing) REQUIRE(velocities[i] == still[i]);
     const bool isTop = std::abs(static_cast<double>(rest[i].y) - 0.015) < 1e-6;
     if (isTop && away < 0.9 * radius) REQUIRE(velocities[i].y < still[i].y - 1e-8f);

@@ -147,6 +147,39 @@ void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rou
   CHECK(isWithin(0.01, done / (last - first), std::sqrt(kYoung_Pa / 1000) / (4 * length)));
 }
 
+void checkHertz(const SoftMaker& make, const HertzCase& one) {
+  const double ball_m = one.ball * kSpacing_m, height_m = one.height * kSpacing_m, width_m = one.width * kSpacing_m;
+  MatterScene scene{.matter = Matter::soft,
+                    .box_mm = 1e3 * DVec3(width_m + 0.04, height_m + 3 * ball_m, width_m + 0.04),
+                    .fill_mm = 1e3 * DVec3(width_m, height_m, width_m),
+                    .spacing_mm = 1e3 * kSpacing_m,
+                    .viscosity_Pa_s = 0,
+                    .young_Pa = kYoung_Pa,
+                    .poisson = one.poisson,
+                    .pinned_mm = std::array{DVec3(0), DVec3(1e3, 0.001, 1e3)},
+                    .gravity_m_s2 = DVec3(0),
+                    .tool = {.radius_mm = 1e3 * ball_m, .mass_kg = 0.5}};
+  const auto world = make(scene, 1, nullptr, {});
+  const double shear_Pa = kYoung_Pa / (2 * (1 + one.poisson));
+  const double perStep = 1.571 * std::sqrt(shear_Pa / 1000) / height_m * kMatterStep_s;
+  const auto kept = static_cast<float>(std::exp(-2 * perStep));
+  const double middle_m = scene.box_mm.x * 1e-3 / 2, above_m = height_m + ball_m;
+  HandPose hand{.place_m = {middle_m, above_m, middle_m}};
+  for (int k = 0; k < 8 / perStep; ++k) {
+    hand.place_m.y = above_m - 0.1 * ball_m * std::min(1.0, perStep * k);
+    world->step({&hand, 1});
+    std::vector<Vec3> velocities = world->velocitiesById();
+    for (Vec3& velocity : velocities) velocity *= kept;
+    world->setVelocities(velocities);
+  }
+  REQUIRE(world->state() == MatterState::running);
+  // What holds the ball gives way, too.
+  const double deep_m = above_m - world->answers()[0].place_m.y;
+  CHECK(deep_m > 0.07 * ball_m);
+  const double stiffness = 4.0 / 3 * kYoung_Pa / (1 - one.poisson * one.poisson) * std::sqrt(ball_m);
+  CHECK(isWithin(one.within, world->answers()[0].reaction_N.y, stiffness * std::pow(deep_m, 1.5)));
+}
+
 void checkTurned(const SoftMaker& make, const SoftBend& bend) {
   MatterScene scene = softBlock();
   scene.box_mm = {1000, 1000, 1000};

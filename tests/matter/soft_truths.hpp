@@ -26,6 +26,15 @@ void checkHangingBar(const SoftMaker& make, const DVec3& spacings, double poisso
 void checkCantilever(const SoftMaker& make, const DVec3& spacings);
 /// Swings along itself with the frequency of its wave, within 1 %, for so many rounds.
 void checkStretchFrequency(const SoftMaker& make, const DVec3& spacings, int rounds);
+/// A ball in a hand and the block that it is pressed into by a tenth of its radius.
+struct HertzCase {
+  int width, height;  ///< of the block, cells
+  int ball;           ///< radius, spacings
+  double poisson;
+  double within;
+};
+/// It is pushed back as Hertz says.
+void checkHertz(const SoftMaker& make, const HertzCase& one);
 /// A turn by up to 3.1 rad makes no stress, to 1e-5 of that of a strain of 1.
 void checkTurned(const SoftMaker& make, const SoftBend& bend);
 /// After each of so many steps in which it falls and bounces, to 1e-5; then the same with tools and pins.

@@ -67,6 +67,11 @@ TEST_CASE("a bar hangs and bends by its own weight, and swings, as it should") {
   checkStretchFrequency(softOnCpu(), {16, 2, 2}, 3);
 }
 
+TEST_CASE("a ball in a hand is pushed back as Hertz says") {
+  checkHertz(softOnCpu(), {.width = 32, .height = 24, .ball = 8, .poisson = 0.3, .within = 0.08});
+  checkHertz(softOnCpu(), {.width = 16, .height = 12, .ball = 5, .poisson = 0.45, .within = 0.09});
+}
+
 TEST_CASE("a turn makes no stress") { checkTurned(softOnCpu(), bendOnCpu()); }
 
 TEST_CASE("a body is as stiff with more substeps") {

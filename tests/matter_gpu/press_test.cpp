@@ -16,7 +16,8 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU presses of one hand are no more to
   checkMostOfHand(softOnGpu(device), 80);
 }
 
-TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a surface gives way as a half-space, and as its mass where nothing holds it") {
+TEST_CASE_FIXTURE(CoreGpuFixture,
+                  "on the GPU a surface gives way as a half-space, and as its mass where nothing holds it") {
   checkCompliance(softOnGpu(device));
 }
 

@@ -29,7 +29,8 @@ void checkPressedAlike(Device& device, const MatterScene& scene, std::vector<Pre
   for (int k = 0; k < steps; ++k) {
     std::vector<SurfacePress> presses;
     for (std::size_t i = 0; i < hands.size(); ++i)
-      presses.push_back(hands[i].goTo(hands[i].press().handTo_m - (2e-4 + 3e-5 * static_cast<double>(i)) * hands[i].press().normal +
+      presses.push_back(hands[i].goTo(hands[i].press().handTo_m -
+                                      (2e-4 + 3e-5 * static_cast<double>(i)) * hands[i].press().normal +
                                       DVec3(1e-5, 0, 2e-5)));
     gpu->press(presses);
     cpu->press(presses);
@@ -58,9 +59,7 @@ void checkPressedAlike(Device& device, const MatterScene& scene, std::vector<Pre
               .energy_J = 1e-7});
 }
 
-DVec3 topOf(const MatterScene& scene) {
-  return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2);
-}
+DVec3 topOf(const MatterScene& scene) { return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2); }
 
 }  // namespace
 
@@ -72,13 +71,14 @@ TEST_CASE_FIXTURE(GpuFixture, "bodies of any size are pressed on the GPU as on t
   }
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "several hands, that share nodes, bear little and slide, press on the GPU as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "several hands, that share nodes, bear little and slide, press on the GPU as on the CPU") {
   MatterScene scene = blockOf({9, 4, 8});
   const auto handsOn = [&](std::size_t count) {
     std::vector<PressingHand> hands;
     for (std::size_t i = 0; i < count; ++i) {
-      hands.emplace_back(topOf(scene) + DVec3(0.0031 * static_cast<double>(i) - 0.009, 0, 0.002 * (i % 3 - 1.0)), 0.0063,
-                         static_cast<std::uint32_t>(i / 2));
+      hands.emplace_back(topOf(scene) + DVec3(0.0031 * static_cast<double>(i) - 0.009, 0, 0.002 * (i % 3 - 1.0)),
+                         0.0063, static_cast<std::uint32_t>(i / 2));
       hands.back().press().most_N = i < 2 ? 0.02 : 5;
       hands.back().press().friction = 0.2 * static_cast<double>(i);
     }

@@ -20,9 +20,7 @@ MatterScene lump() {
           .young_Pa = 3e4};
 }
 
-DVec3 topOf(const MatterScene& scene) {
-  return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2);
-}
+DVec3 topOf(const MatterScene& scene) { return 1e-3 * DVec3(scene.box_mm.x / 2, scene.fill_mm.y, scene.box_mm.z / 2); }
 
 // All places within 9 mm of one now go the same way, once. How many nodes have moved.
 std::size_t push(MatterSimulation& world, const DVec3& middle, const DVec3& way) {
@@ -50,7 +48,8 @@ void checkAlikeWithin(const MatterSimulation& gpu, const MatterSimulation& cpu, 
 
 }  // namespace
 
-TEST_CASE_FIXTURE(GpuFixture, "a body that is sculpted moves on the GPU as on the CPU, while it is, and undone, and begun anew") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "a body that is sculpted moves on the GPU as on the CPU, while it is, and undone, and begun anew") {
   const MatterScene scene = lump();
   GpuSoftWorld gpu(device, device.latencyQueue(), scene);
   SoftWorld cpu(scene, {.threads = 2});
@@ -105,7 +104,8 @@ TEST_CASE_FIXTURE(GpuFixture, "a body that is sculpted moves on the GPU as on th
   checkAlikeWithin(gpu, cpu, 2e-6);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU a sculpted shape has no stress, and all that is out of a brush's reach keeps its bits") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "on the GPU a sculpted shape has no stress, and all that is out of a brush's reach keeps its bits") {
   MatterScene scene = lump();
   scene.gravity_m_s2 = DVec3(0);
   GpuSoftWorld world(device, device.latencyQueue(), scene);
@@ -135,7 +135,8 @@ TEST_CASE_FIXTURE(GpuFixture, "on the GPU a sculpted shape has no stress, and al
   for (const Vec3& velocity : world.velocitiesById()) REQUIRE(double(glm::length(velocity)) <= 2e-5 * unit);
 }
 
-TEST_CASE_FIXTURE(GpuFixture, "on the GPU a body that was dented gets its substeps, is pressed, and gives way, as on the CPU") {
+TEST_CASE_FIXTURE(GpuFixture,
+                  "on the GPU a body that was dented gets its substeps, is pressed, and gives way, as on the CPU") {
   MatterScene scene = lump();
   scene.tool = {};
   GpuSoftWorld gpu(device, device.latencyQueue(), scene);

@@ -9,6 +9,10 @@ TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a bar hangs and bends by its own w
   checkStretchFrequency(softOnGpu(device), {10, 1, 1}, 2);
 }
 
+TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a ball in a hand is pushed back as Hertz says") {
+  checkHertz(softOnGpu(device), {.width = 16, .height = 12, .ball = 5, .poisson = 0.45, .within = 0.09});
+}
+
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU a turn makes no stress") { checkTurned(softOnGpu(device), bendOnGpu()); }
 
 TEST_CASE_FIXTURE(CoreGpuFixture, "on the GPU momentum is what gravity gave less what walls, pins and tools took") {

@@ -96,7 +96,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a soft body is felt on a GPU as on the CPU, and 
   }
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "what a hand feels on a GPU is what the body there gets, and no momentum is lost between them") {
+TEST_CASE_FIXTURE(SoftFixture,
+                  "what a hand feels on a GPU is what the body there gets, and no momentum is lost between them") {
   SoftTouching options = onlyOnGpu();
   options.touch.friction = 0.6;
   SoftScene block(lowBlock(), options, onGpu());
@@ -115,7 +116,8 @@ TEST_CASE_FIXTURE(SoftFixture, "what a hand feels on a GPU is what the body ther
   CHECK(glm::length(missing) <= 1e-5 * (glm::length(given.gravity) + glm::length(given.onTools)));
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "the same GPU gives the same poses the same bytes, and again when the scene has begun anew") {
+TEST_CASE_FIXTURE(SoftFixture,
+                  "the same GPU gives the same poses the same bytes, and again when the scene has begun anew") {
   SoftScene one(lowBlock(), onlyOnGpu(), onGpu()), other(lowBlock(), onlyOnGpu(), onGpu());
   const auto play = [](SoftScene& scene) {
     std::vector<DVec3> proxies;
@@ -132,7 +134,8 @@ TEST_CASE_FIXTURE(SoftFixture, "the same GPU gives the same poses the same bytes
   CHECK(one.points().positions == there.positions);
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU is held, goes on and begins anew, and what has failed gives no answers until then") {
+TEST_CASE_FIXTURE(SoftFixture,
+                  "a body on a GPU is held, goes on and begins anew, and what has failed gives no answers until then") {
   SoftScene block(lowBlock(), onlyOnGpu(), onGpu());
   int k = 0;
   const auto ask = [&](double depth) { return block.touch().query({.time_s = 1e-3 * k++, .hip = atDepth(depth)}, 0); };
@@ -163,7 +166,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a body on a GPU is held, goes on and begins anew
     REQUIRE(glm::distance(begun.positions[i], block.cloud().positions[i]) < 1);
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "a dent stays in a body on a GPU as deep as on the CPU, and its stroke is taken back to the bit") {
+TEST_CASE_FIXTURE(SoftFixture,
+                  "a dent stays in a body on a GPU as deep as on the CPU, and its stroke is taken back to the bit") {
   SoftTouching options;
   options.touch.brush = BrushOptions{.kind = BrushKind::push, .tau = 0.5, .beta = 0.1, .radius = 12};
   SoftScene cpu(lowBlock(), options, onCpu());
@@ -198,7 +202,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a dent stays in a body on a GPU as deep as on th
     float low = 100;
     for (std::size_t i = 0; i < now.size(); ++i) {
       const Vec3& began = scene.cloud().positions[i];
-      if (began.y > 29.9f && glm::length(glm::vec2(began.x - 50, began.z - 50)) < 3) low = std::min(low, now.positions[i].y);
+      if (began.y > 29.9f && glm::length(glm::vec2(began.x - 50, began.z - 50)) < 3)
+        low = std::min(low, now.positions[i].y);
     }
     return low;
   };
@@ -212,7 +217,8 @@ TEST_CASE_FIXTURE(SoftFixture, "a dent stays in a body on a GPU as deep as on th
   CHECK(std::abs(topOf(gpu) - dented) < 0.2f);
 }
 
-TEST_CASE_FIXTURE(SoftFixture, "against the clock a body on a GPU is pressed beside the questions, and says what it leaves out") {
+TEST_CASE_FIXTURE(SoftFixture,
+                  "against the clock a body on a GPU is pressed beside the questions, and says what it leaves out") {
   SoftTouching options = onlyOnGpu();
   options.realtime = true;
   SoftScene block(lowBlock(), options, onGpu());
