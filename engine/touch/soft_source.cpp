@@ -182,8 +182,9 @@ void SoftSource::findCompliance(const SurfaceTouch& touch, const Slot& slot) {
   if (!slot.presses || !(first || (slot.steps > 0 && slot.steps % kNextCompliance == 0))) return;
   const double reach = touch.hand == 0 ? options_.toolReach : 0;
   const double radius_m = kMatterUnit_m * std::max(kPressedShare * options_.radius, reach);
-  compliances_[touch.hand].store(world_->localCompliance_m_N(slot.place_m, radius_m, -touch.normal) / kMatterUnit_m,
-                                 std::memory_order_relaxed);
+  const double compliance = world_->localCompliance_m_N(slot.place_m, radius_m, -touch.normal) / kMatterUnit_m;
+  // A body that has failed has none, and begins anew with the last one.
+  if (std::isfinite(compliance)) compliances_[touch.hand].store(compliance, std::memory_order_relaxed);
 }
 
 void SoftSource::follow(double time_s) {
