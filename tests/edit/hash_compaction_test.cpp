@@ -278,8 +278,8 @@ TEST_CASE("a compaction that goes away in the middle of a slice waits for it") {
 }
 
 TEST_CASE("a live cloud whose index follows edits takes less than two thirds as much again as one without") {
-  Device device({.gpu = "", .validation = Validation::off});  // which would take long for so many points
-  const Scene scene = makeScene("sphere", 250'000);
+  Device device({.gpu = "", .validation = Validation::off});  // which would take a minute for a million points
+  const Scene scene = makeScene("sphere", 1'000'000);
   const HashGrid grid = makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size());
   constexpr std::uint64_t kBytesPerSlot = 2 * 2 * sizeof(Vec4);
   const SpatialHash plain(device, grid, static_cast<std::uint32_t>(scene.cloud.size()));
@@ -293,9 +293,9 @@ TEST_CASE("a live cloud whose index follows edits takes less than two thirds as 
 }
 
 TEST_CASE(
-    "a compaction of half a million points is made of short slices, or of a few long ones, between which edits go on") {
+    "a compaction of a million points is made of short slices, or of a few long ones, between which edits go on") {
   Device device({.gpu = "", .validation = Validation::off});  // times are shown
-  const Scene scene = makeScene("sphere", 500'000);
+  const Scene scene = makeScene("sphere", 1'000'000);
   constexpr std::uint32_t kDefault = 0, kLong = 1 << 17;
   for (const std::uint32_t bucketsPerSlice : {kDefault, kLong}) {
     EditedScene edited(device, scene.cloud, makeHashGrid(Vec3(-50), scene.radius, scene.cloud.size()), scene.radius,
