@@ -268,8 +268,10 @@ void OpenSession::startLive(const pp_live_options& options) {
 
 void OpenSession::stopLive() {
   if (live_) live_->stop();
-  if (frames_ && framesGoOn_) frames_->restart();  // a path begins at 0 behind it
-  framesGoOn_ = false;
+  if (frames_ && std::exchange(framesGoOn_, false)) {
+    session_->backend().finish();  // what is being made for a time of before would take in the frames that come now
+    frames_->restart();            // a path begins at 0 behind it
+  }
   if (!session_->recording()) return takeIn();
   if (hasFailed()) session_->releaseRecording();
   session_->finish();

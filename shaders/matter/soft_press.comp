@@ -99,6 +99,7 @@ void main() {
   barrier();
   vec3 velocity = freely;
   if (isPress) velocity -= slowedBy(local, presses);
+  barrier();  // all have read the forces of before
   for (uint press = 0; press < presses; ++press) {
     if (local == press) {
       const vec3 force = forceOnHand(press, velocity, forces[press]);

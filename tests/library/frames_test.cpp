@@ -142,12 +142,15 @@ TEST_CASE("frames come from one thread while another touches, and live") {
   CHECK(ticks[5].contact == 0);
   CHECK(ticks[count - 1].contact == 1);
   CHECK(ticks[count - 1].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
-  // The path behind it begins at 0, and so do its frames.
-  PP_REQUIRE_OK(ball.push(0.05, -5));
-  const auto rest = stand(100);
-  const auto after = touch(ball.session, pathOf(rest));
+  // The path behind it begins at 0, and so do its frames: with the newest one, until the next one's time has come.
+  PP_REQUIRE_OK(ball.push(0.08, -5));
+  std::vector<double> down = stand(120);
+  for (std::size_t i = 0; i < 40; ++i) down[3 * i + 2] += 0.1 * static_cast<double>(40 - i);
+  const auto after = touch(ball.session, pathOf(down));
   CHECK(after.front().t_s < 0.01);
-  CHECK(after.front().contact == 1);
+  CHECK(after[5].contact == 0);
+  CHECK(after[70].contact == 1);
+  CHECK(after[70].penetration_mm == doctest::Approx(1.5).epsilon(0.2));
   CHECK(after.back().contact == 0);
 }
 
