@@ -55,16 +55,20 @@ install mesa-vulkan-drivers libvulkan1
 inside 'palpate doctor | head -n 30; palpate touch cloud.laz --backend vulkan; palpate render cloud.laz -o picture.png
   test "$(head -c 4 picture.png | tail -c 3)" = PNG'
 
+# A model that anybody can write: a plane with a hump.
+inside 'awk "BEGIN {print \"x,y,z\"; for (i = -60; i <= 60; ++i) for (j = -60; j <= 60; ++j)
+  printf \"%g,%g,%g\\n\", i, j, 20 * exp(-(i * i + j * j) / 800)}" > hump.csv'
+
 say "Python"
 install '/packages/libpalpate0_*.deb' '/packages/python3-palpate_*.deb'
-inside 'python3 /consumers/dent.py cloud.ply dented.ply; test "$(head -c 3 dented.ply)" = ply
+inside 'python3 /consumers/dent.py hump.csv dented.ply; test "$(head -c 3 dented.ply)" = ply
   python3 -c "import palpate, time; print(palpate.__version__, palpate.Session(palpate.read(\"cloud.laz\"), gpu=None))"'
 
 say "programs in C and C++"
 install '/packages/libpalpate-dev_*.deb' g++ cmake make pkg-config
 inside 'cmake -S /consumers -B built -DCMAKE_BUILD_TYPE=Release > cmake.log || { cat cmake.log; exit 1; }
   cmake --build built > cmake.log || { cat cmake.log; exit 1; }
-  built/press; built/dent cloud.ply dented.ply; built/stir
+  built/press; built/dent hump.csv dented.ply; built/stir
   cc -o press /consumers/press.c $(pkg-config --cflags --libs palpate) -lm; ./press'
 
 say "taken away again"
