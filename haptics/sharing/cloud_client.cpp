@@ -140,7 +140,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   }
   if (same.empty())
     throw NetworkError("nobody serves a session named '{}' on {}{}", printable(name.c_str()),
-                       options.network.interface.empty() ? "this machine (--network names another one's network)"
+                       options.network.interface.empty() ? "this machine (another network has to be named)"
                                                          : "the network of " + options.network.interface,
                        others.empty() ? others : others + "'");
   if (same.size() > 1)
@@ -151,7 +151,7 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
     throw NetworkError("'{}' of {} is served by another version of palpate ({}, and this is {}); install the same one on both",
                        name, found.host, found.version, kVersion);
   constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 32;
-  constexpr double kLeastScale = 1e-9, kMostScale = 1e9;  // mm per unit
+  constexpr double kLeastScale = 1e-12, kMostScale = 1e12;  // mm per unit
   if (!isFinite(found.origin) || !(found.mm_per_unit >= kLeastScale && found.mm_per_unit <= kMostScale) ||
       found.points > kMostPoints)
     throw NetworkError("'{}' of {} announces what is no cloud", name, found.host);

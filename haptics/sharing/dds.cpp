@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <mutex>
+#include <string_view>
 
 namespace palpate {
 
@@ -36,6 +37,31 @@ std::string plain(const std::string& word, const char* what) {
   if (!isPlain) throw UsageError("{}: '{}' is neither the name of an interface nor an address", what, word);
   return word;
 }
+
+// What DDS says to a person, who did not ask it: the last line goes into what we throw.
+class Remarks {
+ public:
+  static Remarks& all() {
+    static Remarks remarks;
+    return remarks;
+  }
+  Remarks() {
+    dds_set_log_sink([](void* to, const dds_log_data_t* said) { static_cast<Remarks*>(to)->hear({said->message, said->size}); },
+                     this);
+  }
+  std::string take() {
+    const std::scoped_lock hold(lock_);
+    return std::exchange(last_, {});
+  }
+
+ private:
+  void hear(std::string_view line) {
+    const std::scoped_lock hold(lock_);
+    last_ = line.substr(0, line.find_last_not_of(" .\n") + 1);
+  }
+  std::mutex lock_;
+  std::string last_;
+};
 
 // On this machine alone participants find one another without multicast, by their ports.
 std::string configOf(const NetworkConfig& network) {
@@ -92,14 +118,16 @@ struct Participant::Domain {
     static std::mutex lock;
     static std::map<std::uint32_t, std::weak_ptr<Domain>> all;
     const std::string config = configOf(network);
+    Remarks::all().take();
     const std::scoped_lock hold(lock);
     std::shared_ptr<Domain> there = all[network.domain].lock();
     if (!there) {
       try {
         there = std::make_shared<Domain>(config, network.domain);
       } catch (const NetworkError& error) {
-        throw NetworkError("{}: {}; is there such an interface, and does it carry IPv4?",
-                           network.interface.empty() ? "the loopback interface" : network.interface, error.what());
+        const std::string why = Remarks::all().take();
+        throw NetworkError("the network of {} cannot be used: {}; is there such an interface, and does it carry IPv4?",
+                           network.interface.empty() ? "this machine" : network.interface, why.empty() ? error.what() : why);
       }
       all[network.domain] = there;
     }

@@ -9,7 +9,7 @@
 
 #include "engine/cloud/point_cloud.hpp"
 #include "haptics/sharing/dds.hpp"
-#include "sharing.h"
+#include "haptics/sharing/sharing.h"
 
 namespace palpate::sharing {
 

@@ -22,6 +22,8 @@ struct NetworkConfig {
   /// Addresses of machines that are asked by name, where the network carries no multicast.
   std::vector<std::string> peers;
   std::uint32_t domain = 0;  ///< of DDS; ROS has the same ones
+
+  bool operator==(const NetworkConfig&) const = default;
 };
 
 /// False where palpate was built without DDS: everything here throws NetworkError then.
