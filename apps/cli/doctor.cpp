@@ -185,7 +185,7 @@ struct DoctorOptions {
 
 // The sessions that others serve.
 Json network(std::FILE* out, const NetworkConfig& config) {
-  constexpr double kListen_s = 3;
+  constexpr double kListen_s = 2;
   const std::vector<SeenSession> seen = surveyNetwork(config, kListen_s);
   fmt::print(out, "Sessions that are served on {}: {}\n",
              config.interface.empty() ? "this machine" : "the network of " + config.interface, seen.size());

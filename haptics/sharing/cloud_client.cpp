@@ -16,7 +16,7 @@ using namespace sharing;
 namespace {
 
 constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
-constexpr double kAskAgain_s = 0.5;     // for what has not come
+constexpr double kAskAgain_s = 3;       // for what has not come; what is lost on the way DDS sends again by itself
 constexpr double kSecondServer_s = 0.3; // in which another session of the same name is found, if there is one
 constexpr std::uint32_t kWindow = 64;   // blocks that are asked for and have not come
 
@@ -175,37 +175,51 @@ std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seco
   const Reader<Ping> echoes(participant, topics.echoes, bestEffortQos());
   ReaderWait wait(participant);
   wait.attach(echoes);
-  const std::vector<SessionNotice> known = notices.listen(seconds / 2);
+  const std::vector<SessionNotice> known = notices.listen(seconds);
   const Id client = freshId();
   std::vector<SeenSession> seen;
+  for (const SessionNotice& notice : known)
+    seen.push_back({.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
+                    .version = notice.version, .fits = notice.version == kVersion});
+  // As many as a hand's poses, one after the other, whether or not the last one has come back.
   constexpr std::uint32_t kPings = 50;
-  for (const SessionNotice& notice : known) {
-    SeenSession session{.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
-                        .version = notice.version, .fits = notice.version == kVersion};
-    std::vector<double> trips_us;
-    for (std::uint32_t number = 0; session.fits && number < kPings; ++number) {
-      Ping ping{};
-      set(ping.session, notice.session);
-      set(ping.client, client);
-      ping.number = number;
-      const Stopwatch since;
-      pings.write(ping);
-      ++session.pings;
-      const double patience_s = seconds / 2 / kPings / static_cast<double>(known.size());
-      bool came = false;
-      while (!came && since.elapsed_s() < patience_s) {
-        wait.sleep(std::max(1e-4, patience_s - since.elapsed_s()));
-        echoes.take([&](const Ping& echo) {
-          if (!isSame(echo.session, notice.session) || !isSame(echo.client, client)) return;
-          ++session.answered;
-          came = came || echo.number == number;
-          if (echo.number == number) trips_us.push_back(since.elapsed_us());
-        });
+  constexpr double kApart_s = 0.01, kLongestTrip_s = 2;
+  std::vector<std::vector<double>> trips_us(known.size());
+  std::vector<std::vector<std::uint8_t>> came(known.size(), std::vector<std::uint8_t>(kPings, 0));
+  const Stopwatch since;
+  std::uint32_t sent = 0;
+  const auto isAwaited = [&] {
+    for (std::size_t i = 0; i < known.size(); ++i)
+      if (seen[i].fits && seen[i].answered < kPings) return true;
+    return false;
+  };
+  while (sent < kPings || (isAwaited() && since.elapsed_s() < kPings * kApart_s + kLongestTrip_s)) {
+    if (sent < kPings && since.elapsed_s() >= sent * kApart_s) {
+      for (std::size_t i = 0; i < known.size(); ++i) {
+        if (!seen[i].fits) continue;
+        Ping ping{};
+        set(ping.session, known[i].session);
+        set(ping.client, client);
+        ping.number = sent;
+        ping.sent_us = since.elapsed_us();
+        pings.write(ping);
+        ++seen[i].pings;
       }
+      ++sent;
     }
-    if (!trips_us.empty()) session.roundTrip_ms = summarize(trips_us).p50 * 1e-3;
-    seen.push_back(std::move(session));
+    wait.sleep(sent < kPings ? std::max(0.0, sent * kApart_s - since.elapsed_s()) : 0.05);
+    echoes.take([&](const Ping& echo) {
+      const double trip_us = since.elapsed_us() - echo.sent_us;
+      for (std::size_t i = 0; i < known.size(); ++i) {
+        if (!isSame(echo.session, known[i].session) || !isSame(echo.client, client)) continue;
+        if (echo.number >= sent || std::exchange(came[i][echo.number], std::uint8_t{1})) continue;
+        ++seen[i].answered;
+        if (trip_us >= 0) trips_us[i].push_back(trip_us);
+      }
+    });
   }
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (!trips_us[i].empty()) seen[i].roundTrip_ms = summarize(trips_us[i]).p50 * 1e-3;
   return seen;
 }
 

@@ -42,7 +42,8 @@ struct SeenSession {
   std::optional<double> roundTrip_ms;  ///< the median, where any was answered
 };
 
-/// Listens for `seconds`, and pings whom it has found. Throws NetworkError, UsageError.
+/// Listens for `seconds`, and then pings whom it has found, which takes half a second, and up to two more where pings
+/// are lost. Throws NetworkError, UsageError.
 std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds);
 
 }  // namespace palpate

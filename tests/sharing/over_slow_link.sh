@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# A cloud is served in one network namespace and joined in another one, over a link that delays and loses as it is told:
+# the trace is byte by byte that of the file, through a cable that is out for seconds, too, and a server that is killed is
+# said. Exit code 77, with the reason, where this machine lets nobody make such a link.
+#   tests/sharing/over_slow_link.sh PALPATE
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+palpate=$(readlink -f "$1")
+folder=$(mktemp -d)
+near=pp_near_$$ far=pp_far_$$
+link='' server=''
+
+end() {
+  for process in $server $link; do kill "$process" 2> /dev/null || true; done
+  [ -z "$link" ] || wait "$link" 2> /dev/null || true
+  rm -rf "$folder"
+}
+trap end EXIT
+skip() { echo "over_slow_link: skipped: $*"; exit 77; }
+fail() { echo "over_slow_link: $*" >&2; cat "$folder"/*.log >&2; exit 1; }
+
+[ "$(id -u)" -eq 0 ] || skip 'only root makes network namespaces'
+command -v ip > /dev/null || skip 'there is no ip (iproute2)'
+[ -w /dev/net/tun ] || skip 'there is no /dev/net/tun'
+{ ip netns add "$near" && ip netns del "$near"; } 2> "$folder/why" || skip "$(cat "$folder/why")"
+
+start_link() {  # ROUND_TRIP_MS LOSS_PERCENT
+  : > "$folder/link.log"
+  python3 "$here/slow_link.py" "$near" "$far" "$1" "$2" "$folder/cut" > "$folder/link.log" 2>&1 &
+  link=$!
+  until grep -q '^up$' "$folder/link.log"; do kill -0 "$link" 2> /dev/null || skip "$(tail -n 1 "$folder/link.log")"; sleep 0.05; done
+}
+end_link() {
+  kill "$link"; wait "$link" || true
+  link=''
+  tail -n 1 "$folder/link.log"
+}
+start_server() {
+  : > "$folder/serve.log"
+  ip netns exec "$far" "$palpate" serve "$folder/model.ply" --name far --interface b > "$folder/serve.log" 2>&1 &
+  server=$!
+  until grep -q serving "$folder/serve.log"; do kill -0 "$server" || fail 'nothing is served'; sleep 0.05; done
+}
+end_server() {  # SIGNAL
+  kill "-$1" "$server"; wait "$server" 2> /dev/null || true
+  server=''
+}
+joined() {  # OUT: the trace of what is joined
+  ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$1" > "$folder/touch.log" 2>&1
+}
+
+"$palpate" --quiet make sculpture -n 200000 -o "$folder/model.ply"
+"$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
+
+for way in '0 0' '100 1' '1000 5'; do
+  read -r trip loss <<< "$way"
+  start_link "$trip" "$loss"
+  start_server
+  begin=$SECONDS
+  joined "$folder/joined.csv" || fail "nothing was joined at $trip ms and $loss % loss"
+  cmp "$folder/joined.csv" "$folder/own.csv" || fail "another trace at $trip ms and $loss % loss"
+  echo "over_slow_link: round trip $trip ms, $loss % lost: the same trace, within $((SECONDS - begin)) s"
+  if [ "$trip" = 100 ]; then
+    listed=$(ip netns exec "$near" "$palpate" doctor --network --interface a)
+    trip_ms=$(sed -n 's/.*round trip \([0-9]*\).*/\1/p' <<< "$listed")
+    [ "${trip_ms:-0}" -ge 95 ] && [ "$trip_ms" -le 250 ] || fail "the round trip is listed as: $listed"
+    # The cable is out for three seconds in the middle.
+    joined "$folder/joined.csv" &
+    client=$!
+    sleep 1.2; touch "$folder/cut"; sleep 3; rm "$folder/cut"
+    wait "$client" || fail 'a cable that was out for three seconds ended it'
+    cmp "$folder/joined.csv" "$folder/own.csv" || fail 'another trace after the cable was out'
+    echo 'over_slow_link: a cable that was out for three seconds: the same trace'
+    # Killed in the middle: said, and the next one can have the name.
+    joined "$folder/joined.csv" &
+    client=$!
+    sleep 1.2; end_server KILL
+    if wait "$client"; then fail 'what was killed was joined'; fi
+    grep -qE 'nothing has come|nobody serves' "$folder/touch.log" || fail 'a killed server was not said'
+    start_server
+    joined "$folder/joined.csv" || fail 'the second server could not be joined'
+    echo 'over_slow_link: a killed server: said, and followed by another'
+  fi
+  end_server INT
+  end_link
+done

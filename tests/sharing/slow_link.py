@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""Two network namespaces with one link between them that delays, loses and can be cut.
+
+slow_link.py NAME_A NAME_B ROUND_TRIP_MS LOSS_PERCENT CUT_FILE: makes the namespaces NAME_A (10.77.0.1, interface a) and
+NAME_B (10.77.0.2, interface b), says "up", and hands frames from one to the other, each half a round trip later, until
+it is told to end. While CUT_FILE exists nothing comes through. The same frames are lost each time: every so many that a
+generator of fixed seed says. Needs the rights of root over the network.
+"""
+import collections
+import fcntl
+import os
+import random
+import select
+import signal
+import struct
+import subprocess
+import sys
+import time
+
+TUNSETIFF, IFF_TAP, IFF_NO_PI = 0x400454CA, 0x0002, 0x1000
+
+
+def run(*words):
+    subprocess.run(words, check=True)
+
+
+def tap(name, namespace, address):
+    device = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)
+    fcntl.ioctl(device, TUNSETIFF, struct.pack("16sH", name.encode(), IFF_TAP | IFF_NO_PI))
+    run("ip", "netns", "add", namespace)
+    run("ip", "link", "set", "dev", name, "netns", namespace)  # its frames still come here
+    run("ip", "-n", namespace, "addr", "add", address, "dev", name)
+    run("ip", "-n", namespace, "link", "set", "lo", "up")
+    run("ip", "-n", namespace, "link", "set", "dev", name, "up")
+    return device
+
+
+def main():
+    space_a, space_b, round_trip_ms, loss_percent, cut_file = sys.argv[1:]
+    delay_s, loss = float(round_trip_ms) / 2000, float(loss_percent) / 100
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    chance = random.Random(7)
+    counts = collections.Counter()
+    try:
+        a = tap("a", space_a, "10.77.0.1/24")
+        b = tap("b", space_b, "10.77.0.2/24")
+        print("up", flush=True)
+        waiting = collections.deque()  # all wait for the same time, so they leave in the order in which they came
+        while True:
+            left = max(0.0, waiting[0][0] - time.monotonic()) if waiting else 0.2
+            for device in select.select([a, b], [], [], left)[0]:
+                while True:
+                    try:
+                        frame = os.read(device, 65536)
+                    except BlockingIOError:
+                        break
+                    counts["frames"] += 1
+                    if chance.random() < loss or os.path.exists(cut_file):
+                        counts["lost"] += 1
+                    else:
+                        waiting.append((time.monotonic() + delay_s, b if device == a else a, frame))
+            while waiting and waiting[0][0] <= time.monotonic():
+                _, device, frame = waiting.popleft()
+                try:
+                    os.write(device, frame)
+                except OSError:
+                    counts["lost"] += 1
+    finally:
+        print(f"{counts['frames']} frames, {counts['lost']} lost", flush=True)
+        for space in (space_a, space_b):
+            subprocess.run(["ip", "netns", "del", space], stderr=subprocess.DEVNULL, check=False)
+
+
+main()
