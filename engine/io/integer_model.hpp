@@ -11,7 +11,8 @@ namespace palpate {
 class IntegerModel {
  public:
   /// Numbers of 16 or of 32 bits, in so many contexts of which each has its own counts of bits.
-  IntegerModel(unsigned bits, unsigned contexts) : bits_(bits), lengths_(contexts), uppers_(bits + 1) {}
+  IntegerModel(unsigned bits, unsigned contexts)
+      : bits_(bits), mask_(static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1)), lengths_(contexts), uppers_(bits + 1) {}
 
   /// A number that is being coded, step by step: of an encoder, all of it from the first one on.
   struct Number {
@@ -37,7 +38,7 @@ class IntegerModel {
           coder.symbol(made(uppers_[number.length], 1u << upper), number.place >> (number.length - upper));
       if constexpr (!Coder::kEncodes) number.place = top;
     } else if (number.length == 0) {
-      number.place = coder.bit(zeroOrOne_, number.place != 0) ? 1 : 0;
+      number.place = coder.bit(zeroOrOne_, number.place == 0) ? 0 : 0u - 1u;
     } else {
       number.place = kLeast;
     }
@@ -50,11 +51,12 @@ class IntegerModel {
       const std::uint32_t rest = coder.bits(lower, number.place & ((1u << lower) - 1));
       if constexpr (!Coder::kEncodes) number.place = number.place << lower | rest;
     }
+    // Without a branch: the sign nobody could foresee.
     const std::uint64_t all = std::uint64_t{1} << number.length;
-    const auto reach = static_cast<std::uint32_t>(all - 1), half = static_cast<std::uint32_t>(all / 2);
-    const bool positive = number.place >= half && number.length > 0;
-    const std::uint32_t sum = static_cast<std::uint32_t>(number.expected) + number.place + (positive ? 1 : 0u - reach);
-    return static_cast<std::int32_t>(bits_ < 32 ? sum & ((1u << bits_) - 1) : sum);
+    const std::uint64_t negative = number.place < static_cast<std::uint32_t>(all / 2) ? 1 : 0;
+    const std::uint32_t sum = static_cast<std::uint32_t>(number.expected) + number.place + 1 -
+                              static_cast<std::uint32_t>(negative << number.length);
+    return static_cast<std::int32_t>(sum & mask_);
   }
 
   /// All steps at once.
@@ -81,13 +83,12 @@ class IntegerModel {
   }
 
   // Of length n > 0 are those from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n numbers
-  // stands for the negative ones. Of length 0 are 0 and 1; of length 32 the least one alone.
+  // stands for the negative ones. Of length 0 are 0, whose place is -1, and 1; of length 32 the least one alone.
   static void setPlace(Number& number, std::int32_t off) {
     const auto raw = static_cast<std::uint32_t>(off);
     number.length = static_cast<unsigned>(std::bit_width(off <= 0 ? 0 - raw : raw - 1));
-    number.place = raw;
-    if (number.length > 0)
-      number.place += off < 0 ? static_cast<std::uint32_t>((std::uint64_t{1} << number.length) - 1) : 0u - 1u;
+    number.place = raw - 1;
+    if (off < 0) number.place += static_cast<std::uint32_t>(std::uint64_t{1} << number.length);
   }
 
   static SymbolModel& made(SymbolModel& model, unsigned symbols) {
@@ -97,6 +98,7 @@ class IntegerModel {
   [[gnu::noinline]] static void make(SymbolModel& model, unsigned symbols) { model = SymbolModel(symbols); }
 
   unsigned bits_;
+  std::uint32_t mask_;
   std::vector<SymbolModel> lengths_, uppers_;
   BitModel zeroOrOne_;
   unsigned lastLength_ = 0;

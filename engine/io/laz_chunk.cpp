@@ -35,13 +35,13 @@ class LazChunkDecoder::Rows {
 class LazChunkDecoder::Pointwise final : public Rows {
  public:
   Pointwise(const LazLayout& layout, std::span<const std::byte> bytes)
-      : rowBytes_(layout.rowBytes), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
+      : layout_(layout), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
 
   void read(std::byte* rows, std::size_t count) override {
     RangeDecoder decoder = decoder_;  // of which the compiler knows that rows do not overlap it
     for (std::size_t k = 0; k < count; ++k) {
-      LazRow10::Lane<RangeDecoder> lane{row_, decoder, rows + k * rowBytes_};
-      LazRow10::code(lane);
+      LazRow10::Lane<RangeDecoder> lane{row_, decoder, rows + k * layout_.rowBytes};
+      LazRow10::code(layout_, lane);
     }
     decoder_ = decoder;
   }
@@ -49,8 +49,8 @@ class LazChunkDecoder::Pointwise final : public Rows {
     auto& second = static_cast<Pointwise&>(other);
     const std::size_t done =
         kHasShifts ? readMostWithShifts(rows, second, others, count) : readMost(rows, second, others, count);
-    read(rows + done * rowBytes_, count - done);
-    second.read(others + done * rowBytes_, count - done);
+    read(rows + done * layout_.rowBytes, count - done);
+    second.read(others + done * layout_.rowBytes, count - done);
   }
   bool isWrong() const override { return decoder_.isWrong(); }
   std::size_t left() const override { return decoder_.left(); }
@@ -61,12 +61,13 @@ class LazChunkDecoder::Pointwise final : public Rows {
                                                     std::size_t count) {
     using Decoder = RangeDecoderOf<false>;
     Decoder first(decoder_), second(other.decoder_);
-    const std::size_t rowBytes = rowBytes_, most = Decoder::kMostBytes * (row_.mostCalls() + 1);
+    const LazLayout layout = layout_;
+    const std::size_t rowBytes = layout.rowBytes, most = Decoder::kMostBytes * (row_.mostCalls() + 1);
     std::size_t done = 0;
     for (; done < count && first.left() >= most && second.left() >= most; ++done) {
       LazRow10::Lane<Decoder> a{row_, first, rows + done * rowBytes};
       LazRow10::Lane<Decoder> b{other.row_, second, others + done * rowBytes};
-      LazRow10::code(a, b);
+      LazRow10::code(layout, a, b);
     }
     decoder_ = RangeDecoder(first), other.decoder_ = RangeDecoder(second);
     return done;
@@ -89,7 +90,7 @@ class LazChunkDecoder::Pointwise final : public Rows {
   }
 #endif
 
-  std::size_t rowBytes_;
+  LazLayout layout_;
   RangeDecoder decoder_;
   LazRow10 row_;
 };
@@ -214,7 +215,7 @@ std::vector<std::byte> encodePointwise(const LazLayout& layout, std::span<const 
   for (std::size_t at = layout.rowBytes; at < rows.size(); at += layout.rowBytes) {
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), next.size(), next.begin());
     LazRow10::Lane<RangeEncoder> lane{row, encoder, next.data()};
-    LazRow10::code(lane);
+    LazRow10::code(layout, lane);
   }
   return encoder.finish();
 }

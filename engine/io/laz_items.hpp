@@ -47,12 +47,16 @@ class StreamingMedian {
   void add(std::int32_t v) {
     const std::int32_t* const four = sorted_.data() + (forgetsLargest_ ? 0 : 1);
     const std::int32_t a = four[0], b = four[1], c = four[2], d = four[3];
-    forgetsLargest_ = forgetsLargest_ ? v < sorted_[2] : v <= sorted_[2];
-    sorted_ = {std::min(a, v), std::max(a, std::min(b, v)), std::max(b, std::min(c, v)), std::max(c, std::min(d, v)),
-               std::max(d, v)};
+    const bool less = v < sorted_[2], same = v == sorted_[2];
+    forgetsLargest_ = less | (same & !forgetsLargest_);
+    sorted_ = {lesser(a, v), larger(a, lesser(b, v)), larger(b, lesser(c, v)), larger(c, lesser(d, v)), larger(d, v)};
   }
 
  private:
+  // Of std::min() the compiler makes branches at times.
+  static std::int32_t lesser(std::int32_t a, std::int32_t b) { return b ^ ((a ^ b) & -static_cast<std::int32_t>(a < b)); }
+  static std::int32_t larger(std::int32_t a, std::int32_t b) { return b ^ ((a ^ b) & -static_cast<std::int32_t>(a > b)); }
+
   std::array<std::int32_t, 5> sorted_{};
   bool forgetsLargest_ = true;
 };

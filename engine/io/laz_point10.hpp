@@ -3,7 +3,6 @@
 
 #include <cstring>
 #include <optional>
-#include <tuple>
 
 #include "engine/io/laz_items.hpp"
 #include "engine/io/laz_layout.hpp"
@@ -185,7 +184,7 @@ class LazRow10 {
   /// The next row of each lane, all of one layout. What a lane's coder does next waits for what it does now; so each
   /// step is taken in all lanes in turn, and the processor has work of the others meanwhile.
   template <class... Lanes>
-  [[gnu::always_inline]] static void code(Lanes&... lanes) {
+  [[gnu::always_inline]] static void code(const LazLayout& layout, Lanes&... lanes) {
     (lanes.row.load(lanes), ...);
     (lanes.row.core_.codeKind(lanes.coder, lanes.core), ...);
     (lanes.row.core_.codeIntensityLength(lanes.coder, lanes.core), ...);
@@ -200,9 +199,7 @@ class LazRow10 {
     (lanes.row.core_.codeLengthZ(lanes.coder, lanes.core), ...);
     (lanes.row.core_.codeUpperZ(lanes.coder, lanes.core), ...);
     (lanes.row.core_.codeLowerZ(lanes.coder, lanes.core), ...);
-    (std::memcpy(lanes.at, &lanes.core.next, sizeof lanes.core.next), ...);
-    const LazRow10& first = std::get<0>(std::tie(lanes...)).row;
-    const LazLayout& layout = first.layout_;
+    (store(lanes.core.next, lanes.at), ...);
     if (layout.timeAt) {
       (lanes.row.times_->codeSymbol(lanes.coder, lanes.time), ...);
       (lanes.row.times_->codeLength(lanes.coder, lanes.time), ...);
@@ -237,6 +234,18 @@ class LazRow10 {
       if (layout_.timeAt) lane.time.time = load<std::int64_t>(lane.at + layout_.timeAt);
       if (layout_.colorAt) lane.color.next = load<LazColors::Color>(lane.at + layout_.colorAt);
     }
+  }
+  /// Piece by piece: a whole that is read soon after its pieces were written waits until they are in memory.
+  [[gnu::always_inline]] static void store(const LazCore10& core, std::byte* at) {
+    std::memcpy(at, &core.x, sizeof core.x);
+    std::memcpy(at + 4, &core.y, sizeof core.y);
+    std::memcpy(at + 8, &core.z, sizeof core.z);
+    std::memcpy(at + 12, &core.intensity, sizeof core.intensity);
+    std::memcpy(at + 14, &core.returns, sizeof core.returns);
+    std::memcpy(at + 15, &core.classification, sizeof core.classification);
+    std::memcpy(at + 16, &core.angle, sizeof core.angle);
+    std::memcpy(at + 17, &core.user, sizeof core.user);
+    std::memcpy(at + 18, &core.source, sizeof core.source);
   }
   template <class Coder>
   [[gnu::always_inline]] void finishTime(Lane<Coder>& lane) {

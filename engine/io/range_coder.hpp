@@ -46,26 +46,28 @@ class SymbolModel {
   bool isMade() const { return !words_.empty(); }
   unsigned last() const { return last_; }
   /// The share of all symbols before this one.
-  std::uint32_t before(unsigned symbol) const { return words_[symbol]; }
+  std::uint32_t before(unsigned symbol) const { return words_[sharesAt_ + symbol]; }
   /// The shares before a symbol and those behind it: a search for the one that has `share` in its part begins there. It
   /// ends before kBehind more, which nothing reaches.
-  const std::uint16_t* from(std::uint32_t share) const {
-    return words_.data() + words_[cellsAt_ + (share >> cellShift_)];
+  const std::uint16_t* from(std::uint32_t share) const { return words_.data() + words_[share >> cellShift_]; }
+  unsigned symbolOf(const std::uint16_t* shares) const {
+    return static_cast<unsigned>(shares - words_.data()) - sharesAt_;
   }
-  unsigned symbolOf(const std::uint16_t* shares) const { return static_cast<unsigned>(shares - words_.data()); }
   void count(unsigned symbol) {
     ++words_[countsAt_ + symbol];
-    if (--untilUpdate_ == 0) update();
+    if (--untilUpdate_ == 0) [[unlikely]]
+      update();
   }
 
  private:
   static constexpr unsigned kBehind = 6;
   [[gnu::noinline, gnu::cold]] void update();
 
-  // The shares before the symbols, and behind them kBehind that are more than any; how often each symbol passed; the symbol
-  // at the beginning of each of equal parts, where a search begins. In one piece, of which little is touched.
+  // Where the shares of the symbol stand at the beginning of each of equal parts, where a search begins; the shares before
+  // the symbols, and behind them kBehind that are more than any; how often each symbol passed. In one piece, of which
+  // little is touched.
   std::vector<std::uint16_t> words_;
-  std::uint16_t last_ = 0, countsAt_ = 0, cellsAt_ = 0, cellShift_ = 0;
+  std::uint16_t last_ = 0, sharesAt_ = 0, countsAt_ = 0, cellShift_ = 0;
   std::uint32_t all_ = 0, cycle_ = 0, untilUpdate_ = 0;
 };
 
@@ -156,9 +158,9 @@ class RangeDecoderOf : RangeCoder {
     wrong_ = true;
     return 0;
   }
-  /// Without a branch, but near the end: how many bytes come in next nobody could foresee. No length is 0.
+  /// Without a branch, but near the end: how many bytes come in next nobody could foresee.
   [[gnu::always_inline]] void widen() {
-    const auto bits = static_cast<unsigned>(std::countl_zero(length_ | 1)) & 24u;
+    const auto bits = static_cast<unsigned>(std::countl_zero(length_ | 1)) & 24u;  // no length is 0
     if (mayEnd && end_ - at_ < 4) [[unlikely]] {
       for (unsigned k = 0; k < bits; k += 8) value_ = value_ << 8 | next();
     } else {
