@@ -12,7 +12,10 @@ class IntegerModel {
  public:
   /// Numbers of 16 or of 32 bits, in so many contexts of which each has its own counts of bits.
   IntegerModel(unsigned bits, unsigned contexts)
-      : bits_(bits), mask_(static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1)), lengths_(contexts), uppers_(bits + 1) {}
+      : bits_(bits),
+        mask_(static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1)),
+        lengths_(contexts),
+        uppers_(bits + 1) {}
 
   /// A number that is being coded, step by step: of an encoder, all of it from the first one on.
   struct Number {
@@ -92,7 +95,8 @@ class IntegerModel {
   }
 
   static SymbolModel& made(SymbolModel& model, unsigned symbols) {
-    if (!model.isMade()) [[unlikely]] make(model, symbols);
+    if (!model.isMade()) [[unlikely]]
+      make(model, symbols);
     return model;
   }
   [[gnu::noinline]] static void make(SymbolModel& model, unsigned symbols) { model = SymbolModel(symbols); }

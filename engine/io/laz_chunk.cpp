@@ -75,12 +75,12 @@ class LazChunkDecoder::Pointwise final : public Rows {
   std::size_t readMost(std::byte* rows, Pointwise& other, std::byte* others, std::size_t count) {
     return readSideBySide(rows, other, others, count);
   }
-#if defined(__x86_64__) && defined(__GNUC__)
-  // Shifts and counts of zeros that wait for less, of all processors since about 2013.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  // Shifts and counts of zeros that wait for less, of all processors since about 2013; Clang cannot ask for them all.
   inline static const bool kHasShifts =
       __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("lzcnt");
-  [[gnu::target("bmi,bmi2,lzcnt")]] std::size_t readMostWithShifts(std::byte* rows, Pointwise& other,
-                                                                   std::byte* others, std::size_t count) {
+  [[gnu::target("bmi,bmi2,lzcnt")]] std::size_t readMostWithShifts(std::byte* rows, Pointwise& other, std::byte* others,
+                                                                   std::size_t count) {
     return readSideBySide(rows, other, others, count);
   }
 #else

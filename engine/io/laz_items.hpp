@@ -28,7 +28,8 @@ template <std::size_t count>
 class ByteModels {
  public:
   SymbolModel& operator[](std::size_t k) {
-    if (!models_[k].isMade()) [[unlikely]] make(models_[k]);
+    if (!models_[k].isMade()) [[unlikely]]
+      make(models_[k]);
     return models_[k];
   }
   [[gnu::noinline]] void make(SymbolModel& model) { model = SymbolModel(symbols_); }
@@ -54,8 +55,12 @@ class StreamingMedian {
 
  private:
   // Of std::min() the compiler makes branches at times.
-  static std::int32_t lesser(std::int32_t a, std::int32_t b) { return b ^ ((a ^ b) & -static_cast<std::int32_t>(a < b)); }
-  static std::int32_t larger(std::int32_t a, std::int32_t b) { return b ^ ((a ^ b) & -static_cast<std::int32_t>(a > b)); }
+  static std::int32_t lesser(std::int32_t a, std::int32_t b) {
+    return b ^ ((a ^ b) & -static_cast<std::int32_t>(a < b));
+  }
+  static std::int32_t larger(std::int32_t a, std::int32_t b) {
+    return b ^ ((a ^ b) & -static_cast<std::int32_t>(a > b));
+  }
 
   std::array<std::int32_t, 5> sorted_{};
   bool forgetsLargest_ = true;

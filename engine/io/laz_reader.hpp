@@ -1,4 +1,4 @@
-// Unpacks the points of LAZ, a chunk a thread.
+// Unpacks the points of LAZ, two chunks a thread, or one where there are few.
 #pragma once
 
 #include <functional>

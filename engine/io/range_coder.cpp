@@ -67,8 +67,8 @@ void SymbolModel::update() {
   for (std::uint32_t k = 0; k < symbols; ++k) {
     sums[k] = static_cast<std::uint16_t>(scale * sum >> (31 - kShift));
     sum += counts[k];
-    // The cells that begin in the symbol before, some more than those at once, which the next ones write again: how many
-    // they are nobody could foresee.
+    // The cells that begin in the symbol before, some more than those at once, which the next ones write again: how
+    // many they are nobody could foresee.
     const std::uint32_t end = (sums[k] >> cellShift_) + 1u;
     for (std::uint32_t from = cell; from < end; from += kBehindCells) fillCells(cells + from, sharesAt_ + k - 1);
     cell = end;

@@ -63,9 +63,9 @@ class SymbolModel {
   static constexpr unsigned kBehind = 6;
   [[gnu::noinline, gnu::cold]] void update();
 
-  // Where the shares of the symbol stand at the beginning of each of equal parts, where a search begins; the shares before
-  // the symbols, and behind them kBehind that are more than any; how often each symbol passed. In one piece, of which
-  // little is touched.
+  // Where the shares of the symbol stand at the beginning of each of equal parts, where a search begins; the shares
+  // before the symbols, and behind them kBehind that are more than any; how often each symbol passed. In one piece, of
+  // which little is touched.
   std::vector<std::uint16_t> words_;
   std::uint16_t last_ = 0, sharesAt_ = 0, countsAt_ = 0, cellShift_ = 0;
   std::uint32_t all_ = 0, cycle_ = 0, untilUpdate_ = 0;
@@ -84,7 +84,8 @@ template <bool mayEnd>
 class RangeDecoderOf : RangeCoder {
  public:
   static constexpr bool kEncodes = false;
-  static constexpr std::size_t kMostBytes = 6;  ///< that a call takes in, and looks ahead; a little more at the last one
+  static constexpr std::size_t kMostBytes =
+      6;  ///< that a call takes in, and looks ahead; a little more at the last one
 
   explicit RangeDecoderOf(std::span<const std::byte> bytes) : at_(bytes.data()), end_(bytes.data() + bytes.size()) {
     for (int k = 0; k < 4; ++k) value_ = value_ << 8 | next();
@@ -110,9 +111,9 @@ class RangeDecoderOf : RangeCoder {
     const std::uint16_t* at = model.from(value_ / whole);
     std::uint64_t low = at[0] * part, first = at[1] * part, second = at[2] * part, third = at[3] * part;
     while (value >= third) [[unlikely]] {
-      at += 3;
-      low = third, first = at[1] * part, second = at[2] * part, third = at[3] * part;
-    }
+        at += 3;
+        low = third, first = at[1] * part, second = at[2] * part, third = at[3] * part;
+      }
     const bool one = value >= first, two = value >= second;
     low = one ? first : low;
     std::uint64_t high = one ? second : first;
