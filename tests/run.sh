@@ -2,8 +2,8 @@
 # Installs what is missing, builds with warnings as errors, and runs every test headless: what needs a GPU with validation
 # on lavapipe, or on the GPU that PALPATE_GPU names, and what runs on the CPU alone without Vulkan, under AddressSanitizer
 # and UBSan, the servo loop under ThreadSanitizer, too. On lavapipe GPU passes run again with one driver thread, which
-# orders atomics differently (without validation, which the first leg has), and on another driver and under another
-# validation layer, where those can be had. A leg that fails hides none behind it: all run, and the last lines name what
+# orders atomics differently, and subgroups of four in place of eight, between which a barrier is missed sooner (without
+# validation, which the first leg has), and on another driver and under another validation layer, where those can be had. A leg that fails hides none behind it: all run, and the last lines name what
 # failed. Where third_party/windows.sh has been, some tests run as programs for Windows, too, under wine; what is skipped
 # is said, and so is what is held against the wall clock and passed only when it had the machine to itself.
 set -euo pipefail
@@ -63,7 +63,8 @@ tests 'without Vulkan, under AddressSanitizer and UBSan' asan -L '^host$'
 leg 'build for ThreadSanitizer' build tsan --target tests_haptics tests_core && built+=' tsan'
 tests 'under ThreadSanitizer' tsan -R '^(haptics\.|core\.latest_value$)'
 if [ "$PALPATE_GPU" = llvmpipe ]; then
-  LP_NUM_THREADS=1 PALPATE_TESTS_VALIDATE=0 tests 'with one driver thread' dev -C portable \
+  LP_NUM_THREADS=1 LP_NATIVE_VECTOR_WIDTH=128 PALPATE_TESTS_VALIDATE=0 \
+    tests 'with one driver thread and subgroups of four' dev -C portable \
     -R '^(spatial|contact|edit|mesh|motion_gpu)\.(gpu|hash_compaction)$|^matter_gpu\.portable$'
   # A third driver and a current layer judge what the packaged ones let pass.
   if drivers=$(bash third_party/drivers.sh); then

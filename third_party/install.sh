@@ -36,6 +36,8 @@ packages=(
   python3-numpy              # whose arrays go in and out
   python3-pytest             # its tests
   mypy                       # and its types
+  cyclonedds-dev             # DDS: sessions that several machines have, and
+  cyclonedds-tools           # idlc, which compiles what is said on the network
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "apps/cli/context.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "apps/cli/tick_times.hpp"
 #include "apps/view/copied_presentation.hpp"
 #include "apps/view/presentation.hpp"
@@ -178,7 +179,37 @@ Json hapticDevices(std::FILE* out) {
 
 struct DoctorOptions {
   double servo_s = 0, rate_Hz = 1000;
+  bool network = false;
+  NetworkOptions which;
 };
+
+// The sessions that others serve.
+Json network(std::FILE* out, const NetworkConfig& config) {
+  constexpr double kListen_s = 3;
+  const std::vector<SeenSession> seen = surveyNetwork(config, kListen_s);
+  fmt::print(out, "Sessions that are served on {}: {}\n",
+             config.interface.empty() ? "this machine" : "the network of " + config.interface, seen.size());
+  Json json = Json::array();
+  for (const SeenSession& session : seen) {
+    const double lost = session.pings ? 1 - static_cast<double>(session.answered) / session.pings : 0;
+    const std::string way =
+        !session.fits          ? fmt::format("of another version of palpate ({}), and cannot be joined", session.version)
+        : session.roundTrip_ms ? fmt::format("round trip {:.2f} ms, {:.0f} % of {} pings lost", *session.roundTrip_ms,
+                                             100 * lost, session.pings)
+                               : "no ping came back";
+    fmt::print(out, "  {}: {} points of {}, by {}; {}\n", session.name, session.points, session.model, session.host, way);
+    json.push_back({{"name", session.name},
+                    {"host", session.host},
+                    {"model", session.model},
+                    {"points", session.points},
+                    {"version", session.version},
+                    {"fits", session.fits},
+                    {"round_trip_ms", session.roundTrip_ms ? Json(*session.roundTrip_ms) : Json(nullptr)},
+                    {"pings", session.pings},
+                    {"answered", session.answered}});
+  }
+  return json;
+}
 
 Json servoPace(std::FILE* out, const DoctorOptions& options) {
   const PaceCheck check = checkPace(options.rate_Hz, options.servo_s);
@@ -225,6 +256,12 @@ Json display(std::FILE* out) {
 }
 
 void doctor(Context& context, const DoctorOptions& options) {
+  if (options.network) {
+    context.writeJson({{"network", network(context.tables(), options.which.config())}});
+    return;
+  }
+  if (options.which.config() != NetworkConfig{})
+    throw UsageError("--interface, --peer and --domain are for --network, which lists sessions");
   const Instance instance(Validation::off);
   const auto devices = instance.physicalDevices();
   Json gpus = Json::array();
@@ -255,6 +292,10 @@ void addDoctor(Options& app, Context& context, Command& command) {
       .check(between(1, 100'000))
       .needs(servo)
       .showDefault();
+  sub.addFlag("--network", options->network,
+              "list the sessions that others serve (palpate serve), with their round trips and losses, and nothing else")
+      .excludes(servo);
+  addNetworkOptions(sub, options->which);
   sub.whenNamed([&, options] { command = [&context, options] { doctor(context, *options); }; });
 }
 

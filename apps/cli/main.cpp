@@ -18,6 +18,7 @@ void addSubcommands(Options& app, Context& context, Command& command) {
   addInfo(app, context, command);
   addMake(app, context, command);
   addSimulate(app, context, command);
+  addServe(app, context, command);
   addReplay(app, context, command);
   addBench(app, context, command);
   addDoctor(app, context, command);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "haptics/session/vulkan_backend.hpp"
 
@@ -92,7 +93,7 @@ double supportRadius(const std::string& text, const Model& model) {
 namespace {
 
 ModelLoading loadingOf(Context& context, EstimateOn where) {
-  ModelLoading loading{.log = context.log(), .threads = context.threads()};
+  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = sessionJoiner()};
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
   return loading;
 }

@@ -2,6 +2,7 @@
 #include "haptics/session/matter_scenes.hpp"
 #include "apps/cli/mesh_options.hpp"
 #include "apps/cli/picture.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
 
 namespace palpate {
@@ -11,6 +12,7 @@ namespace {
 struct RenderOptions {
   ModelOptions model;
   StreamOptions stream;
+  JoinOptionsGiven join;
   PictureOptions picture;
   MeshChoices mesh;
   std::string output, mode = "splat";
@@ -27,8 +29,13 @@ void render(Context& context, const RenderOptions& options) {
   imageFormatOf(options.output);
   context.checkWritable(options.output);
   SessionConfig config{.model = options.model.config()};
-  config.stream = streamConfig(options.stream, config.model.file);
-  config.matter = matterScene(config.model.file);
+  config.join = joinConfig(options.join, config.model.file);
+  if (config.model.file.empty()) throw UsageError("model: is required; name a file, or a session with --join");
+  if (!config.join) {
+    config.stream = streamConfig(options.stream, config.model.file);
+    config.matter = matterScene(config.model.file);
+  }
+  validate(config);
   const Model model = loadModel(context, config, EstimateOn::gpu);
   if (options.mode == "mesh") {
     drawMesh(context, model, options);
@@ -38,7 +45,7 @@ void render(Context& context, const RenderOptions& options) {
     picture.points = options.mode == "points";
     takePicture(context, model, drawn, picture, {}, options.output);
   }
-  context.log().say("{}: {} points of {}", options.output, model.cloud.size(), options.model.file);
+  context.log().say("{}: {} points of {}", options.output, model.cloud.size(), config.model.file);
   context.writeJson({{"file", options.output}, {"points", model.cloud.size()}, {"gpu", context.device().name()}});
 }
 
@@ -47,7 +54,7 @@ void render(Context& context, const RenderOptions& options) {
 void addRender(Options& app, Context& context, Command& command) {
   Options& sub = app.addSubcommand("render", "a picture of a model, headless");
   auto options = std::make_shared<RenderOptions>();
-  addModelOptions(sub, options->model, modelsAndStreams() + ", of which the first frame is drawn", true);
+  addModelOptions(sub, options->model, modelsAndStreams() + ", of which the first frame is drawn", false);
   sub.add("-o,--output", options->output, "picture to write: .png or .jpg").required().typeName("IMG.png");
   sub.add("--mode", options->mode,
           "splat: every point a disc; points: each a sample and no more; mesh: the "
@@ -58,6 +65,8 @@ void addRender(Options& app, Context& context, Command& command) {
   addMeshOptions(sub, options->mesh);
   sub.heading("A depth camera");
   addDepthOptions(sub, options->stream);
+  sub.heading("A session of others");
+  addJoinOptions(sub, options->join);
   sub.heading("Options");
   sub.whenNamed([&, options] { command = [&context, options] { render(context, *options); }; });
 }

@@ -189,7 +189,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
   Model model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator()});
+      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner()});
   start.ended("model");
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));

@@ -5,6 +5,7 @@
 #include "apps/cli/picture.hpp"
 #include "apps/cli/hand_options.hpp"
 #include "apps/cli/motion_options.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "haptics/force_law.hpp"
 
@@ -17,6 +18,7 @@ struct TouchCommandOptions {
   HandChoices hand;
   MotionOptions motion;
   StreamOptions stream;
+  JoinOptionsGiven join;
   std::string secondDevice, secondPath, secondTraceFile;  ///< of a second hand; the device empty: there is none
   std::string path = "builtin:press", edit = "none";
   std::string traceFile, trajectoryFile, saveFile, pictureFile, logFile;

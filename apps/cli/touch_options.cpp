@@ -163,6 +163,8 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   addMotionOptions(command, options.motion);
   heading("A depth camera");
   addStreamOptions(command, options.stream);
+  heading("A session of others");
+  addJoinOptions(command, options.join);
   heading("What answers");
   addBackendOptions(command, options.backend);
   heading("A tool of many points");
@@ -200,8 +202,14 @@ SessionConfig sessionConfig(const TouchCommandOptions& options) {
   setBackend(config, options.backend);
   config.realtime = options.realtime;
   config.motion = motionConfig(options.motion);
-  config.stream = streamConfig(options.stream, config.model.file);
-  config.matter = matterScene(config.model.file);
+  config.join = joinConfig(options.join, config.model.file);
+  if (config.join) {
+    std::string joined = "--join " + config.model.file;  // whose options are none of a stream
+    streamConfig(options.stream, joined);
+  } else {
+    config.stream = streamConfig(options.stream, config.model.file);
+    config.matter = matterScene(config.model.file);
+  }
   if (!options.secondDevice.empty())
     config.hands.push_back(
         secondHand(options.hand, options.secondDevice).config(options.secondPath, options.penetration_mm));

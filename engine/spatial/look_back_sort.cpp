@@ -67,7 +67,7 @@ bool LookBackSort::fits(const Device& device, std::uint32_t keyBits) {
   if (device.subgroupSize() > 32) return false;  // one word holds a subgroup's ballot
   if (widestWorkgroup(device) < kHistogramWorkgroup || sharedBytes(device) < kHistogramBytes) return false;
   const std::uint32_t subgroups = kSweepWorkgroup / device.subgroupSize();
-  constexpr std::uint32_t kRest = 512;  // the workgroup's scan, and a few words
+  constexpr std::uint32_t kRest = 768;  // the workgroup's scan, and a few words
   return std::ranges::all_of(radixDigits(keyBits), [&](const RadixDigit& digit) {
     const std::uint32_t radix = 1u << digit.bits;
     const std::uint32_t pool = std::max(subgroups * radix, kSweepWorkgroup * itemsFor(digit));

@@ -2,6 +2,8 @@
 // behind it. What has bounds of its own has them beside it.
 #pragma once
 
+#include <cstdint>
+
 namespace palpate::bounds {
 
 inline constexpr double kShortest_s = 1e-3, kLongest_s = 1e7;    ///< of what takes time: more than a hundred days
@@ -18,6 +20,7 @@ inline constexpr double kMostCells = 1e6;    ///< of the index, along the longes
 inline constexpr double kMostRate_Hz = 1e4;  ///< of a session
 inline constexpr double kLeastSpeed = 1e-3, kMostSpeed = 1e3;            ///< of a recording that is played
 inline constexpr double kLeastDepthScale = 1, kMostDepthScale = 1e6;     ///< depth values per metre
+inline constexpr std::uint32_t kLastDomain = 230;  ///< of DDS, of those that have ports
 inline constexpr double kMostCount = 1e9;    ///< of what is counted
 inline constexpr double kMostSeed = 9e15;    ///< a double still has every whole number
 inline constexpr double kMostThreads = 1024;

@@ -104,6 +104,9 @@ class Reader {
   void field(const char* name, std::string& value) {
     take(name, [&](const Json& json) { json.get_to(value); });
   }
+  void field(const char* name, std::vector<std::string>& value) {
+    take(name, [&](const Json& json) { json.get_to(value); });
+  }
   template <std::integral T>
   void field(const char* name, T& value) {
     take(name, [&](const Json& json) { value = wholeOf<T>(name, json); });
@@ -323,6 +326,12 @@ void describe(auto&& in, auto& config, const StreamConfig*) {
   in.field("intrinsics", config.intrinsics);
 }
 
+void describe(auto&& in, auto& config, const JoinConfig*) {
+  in.field("network", config.network);
+  in.field("peers", config.peers);
+  in.field("domain", config.domain);
+}
+
 void describe(auto&& in, auto& config, const MatterTool*) {
   in.field("radius_mm", config.radius_mm);
   in.field("mass_kg", config.mass_kg);
@@ -374,6 +383,7 @@ void describeSession(auto&& in, auto& config) {
   in.part("undo", config.undo, describer<UndoConfig>);
   in.partWhereGiven("motion", config.motion, describer<MotionConfig>);
   in.partWhereGiven("stream", config.stream, describer<StreamConfig>);
+  in.partWhereGiven("join", config.join, describer<JoinConfig>);
   in.partWhereGiven("matter", config.matter, describer<MatterScene>);
   in.parts("hands", config.hands, describer<HandConfig>);
   in.field("rate_Hz", config.rate_Hz);

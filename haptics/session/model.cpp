@@ -141,6 +141,10 @@ std::shared_ptr<const MatterModel> standingModel(const MatterScene& scene, const
 Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
   if (config.matter)
     return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
+  if (config.join) {
+    if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
+    return modelOf(loading.join(config.model.file, *config.join, loading.log), config.model, loading);
+  }
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading.log);
   Model model;

@@ -55,10 +55,14 @@ using NormalEstimator = std::function<std::string(PointCloud& cloud, unsigned th
 /// On the CPU.
 std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
 
+/// Fetches the points of the session that is served under a name, with a scale in their comments.
+using SessionJoiner = std::function<PointCloud(const std::string& name, const JoinConfig& join, Log& log)>;
+
 struct ModelLoading {
   Log& log;
   unsigned threads = 0;  ///< 0: one per core
   NormalEstimator estimate = estimateNormalsOnCpu;
+  SessionJoiner join = {};  ///< empty: this program joins none
 };
 /// A cloud that is in memory: sees to normals as the configuration says, whose file is only its name.
 Model modelOf(PointCloud cloud, const ModelConfig& config, const ModelLoading& loading);

@@ -76,7 +76,10 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       relay_(model_->cloud, *backend_,
              {.follower = follower_.get(),
               .journal = parts.journal && backend_->keepsEdits(),
-              .undo_bytes = parts.undo_bytes}) {}
+              .undo_bytes = parts.undo_bytes}) {
+  // No file says it to whoever runs a record again.
+  if (config_.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
+}
 
 Session::Session(SessionConfig config, Model model, const SessionParts& parts)
     : Session(std::move(config), std::make_shared<const Model>(std::move(model)), parts) {}

@@ -81,6 +81,19 @@ void validate(const StreamConfig& stream, const SessionConfig& config) {
   if (!config.realtime) throw ConfigError("realtime", "what is live goes by the clock; turn it on");
 }
 
+void validate(const JoinConfig& join, const SessionConfig& config) {
+  constexpr std::size_t kLongestName = 200;  // bytes, of a session
+  if (config.model.file.empty() || config.model.file.size() > kLongestName)
+    throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
+  if (join.domain > bounds::kLastDomain) throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
+  // It would be another cloud than the others have.
+  if (config.brush) throw ConfigError("brush.kind", "what is joined cannot be sculpted yet");
+  if (config.motion) throw ConfigError("motion.kind", "what is joined stands as it is served; leave it out");
+  if (config.model.normals != NormalSource::keep)
+    throw ConfigError("model.normals", "what is joined comes with its normals; leave it at keep");
+  if (config.model.allPoints) throw ConfigError("model.all_points", "what is joined comes as it is served; leave it out");
+}
+
 // What is smaller than the cells has none of its own to move.
 void validateOnSoft(const BrushConfig& brush, const MatterScene& scene, double mm_per_unit) {
   if (brush.kind == BrushKind::carve)
@@ -132,6 +145,8 @@ void validate(const SessionConfig& config) {
     if (config.brush) throw ConfigError("brush.kind", "what moves (motion.kind) cannot be sculpted yet");
   }
   if (config.stream) validate(*config.stream, config);
+  if (config.join) validate(*config.join, config);
+  if (config.join && (config.stream || config.matter)) throw ConfigError("join", "the model is something else already; leave it out");
   if (config.matter) validate(*config.matter, config);
   for (std::size_t i = 0; i < config.hands.size(); ++i) validate(config.hands[i], i);
   inBoundsOrZero("duration_s", config.duration_s, bounds::kShortest_s, bounds::kLongest_s);

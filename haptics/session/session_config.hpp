@@ -150,6 +150,15 @@ struct StreamConfig {
   bool operator==(const StreamConfig&) const = default;
 };
 
+/// A session that another program serves over a network, by the name that ModelConfig::file says: its points are the model.
+struct JoinConfig {
+  std::string network;             ///< interface, by name or address; empty: this machine alone
+  std::vector<std::string> peers;  ///< addresses of machines to ask, where the network carries no multicast
+  std::uint32_t domain = 0;        ///< of DDS
+
+  bool operator==(const JoinConfig&) const = default;
+};
+
 /// What is taken back once the path of a session has ended.
 struct UndoConfig {
   std::size_t undo = 0, redo = 0;  ///< strokes
@@ -172,6 +181,7 @@ struct SessionConfig {
   UndoConfig undo;
   std::optional<MotionConfig> motion;  ///< nothing: the model stands still, unless it is a stream
   std::optional<StreamConfig> stream;  ///< nothing: the model is a cloud in a file
+  std::optional<JoinConfig> join;      ///< the model is served by another program
   std::optional<MatterScene> matter;   ///< that the model is, with a tool; its file is only a name then
   std::vector<HandConfig> hands{HandConfig{}};  ///< the first one may sculpt, the others feel
   double rate_Hz = 1000;                        ///< ticks per second

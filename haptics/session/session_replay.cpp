@@ -57,8 +57,13 @@ Recorded loadRecorded(const std::string& log, const ReplayParts& parts) {
   const SessionRecord& record = recorded.record;
   SessionConfig& config = recorded.session.config;
   ModelConfig& model = config.model;
-  if (!parts.model.empty()) model.file = parts.model;
+  if (!parts.model.empty()) {
+    model.file = parts.model;
+    config.join.reset();
+  }
   const bool isHere = parts.cloud && !config.matter && !config.stream;
+  if (config.join && !isHere)
+    throw FileError(model.file, fmt::format("was served by another program; name its points, saved, with {}", parts.naming));
   if (!config.matter && !isHere && !std::filesystem::exists(model.file))
     throw FileError(model.file, fmt::format("is not there; name the model of the session with {}", parts.naming));
   const BackendKind& kind = parts.backends.named(config.backend.name);

@@ -23,6 +23,8 @@ bool finishesLast(HashUpdates update) {
 
 // One workgroup. Where the report, that of resampling and the empty counters are: see EditEnd.
 void endEdit(Uints report, Uints resampled, Uints empty, HashUpdates update, ResampleLists lists) {
+  memoryBarrierBuffer();  // other invocations read here what one has written last
+  barrier();
   const uint kWord = 4;
   SharedWords counters = SharedWords(uvec2(update)), resampling = SharedWords(uvec2(lists));
   for (uint i = gl_LocalInvocationIndex; i < kUpdateBytes / kWord; i += gl_WorkGroupSize.x) {

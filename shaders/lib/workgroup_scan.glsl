@@ -6,8 +6,9 @@
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
 
-const uint kMaxSubgroups = 64;  // 256 invocations in subgroups of 4
-shared uint subgroupSums[kMaxSubgroups];
+const uint kMaxSubgroups = 64;       // 256 invocations in subgroups of 4
+const uint kMaxScanSubgroups = 128;  // 512 of them, which are only counted and summed
+shared uint subgroupSums[kMaxScanSubgroups];
 
 // Sum of `value` over the invocations before this one; `total` over all. Invocations count in the order of
 // (gl_SubgroupID, gl_SubgroupInvocationID), which is what the callers index their data by.

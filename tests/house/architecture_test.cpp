@@ -42,6 +42,7 @@ const Arrows& allowedArrows() {
        {"haptics", "engine/core", "engine/cloud", "engine/io", "engine/contact", "engine/edit", "engine/motion",
         "engine/matter", "engine/touch", "engine/render", "engine/cuda", "engine/gpu/device.hpp", "engine/spatial/hash_grid.hpp",
         "shaders"}},
+      {"haptics/sharing", {"engine/core", "engine/cloud"}},
       {"haptics/library",
        {"haptics/session", "haptics", "engine/core", "engine/cloud", "engine/io", "engine/edit/journal.hpp", "engine/matter", "engine/mesh", "engine/motion/cloud_source.hpp",
         "engine/render/image.hpp", "engine/gpu/device_lookup.hpp", "engine/gpu/host_device.hpp"}},
@@ -49,7 +50,7 @@ const Arrows& allowedArrows() {
       {"apps",
        {"engine/core", "engine/cloud", "engine/io", "engine/gpu", "engine/spatial", "engine/contact", "engine/edit",
         "engine/motion", "engine/matter", "engine/touch/memory.hpp", "engine/mesh", "engine/render",
-        "engine/cuda/cuda_measure.hpp", "haptics", "haptics/session", "shaders"}},
+        "engine/cuda/cuda_measure.hpp", "haptics", "haptics/session", "haptics/sharing", "shaders"}},
   };
   return arrows;
 }

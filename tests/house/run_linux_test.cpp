@@ -30,7 +30,7 @@ Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers 
   const ScratchFolder folder;
   const std::string preset = "preset=$(printf '%s\\n' \"$@\" | grep -m 1 -xE 'dev|asan|tsan')\n";
   const std::string told =
-      "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}\"\n"
+      "echo \"$(basename \"$0\") $* threads=${LP_NUM_THREADS:-}${LP_NATIVE_VECTOR_WIDTH:+ of $LP_NATIVE_VECTOR_WIDTH bits}\"\n"
       "[ -z \"${VK_DRIVER_FILES:-}\" ] || echo driver=$VK_DRIVER_FILES $PALPATE_GPU\n"
       "[ -z \"${VK_LAYER_PATH:-}\" ] || echo layer=$VK_LAYER_PATH $PALPATE_TESTS_VALIDATE\n";
   writeProgram(folder / "bin/cmake", preset + told + cmake);
@@ -60,13 +60,13 @@ bool hasSources() {
 
 }  // namespace
 
-TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread") {
+TEST_CASE("run.sh runs every leg, the GPU's passes also with one driver thread and subgroups of four") {
   if (!hasSources()) return;
   const Run run = runLegs("", "");
   CHECK(run.code == 0);
   CHECK(says(run.text, "ctest --preset asan -j 2 --no-tests=error -L ^host$ threads=\n"));
   CHECK(says(run.text, "ctest --preset tsan -j 2 --no-tests=error -R ^(haptics\\.|core\\.latest_value$) threads=\n"));
-  CHECK(says(run.text, "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1\n"));
+  CHECK(says(run.text, "(spatial|contact|edit|mesh|motion_gpu)\\.(gpu|hash_compaction)$|^matter_gpu\\.portable$ threads=1 of 128 bits\n"));
   CHECK(says(run.text, "ctest --preset dev -j 2 --no-tests=error -LE ^host$ threads=\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\ndriver=other/drivers/swiftshader.json SwiftShader\n"));
   CHECK(says(run.text, "-C portable -L ^portable$ threads=\nlayer=other/drivers core\n"));

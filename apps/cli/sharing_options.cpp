@@ -1,0 +1,54 @@
+#include "apps/cli/sharing_options.hpp"
+
+#include "apps/cli/stop_by_signal.hpp"
+#include "engine/cloud/length_unit.hpp"
+#include "haptics/session/bounds.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+void addNetworkOptions(Options& command, NetworkOptions& options) {
+  command
+      .add("--interface", options.interface,
+           "the network that is used: an interface of this machine, by name or address (default: programs of this "
+           "machine alone)")
+      .typeName("NAME|ADDRESS");
+  command
+      .add("--peer", options.peers,
+           "address of a machine to look for, where the network carries no multicast; as often as there are some")
+      .typeName("ADDRESS");
+  command.add("--domain", options.domain, "of DDS, as ROS numbers them").check(inRange(0, bounds::kLastDomain)).showDefault();
+}
+
+void addJoinOptions(Options& command, JoinOptionsGiven& options) {
+  command
+      .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
+      .typeName("NAME");
+  addNetworkOptions(command, options.network);
+}
+
+std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile) {
+  const NetworkOptions& network = options.network;
+  if (options.name.empty()) {
+    if (!network.interface.empty() || !network.peers.empty() || network.domain != 0)
+      throw UsageError("--interface, --peer and --domain are for --join, which names a session");
+    return std::nullopt;
+  }
+  if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
+  modelFile = options.name;
+  return JoinConfig{.network = network.interface, .peers = network.peers, .domain = network.domain};
+}
+
+SessionJoiner sessionJoiner() {
+  return [](const std::string& name, const JoinConfig& join, Log& log) {
+    const StopBySignal stop;
+    JoinedCloud joined = joinCloud(name, {.network = {.interface = join.network, .peers = join.peers, .domain = join.domain},
+                                          .log = &log,
+                                          .stop = &StopBySignal::requested()});
+    log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
+    sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
+    return std::move(joined.cloud);
+  };
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// Options of what goes over a network: on which one, and which session of others is joined.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cli/options.hpp"
+#include "haptics/session/model.hpp"
+#include "haptics/session/session_config.hpp"
+#include "haptics/sharing/network.hpp"
+
+namespace palpate {
+
+struct NetworkOptions {
+  std::string interface;
+  std::vector<std::string> peers;
+  std::uint32_t domain = 0;
+
+  NetworkConfig config() const { return {.interface = interface, .peers = peers, .domain = domain}; }
+};
+/// --interface, --peer and --domain.
+void addNetworkOptions(Options& command, NetworkOptions& options);
+
+struct JoinOptionsGiven {
+  std::string name;  ///< empty: no session of others is joined
+  NetworkOptions network;
+};
+/// --join, and those of the network.
+void addJoinOptions(Options& command, JoinOptionsGiven& options);
+/// What is joined, under whose name the model goes then; nothing where none is. Throws UsageError for options that do not go
+/// together.
+std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile);
+
+/// Joins sessions while nobody asks the program to end.
+SessionJoiner sessionJoiner();
+
+}  // namespace palpate

@@ -1,0 +1,212 @@
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/statistics.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/session_notices.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
+constexpr double kAskAgain_s = 0.5;     // for what has not come
+constexpr double kSecondServer_s = 0.3; // in which another session of the same name is found, if there is one
+constexpr std::uint32_t kWindow = 64;   // blocks that are asked for and have not come
+
+/// Takes the points of a session, block by block.
+class Fetch {
+ public:
+  Fetch(const Participant& participant, const Topics& topics, const SessionNotice& notice, const JoinOptions& options)
+      : notice_(notice),
+        options_(options),
+        requests_(participant, topics.requests, reliableQos(false)),
+        wait_(participant),
+        blocks_(blocksOf(notice.points)) {
+    std::uint8_t own[16];
+    set(own, client_);
+    reader_ = Reader<Block>(participant, topics.blocks, reliableQos(false, partitionOf(own)));
+    wait_.attach(reader_);
+    joined_.cloud.origin = notice.origin;
+    joined_.mm_per_unit = notice.mm_per_unit;
+    joined_.host = notice.host;
+    joined_.model = notice.model;
+  }
+
+  JoinedCloud run() {
+    while (complete_ < blocks_) {
+      if (options_.stop && *options_.stop) throw NetworkError("interrupted after {} of {} points", taken_, notice_.points);
+      ask();
+      wait_.sleep(kLook_s);
+      const std::uint64_t before = taken_;
+      reader_.take([&](const Block& block) { take(block); });
+      if (taken_ != before) lastCame_ = {};
+      if (lastCame_.elapsed_s() > options_.patience_s)
+        throw NetworkError("'{}' of {}: nothing has come for {:.0f} s, after {} of {} points; is it still served?", notice_.name,
+                           notice_.host, options_.patience_s, taken_, notice_.points);
+      if (options_.log && notice_.points > 0)
+        options_.log->progress(notice_.name, static_cast<double>(taken_) / static_cast<double>(notice_.points));
+    }
+    if (options_.log) options_.log->endProgress();
+    if (sharing::checksumOf(joined_.cloud) != notice_.checksum)
+      throw NetworkError("'{}' of {}: the points that came are not those that were announced", notice_.name, notice_.host);
+    return std::move(joined_);
+  }
+
+ private:
+  // Keeps the window full; what was asked for and has not come in time is asked for again.
+  void ask() {
+    const std::uint64_t end = std::min(blocks_, complete_ + kWindow);
+    const bool again = lastAsked_.elapsed_s() > kAskAgain_s && lastCame_.elapsed_s() > kAskAgain_s;
+    const std::uint64_t begin = again ? complete_ : asked_;
+    // A quarter of the window at a time: a request costs as much as a block.
+    if (end <= begin || (!again && end - begin < kWindow / 4 && end != blocks_)) return;
+    Request request{};
+    set(request.session, notice_.session);
+    set(request.client, client_);
+    put(request.host, host_);
+    request.first = static_cast<std::uint32_t>(begin);
+    request.count = static_cast<std::uint32_t>(end - begin);
+    if (requests_.write(request)) asked_ = std::max(asked_, end);
+    lastAsked_ = {};
+    came_.resize(static_cast<std::size_t>(end), 0);
+    const std::size_t points = static_cast<std::size_t>(std::min(notice_.points, end * kBlockPoints));
+    if (joined_.cloud.positions.size() >= points) return;
+    joined_.cloud.positions.resize(points);
+    joined_.cloud.normals.resize(points);
+    if (notice_.colored) joined_.cloud.colors.resize(points);
+  }
+
+  void take(const Block& block) {
+    if (!isSame(block.session, notice_.session) || block.number >= came_.size() || came_[block.number]) return;
+    const std::uint32_t count = pointsIn(block.number, notice_.points);
+    if (block.points._length != count)
+      throw NetworkError("'{}' of {}: block {} has {} points in place of {}", notice_.name, notice_.host, block.number,
+                         block.points._length, count);
+    PointCloud& cloud = joined_.cloud;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Point& point = block.points._buffer[i];
+      const std::size_t at = std::size_t{block.number} * kBlockPoints + i;
+      cloud.positions[at] = Vec3(point.position[0], point.position[1], point.position[2]);
+      cloud.normals[at] = Vec3(point.normal[0], point.normal[1], point.normal[2]);
+      if (notice_.colored)
+        for (unsigned k = 0; k < 4; ++k) cloud.colors[at][k] = static_cast<std::uint8_t>(point.color >> (8 * k));
+      constexpr double kLongest = 1.01;  // of a unit normal
+      if (!isFinite(DVec3(cloud.positions[at])) || !(glm::length(cloud.normals[at]) < kLongest))
+        throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host, at);
+    }
+    came_[block.number] = 1;
+    taken_ += count;
+    while (complete_ < came_.size() && came_[complete_]) ++complete_;
+  }
+
+  const SessionNotice& notice_;
+  const JoinOptions& options_;
+  Id client_ = freshId();
+  std::string host_ = ownHost();
+  Writer<Request> requests_;
+  Reader<Block> reader_;
+  ReaderWait wait_;
+  JoinedCloud joined_;
+  std::uint64_t blocks_;                  // in all
+  std::uint64_t asked_ = 0, complete_ = 0;  // all before this one
+  std::uint64_t taken_ = 0;               // points
+  std::vector<std::uint8_t> came_;
+  Stopwatch lastAsked_, lastCame_;
+};
+
+SessionNotice find(const std::string& name, const Participant& participant, const Topics& topics, const JoinOptions& options) {
+  SessionNotices notices(participant, topics);
+  const Stopwatch since;
+  std::vector<SessionNotice> known;
+  do {
+    if (options.stop && *options.stop) throw NetworkError("interrupted while '{}' was looked for", name);
+    known = notices.listenFor(name, kLook_s);
+  } while (std::ranges::find(known, name, &SessionNotice::name) == known.end() && since.elapsed_s() < options.patience_s);
+  known = notices.listen(kSecondServer_s);
+  std::vector<SessionNotice> same;
+  std::string others;
+  for (SessionNotice& notice : known) {
+    if (notice.name == name)
+      same.push_back(std::move(notice));
+    else
+      others += (others.empty() ? "; there are '" : "', '") + notice.name;
+  }
+  if (same.empty())
+    throw NetworkError("nobody serves a session named '{}' on {}{}", printable(name.c_str()),
+                       options.network.interface.empty() ? "this machine (another network has to be named)"
+                                                         : "the network of " + options.network.interface,
+                       others.empty() ? others : others + "'");
+  if (same.size() > 1)
+    throw NetworkError("two sessions are named '{}', of {} and of {}; end one of them, or give it another name", name,
+                       same[0].host, same[1].host);
+  const SessionNotice& found = same.front();
+  if (found.version != kVersion)
+    throw NetworkError("'{}' of {} is served by another version of palpate ({}, and this is {}); install the same one on both",
+                       name, found.host, found.version, kVersion);
+  constexpr std::uint64_t kMostPoints = std::uint64_t{1} << 32;
+  constexpr double kLeastScale = 1e-12, kMostScale = 1e12;  // mm per unit
+  if (!isFinite(found.origin) || !(found.mm_per_unit >= kLeastScale && found.mm_per_unit <= kMostScale) ||
+      found.points > kMostPoints)
+    throw NetworkError("'{}' of {} announces what is no cloud", name, found.host);
+  return found;
+}
+
+}  // namespace
+
+JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
+  const Participant participant(options.network);
+  const Topics topics(participant);
+  const SessionNotice notice = find(name, participant, topics, options);
+  return Fetch(participant, topics, notice, options).run();
+}
+
+std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds) {
+  const Participant participant(network);
+  const Topics topics(participant);
+  SessionNotices notices(participant, topics);
+  const Writer<Ping> pings(participant, topics.pings, bestEffortQos());
+  const Reader<Ping> echoes(participant, topics.echoes, bestEffortQos());
+  ReaderWait wait(participant);
+  wait.attach(echoes);
+  const std::vector<SessionNotice> known = notices.listen(seconds / 2);
+  const Id client = freshId();
+  std::vector<SeenSession> seen;
+  constexpr std::uint32_t kPings = 50;
+  for (const SessionNotice& notice : known) {
+    SeenSession session{.name = notice.name, .host = notice.host, .model = notice.model, .points = notice.points,
+                        .version = notice.version, .fits = notice.version == kVersion};
+    std::vector<double> trips_us;
+    for (std::uint32_t number = 0; session.fits && number < kPings; ++number) {
+      Ping ping{};
+      set(ping.session, notice.session);
+      set(ping.client, client);
+      ping.number = number;
+      const Stopwatch since;
+      pings.write(ping);
+      ++session.pings;
+      const double patience_s = seconds / 2 / kPings / static_cast<double>(known.size());
+      bool came = false;
+      while (!came && since.elapsed_s() < patience_s) {
+        wait.sleep(std::max(1e-4, patience_s - since.elapsed_s()));
+        echoes.take([&](const Ping& echo) {
+          if (!isSame(echo.session, notice.session) || !isSame(echo.client, client)) return;
+          ++session.answered;
+          came = came || echo.number == number;
+          if (echo.number == number) trips_us.push_back(since.elapsed_us());
+        });
+      }
+    }
+    if (!trips_us.empty()) session.roundTrip_ms = summarize(trips_us).p50 * 1e-3;
+    seen.push_back(std::move(session));
+  }
+  return seen;
+}
+
+}  // namespace palpate

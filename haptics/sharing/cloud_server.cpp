@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <map>
+#include <vector>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/check.hpp"
+#include "engine/core/clock.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/session_notices.hpp"
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+constexpr std::size_t kLongestName = 200;
+constexpr std::size_t kMostClients = 64;   // at a time; one more takes the place of who has asked for nothing for longest
+constexpr double kLook_s = 0.05;           // how often an end that is asked for is seen
+constexpr double kOthers_s = 1;            // in which a session of the same name is found, if there is one
+
+void requireName(const std::string& name) {
+  if (name.empty() || name.size() > kLongestName || printable(name.c_str()) != name)
+    throw UsageError("name: '{}' is none for a session: 1 to {} bytes without control characters", printable(name.c_str()),
+                     kLongestName);
+}
+
+}  // namespace
+
+struct CloudServer::Link {
+  struct Client {
+    Writer<Block> blocks;  // in its partition
+    std::uint64_t lastAsked = 0;
+  };
+
+  Link(const PointCloud& served, Parts given)
+      : cloud(served),
+        parts(std::move(given)),
+        participant(parts.network),
+        topics(participant),
+        notices(participant, topics.notices, reliableQos(true)),
+        echoes(participant, topics.echoes, bestEffortQos()),
+        requests(participant, topics.requests, reliableQos(false)),
+        pings(participant, topics.pings, bestEffortQos()),
+        wait(participant) {
+    wait.attach(requests);
+    wait.attach(pings);
+  }
+
+  void announce() {
+    SessionNotices others(participant, topics);
+    const std::vector<SessionNotice> known = others.listen(kOthers_s);
+    for (const SessionNotice& other : known)
+      if (other.name == parts.name)
+        throw NetworkError("a session named '{}' is served already, by {}; give this one another name", parts.name, other.host);
+    Notice notice{};
+    set(notice.session, session);
+    notice.version = kVersion;
+    put(notice.name, parts.name);
+    put(notice.host, ownHost());
+    put(notice.model, printable(parts.model.c_str()));
+    notice.points = cloud.size();
+    for (int axis = 0; axis < 3; ++axis) notice.origin[axis] = cloud.origin[axis];
+    notice.mm_per_unit = parts.mm_per_unit;
+    notice.colored = cloud.hasColors();
+    notice.checksum = sharing::checksumOf(cloud);
+    notices.write(notice);
+  }
+
+  Client& clientOf(const Request& request) {
+    const Id id = idOf(request.client);
+    if (const auto there = clients.find(id); there != clients.end()) return there->second;
+    if (clients.size() >= kMostClients)
+      clients.erase(std::ranges::min_element(clients, {}, [](const auto& entry) { return entry.second.lastAsked; }));
+    ++counts.clients;
+    if (parts.log) parts.log->say("{}: {} takes the points", parts.name, printable(request.host));
+    Client client;
+    client.blocks = Writer<Block>(participant, topics.blocks, reliableQos(false, partitionOf(request.client)));
+    return clients.emplace(id, std::move(client)).first->second;
+  }
+
+  void answer(const Request& request) {
+    if (!isSame(request.session, session)) return;  // another server's
+    const std::uint64_t blocks = blocksOf(cloud.size());
+    if (request.count == 0 || request.count > kMostRequested || request.first >= blocks || request.count > blocks - request.first) {
+      ++counts.refused;
+      return;
+    }
+    Client& client = clientOf(request);
+    client.lastAsked = ++counts.requests;
+    // Where it does not keep up, it asks again for what it has not got.
+    for (std::uint32_t i = 0; i < request.count; ++i)
+      if (!writeBlock(client, request.first + i)) return;
+  }
+
+  bool writeBlock(const Client& client, std::uint32_t number) {
+    const std::uint32_t count = pointsIn(number, cloud.size());
+    points.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::size_t at = std::size_t{number} * kBlockPoints + i;
+      for (int axis = 0; axis < 3; ++axis) {
+        points[i].position[axis] = cloud.positions[at][axis];
+        points[i].normal[axis] = cloud.normals[at][axis];
+      }
+      points[i].color = packedColor(cloud, at);
+    }
+    Block block{};
+    set(block.session, session);
+    block.number = number;
+    block.points._buffer = points.data();
+    block.points._length = block.points._maximum = count;
+    counts.blocks += 1;
+    return client.blocks.write(block);
+  }
+
+  const PointCloud& cloud;
+  Parts parts;
+  Participant participant;
+  Topics topics;
+  Id session = freshId();
+  Writer<Notice> notices;
+  Writer<Ping> echoes;
+  Reader<Request> requests;
+  Reader<Ping> pings;
+  ReaderWait wait;
+  std::map<Id, Client> clients;
+  std::vector<Point> points;  // of the block that is written
+  ServedCounts counts;
+};
+
+CloudServer::CloudServer(const PointCloud& cloud, Parts parts) {
+  requireName(parts.name);
+  PALPATE_CHECK(cloud.hasNormals() || cloud.empty());
+  constexpr std::uint64_t kMostPoints = std::uint64_t{0xffffffff} * kBlockPoints;
+  PALPATE_CHECK_LT(cloud.size(), kMostPoints);
+  link_ = std::make_unique<Link>(cloud, std::move(parts));
+  link_->announce();
+}
+
+CloudServer::~CloudServer() = default;
+
+void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
+  const Stopwatch since;
+  while (!stop && !(seconds > 0 && since.elapsed_s() >= seconds)) {
+    link_->wait.sleep(kLook_s);
+    link_->pings.take([&](const Ping& ping) {
+      if (!isSame(ping.session, link_->session)) return;
+      link_->echoes.write(ping);
+      ++link_->counts.pings;
+    });
+    link_->requests.take([&](const Request& request) { link_->answer(request); });
+  }
+}
+
+ServedCounts CloudServer::counts() const { return link_->counts; }
+
+}  // namespace palpate

@@ -1,0 +1,147 @@
+// Cyclone DDS with names that end: what is made is deleted, what fails throws.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "haptics/sharing/network.hpp"
+
+namespace palpate::sharing {
+
+/// Throws NetworkError where `result` is one of DDS; otherwise gives it back.
+dds_return_t checked(dds_return_t result, const char* what);
+
+/// What there is of DDS while this lives.
+class Entity {
+ public:
+  Entity() = default;
+  Entity(dds_return_t made, const char* what) : handle_(checked(made, what)) {}
+  ~Entity() { reset(); }
+  Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
+  Entity& operator=(Entity&& other) noexcept {
+    if (this != &other) {
+      reset();
+      handle_ = std::exchange(other.handle_, 0);
+    }
+    return *this;
+  }
+  operator dds_entity_t() const { return handle_; }  // NOLINT: it is its handle wherever DDS wants one
+
+ private:
+  void reset() {
+    if (handle_ > 0) dds_delete(handle_);
+    handle_ = 0;
+  }
+  dds_entity_t handle_ = 0;
+};
+
+struct QosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
+
+/// Reliable, and kept for who comes later where `lasting`; in that partition, unless it is empty.
+Qos reliableQos(bool lasting, const std::string& partition = {});
+/// The newest alone, and it may be lost.
+Qos bestEffortQos();
+
+/// A participant of the network that is named. All participants of a process that are on one domain of DDS are on one network;
+/// throws UsageError where they are not.
+class Participant {
+ public:
+  explicit Participant(const NetworkConfig& network);
+  operator dds_entity_t() const { return participant_; }  // NOLINT: as above
+
+ private:
+  struct Domain;
+  std::shared_ptr<Domain> domain_;
+  Entity participant_;
+};
+
+/// Of samples of type T, which idlc describes.
+template <class T>
+class Topic {
+ public:
+  Topic(dds_entity_t participant, const dds_topic_descriptor_t& type, const std::string& name)
+      : topic_(dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr), "a topic") {}
+  operator dds_entity_t() const { return topic_; }  // NOLINT: as above
+
+ private:
+  Entity topic_;
+};
+
+template <class T>
+class Writer {
+ public:
+  Writer() = default;
+  Writer(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
+      : writer_(dds_create_writer(participant, topic, qos.get(), nullptr), "a writer") {}
+  /// False where the network has no room for it within the time that the writer waits.
+  bool write(const T& sample) const {
+    const dds_return_t result = dds_write(writer_, &sample);
+    if (result == DDS_RETCODE_TIMEOUT) return false;
+    checked(result, "a sample");
+    return true;
+  }
+  operator dds_entity_t() const { return writer_; }  // NOLINT: as above
+
+ private:
+  Entity writer_;
+};
+
+template <class T>
+class Reader {
+ public:
+  Reader() = default;
+  Reader(dds_entity_t participant, const Topic<T>& topic, const Qos& qos)
+      : reader_(dds_create_reader(participant, topic, qos.get(), nullptr), "a reader") {}
+  /// Takes what has come, sample by sample. Those that only say that an instance has ended are not seen.
+  template <class Visit>
+  std::size_t take(Visit&& visit) const {
+    std::size_t seen = 0;
+    while (true) {
+      constexpr std::uint32_t kAtOnce = 16;
+      void* samples[kAtOnce] = {};
+      dds_sample_info_t about[kAtOnce];
+      const auto count = checked(dds_take(reader_, samples, about, kAtOnce, kAtOnce), "what has come");
+      struct Loan {
+        ~Loan() {
+          if (count > 0) dds_return_loan(reader, samples, count);
+        }
+        dds_entity_t reader;
+        void** samples;
+        dds_return_t count;
+      } const loan{reader_, samples, count};
+      for (dds_return_t i = 0; i < count; ++i) {
+        if (!about[i].valid_data) continue;
+        visit(*static_cast<const T*>(samples[i]));
+        ++seen;
+      }
+      if (count < static_cast<dds_return_t>(kAtOnce)) return seen;
+    }
+  }
+  operator dds_entity_t() const { return reader_; }  // NOLINT: as above
+
+ private:
+  Entity reader_;
+};
+
+/// Sleeps until one of its readers has something.
+class ReaderWait {
+ public:
+  explicit ReaderWait(dds_entity_t participant) : wait_(dds_create_waitset(participant), "a waitset") {}
+  void attach(dds_entity_t reader);
+  void sleep(double most_s) const;
+
+ private:
+  Entity wait_;
+  std::vector<Entity> conditions_;
+};
+
+}  // namespace palpate::sharing

@@ -1,0 +1,58 @@
+#include "haptics/sharing/messages.hpp"
+
+#include <unistd.h>
+
+#include <random>
+
+#include "engine/core/checksum.hpp"
+
+namespace palpate::sharing {
+
+Topics::Topics(dds_entity_t participant)
+    : notices(participant, palpate_sharing_Notice_desc, "palpate/notice"),
+      requests(participant, palpate_sharing_Request_desc, fmt::format("palpate/{}/request", kVersion)),
+      blocks(participant, palpate_sharing_Block_desc, fmt::format("palpate/{}/block", kVersion)),
+      pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)),
+      echoes(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/echo", kVersion)) {}
+
+Id freshId() {
+  std::random_device device;
+  Id id;
+  for (std::uint8_t& byte : id) byte = static_cast<std::uint8_t>(device());
+  return id;
+}
+
+std::string partitionOf(const std::uint8_t (&id)[16]) {
+  std::string name;
+  for (const std::uint8_t byte : id) name += fmt::format("{:02x}", byte);
+  return name;
+}
+
+std::string ownHost() {
+  char name[200] = {};
+  if (gethostname(name, sizeof name - 1) != 0) return "an unnamed machine";
+  return printable(name);
+}
+
+std::string printable(const char* text) {
+  constexpr std::size_t kLongest = 200;
+  std::string shown;
+  if (text == nullptr) return shown;
+  for (; *text != '\0' && shown.size() < kLongest; ++text) {
+    const auto character = static_cast<unsigned char>(*text);
+    shown += character < 0x20 || character == 0x7f ? '?' : static_cast<char>(character);
+  }
+  return shown;
+}
+
+std::uint64_t checksumOf(const PointCloud& cloud) {
+  Checksum sum;
+  for (int axis = 0; axis < 3; ++axis) sum.addValue(cloud.origin[axis]);
+  sum.addValue(std::uint64_t{cloud.size()});
+  sum.add(std::as_bytes(std::span(cloud.positions)));
+  sum.add(std::as_bytes(std::span(cloud.normals)));
+  sum.add(std::as_bytes(std::span(cloud.colors)));
+  return sum.value();
+}
+
+}  // namespace palpate::sharing

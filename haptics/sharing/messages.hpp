@@ -1,0 +1,68 @@
+// The topics of this version, and what is in their samples.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "engine/cloud/point_cloud.hpp"
+#include "haptics/sharing/dds.hpp"
+#include "haptics/sharing/sharing.h"
+
+namespace palpate::sharing {
+
+using Notice = palpate_sharing_Notice;
+using Request = palpate_sharing_Request;
+using Point = palpate_sharing_Point;
+using Block = palpate_sharing_Block;
+using Ping = palpate_sharing_Ping;
+using Id = std::array<std::uint8_t, 16>;
+
+/// Of what is said on the network. Who changes a type raises it.
+inline constexpr std::uint32_t kVersion = 1;
+/// Points of a block: below the 64 KiB of a datagram.
+inline constexpr std::uint32_t kBlockPoints = 1500;
+inline constexpr std::uint32_t kMostRequested = 256;  // blocks at a time
+
+/// All that a session's sides speak by.
+struct Topics {
+  explicit Topics(dds_entity_t participant);
+  Topic<Notice> notices;
+  Topic<Request> requests;
+  Topic<Block> blocks;
+  Topic<Ping> pings, echoes;
+};
+
+/// One that no other has.
+Id freshId();
+/// The partition of who has it.
+std::string partitionOf(const std::uint8_t (&id)[16]);
+inline void set(std::uint8_t (&to)[16], const Id& id) { std::memcpy(to, id.data(), id.size()); }
+inline bool isSame(const std::uint8_t (&a)[16], const Id& b) { return std::memcmp(a, b.data(), b.size()) == 0; }
+inline Id idOf(const std::uint8_t (&id)[16]) { return std::to_array(id); }
+
+/// What a machine calls itself.
+std::string ownHost();
+
+/// As much of it as there is room for.
+template <std::size_t room>
+void put(char (&to)[room], std::string_view text) {
+  const std::size_t length = std::min(text.size(), room - 1);
+  std::memcpy(to, text.data(), length);
+  to[length] = '\0';
+}
+
+/// Up to 200 characters that a terminal shows as they are: what others say stands in messages and tables.
+std::string printable(const char* text);
+
+inline std::uint64_t blocksOf(std::uint64_t points) { return (points + kBlockPoints - 1) / kBlockPoints; }
+inline std::uint32_t pointsIn(std::uint64_t block, std::uint64_t points) {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(kBlockPoints, points - block * kBlockPoints));
+}
+
+/// Of the origin and of all that is sent of the points.
+std::uint64_t checksumOf(const PointCloud& cloud);
+
+}  // namespace palpate::sharing

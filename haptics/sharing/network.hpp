@@ -1,0 +1,48 @@
+// Which network a session is shared on, and what there is on it. Nothing of DDS is seen here.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/error.hpp"
+
+namespace palpate {
+
+/// What went wrong with those on the other side, or with the network: exit code 1.
+class NetworkError : public Error {
+ public:
+  using Error::Error;
+};
+
+struct NetworkConfig {
+  /// Of the machine, as `ip link` names it, or its address; empty: nobody but this machine.
+  std::string interface;
+  /// Addresses of machines that are asked by name, where the network carries no multicast.
+  std::vector<std::string> peers;
+  std::uint32_t domain = 0;  ///< of DDS; ROS has the same ones
+
+  bool operator==(const NetworkConfig&) const = default;
+};
+
+/// False where palpate was built without DDS: everything here throws NetworkError then.
+bool canShare();
+
+/// What is open to whom on such a network, in a sentence.
+std::string opennessOf(const NetworkConfig& network);
+
+/// A session that somebody serves.
+struct SeenSession {
+  std::string name, host, model;
+  std::uint64_t points = 0;
+  std::uint32_t version = 0;  ///< of what is said on the network
+  bool fits = true;           ///< it is this palpate's version
+  std::uint32_t pings = 0, answered = 0;
+  std::optional<double> roundTrip_ms;  ///< the median, where any was answered
+};
+
+/// Listens for `seconds`, and pings whom it has found. Throws NetworkError, UsageError.
+std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds);
+
+}  // namespace palpate

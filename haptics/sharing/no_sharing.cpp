@@ -1,0 +1,25 @@
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+namespace {
+
+[[noreturn]] void refuse() {
+  throw NetworkError("this palpate was built without DDS, and shares nothing; install cyclonedds-dev and build it again");
+}
+
+}  // namespace
+
+bool canShare() { return false; }
+std::string opennessOf(const NetworkConfig&) { refuse(); }
+std::vector<SeenSession> surveyNetwork(const NetworkConfig&, double) { refuse(); }
+
+struct CloudServer::Link {};
+CloudServer::CloudServer(const PointCloud&, Parts) { refuse(); }
+CloudServer::~CloudServer() = default;
+void CloudServer::serve(const std::atomic<bool>&, double) { refuse(); }
+ServedCounts CloudServer::counts() const { refuse(); }
+
+JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
+
+}  // namespace palpate

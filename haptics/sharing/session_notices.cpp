@@ -1,0 +1,54 @@
+#include "haptics/sharing/session_notices.hpp"
+
+#include <algorithm>
+
+#include "engine/core/clock.hpp"
+
+namespace palpate::sharing {
+
+SessionNotices::SessionNotices(dds_entity_t participant, const Topics& topics)
+    : reader_(participant, topics.notices, reliableQos(true)), wait_(participant) {
+  wait_.attach(reader_);
+}
+
+void SessionNotices::take() {
+  reader_.take([&](const Notice& notice) {
+    SessionNotice known{.session = idOf(notice.session),
+                        .version = notice.version,
+                        .name = printable(notice.name),
+                        .host = printable(notice.host),
+                        .model = printable(notice.model),
+                        .points = notice.points,
+                        .origin = DVec3(notice.origin[0], notice.origin[1], notice.origin[2]),
+                        .mm_per_unit = notice.mm_per_unit,
+                        .colored = notice.colored,
+                        .checksum = notice.checksum};
+    constexpr std::size_t kMostKnown = 1000;  // whoever floods the network is not listened to any more
+    const auto same = std::ranges::find(known_, known.session, &SessionNotice::session);
+    if (same != known_.end())
+      *same = std::move(known);
+    else if (known_.size() < kMostKnown)
+      known_.push_back(std::move(known));
+  });
+}
+
+std::vector<SessionNotice> SessionNotices::listen(double seconds) {
+  const Stopwatch since;
+  for (double left = seconds; left > 0; left = seconds - since.elapsed_s()) {
+    wait_.sleep(left);
+    take();
+  }
+  return known_;
+}
+
+std::vector<SessionNotice> SessionNotices::listenFor(const std::string& name, double seconds) {
+  const Stopwatch since;
+  for (double left = seconds; left > 0; left = seconds - since.elapsed_s()) {
+    wait_.sleep(std::min(left, 0.05));
+    take();
+    if (std::ranges::find(known_, name, &SessionNotice::name) != known_.end()) break;
+  }
+  return known_;
+}
+
+}  // namespace palpate::sharing

@@ -1,0 +1,39 @@
+// Which sessions are served on a network.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "haptics/sharing/messages.hpp"
+
+namespace palpate::sharing {
+
+/// A Notice whose words and numbers have been looked at.
+struct SessionNotice {
+  Id session{};
+  std::uint32_t version = 0;
+  std::string name, host, model;
+  std::uint64_t points = 0;
+  DVec3 origin{0};
+  double mm_per_unit = 0;
+  bool colored = false;
+  std::uint64_t checksum = 0;
+};
+
+class SessionNotices {
+ public:
+  SessionNotices(dds_entity_t participant, const Topics& topics);
+  /// All that are known once `seconds` have passed.
+  std::vector<SessionNotice> listen(double seconds);
+  /// The same, or sooner: once one of that name is there.
+  std::vector<SessionNotice> listenFor(const std::string& name, double seconds);
+
+ private:
+  void take();
+
+  Reader<Notice> reader_;
+  ReaderWait wait_;
+  std::vector<SessionNotice> known_;
+};
+
+}  // namespace palpate::sharing

@@ -1,0 +1,96 @@
+// A model that one program serves and others join, as a user meets it. Not where palpate was built without DDS.
+#include "tests/apps/running_program.hpp"
+
+namespace palpate {
+
+namespace {
+
+// A domain that no other test is on at the same time.
+std::string domain() { return " --domain " + std::to_string(20 + ::getpid() % 80); }
+
+bool isBuilt() {
+  if (palpate("doctor --network" + domain()).code == 0) return true;
+  MESSAGE("skipped: this palpate was built without DDS");
+  return false;
+}
+
+class Serving {
+ public:
+  Serving(const std::string& arguments, const std::filesystem::path& said)
+      : program("serve " + arguments + domain(), said) {
+    REQUIRE_MESSAGE(program.waitFor([&] { return contentOf(said).find("serving") != std::string::npos; }), contentOf(said));
+  }
+  RunningProgram program;
+};
+
+}  // namespace
+
+TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded, and run again beside the file") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const std::string model = (folder / "far.ply").string(), at = (folder / "r.json").string();
+  works("make sculpture -n 20000 --center 450000,-300000,1000 -o " + model);
+  Serving serving(model + " --name 'the city' --mm-per-unit 2 --json " + at, folder / "said");
+  for (const std::string backend : {"cpu", "vulkan"}) {
+    CAPTURE(backend);
+    const std::string own = (folder / "own.csv").string(), joined = (folder / "joined.csv").string();
+    const std::string options = " --backend " + backend + " --duration 0.3 --trace ";
+    works("touch " + model + " --mm-per-unit 2" + options + own);
+    works("touch --join 'the city'" + domain() + options + joined + " --log " + (folder / "log").string());
+    CHECK(contentOf(joined) == contentOf(own));
+    CHECK(contentOf(own).size() > 10'000);
+    const Outcome alone = palpate("replay " + (folder / "log").string());
+    CHECK(alone.code == 1);
+    CHECK(alone.text.find("served by another program") != std::string::npos);
+    works("replay " + (folder / "log").string() + " --model " + model);
+  }
+  works("render --join 'the city'" + domain() + " -o " + (folder / "p.png").string());
+  CHECK(contentOf(folder / "p.png").substr(1, 3) == "PNG");
+  const Outcome listed = palpate("doctor --network" + domain());
+  CHECK(listed.text.find("the city: 20000 points of far.ply") != std::string::npos);
+  const Outcome second = palpate("serve " + model + " --name 'the city'" + domain());
+  CHECK(second.code == 1);
+  CHECK(second.text.find("served already") != std::string::npos);
+  CHECK(serving.program.wait(SIGINT) == 0);
+  const Result report = jsonOf(at);
+  CHECK(report["clients"] == 3);
+  CHECK(report["refused"] == 0);
+  // It is gone at once for who comes later.
+  CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
+}
+
+TEST_CASE("what joins and cannot be served says so, and so do options that do not go together") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto refuses = [](const std::string& arguments, const std::string& words) {
+    const Outcome outcome = palpate(arguments);
+    CAPTURE(outcome.text);
+    CHECK(outcome.code == 2);
+    CHECK(outcome.text.find(words) != std::string::npos);
+  };
+  refuses("touch a.ply --join city", "is the model");
+  refuses("touch --join city --edit push", "cannot be sculpted yet");
+  refuses("touch --join city --motion oscillate", "stands as it is served");
+  refuses("touch --join city --speed 2", "is no recorded depth camera");
+  refuses("touch --join city --normals estimate", "comes with its normals");
+  refuses("touch a.ply --interface lo", "are for --join");
+  refuses("touch --join city --domain 231", "231");
+  refuses("touch --join city --interface 'x y'", "neither the name of an interface");
+  refuses("doctor --domain 3", "are for --network");
+  refuses("render -o " + (folder / "p.png").string(), "a session with --join");
+  const std::string model = (folder / "s.ply").string();
+  works("make sphere -n 1000 -o " + model);
+  refuses("serve " + model + " --name ''", "is none for a session");
+  refuses("serve " + model, "--name");
+  CHECK(palpate("serve " + (folder / "none.ply").string() + " --name a").code == 1);
+  CHECK(palpate("doctor --network --interface nowhere0").text.find("nowhere0") != std::string::npos);
+  // Killed, it serves nobody any more; its name is free.
+  {
+    Serving killed(model + " --name short", folder / "said");
+    CHECK(killed.program.wait(SIGKILL) != 0);
+  }
+  Serving again(model + " --name short", folder / "said2");
+  works("touch --join short" + domain() + " --backend cpu --duration 0.05");
+}
+
+}  // namespace palpate

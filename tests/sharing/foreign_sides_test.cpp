@@ -1,0 +1,167 @@
+// Servers and clients that are none of ours: what they say is refused in words, and nothing grows or ends because of it.
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <limits>
+
+#include "engine/cloud/edited_cloud.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+using namespace sharing;
+
+namespace {
+
+/// Announces what it is told to, and answers the first requests with the blocks that it is told to.
+class ForeignServer {
+ public:
+  explicit ForeignServer(const std::string& name, std::uint64_t points = 3000)
+      : participant_(ownNetwork()),
+        topics_(participant_),
+        notices_(participant_, topics_.notices, reliableQos(true)),
+        requests_(participant_, topics_.requests, reliableQos(false)) {
+    set(notice.session, session);
+    notice.version = kVersion;
+    put(notice.name, name);
+    put(notice.host, "a foreign machine");
+    notice.points = points;
+    notice.mm_per_unit = 1;
+  }
+  void announce() { notices_.write(notice); }
+
+  /// Joins its own session, and answers it block by block; what joinCloud() said.
+  std::string joined(const std::function<void(Block&, std::vector<Point>&)>& spoil, std::uint32_t most = 1000) {
+    announce();
+    std::string said;
+    std::atomic<bool> ended = false;
+    std::jthread client([&] {
+      try {
+        joinCloud(notice.name, {.network = ownNetwork(), .patience_s = 1});
+      } catch (const NetworkError& error) {
+        said = error.what();
+      }
+      ended = true;
+    });
+    std::uint32_t given = 0;
+    std::optional<Writer<Block>> blocks;
+    while (!ended) {
+      requests_.take([&](const Request& request) {
+        CHECK(request.count <= kMostRequested);
+        if (!blocks) blocks.emplace(participant_, topics_.blocks, reliableQos(false, partitionOf(request.client)));
+        for (std::uint32_t i = 0; i < request.count && given < most; ++i, ++given) {
+          std::vector<Point> points(pointsIn(request.first + i, notice.points), Point{.position = {1, 2, 3}, .normal = {0, 0, 1}});
+          Block block{};
+          set(block.session, session);
+          block.number = request.first + i;
+          spoil(block, points);
+          block.points._buffer = points.data();
+          block.points._length = block.points._maximum = static_cast<std::uint32_t>(points.size());
+          blocks->write(block);
+        }
+      });
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return said;
+  }
+
+  Notice notice{};
+  const Id session = freshId();
+
+ private:
+  Participant participant_;
+  Topics topics_;
+  Writer<Notice> notices_;
+  Reader<Request> requests_;
+};
+
+void leave(Block&, std::vector<Point>&) {}
+
+bool has(const std::string& text, const std::string& words) {
+  CAPTURE(text);
+  CHECK(text.find(words) != std::string::npos);
+  return text.find(words) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("another version is named, and so are numbers that are no cloud's") {
+  ForeignServer newer("newer");
+  newer.notice.version = kVersion + 1;
+  CHECK(has(newer.joined(leave), "another version"));
+  ForeignServer unscaled("unscaled");
+  unscaled.notice.mm_per_unit = std::numeric_limits<double>::quiet_NaN();
+  CHECK(has(unscaled.joined(leave), "no cloud"));
+  ForeignServer nowhere("nowhere");
+  nowhere.notice.origin[1] = std::numeric_limits<double>::infinity();
+  CHECK(has(nowhere.joined(leave), "no cloud"));
+  ForeignServer endless("endless", std::uint64_t{1} << 62);
+  CHECK(has(endless.joined(leave), "no cloud"));
+}
+
+TEST_CASE("points that are none, too few or too many, and others than were announced, are refused") {
+  CHECK(has(ForeignServer("short").joined([](Block&, std::vector<Point>& points) { points.pop_back(); }), "1499 points in place of 1500"));
+  CHECK(has(ForeignServer("long").joined([](Block&, std::vector<Point>& points) { points.resize(2048); }), "2048 points in place of"));
+  CHECK(has(ForeignServer("holes").joined([](Block&, std::vector<Point>& points) {
+    points[7].position[2] = std::numeric_limits<float>::quiet_NaN();
+  }), "it has no place"));
+  CHECK(has(ForeignServer("spikes").joined([](Block&, std::vector<Point>& points) { points[0].normal[0] = 1e20f; }), "no normal"));
+  CHECK(has(ForeignServer("others").joined(leave), "not those that were announced"));
+  // Blocks of other sessions and beyond the end are nobody's.
+  CHECK(has(ForeignServer("strange").joined([](Block& block, std::vector<Point>&) { block.number += 1'000'000; }), "nothing has come"));
+  CHECK(has(ForeignServer("mixed").joined([](Block& block, std::vector<Point>&) { block.session[3] ^= 1; }), "nothing has come"));
+}
+
+TEST_CASE("who announces billions of points takes the memory of those alone that come") {
+  ForeignServer boaster("boaster", std::uint64_t{3} << 30);
+  CHECK(has(boaster.joined(leave, 70), "of 3221225472 points"));
+}
+
+TEST_CASE("a server that ends in the middle is said, with how far it came") {
+  CHECK(has(ForeignServer("halting", 90'000).joined(leave, 5), "after 7500 of 90000 points"));
+}
+
+TEST_CASE("what stands in names goes to no terminal as it is") {
+  ForeignServer server("bell\x07 \x1b[31m");
+  CHECK(has(server.joined(leave), "bell? ?[31m"));
+}
+
+TEST_CASE("requests that no client of ours makes are counted, and the server goes on") {
+  PointCloud cloud;
+  cloud.positions.assign(5000, Vec3(1, 2, 3));
+  cloud.normals.assign(5000, Vec3(0, 0, 1));
+  Served served(cloud, "steady");
+  {
+    const Participant participant(ownNetwork());
+    const Topics topics(participant);
+    const Writer<Request> requests(participant, topics.requests, reliableQos(false));
+    const Reader<Notice> notices(participant, topics.notices, reliableQos(true));
+    std::optional<Notice> notice;
+    while (!notice) notices.take([&](const Notice& one) { notice = one; });
+    while (true) {
+      dds_publication_matched_status_t status{};
+      dds_get_publication_matched_status(requests, &status);
+      if (status.current_count > 0) break;
+    }
+    for (const auto& [first, count] : std::vector<std::array<std::uint32_t, 2>>{
+             {0, 0}, {0, 257}, {4, 1}, {0, 5}, {0xffffffff, 1}, {1, 0xffffffff}, {0xffffffff, 0xffffffff}}) {
+      Request request{};
+      std::memcpy(request.session, notice->session, sizeof request.session);
+      request.first = first;
+      request.count = count;
+      requests.write(request);
+    }
+    Request foreign{};
+    foreign.count = 1;
+    requests.write(foreign);  // of another session
+    dds_wait_for_acks(requests, DDS_SECS(2));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  CHECK(joinCloud("steady", {.network = ownNetwork()}).cloud.positions == cloud.positions);
+  const ServedCounts counts = served.end();
+  CHECK(counts.refused == 7);
+  CHECK(counts.clients == 1);
+}
+
+}  // namespace palpate

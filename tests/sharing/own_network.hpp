@@ -1,0 +1,37 @@
+// A network that no other test program is on, and sessions that are served there for a test's time.
+#pragma once
+
+#include <unistd.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+
+#include "haptics/sharing/shared_cloud.hpp"
+
+namespace palpate {
+
+inline NetworkConfig ownNetwork() { return {.domain = 100 + static_cast<std::uint32_t>(getpid()) % 100}; }
+
+class Served {
+ public:
+  Served(const PointCloud& cloud, const std::string& name)
+      : server_(cloud, {.network = ownNetwork(), .name = name, .model = "a test's cloud", .mm_per_unit = 2.5}),
+        thread_([this] { server_.serve(stop_); }) {}
+  ~Served() { end(); }
+  Served(const Served&) = delete;
+  Served& operator=(const Served&) = delete;
+
+  ServedCounts end() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    return server_.counts();
+  }
+
+ private:
+  std::atomic<bool> stop_ = false;
+  CloudServer server_;
+  std::jthread thread_;
+};
+
+}  // namespace palpate

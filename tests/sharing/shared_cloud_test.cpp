@@ -1,0 +1,116 @@
+// A cloud that is served and joined within this machine: its bits, its counts, and what hostile or foreign sides do to it.
+#include "haptics/sharing/shared_cloud.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "tests/sharing/own_network.hpp"
+
+namespace palpate {
+
+namespace {
+
+PointCloud cloudOf(std::size_t points, bool colored = false, const DVec3& origin = DVec3(0)) {
+  PointCloud cloud;
+  cloud.origin = origin;
+  for (std::size_t i = 0; i < points; ++i) {
+    const double t = static_cast<double>(i) * 0.7;
+    cloud.positions.emplace_back(std::sin(t) * 40, std::cos(t) * 40, 0.001 * static_cast<double>(i));
+    cloud.normals.push_back(glm::normalize(Vec3(std::sin(t), std::cos(t), 0)));
+    if (colored) cloud.colors.push_back({std::uint8_t(i), std::uint8_t(i >> 8), 3, std::uint8_t(255 - i % 7)});
+  }
+  return cloud;
+}
+
+void checkSame(const PointCloud& is, const PointCloud& expected) {
+  CHECK(is.origin == expected.origin);
+  CHECK(is.positions == expected.positions);
+  CHECK(is.normals == expected.normals);
+  CHECK(is.colors == expected.colors);
+}
+
+bool says(const std::function<void()>& what, const std::string& words) {
+  try {
+    what();
+  } catch (const Error& error) {
+    INFO(error.what());
+    const bool said = std::string(error.what()).find(words) != std::string::npos;
+    CHECK(said);
+    return said;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("clouds of awkward sizes come bit for bit, with their colours and far from zero") {
+  for (const std::size_t points : {0u, 1u, 1499u, 1500u, 1501u, 60'001u}) {
+    CAPTURE(points);
+    const PointCloud cloud = cloudOf(points, points % 2 == 1, points > 1500 ? DVec3(4.5e6, -3e5, 1e3) : DVec3(0));
+    Served served(cloud, "awkward");
+    const JoinedCloud joined = joinCloud("awkward", {.network = ownNetwork()});
+    checkSame(joined.cloud, cloud);
+    CHECK(joined.mm_per_unit == 2.5);
+    CHECK(joined.model == "a test's cloud");
+  }
+}
+
+TEST_CASE("several join at once, each gets all, and nobody more than what was asked for") {
+  const PointCloud cloud = cloudOf(40'000);
+  Served served(cloud, "shared");
+  std::vector<std::jthread> clients;
+  std::array<JoinedCloud, 4> joined;
+  for (JoinedCloud& one : joined) clients.emplace_back([&one] { one = joinCloud("shared", {.network = ownNetwork()}); });
+  clients.clear();
+  for (const JoinedCloud& one : joined) checkSame(one.cloud, cloud);
+  const ServedCounts counts = served.end();
+  CHECK(counts.clients == 4);
+  CHECK(counts.refused == 0);
+  CHECK(counts.blocks >= 4 * 27);
+}
+
+TEST_CASE("of one name there is one session; a name that is not there is said with those that are") {
+  const PointCloud cloud = cloudOf(10);
+  Served served(cloud, "city"), other(cloud, "another");
+  CHECK(says([&] { Served second(cloud, "city"); }, "give this one another name"));
+  CHECK(says([] { joinCloud("town", {.network = ownNetwork(), .patience_s = 0.5}); }, "'city'"));
+  CHECK(says([&] { Served bad(cloud, ""); }, "is none for a session"));
+  CHECK(says([&] { Served bad(cloud, "a\nb"); }, "is none for a session"));
+  CHECK(says([&] { Served bad(cloud, std::string(201, 'x')); }, "is none for a session"));
+}
+
+TEST_CASE("the sessions of a network are listed, and answer pings") {
+  const PointCloud cloud = cloudOf(1234);
+  Served served(cloud, "listed");
+  const auto seen = surveyNetwork(ownNetwork(), 2);
+  REQUIRE(seen.size() == 1);
+  CHECK(seen[0].name == "listed");
+  CHECK(seen[0].points == 1234);
+  CHECK(seen[0].fits);
+  CHECK(seen[0].pings == 50);
+  CHECK(seen[0].answered > 25);
+  REQUIRE(seen[0].roundTrip_ms);
+  CHECK(*seen[0].roundTrip_ms > 0);
+}
+
+TEST_CASE("networks that cannot be are refused by name") {
+  CHECK(says([] { surveyNetwork({.interface = "nowhere0", .domain = 201}, 0.1); }, "nowhere0"));
+  CHECK(says([] { surveyNetwork({.interface = "a\"/><x"}, 0.1); }, "neither the name of an interface"));
+  CHECK(says([] { surveyNetwork({.peers = {"<x>"}}, 0.1); }, "neither the name of an interface"));
+  CHECK(says([] { surveyNetwork({.domain = 1000}, 0.1); }, "there are 0 to"));
+  CHECK(opennessOf({}).find("this machine alone") != std::string::npos);
+  CHECK(opennessOf({.interface = "eth0"}).find("nothing is encrypted") != std::string::npos);
+}
+
+TEST_CASE("what is joined can be broken off") {
+  std::atomic<bool> stop = false;
+  std::jthread later([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stop = true;
+  });
+  CHECK(says([&] { joinCloud("never", {.network = ownNetwork(), .patience_s = 60, .stop = &stop}); }, "interrupted"));
+}
+
+}  // namespace palpate
