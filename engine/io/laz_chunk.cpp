@@ -26,7 +26,7 @@ class LazChunkDecoder::Rows {
  public:
   virtual ~Rows() = default;
   virtual void read(std::byte* rows, std::size_t count) = 0;
-  /// The same of this chunk and another one of its file, side by side.
+  /// The same of this chunk and another one of its file.
   virtual void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) = 0;
   virtual bool isWrong() const = 0;
   virtual std::size_t left() const = 0;
@@ -105,11 +105,8 @@ class LazChunkDecoder::Layered final : public Rows {
     for (std::size_t k = 0; k < count; ++k) row_.code(rows + k * rowBytes_);
   }
   void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) override {
-    auto& second = static_cast<Layered&>(other);
-    for (std::size_t k = 0; k < count; ++k) {
-      row_.code(rows + k * rowBytes_);
-      second.row_.code(others + k * rowBytes_);
-    }
+    read(rows, count);
+    other.read(others, count);
   }
   bool isWrong() const override {
     return std::ranges::any_of(layers_, [](const auto& layer) { return layer.changes && layer.coder.isWrong(); });

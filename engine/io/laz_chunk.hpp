@@ -18,8 +18,8 @@ class LazChunkDecoder {
 
   /// The next `count` rows. Throws FileError where there are none: the bytes have come to their end.
   void read(std::byte* rows, std::size_t count);
-  /// The next `count` rows of each of two chunks of one file, which takes less time than one chunk after the other.
-  /// Throws FileError as read().
+  /// The next `count` rows of each of two chunks of one file, which takes less time than one chunk after the other
+  /// where points are coded in one stream. Layers keep a processor busy by themselves. Throws FileError as read().
   static void readBoth(LazChunkDecoder& a, std::byte* rowsOfA, LazChunkDecoder& b, std::byte* rowsOfB,
                        std::size_t count);
   /// Bytes that were not needed: none after the last point of a chunk as encoders make it.

@@ -110,8 +110,9 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
                  columns);
         odd += (first.left() > 0 ? 1 : 0) + (second.left() > 0 ? 1 : 0);
       };
-      // Two at a time, if that leaves no thread without one.
-      const std::size_t together = bases.size() > threadCount(columns.threads()) ? 2 : 1;
+      // Two at a time where that is faster, if it leaves no thread without one.
+      const bool sideBySide = !layout.layered && bases.size() > threadCount(columns.threads());
+      const std::size_t together = sideBySide ? 2 : 1;
       parallelBlocks(bases.size(), together, columns.threads(), [&](std::size_t begin, std::size_t end) {
         if (end - begin == 1) return unpack(begin);
         try {

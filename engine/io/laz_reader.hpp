@@ -1,4 +1,4 @@
-// Unpacks the points of LAZ, two chunks a thread, or one where there are few.
+// Unpacks the points of LAZ: a chunk a thread, or two side by side.
 #pragma once
 
 #include <functional>
