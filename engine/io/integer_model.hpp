@@ -11,17 +11,64 @@ namespace palpate {
 class IntegerModel {
  public:
   /// Numbers of 16 or of 32 bits, in so many contexts of which each has its own counts of bits.
-  IntegerModel(unsigned bits, unsigned contexts) : bits_(bits), lengths_(contexts), uppers_(bits + 1) {}
+  IntegerModel(unsigned bits, unsigned contexts)
+      : bits_(bits),
+        mask_(static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1)),
+        lengths_(contexts),
+        uppers_(bits + 1) {}
 
-  /// Numbers of 32 bits wrap around; those of 16 come out of the decoder as 0 to 65535.
+  /// A number that is being coded, step by step: of an encoder, all of it from the first one on.
+  struct Number {
+    std::int32_t expected = 0;
+    unsigned length = 0;
+    std::uint32_t place = 0;  // among all numbers of this length
+  };
+
+  // The steps of a number, in their order. Between them those of other streams may be taken.
+  template <class Coder>
+  [[gnu::always_inline]] void codeLength(Coder& coder, Number& number, std::int32_t expected, std::int32_t value,
+                                         unsigned context) {
+    number.expected = expected;
+    if constexpr (Coder::kEncodes) setPlace(number, difference(value, expected));
+    number.length = coder.symbol(made(lengths_[context], bits_ + 1), number.length);
+    lastLength_ = number.length;
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeUpper(Coder& coder, Number& number) {
+    if (number.length - 1 < 31) [[likely]] {
+      const unsigned upper = number.length < kUpperBits ? number.length : kUpperBits;
+      const std::uint32_t top =
+          coder.symbol(made(uppers_[number.length], 1u << upper), number.place >> (number.length - upper));
+      if constexpr (!Coder::kEncodes) number.place = top;
+    } else if (number.length == 0) {
+      number.place = coder.bit(zeroOrOne_, number.place == 0) ? 0 : 0u - 1u;
+    } else {
+      number.place = kLeast;
+    }
+  }
+  /// The number. Of 32 bits it wraps around; of 16 it comes out of the decoder as 0 to 65535.
+  template <class Coder>
+  [[gnu::always_inline]] std::int32_t codeLower(Coder& coder, Number& number) {
+    if (number.length > kUpperBits && number.length < 32) {
+      const unsigned lower = number.length - kUpperBits;
+      const std::uint32_t rest = coder.bits(lower, number.place & ((1u << lower) - 1));
+      if constexpr (!Coder::kEncodes) number.place = number.place << lower | rest;
+    }
+    // Without a branch: the sign nobody could foresee.
+    const std::uint64_t all = std::uint64_t{1} << number.length;
+    const std::uint64_t negative = number.place < static_cast<std::uint32_t>(all / 2) ? 1 : 0;
+    const std::uint32_t sum = static_cast<std::uint32_t>(number.expected) + number.place + 1 -
+                              static_cast<std::uint32_t>(negative << number.length);
+    return static_cast<std::int32_t>(sum & mask_);
+  }
+
+  /// All steps at once.
   template <class Coder>
   std::int32_t code(Coder& coder, std::int32_t expected, std::int32_t value, unsigned context) {
-    std::int32_t off = 0;
-    if constexpr (Coder::kEncodes) off = difference(value, expected);
-    off = codeDifference(coder, off, context);
-    if constexpr (Coder::kEncodes) return value;
-    const std::uint32_t sum = static_cast<std::uint32_t>(expected) + static_cast<std::uint32_t>(off);
-    return static_cast<std::int32_t>(bits_ < 32 ? sum & ((1u << bits_) - 1) : sum);
+    Number number;
+    codeLength(coder, number, expected, value, context);
+    codeUpper(coder, number);
+    return codeLower(coder, number);
   }
 
   /// How many bits the difference of the last number had.
@@ -29,6 +76,7 @@ class IntegerModel {
 
  private:
   static constexpr unsigned kUpperBits = 8;
+  static constexpr std::uint32_t kLeast = 0x7fffffffu;  // the place of the only number of length 32
 
   std::int32_t difference(std::int32_t value, std::int32_t expected) const {
     const std::uint32_t off = static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(expected);
@@ -38,38 +86,23 @@ class IntegerModel {
   }
 
   // Of length n > 0 are those from 2^(n-1) + 1 to 2^n, and from 1 - 2^n to -2^(n-1): the lower half of 2^n numbers
-  // stands for the negative ones. Of length 0 are 0 and 1; of length 32 the least one alone.
-  template <class Coder>
-  std::int32_t codeDifference(Coder& coder, std::int32_t off, unsigned context) {
-    unsigned length = 0;
-    if constexpr (Coder::kEncodes) {
-      const auto raw = static_cast<std::uint32_t>(off);
-      length = static_cast<unsigned>(std::bit_width(off <= 0 ? 0 - raw : raw - 1));
-    }
-    length = coder.symbol(made(lengths_[context], bits_ + 1), length);
-    lastLength_ = length;
-    if (length == 0) return coder.bit(zeroOrOne_, off != 0) ? 1 : 0;
-    if (length == 32) return static_cast<std::int32_t>(0x80000000u);
-    const std::uint32_t reach = (1u << length) - 1, half = 1u << (length - 1);
-    std::uint32_t place = 0;
-    if constexpr (Coder::kEncodes) place = static_cast<std::uint32_t>(off) + (off < 0 ? reach : 0u - 1u);
-    const unsigned upper = length < kUpperBits ? length : kUpperBits, lower = length - upper;
-    SymbolModel& model = made(uppers_[length], 1u << upper);
-    if (lower == 0) {
-      place = coder.symbol(model, place);
-    } else {
-      const std::uint32_t top = coder.symbol(model, place >> lower);
-      place = top << lower | coder.bits(lower, place & ((1u << lower) - 1));
-    }
-    return static_cast<std::int32_t>(place >= half ? place + 1 : place - reach);
+  // stands for the negative ones. Of length 0 are 0, whose place is -1, and 1; of length 32 the least one alone.
+  static void setPlace(Number& number, std::int32_t off) {
+    const auto raw = static_cast<std::uint32_t>(off);
+    number.length = static_cast<unsigned>(std::bit_width(off <= 0 ? 0 - raw : raw - 1));
+    number.place = raw - 1;
+    if (off < 0) number.place += static_cast<std::uint32_t>(std::uint64_t{1} << number.length);
   }
 
   static SymbolModel& made(SymbolModel& model, unsigned symbols) {
-    if (!model.isMade()) model = SymbolModel(symbols);
+    if (!model.isMade()) [[unlikely]]
+      make(model, symbols);
     return model;
   }
+  [[gnu::noinline]] static void make(SymbolModel& model, unsigned symbols) { model = SymbolModel(symbols); }
 
   unsigned bits_;
+  std::uint32_t mask_;
   std::vector<SymbolModel> lengths_, uppers_;
   BitModel zeroOrOne_;
   unsigned lastLength_ = 0;

@@ -26,6 +26,8 @@ class LazChunkDecoder::Rows {
  public:
   virtual ~Rows() = default;
   virtual void read(std::byte* rows, std::size_t count) = 0;
+  /// The same of this chunk and another one of its file.
+  virtual void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) = 0;
   virtual bool isWrong() const = 0;
   virtual std::size_t left() const = 0;
 };
@@ -33,18 +35,62 @@ class LazChunkDecoder::Rows {
 class LazChunkDecoder::Pointwise final : public Rows {
  public:
   Pointwise(const LazLayout& layout, std::span<const std::byte> bytes)
-      : rowBytes_(layout.rowBytes), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
+      : layout_(layout), decoder_(bytes.subspan(layout.rowBytes)), row_(layout, bytes.data()) {}
 
   void read(std::byte* rows, std::size_t count) override {
     RangeDecoder decoder = decoder_;  // of which the compiler knows that rows do not overlap it
-    for (std::size_t k = 0; k < count; ++k) row_.code(decoder, rows + k * rowBytes_);
+    for (std::size_t k = 0; k < count; ++k) {
+      LazRow10::Lane<RangeDecoder> lane{row_, decoder, rows + k * layout_.rowBytes};
+      LazRow10::code(layout_, lane);
+    }
     decoder_ = decoder;
+  }
+  void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) override {
+    auto& second = static_cast<Pointwise&>(other);
+    const std::size_t done =
+        kHasShifts ? readMostWithShifts(rows, second, others, count) : readMost(rows, second, others, count);
+    read(rows + done * layout_.rowBytes, count - done);
+    second.read(others + done * layout_.rowBytes, count - done);
   }
   bool isWrong() const override { return decoder_.isWrong(); }
   std::size_t left() const override { return decoder_.left(); }
 
  private:
-  std::size_t rowBytes_;
+  /// Rows until one of the chunks comes near its end; how many those were.
+  [[gnu::always_inline]] std::size_t readSideBySide(std::byte* rows, Pointwise& other, std::byte* others,
+                                                    std::size_t count) {
+    using Decoder = RangeDecoderOf<false>;
+    Decoder first(decoder_), second(other.decoder_);
+    const LazLayout layout = layout_;
+    const std::size_t rowBytes = layout.rowBytes, most = Decoder::kMostBytes * (row_.mostCalls() + 1);
+    std::size_t done = 0;
+    for (; done < count && first.left() >= most && second.left() >= most; ++done) {
+      LazRow10::Lane<Decoder> a{row_, first, rows + done * rowBytes};
+      LazRow10::Lane<Decoder> b{other.row_, second, others + done * rowBytes};
+      LazRow10::code(layout, a, b);
+    }
+    decoder_ = RangeDecoder(first), other.decoder_ = RangeDecoder(second);
+    return done;
+  }
+  std::size_t readMost(std::byte* rows, Pointwise& other, std::byte* others, std::size_t count) {
+    return readSideBySide(rows, other, others, count);
+  }
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+  // Shifts and counts of zeros that wait for less, of all processors since about 2013; Clang cannot ask for them all.
+  inline static const bool kHasShifts =
+      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("lzcnt");
+  [[gnu::target("bmi,bmi2,lzcnt")]] std::size_t readMostWithShifts(std::byte* rows, Pointwise& other, std::byte* others,
+                                                                   std::size_t count) {
+    return readSideBySide(rows, other, others, count);
+  }
+#else
+  static constexpr bool kHasShifts = false;
+  std::size_t readMostWithShifts(std::byte* rows, Pointwise& other, std::byte* others, std::size_t count) {
+    return readMost(rows, other, others, count);
+  }
+#endif
+
+  LazLayout layout_;
   RangeDecoder decoder_;
   LazRow10 row_;
 };
@@ -57,6 +103,10 @@ class LazChunkDecoder::Layered final : public Rows {
 
   void read(std::byte* rows, std::size_t count) override {
     for (std::size_t k = 0; k < count; ++k) row_.code(rows + k * rowBytes_);
+  }
+  void readBoth(std::byte* rows, Rows& other, std::byte* others, std::size_t count) override {
+    read(rows, count);
+    other.read(others, count);
   }
   bool isWrong() const override {
     return std::ranges::any_of(layers_, [](const auto& layer) { return layer.changes && layer.coder.isWrong(); });
@@ -118,14 +168,33 @@ LazChunkDecoder::LazChunkDecoder(const std::filesystem::path& file, const LazLay
 
 LazChunkDecoder::~LazChunkDecoder() = default;
 
+std::size_t LazChunkDecoder::readFirst(std::byte* rows, std::size_t count) {
+  if (count == 0 || done_ > 0) return 0;
+  std::copy(first_.begin(), first_.end(), rows);
+  return 1;
+}
+
 void LazChunkDecoder::read(std::byte* rows, std::size_t count) {
-  if (count > 0 && done_ == 0) {
-    std::copy(first_.begin(), first_.end(), rows);
-    rows_->read(rows + rowBytes_, count - 1);
-  } else {
-    rows_->read(rows, count);
-  }
+  const std::size_t first = readFirst(rows, count);
+  rows_->read(rows + first * rowBytes_, count - first);
   done_ += count;
+  check();
+}
+
+void LazChunkDecoder::readBoth(LazChunkDecoder& a, std::byte* rowsOfA, LazChunkDecoder& b, std::byte* rowsOfB,
+                               std::size_t count) {
+  const std::size_t first = a.readFirst(rowsOfA, count), second = b.readFirst(rowsOfB, count);
+  const std::size_t both = count - std::max(first, second);
+  rowsOfA += first * a.rowBytes_, rowsOfB += second * b.rowBytes_;
+  a.rows_->readBoth(rowsOfA, *b.rows_, rowsOfB, both);
+  a.rows_->read(rowsOfA + both * a.rowBytes_, count - first - both);
+  b.rows_->read(rowsOfB + both * b.rowBytes_, count - second - both);
+  a.done_ += count, b.done_ += count;
+  a.check();
+  b.check();
+}
+
+void LazChunkDecoder::check() const {
   if (chunk_.points > 1 && rows_->isWrong())
     throw FileError::atByte(file_, chunk_.at + chunk_.bytes,
                             fmt::format("the chunk of {} points that begins at byte {} ends inside them, or is damaged",
@@ -142,7 +211,8 @@ std::vector<std::byte> encodePointwise(const LazLayout& layout, std::span<const 
   std::vector<std::byte> next(layout.rowBytes);
   for (std::size_t at = layout.rowBytes; at < rows.size(); at += layout.rowBytes) {
     std::copy_n(rows.begin() + static_cast<std::ptrdiff_t>(at), next.size(), next.begin());
-    row.code(encoder, next.data());
+    LazRow10::Lane<RangeEncoder> lane{row, encoder, next.data()};
+    LazRow10::code(layout, lane);
   }
   return encoder.finish();
 }

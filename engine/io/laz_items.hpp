@@ -28,9 +28,11 @@ template <std::size_t count>
 class ByteModels {
  public:
   SymbolModel& operator[](std::size_t k) {
-    if (!models_[k].isMade()) models_[k] = SymbolModel(symbols_);
+    if (!models_[k].isMade()) [[unlikely]]
+      make(models_[k]);
     return models_[k];
   }
+  [[gnu::noinline]] void make(SymbolModel& model) { model = SymbolModel(symbols_); }
   explicit ByteModels(unsigned symbols = 256) : symbols_(symbols) {}
 
  private:
@@ -46,12 +48,20 @@ class StreamingMedian {
   void add(std::int32_t v) {
     const std::int32_t* const four = sorted_.data() + (forgetsLargest_ ? 0 : 1);
     const std::int32_t a = four[0], b = four[1], c = four[2], d = four[3];
-    forgetsLargest_ = forgetsLargest_ ? v < sorted_[2] : v <= sorted_[2];
-    sorted_ = {std::min(a, v), std::max(a, std::min(b, v)), std::max(b, std::min(c, v)), std::max(c, std::min(d, v)),
-               std::max(d, v)};
+    const bool less = v < sorted_[2], same = v == sorted_[2];
+    forgetsLargest_ = less | (same & !forgetsLargest_);
+    sorted_ = {lesser(a, v), larger(a, lesser(b, v)), larger(b, lesser(c, v)), larger(c, lesser(d, v)), larger(d, v)};
   }
 
  private:
+  // Of std::min() the compiler makes branches at times.
+  static std::int32_t lesser(std::int32_t a, std::int32_t b) {
+    return b ^ ((a ^ b) & -static_cast<std::int32_t>(a < b));
+  }
+  static std::int32_t larger(std::int32_t a, std::int32_t b) {
+    return b ^ ((a ^ b) & -static_cast<std::int32_t>(a > b));
+  }
+
   std::array<std::int32_t, 5> sorted_{};
   bool forgetsLargest_ = true;
 };
@@ -66,31 +76,87 @@ class LazTimes {
     sequences_[0].time = first;
   }
 
+  enum class Kind { stays, second, multiple, begins };  // second: of a sequence that has no step yet
+  /// A time that is being coded, step by step: of an encoder, all of it from the first one on.
+  struct Step {
+    std::int64_t time = 0;
+    Kind kind = Kind::stays;
+    unsigned symbol = 0;
+    IntegerModel::Number number{};
+  };
+
+  // The steps of a time, in their order. Between them those of other streams may be taken.
   template <class Coder>
-  std::int64_t code(Coder& coder, std::int64_t time) {
+  [[gnu::always_inline]] void codeSymbol(Coder& coder, Step& step) {
+    step.kind = Kind::stays;
     for (int turns = 0; turns < 2; ++turns) {  // an encoder changes to another sequence once at most
-      Sequence& now = sequences_[current_];
-      const bool fresh = now.step == 0;
+      const bool fresh = sequences_[current_].step == 0;
       // Symbols less than `own` are differences to the sequence's last time; then they are: the same, of a sequence
       // that begins, of another one.
       const unsigned own = fresh ? 0 : kOwn;
-      unsigned symbol = 0;
-      if constexpr (Coder::kEncodes) symbol = symbolFor(time, own);
-      symbol = coder.symbol(fresh ? plain_ : multiple_, symbol);
-      if (stays_ && symbol == own) return now.time;
-      if (fresh && symbol == stays_) {
-        now.step = difference_.code(coder, 0, static_cast<std::int32_t>(time - now.time), 0);
-        now.extremes = 0;
-        return advance(now, now.step);
+      if constexpr (Coder::kEncodes) step.symbol = symbolFor(step.time, own);
+      step.symbol = coder.symbol(fresh ? plain_ : multiple_, step.symbol);
+      if (stays_ && step.symbol == own) return;
+      if (fresh && step.symbol == stays_) {
+        step.kind = Kind::second;
+        return;
       }
-      if (symbol < own)
-        return advance(now, codeStep(coder, now, symbol, static_cast<std::int32_t>(bitsOff(time, now))));
-      const unsigned other = symbol - own - stays_ - (fresh ? 1 : 0);
-      if (other == 0) return begin(coder, time);
+      if (step.symbol < own) {
+        step.kind = Kind::multiple;
+        return;
+      }
+      const unsigned other = step.symbol - own - stays_ - (fresh ? 1 : 0);
+      if (other == 0) {
+        step.kind = Kind::begins;
+        return;
+      }
       current_ = (current_ + other) & 3;
     }
     coder.setWrong();
-    return sequences_[current_].time;
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLength(Coder& coder, Step& step) {
+    if (step.kind == Kind::stays) return;
+    const Sequence& now = sequences_[current_];
+    std::int32_t expected = 0, value = static_cast<std::int32_t>(bitsOff(step.time, now));
+    unsigned context = 0;
+    if (step.kind == Kind::multiple) {
+      expected = wrappedProduct(timesOf(step.symbol), now.step);
+      context = contextOf(step.symbol);
+    } else if (step.kind == Kind::begins) {
+      expected = upper(now.time), value = upper(step.time);
+      context = 8;
+    }
+    difference_.codeLength(coder, step.number, expected, value, context);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeUpper(Coder& coder, Step& step) {
+    if (step.kind != Kind::stays) difference_.codeUpper(coder, step.number);
+  }
+  /// The time.
+  template <class Coder>
+  [[gnu::always_inline]] std::int64_t codeLower(Coder& coder, Step& step) {
+    Sequence& now = sequences_[current_];
+    if (step.kind == Kind::stays) return now.time;
+    const std::int32_t off = difference_.codeLower(coder, step.number);
+    if (step.kind == Kind::begins) return begin(off, coder.bits(32, static_cast<std::uint32_t>(step.time)));
+    if (step.symbol == 1 || step.kind == Kind::second) now.extremes = 0;
+    if (step.kind == Kind::second) now.step = off;
+    if (step.kind == Kind::multiple && isExtreme(step.symbol) && ++now.extremes > kMostExtremes) {
+      now.step = off;
+      now.extremes = 0;
+    }
+    return advance(now, off);
+  }
+
+  /// All steps at once.
+  template <class Coder>
+  std::int64_t code(Coder& coder, std::int64_t time) {
+    Step step{.time = time};
+    codeSymbol(coder, step);
+    codeLength(coder, step);
+    codeUpper(coder, step);
+    return codeLower(coder, step);
   }
 
  private:
@@ -132,34 +198,28 @@ class LazTimes {
     return kMostTimes + static_cast<unsigned>(std::min(-times, double{kMostBack}));
   }
 
-  /// What follows the symbol of a multiple of the step; contexts tell how large it is.
-  template <class Coder>
-  std::int32_t codeStep(Coder& coder, Sequence& now, unsigned symbol, std::int32_t off) {
-    const bool back = symbol > kMostTimes;
-    const std::int32_t times = back ? static_cast<std::int32_t>(kMostTimes) - static_cast<std::int32_t>(symbol)
-                                    : static_cast<std::int32_t>(symbol);
-    const bool extreme = symbol == 0 || symbol == kMostTimes || symbol == kMostTimes + kMostBack;
-    const unsigned context = symbol == 0            ? 7u
-                             : symbol == 1          ? 1u
-                             : symbol < 10          ? 2u
-                             : symbol < kMostTimes  ? 3u
-                             : symbol == kMostTimes ? 4u
-                             : extreme              ? 6u
-                                                    : 5u;
-    off = difference_.code(coder, wrappedProduct(times, now.step), off, context);
-    if (symbol == 1) now.extremes = 0;
-    if (extreme && ++now.extremes > kMostExtremes) {
-      now.step = off;
-      now.extremes = 0;
-    }
-    return off;
+  static std::int32_t upper(std::int64_t time) {
+    return static_cast<std::int32_t>(static_cast<std::uint64_t>(time) >> 32);
+  }
+  static std::int32_t timesOf(unsigned symbol) {
+    const auto times = static_cast<std::int32_t>(symbol);
+    return symbol > kMostTimes ? static_cast<std::int32_t>(kMostTimes) - times : times;
+  }
+  static bool isExtreme(unsigned symbol) {
+    return symbol == 0 || symbol == kMostTimes || symbol == kMostTimes + kMostBack;
+  }
+  /// How large a multiple of the step is.
+  static unsigned contextOf(unsigned symbol) {
+    return symbol == 0                        ? 7u
+           : symbol == 1                      ? 1u
+           : symbol < 10                      ? 2u
+           : symbol < kMostTimes              ? 3u
+           : symbol == kMostTimes             ? 4u
+           : symbol == kMostTimes + kMostBack ? 6u
+                                              : 5u;
   }
 
-  template <class Coder>
-  std::int64_t begin(Coder& coder, std::int64_t time) {
-    const auto upper = [](std::int64_t t) { return static_cast<std::int32_t>(static_cast<std::uint64_t>(t) >> 32); };
-    const std::int32_t high = difference_.code(coder, upper(sequences_[current_].time), upper(time), 8);
-    const std::uint32_t low = coder.bits(32, static_cast<std::uint32_t>(time));
+  std::int64_t begin(std::int32_t high, std::uint32_t low) {
     newest_ = (newest_ + 1) & 3;
     current_ = newest_;
     const std::uint64_t whole = std::uint64_t{static_cast<std::uint32_t>(high)} << 32 | low;
@@ -179,20 +239,49 @@ class LazColors {
  public:
   using Color = std::array<std::uint16_t, 3>;
 
+  /// A colour that is being coded, step by step: of an encoder, `next` from the first one on.
+  struct Step {
+    Color next{}, now{};
+    unsigned changes = 0;
+  };
+
+  // The steps of a colour, in their order: what changes; red, green and blue, the lower byte of each before the upper
+  // ones (`half`), but both of red first. Between them those of other streams may be taken.
+  template <class Coder>
+  [[gnu::always_inline]] void codeChanges(Coder& coder, Step& step, const Color& last) {
+    if constexpr (Coder::kEncodes) step.changes = changesBetween(last, step.next);
+    step.changes = coder.symbol(changes_, step.changes);
+    step.now = {};
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeRed(Coder& coder, Step& step, const Color& last, unsigned half) {
+    codeByte(coder, step, half, byteOf(last[0], half), last);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeGreen(Coder& coder, Step& step, const Color& last, unsigned half) {
+    if (!(step.changes & kColored)) return;
+    codeByte(coder, step, 2 + half, within(redChange(step, last, half) + byteOf(last[1], half)), last);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeBlue(Coder& coder, Step& step, const Color& last, unsigned half) {
+    if (!(step.changes & kColored)) return;
+    const int both = (redChange(step, last, half) + byteOf(step.now[1], half) - byteOf(last[1], half)) / 2;
+    codeByte(coder, step, 4 + half, within(both + byteOf(last[2], half)), last);
+  }
   /// `last` becomes the colour.
+  void finish(Step& step, Color& last) const {
+    if (!(step.changes & kColored)) step.now[1] = step.now[2] = step.now[0];
+    last = step.now;
+  }
+
+  /// All steps at once.
   template <class Coder>
   void code(Coder& coder, Color& last, const Color& next) {
-    unsigned changes = 0;
-    if constexpr (Coder::kEncodes) changes = changesBetween(last, next);
-    changes = coder.symbol(changes_, changes);
-    Color now{};
-    for (unsigned half = 0; half < 2; ++half) codeRed(coder, changes, half, last, next, now);
-    if (changes & kColored) {
-      for (unsigned half = 0; half < 2; ++half) codeOthers(coder, changes, half, last, next, now);
-    } else {
-      now[1] = now[2] = now[0];
-    }
-    last = now;
+    Step step{.next = next};
+    codeChanges(coder, step, last);
+    for (unsigned half = 0; half < 2; ++half) codeRed(coder, step, last, half);
+    for (unsigned half = 0; half < 2; ++half) codeGreen(coder, step, last, half), codeBlue(coder, step, last, half);
+    finish(step, last);
   }
 
  private:
@@ -209,28 +298,19 @@ class LazColors {
     return changes;
   }
 
+  static int within(int value) { return std::clamp(value, 0, 255); }
+  static int redChange(const Step& step, const Color& last, unsigned half) {
+    return byteOf(step.now[0], half) - byteOf(last[0], half);
+  }
   template <class Coder>
-  void codeByte(Coder& coder, unsigned changes, unsigned k, int expected, const Color& last, const Color& next,
-                Color& now) {
+  [[gnu::always_inline]] void codeByte(Coder& coder, Step& step, unsigned k, int expected, const Color& last) {
     const unsigned half = k % 2;
     int byte = byteOf(last[k / 2], half);
-    if (changes & 1u << k) {
-      const auto off = static_cast<unsigned>(byteOf(next[k / 2], half) - expected) & 0xffu;
+    if (step.changes & 1u << k) {
+      const auto off = static_cast<unsigned>(byteOf(step.next[k / 2], half) - expected) & 0xffu;
       byte = expected + static_cast<int>(coder.symbol(bytes_[k], off));
     }
-    setByte(now[k / 2], half, byte);
-  }
-  template <class Coder>
-  void codeRed(Coder& coder, unsigned changes, unsigned half, const Color& last, const Color& next, Color& now) {
-    codeByte(coder, changes, half, byteOf(last[0], half), last, next, now);
-  }
-  template <class Coder>
-  void codeOthers(Coder& coder, unsigned changes, unsigned half, const Color& last, const Color& next, Color& now) {
-    const auto within = [](int value) { return std::clamp(value, 0, 255); };
-    const int red = byteOf(now[0], half) - byteOf(last[0], half);
-    codeByte(coder, changes, 2 + half, within(red + byteOf(last[1], half)), last, next, now);
-    const int both = (red + byteOf(now[1], half) - byteOf(last[1], half)) / 2;
-    codeByte(coder, changes, 4 + half, within(both + byteOf(last[2], half)), last, next, now);
+    setByte(step.now[k / 2], half, byte);
   }
 
   SymbolModel changes_{128};
@@ -261,7 +341,7 @@ class LazInfrared {
 
 /// A byte that nothing is known of.
 template <class Coder>
-void codeLazByte(Coder& coder, SymbolModel& model, std::byte& last, std::byte next) {
+[[gnu::always_inline]] inline void codeLazByte(Coder& coder, SymbolModel& model, std::byte& last, std::byte next) {
   const unsigned was = static_cast<unsigned>(last);
   const unsigned off = coder.symbol(model, (static_cast<unsigned>(next) - was) & 0xffu);
   last = static_cast<std::byte>((was + off) & 0xffu);

@@ -26,19 +26,92 @@ class LazPoint10 {
  public:
   explicit LazPoint10(const LazCore10& first) : last_(first) { last_.intensity = 0; }
 
+  /// A point that is being coded, step by step: of an encoder, all of it from the first one on.
+  struct Step {
+    LazCore10 next{};
+    unsigned changes = 0, kind = 0;
+    IntegerModel::Number number{};  // of what is coded at the time
+  };
+
+  // The steps of a point, in their order. Between them those of other streams may be taken.
   template <class Coder>
-  void code(Coder& coder, LazCore10& next) {
-    unsigned changes = 0;
+  [[gnu::always_inline]] void codeKind(Coder& coder, Step& step) {
+    LazCore10& next = step.next;
     if constexpr (Coder::kEncodes)
-      changes = changesTo(next);
+      step.changes = changesTo(next);
     else
       next = last_;
-    changes = coder.symbol(changes_, changes);
-    if (changes & kReturns) next.returns = byte(coder, returns_[last_.returns], next.returns);
-    const unsigned kind = kKinds[next.count()][next.number()];
-    codeOthers(coder, changes, kind, next);
-    codePlace(coder, kind, next);
-    last_ = next;
+    step.changes = coder.symbol(changes_, step.changes);
+    if (step.changes & kReturns) next.returns = byte(coder, returns_[last_.returns], next.returns);
+    step.kind = kKinds[next.count()][next.number()];
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeIntensityLength(Coder& coder, Step& step) {
+    if (step.changes & kIntensity)
+      intensity_.codeLength(coder, step.number, intensities_[step.kind], step.next.intensity, std::min(step.kind, 3u));
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeIntensityUpper(Coder& coder, Step& step) {
+    if (step.changes & kIntensity) intensity_.codeUpper(coder, step.number);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeOthers(Coder& coder, Step& step) {
+    LazCore10& next = step.next;
+    if (step.changes & kIntensity)
+      intensities_[step.kind] = static_cast<std::uint16_t>(intensity_.codeLower(coder, step.number));
+    next.intensity = intensities_[step.kind];
+    if ((step.changes & (kClass | kAngle | kUser | kSource)) == 0) return;
+    if (step.changes & kClass) next.classification = byte(coder, classes_[last_.classification], next.classification);
+    if (step.changes & kAngle) {
+      const unsigned off = static_cast<unsigned>(next.angle - last_.angle) & 0xffu;
+      next.angle = static_cast<std::uint8_t>(last_.angle + coder.symbol(angles_[next.returns >> 6 & 1u], off));
+    }
+    if (step.changes & kUser) next.user = byte(coder, users_[last_.user], next.user);
+    if (step.changes & kSource)
+      next.source = static_cast<std::uint16_t>(source_.code(coder, last_.source, next.source, 0));
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLengthX(Coder& coder, Step& step) {
+    const std::int32_t off = wrappedDifference(step.next.x, last_.x);
+    x_.codeLength(coder, step.number, stepsX_[step.kind].get(), off, alone(step));
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeUpperX(Coder& coder, Step& step) {
+    x_.codeUpper(coder, step.number);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLowerX(Coder& coder, Step& step) {
+    step.next.x = placeFrom(x_.codeLower(coder, step.number), stepsX_[step.kind], last_.x);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLengthY(Coder& coder, Step& step) {
+    const std::int32_t off = wrappedDifference(step.next.y, last_.y);
+    const unsigned context = alone(step) + std::min(x_.lastLength() & ~1u, 20u);
+    y_.codeLength(coder, step.number, stepsY_[step.kind].get(), off, context);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeUpperY(Coder& coder, Step& step) {
+    y_.codeUpper(coder, step.number);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLowerY(Coder& coder, Step& step) {
+    step.next.y = placeFrom(y_.codeLower(coder, step.number), stepsY_[step.kind], last_.y);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLengthZ(Coder& coder, Step& step) {
+    const unsigned length = (x_.lastLength() + y_.lastLength()) / 2;
+    z_.codeLength(coder, step.number, height(step), step.next.z, alone(step) + std::min(length & ~1u, 18u));
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeUpperZ(Coder& coder, Step& step) {
+    z_.codeUpper(coder, step.number);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeLowerZ(Coder& coder, Step& step) {
+    const std::int32_t z = z_.codeLower(coder, step.number);
+    if constexpr (!Coder::kEncodes) step.next.z = z;
+    height(step) = step.next.z;
+    last_ = step.next;
   }
 
  private:
@@ -58,40 +131,18 @@ class LazPoint10 {
            (next.user != last_.user ? kUser : 0u) | (next.source != last_.source ? kSource : 0u);
   }
   template <class Coder>
-  static std::uint8_t byte(Coder& coder, SymbolModel& model, unsigned value) {
+  [[gnu::always_inline]] static std::uint8_t byte(Coder& coder, SymbolModel& model, unsigned value) {
     return static_cast<std::uint8_t>(coder.symbol(model, value));
   }
 
-  template <class Coder>
-  void codeOthers(Coder& coder, unsigned changes, unsigned kind, LazCore10& next) {
-    std::uint16_t& intensity = intensities_[kind];
-    if (changes & kIntensity)
-      intensity = static_cast<std::uint16_t>(intensity_.code(coder, intensity, next.intensity, std::min(kind, 3u)));
-    next.intensity = intensity;
-    if (changes & kClass) next.classification = byte(coder, classes_[last_.classification], next.classification);
-    if (changes & kAngle) {
-      const unsigned off = static_cast<unsigned>(next.angle - last_.angle) & 0xffu;
-      next.angle = static_cast<std::uint8_t>(last_.angle + coder.symbol(angles_[next.returns >> 6 & 1u], off));
-    }
-    if (changes & kUser) next.user = byte(coder, users_[last_.user], next.user);
-    if (changes & kSource) next.source = static_cast<std::uint16_t>(source_.code(coder, last_.source, next.source, 0));
+  static unsigned alone(const Step& step) { return step.next.count() == 1 ? 1 : 0; }
+  static std::int32_t placeFrom(std::int32_t off, StreamingMedian& usual, std::int32_t was) {
+    usual.add(off);
+    return wrappedSum(was, off);
   }
-
-  template <class Coder>
-  void codePlace(Coder& coder, unsigned kind, LazCore10& next) {
-    const unsigned alone = next.count() == 1 ? 1 : 0;
-    const auto step = [&](IntegerModel& model, StreamingMedian& usual, std::int32_t was, std::int32_t is,
-                          unsigned context) {
-      const std::int32_t off = model.code(coder, usual.get(), wrappedDifference(is, was), context);
-      usual.add(off);
-      return wrappedSum(was, off);
-    };
-    next.x = step(x_, stepsX_[kind], last_.x, next.x, alone);
-    next.y = step(y_, stepsY_[kind], last_.y, next.y, alone + std::min(x_.lastLength() & ~1u, 20u));
-    const unsigned length = (x_.lastLength() + y_.lastLength()) / 2;
-    const auto off = static_cast<unsigned>(std::abs(static_cast<int>(next.count()) - static_cast<int>(next.number())));
-    heights_[off] = z_.code(coder, heights_[off], next.z, alone + std::min(length & ~1u, 18u));
-    next.z = heights_[off];
+  std::int32_t& height(const Step& step) {
+    const int missing = static_cast<int>(step.next.count()) - static_cast<int>(step.next.number());
+    return heights_[static_cast<std::size_t>(std::abs(missing))];
   }
 
   LazCore10 last_;
@@ -116,27 +167,56 @@ class LazRow10 {
     if (layout.colorAt) lastColor_ = load<LazColors::Color>(first + layout.colorAt);
   }
 
+  /// A row of one of the chunks that are coded side by side.
   template <class Coder>
-  void code(Coder& coder, std::byte* row) {
-    LazCore10 core = load<LazCore10>(row);
-    core_.code(coder, core);
-    std::memcpy(row, &core, sizeof core);
-    if (times_) {
-      const std::int64_t time = times_->code(coder, load<std::int64_t>(row + layout_.timeAt));
-      std::memcpy(row + layout_.timeAt, &time, sizeof time);
+  struct Lane {
+    LazRow10& row;
+    Coder& coder;
+    std::byte* at;
+    LazPoint10::Step core{};
+    LazTimes::Step time{};
+    LazColors::Step color{};
+  };
+
+  /// Calls to a coder for a row, at most.
+  std::size_t mostCalls() const { return 40 + layout_.extraBytes; }
+
+  /// The next row of each lane, all of one layout. What a lane's coder does next waits for what it does now; so each
+  /// step is taken in all lanes in turn, and the processor has work of the others meanwhile.
+  template <class... Lanes>
+  [[gnu::always_inline]] static void code(const LazLayout& layout, Lanes&... lanes) {
+    (lanes.row.load(lanes), ...);
+    (lanes.row.core_.codeKind(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeIntensityLength(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeIntensityUpper(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeOthers(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLengthX(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeUpperX(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLowerX(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLengthY(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeUpperY(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLowerY(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLengthZ(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeUpperZ(lanes.coder, lanes.core), ...);
+    (lanes.row.core_.codeLowerZ(lanes.coder, lanes.core), ...);
+    (store(lanes.core.next, lanes.at), ...);
+    if (layout.timeAt) {
+      (lanes.row.times_->codeSymbol(lanes.coder, lanes.time), ...);
+      (lanes.row.times_->codeLength(lanes.coder, lanes.time), ...);
+      (lanes.row.times_->codeUpper(lanes.coder, lanes.time), ...);
+      (lanes.row.finishTime(lanes), ...);
     }
-    if (layout_.colorAt) {
-      colors_.code(coder, lastColor_, load<LazColors::Color>(row + layout_.colorAt));
-      std::memcpy(row + layout_.colorAt, &lastColor_, sizeof lastColor_);
+    if (layout.colorAt) {
+      (lanes.row.colors_.codeChanges(lanes.coder, lanes.color, lanes.row.lastColor_), ...);
+      (lanes.row.colors_.codeRed(lanes.coder, lanes.color, lanes.row.lastColor_, 0), ...);
+      (lanes.row.colors_.codeRed(lanes.coder, lanes.color, lanes.row.lastColor_, 1), ...);
+      (lanes.row.colors_.codeGreen(lanes.coder, lanes.color, lanes.row.lastColor_, 0), ...);
+      (lanes.row.colors_.codeBlue(lanes.coder, lanes.color, lanes.row.lastColor_, 0), ...);
+      (lanes.row.colors_.codeGreen(lanes.coder, lanes.color, lanes.row.lastColor_, 1), ...);
+      (lanes.row.colors_.codeBlue(lanes.coder, lanes.color, lanes.row.lastColor_, 1), ...);
+      (lanes.row.finishColor(lanes), ...);
     }
-    if (bytes_.empty()) return;
-    if constexpr (Coder::kEncodes) {
-      codeBytes(coder, row + layout_.bytesAt);
-    } else {
-      Coder held = coder;  // in the processor's own memory from byte to byte
-      codeBytes(held, row + layout_.bytesAt);
-      coder = held;
-    }
+    for (std::size_t k = 0; k < layout.extraBytes; ++k) (lanes.row.codeByte(lanes, k), ...);
   }
 
  private:
@@ -148,11 +228,40 @@ class LazRow10 {
   }
 
   template <class Coder>
-  void codeBytes(Coder& coder, std::byte* bytes) {
-    for (std::size_t k = 0; k < bytes_.size(); ++k) {
-      codeLazByte(coder, bytes_[k], lastBytes_[k], bytes[k]);
-      bytes[k] = lastBytes_[k];
+  [[gnu::always_inline]] void load(Lane<Coder>& lane) const {
+    if constexpr (Coder::kEncodes) {
+      lane.core.next = load<LazCore10>(lane.at);
+      if (layout_.timeAt) lane.time.time = load<std::int64_t>(lane.at + layout_.timeAt);
+      if (layout_.colorAt) lane.color.next = load<LazColors::Color>(lane.at + layout_.colorAt);
     }
+  }
+  /// Piece by piece: a whole that is read soon after its pieces were written waits until they are in memory.
+  [[gnu::always_inline]] static void store(const LazCore10& core, std::byte* at) {
+    std::memcpy(at, &core.x, sizeof core.x);
+    std::memcpy(at + 4, &core.y, sizeof core.y);
+    std::memcpy(at + 8, &core.z, sizeof core.z);
+    std::memcpy(at + 12, &core.intensity, sizeof core.intensity);
+    std::memcpy(at + 14, &core.returns, sizeof core.returns);
+    std::memcpy(at + 15, &core.classification, sizeof core.classification);
+    std::memcpy(at + 16, &core.angle, sizeof core.angle);
+    std::memcpy(at + 17, &core.user, sizeof core.user);
+    std::memcpy(at + 18, &core.source, sizeof core.source);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void finishTime(Lane<Coder>& lane) {
+    const std::int64_t time = times_->codeLower(lane.coder, lane.time);
+    std::memcpy(lane.at + layout_.timeAt, &time, sizeof time);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void finishColor(Lane<Coder>& lane) {
+    colors_.finish(lane.color, lastColor_);
+    std::memcpy(lane.at + layout_.colorAt, &lastColor_, sizeof lastColor_);
+  }
+  template <class Coder>
+  [[gnu::always_inline]] void codeByte(Lane<Coder>& lane, std::size_t k) {
+    std::byte& byte = lane.at[layout_.bytesAt + k];
+    codeLazByte(lane.coder, bytes_[k], lastBytes_[k], byte);
+    byte = lastBytes_[k];
   }
 
   LazLayout layout_;

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <utility>
 
+#include "engine/core/error.hpp"
 #include "engine/core/parallel.hpp"
 #include "engine/io/laz_chunk.hpp"
 
@@ -26,6 +28,23 @@ void take(LazChunkDecoder& decoder, std::size_t rowBytes, std::size_t base, std:
     columns.take(rows.data(), base + done, now);
     done += now;
   }
+}
+
+/// As take() of all points of two chunks of the same file, side by side.
+void takeBoth(LazChunkDecoder& a, LazChunkDecoder& b, std::size_t rowBytes, std::array<std::size_t, 2> bases,
+              std::array<std::size_t, 2> counts, LasColumns& columns) {
+  const std::size_t both = std::min(counts[0], counts[1]);
+  BareVector<std::byte> rows(2 * std::min(both, kBlock) * rowBytes);
+  std::byte* const rowsOfB = rows.data() + rows.size() / 2;
+  for (std::size_t done = 0; done < both;) {
+    const std::size_t now = std::min(kBlock, both - done);
+    LazChunkDecoder::readBoth(a, rows.data(), b, rowsOfB, now);
+    columns.take(rows.data(), bases[0] + done, now);
+    columns.take(rowsOfB, bases[1] + done, now);
+    done += now;
+  }
+  take(a, rowBytes, bases[0] + both, counts[0] - both, columns);
+  take(b, rowBytes, bases[1] + both, counts[1] - both, columns);
 }
 
 /// Chunks that are unpacked at the same time: one alone where it is said to hold more than its bytes make likely.
@@ -79,11 +98,29 @@ void readLazPoints(const std::filesystem::path& file, const LazLayout& layout, s
            const LazChunk& chunk : chunks.subspan(group.begin, group.end - group.begin))
         bases.push_back(std::exchange(base, base + chunk.points));
       columns.makeRoom(group.to);
-      parallelBlocks(bases.size(), 1, columns.threads(), [&](std::size_t k, std::size_t) {
-        const LazChunk& chunk = chunks[group.begin + k];
-        LazChunkDecoder decoder = open(chunk);
-        take(decoder, layout.rowBytes, bases[k], chunk.points, columns);
+      const auto chunkAt = [&](std::size_t k) -> const LazChunk& { return chunks[group.begin + k]; };
+      const auto unpack = [&](std::size_t k) {
+        LazChunkDecoder decoder = open(chunkAt(k));
+        take(decoder, layout.rowBytes, bases[k], chunkAt(k).points, columns);
         odd += decoder.left() > 0 ? 1 : 0;
+      };
+      const auto unpackBoth = [&](std::size_t k) {
+        LazChunkDecoder first = open(chunkAt(k)), second = open(chunkAt(k + 1));
+        takeBoth(first, second, layout.rowBytes, {bases[k], bases[k + 1]}, {chunkAt(k).points, chunkAt(k + 1).points},
+                 columns);
+        odd += (first.left() > 0 ? 1 : 0) + (second.left() > 0 ? 1 : 0);
+      };
+      // Two at a time where that is faster, if it leaves no thread without one.
+      const bool sideBySide = !layout.layered && bases.size() > threadCount(columns.threads());
+      const std::size_t together = sideBySide ? 2 : 1;
+      parallelBlocks(bases.size(), together, columns.threads(), [&](std::size_t begin, std::size_t end) {
+        if (end - begin == 1) return unpack(begin);
+        try {
+          unpackBoth(begin);
+        } catch (const FileError&) {  // of which chunk? The first one that is damaged is named, as one after the other
+          unpack(begin);
+          unpack(begin + 1);
+        }
       });
     }
     if (log) log->progress(file.filename().string(), static_cast<double>(group.to) / static_cast<double>(points));

@@ -1,4 +1,4 @@
-// Unpacks the points of LAZ, a chunk a thread.
+// Unpacks the points of LAZ: a chunk a thread, or two side by side.
 #pragma once
 
 #include <functional>

@@ -10,6 +10,13 @@ constexpr std::uint32_t kWhole = 0x80000000u;  // shares come from counts throug
 
 std::uint32_t longer(std::uint32_t cycle, std::uint32_t longest) { return std::min(5 * cycle / 4, longest); }
 
+constexpr std::uint32_t kBehindCells = 8;
+void fillCells(std::uint16_t* cells, std::uint32_t shares) {
+  const std::uint64_t four = shares * 0x0001000100010001u;
+  std::memcpy(cells, &four, sizeof four);
+  std::memcpy(cells + 4, &four, sizeof four);
+}
+
 }  // namespace
 
 void BitModel::update() {
@@ -28,13 +35,14 @@ void BitModel::update() {
 SymbolModel::SymbolModel(unsigned symbols) {
   // About as many parts as symbols, so that few searches go beyond their first step.
   const auto bits = static_cast<unsigned>(std::bit_width(symbols - 1));
-  const std::size_t cells = (std::size_t{1} << bits) + 2, behind = symbols + kBehind;
+  const std::size_t cells = (std::size_t{1} << bits) + 2 + kBehindCells, behind = symbols + kBehind;
   last_ = static_cast<std::uint16_t>(symbols - 1);
-  countsAt_ = static_cast<std::uint16_t>(behind);
-  cellsAt_ = static_cast<std::uint16_t>(behind + symbols);
+  sharesAt_ = static_cast<std::uint16_t>(cells);
+  countsAt_ = static_cast<std::uint16_t>(cells + behind);
   cellShift_ = static_cast<std::uint16_t>(kShift - bits);
-  words_.assign(behind + symbols + cells, 0);
-  std::fill_n(words_.begin() + symbols, kBehind, std::uint16_t{0xffff});
+  words_.assign(cells + behind + symbols, 0);
+  words_[0] = sharesAt_;
+  std::fill_n(words_.begin() + sharesAt_ + symbols, kBehind, std::uint16_t{0xffff});
   std::fill_n(words_.begin() + countsAt_, symbols, std::uint16_t{1});
   cycle_ = symbols;
   update();
@@ -45,7 +53,7 @@ SymbolModel::SymbolModel(unsigned symbols) {
 void SymbolModel::update() {
   constexpr std::uint32_t kMostCounted = 1u << 15;
   const std::uint32_t symbols = last_ + 1u;
-  std::uint16_t *const sums = words_.data(), *const counts = sums + countsAt_, *const cells = sums + cellsAt_;
+  std::uint16_t *const cells = words_.data(), *const sums = cells + sharesAt_, *const counts = cells + countsAt_;
   all_ += cycle_;
   if (all_ > kMostCounted) {
     all_ = 0;
@@ -55,15 +63,18 @@ void SymbolModel::update() {
     }
   }
   const std::uint32_t scale = kWhole / all_;
-  std::uint32_t sum = 0, cell = 0;
+  std::uint32_t sum = 0, cell = 1;
   for (std::uint32_t k = 0; k < symbols; ++k) {
     sums[k] = static_cast<std::uint16_t>(scale * sum >> (31 - kShift));
     sum += counts[k];
-    for (const std::uint32_t begin = sums[k] >> cellShift_; cell < begin;)
-      cells[++cell] = static_cast<std::uint16_t>(k - 1);
+    // The cells that begin in the symbol before, some more than those at once, which the next ones write again: how
+    // many they are nobody could foresee.
+    const std::uint32_t end = (sums[k] >> cellShift_) + 1u;
+    for (std::uint32_t from = cell; from < end; from += kBehindCells) fillCells(cells + from, sharesAt_ + k - 1);
+    cell = end;
   }
-  for (const std::uint32_t last = (1u << (kShift - cellShift_)) + 1; cell < last;)  // a share may be 2^15 and more
-    cells[++cell] = static_cast<std::uint16_t>(last_);
+  for (const std::uint32_t end = (1u << (kShift - cellShift_)) + 2; cell < end; cell += kBehindCells)
+    fillCells(cells + cell, std::uint32_t{sharesAt_} + last_);  // a share may be 2^15 and more
   cycle_ = longer(cycle_, 8 * (symbols + 6));
   untilUpdate_ = cycle_;
 }

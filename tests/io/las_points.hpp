@@ -22,16 +22,16 @@ inline std::string bytesOf(const std::filesystem::path& path) {
 }
 
 /// What a file with these bytes is read as.
-inline StoredCloud reading(const std::string& text) {
+inline StoredCloud reading(const std::string& text, unsigned threads = 0) {
   const ScratchFolder folder;
   std::ofstream(folder / "a.las", std::ios::binary) << text;
-  return readCloud(folder / "a.las");
+  return readCloud(folder / "a.las", nullptr, {.threads = threads});
 }
 
 /// Why it is not, without its name; "read" where it is.
-inline std::string refusal(const std::string& text) {
+inline std::string refusal(const std::string& text, unsigned threads = 0) {
   try {
-    reading(text);
+    reading(text, threads);
   } catch (const FileError& error) {
     const std::string message = error.what();
     return message.substr(message.find(".las") + 4);
