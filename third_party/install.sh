@@ -41,6 +41,7 @@ packages=(
   doctest-dev                # tests
   xvfb                       # a display for the tests of the window, and
   xauth                      # what its xvfb-run needs
+  iproute2                   # a slow link between two network namespaces, for the tests of sharing
   python3-matplotlib         # forces.png
 )
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double kLook_s = 0.05;        // how often an end that is asked for is seen
 constexpr double kAskAgain_s = 3;       // for what has not come; what is lost on the way DDS sends again by itself
 constexpr double kSecondServer_s = 0.3; // in which another session of the same name is found, if there is one
-constexpr std::uint32_t kWindow = 64;   // blocks that are asked for and have not come
+constexpr double kFewestAhead = 64, kMostAhead = 4096;  // blocks that are asked for and have not come
 
 /// Takes the points of a session, block by block.
 class Fetch {
@@ -60,13 +60,14 @@ class Fetch {
   }
 
  private:
-  // Keeps the window full; what was asked for and has not come in time is asked for again.
+  // Keeps as much asked for as the link has carried so far; what was asked for and has not come in time is asked for again.
   void ask() {
-    const std::uint64_t end = std::min(blocks_, complete_ + kWindow);
     const bool again = lastAsked_.elapsed_s() > kAskAgain_s && lastCame_.elapsed_s() > kAskAgain_s;
+    if (again) ahead_ = std::max(kFewestAhead, ahead_ / 2);
+    const std::uint64_t end = std::min(blocks_, complete_ + static_cast<std::uint64_t>(ahead_));
     const std::uint64_t begin = again ? complete_ : asked_;
-    // A quarter of the window at a time: a request costs as much as a block.
-    if (end <= begin || (!again && end - begin < kWindow / 4 && end != blocks_)) return;
+    // A quarter of it at a time: a request costs as much as a frame.
+    if (end <= begin || (!again && static_cast<double>(end - begin) < ahead_ / 4 && end != blocks_)) return;
     Request request{};
     set(request.session, notice_.session);
     set(request.client, client_);
@@ -75,7 +76,7 @@ class Fetch {
     request.count = static_cast<std::uint32_t>(end - begin);
     if (requests_.write(request)) asked_ = std::max(asked_, end);
     lastAsked_ = {};
-    came_.resize(static_cast<std::size_t>(end), 0);
+    came_.resize(std::max(came_.size(), static_cast<std::size_t>(end)), 0);
     const std::size_t points = static_cast<std::size_t>(std::min(notice_.points, end * kBlockPoints));
     if (joined_.cloud.positions.size() >= points) return;
     joined_.cloud.positions.resize(points);
@@ -102,6 +103,7 @@ class Fetch {
         throw NetworkError("'{}' of {}: point {} is none: it has no place or no normal", notice_.name, notice_.host, at);
     }
     came_[block.number] = 1;
+    ahead_ = std::min(kMostAhead, ahead_ + 1);  // twice as much with each round trip: a link is filled, and not flooded
     taken_ += count;
     while (complete_ < came_.size() && came_[complete_]) ++complete_;
   }
@@ -117,6 +119,7 @@ class Fetch {
   std::uint64_t blocks_;                  // in all
   std::uint64_t asked_ = 0, complete_ = 0;  // all before this one
   std::uint64_t taken_ = 0;               // points
+  double ahead_ = kFewestAhead;
   std::vector<std::uint8_t> came_;
   Stopwatch lastAsked_, lastCame_;
 };

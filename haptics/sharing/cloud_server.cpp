@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -29,9 +30,13 @@ void requireName(const std::string& name) {
 }  // namespace
 
 struct CloudServer::Link {
+  struct Range {
+    std::uint32_t first, end;
+  };
   struct Client {
     Writer<Block> blocks;  // in its partition
     std::uint64_t lastAsked = 0;
+    std::deque<Range> asked;  // and not written yet: as fast as the link takes them
   };
 
   Link(const PointCloud& served, Parts given)
@@ -89,9 +94,24 @@ struct CloudServer::Link {
     }
     Client& client = clientOf(request);
     client.lastAsked = ++counts.requests;
-    // Where it does not keep up, it asks again for what it has not got.
-    for (std::uint32_t i = 0; i < request.count; ++i)
-      if (!writeBlock(client, request.first + i)) return;
+    constexpr std::size_t kMostRanges = 64;  // whoever asks for more before any has come gets the last ones
+    if (client.asked.size() >= kMostRanges) client.asked.pop_front();
+    client.asked.push_back({request.first, request.first + request.count});
+  }
+
+  // Some blocks for each client in turn, as long as its link takes them. Whether there is more to do.
+  bool write() {
+    constexpr std::uint32_t kInTurn = 64;  // blocks
+    bool isLeft = false;
+    for (auto& [id, client] : clients) {
+      for (std::uint32_t i = 0; i < kInTurn && !client.asked.empty(); ++i) {
+        Range& range = client.asked.front();
+        if (!writeBlock(client, range.first)) break;
+        if (++range.first == range.end) client.asked.pop_front();
+      }
+      isLeft = isLeft || !client.asked.empty();
+    }
+    return isLeft;
   }
 
   bool writeBlock(const Client& client, std::uint32_t number) {
@@ -110,8 +130,9 @@ struct CloudServer::Link {
     block.number = number;
     block.points._buffer = points.data();
     block.points._length = block.points._maximum = count;
-    counts.blocks += 1;
-    return client.blocks.write(block);
+    const bool isWritten = client.blocks.write(block);
+    counts.blocks += isWritten;
+    return isWritten;
   }
 
   const PointCloud& cloud;
@@ -142,14 +163,16 @@ CloudServer::~CloudServer() = default;
 
 void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
   const Stopwatch since;
+  bool isLeft = false;
   while (!stop && !(seconds > 0 && since.elapsed_s() >= seconds)) {
-    link_->wait.sleep(kLook_s);
+    if (!isLeft) link_->wait.sleep(kLook_s);
     link_->pings.take([&](const Ping& ping) {
       if (!isSame(ping.session, link_->session)) return;
       link_->echoes.write(ping);
       ++link_->counts.pings;
     });
     link_->requests.take([&](const Request& request) { link_->answer(request); });
+    isLeft = link_->write();
   }
 }
 

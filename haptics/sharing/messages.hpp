@@ -22,9 +22,10 @@ using Id = std::array<std::uint8_t, 16>;
 
 /// Of what is said on the network. Who changes a type raises it.
 inline constexpr std::uint32_t kVersion = 1;
-/// Points of a block: below the 64 KiB of a datagram.
-inline constexpr std::uint32_t kBlockPoints = 1500;
-inline constexpr std::uint32_t kMostRequested = 256;  // blocks at a time
+/// Points of a block, which fits into one frame of Ethernet: of samples that are cut in pieces DDS mends one in each round
+/// trip, of whole ones all that are lost.
+inline constexpr std::uint32_t kBlockPoints = 45;
+inline constexpr std::uint32_t kMostRequested = 4096;  // blocks at a time
 
 /// All that a session's sides speak by.
 struct Topics {

@@ -49,7 +49,7 @@ joined() {  # OUT: the trace of what is joined
   ip netns exec "$near" "$palpate" --quiet touch --join far --interface a --backend cpu --duration 0.2 --trace "$1" > "$folder/touch.log" 2>&1
 }
 
-"$palpate" --quiet make sculpture -n 200000 -o "$folder/model.ply"
+"$palpate" --quiet make sculpture -n 60000 -o "$folder/model.ply"
 "$palpate" --quiet touch "$folder/model.ply" --backend cpu --duration 0.2 --trace "$folder/own.csv" > /dev/null
 
 for way in '0 0' '100 1' '1000 5'; do
