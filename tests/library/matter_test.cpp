@@ -342,14 +342,16 @@ TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed 
     }
   });
   std::vector<pp_tick> all;
+  double most_N = 0;  // the last answer fades where the machine is slow, and another one is waited for
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (all.size() < 250 && std::chrono::steady_clock::now() < end) {
+  while ((all.size() < 250 || most_N <= 0.05) && std::chrono::steady_clock::now() < end) {
     std::vector<pp_tick> ticks(64);
     std::uint64_t count = 0;
     const pp_status status = pp_live_take(water.session, ticks.data(), ticks.size(), &count);
     if (status == PP_ERROR_THREAD) continue;  // the other one looks just now
     PP_REQUIRE_OK(status);
     all.insert(all.end(), ticks.begin(), ticks.begin() + static_cast<std::ptrdiff_t>(count));
+    for (std::uint64_t i = 0; i < count; ++i) most_N = std::max(most_N, ticks[i].force_N[1]);
     if (count == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   governor.join();
@@ -361,8 +363,6 @@ TEST_CASE("a live hand in water: ticks come, frames are new, and it is governed 
   CHECK(two.positions != one.positions);
   PP_REQUIRE_OK(pp_live_stop(water.session));
   REQUIRE(all.size() >= 250);
-  double most_N = 0;  // the last answer fades where the machine is slow
-  for (const pp_tick& tick : all) most_N = std::max(most_N, tick.force_N[1]);
   CHECK(most_N > 0.05);
 }
 
