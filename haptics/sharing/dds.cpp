@@ -68,7 +68,8 @@ constexpr const char* kWholeDatagrams = "<MaxMessageSize>65500B</MaxMessageSize>
 constexpr const char* kFrames = "<MaxMessageSize>1400B</MaxMessageSize><FragmentSize>1344B</FragmentSize>";
 
 // On this machine alone participants find one another without multicast, by their ports. What a client has asked for, some
-// megabytes, may be under way at once, and be put together in any order.
+// megabytes, may be under way at once, and be put together in any order. One thread receives: several are woken at the end
+// through the network, for ever where the interface has gone.
 std::string configOf(const NetworkConfig& network) {
   if (network.domain > kLastDomain) throw UsageError("domain: is {}; there are 0 to {}", network.domain, kLastDomain);
   const bool isHere = network.interface.empty();
@@ -83,7 +84,7 @@ std::string configOf(const NetworkConfig& network) {
       "<AllowMulticast>{}</AllowMulticast>{}</General>"
       "<Discovery><ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>40</MaxAutoParticipantIndex>"
       "<Peers>{}</Peers></Discovery>"
-      "<Internal><Watermarks><WhcHigh>16MB</WhcHigh></Watermarks>"
+      "<Internal><MultipleReceiveThreads>false</MultipleReceiveThreads><Watermarks><WhcHigh>16MB</WhcHigh></Watermarks>"
       "<PrimaryReorderMaxSamples>8192</PrimaryReorderMaxSamples><SecondaryReorderMaxSamples>8192</SecondaryReorderMaxSamples>"
       "<NackDelay>10ms</NackDelay><AutoReschedNackDelay>300ms</AutoReschedNackDelay>"
       "<HeartbeatInterval min=\"5ms\" minsched=\"20ms\" max=\"500ms\">100ms</HeartbeatInterval><MaxQueuedRexmitBytes>4MB</MaxQueuedRexmitBytes>"

@@ -81,6 +81,13 @@ for way in '0 0' '100 1' '1000 5'; do
     joined "$folder/joined.csv" || fail 'the second server could not be joined'
     echo 'over_slow_link: a killed server: said, and followed by another'
   fi
-  end_server INT
+  [ "$trip" = 1000 ] || end_server INT
   end_link
 done
+
+# Its interface is gone with the link; it ends all the same.
+kill -INT "$server"
+for _ in $(seq 100); do kill -0 "$server" 2> /dev/null || break; sleep 0.05; done
+if kill -0 "$server" 2> /dev/null; then kill -KILL "$server"; fail 'a server whose interface is gone does not end'; fi
+server=''
+echo 'over_slow_link: a server whose interface is gone: ended'
