@@ -2,7 +2,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include "engine/cloud/voxel_sample.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/io/ply_reader.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 namespace {
@@ -144,11 +144,6 @@ void addOutliers(PointCloud& cloud, double share, double far) {
   const auto count = static_cast<std::size_t>(share * static_cast<double>(cloud.size()));
   for (std::size_t i = 0; i < count; ++i)
     add(cloud, box.center() + DVec3(dice(-1, 1), dice(-1, 1), dice(-1, 1)) * half, {0, 1, 0});
-}
-
-std::filesystem::path modelsFolder() {
-  if (const char* given = std::getenv("PALPATE_MODELS")) return given;
-  return std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
 }
 
 }  // namespace

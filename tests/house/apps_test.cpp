@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/source_folder.hpp"
+
 namespace palpate {
 
 namespace {
@@ -37,7 +39,7 @@ std::vector<std::string_view> forbiddenIn(std::string_view text) {
 }  // namespace
 
 TEST_CASE("no program names a back end's class or a servo loop, and none asks what class something has") {
-  const fs::path top = PALPATE_SOURCE_DIR;
+  const fs::path top = sourceFolder();
   if (!fs::exists(top / "apps")) {
     MESSAGE("skipped: the sources are not at " << top.string());
     return;

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/source_folder.hpp"
+
 namespace palpate {
 
 namespace {
@@ -94,7 +96,7 @@ bool isSource(const fs::path& file) {
 }  // namespace
 
 TEST_CASE("every include follows an arrow of the house") {
-  const fs::path top = PALPATE_SOURCE_DIR;
+  const fs::path top = sourceFolder();
   if (!fs::exists(top / "engine")) {
     MESSAGE("skipped: the sources are not at " << top.string());
     return;

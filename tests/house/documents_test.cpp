@@ -9,11 +9,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/source_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kRoot = PALPATE_SOURCE_DIR;
+const fs::path kRoot = palpate::sourceFolder();
 
 std::string textOf(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/source_folder.hpp"
+
 namespace palpate {
 
 namespace {
@@ -35,7 +37,7 @@ std::string wayToVulkan(const std::string& file, const Includes& includesOf, std
 }
 
 std::optional<std::vector<std::string>> includesOf(const std::string& file) {
-  std::ifstream in(fs::path(PALPATE_SOURCE_DIR) / file);
+  std::ifstream in(sourceFolder() / file);
   if (!in) return std::nullopt;
   std::vector<std::string> found;
   for (std::string line; std::getline(in, line);) {
@@ -50,15 +52,15 @@ std::optional<std::vector<std::string>> includesOf(const std::string& file) {
 }  // namespace
 
 TEST_CASE("no file of what runs without a GPU includes Vulkan, on whatever way") {
-  if (!fs::exists(fs::path(PALPATE_SOURCE_DIR) / "engine")) {
-    MESSAGE("skipped: the sources are not at " << PALPATE_SOURCE_DIR);
+  if (!fs::exists(sourceFolder() / "engine")) {
+    MESSAGE("skipped: the sources are not at " << sourceFolder().string());
     return;
   }
   std::ifstream sources(PALPATE_HOST_SOURCES);
   std::set<std::string> seen;
   std::size_t files = 0;
   for (std::string file; std::getline(sources, file); ++files) {
-    CHECK_MESSAGE(fs::exists(fs::path(PALPATE_SOURCE_DIR) / file), file);
+    CHECK_MESSAGE(fs::exists(sourceFolder() / file), file);
     const std::string way = wayToVulkan(file, includesOf, seen);
     CHECK_MESSAGE(way.empty(), way);
   }

@@ -8,6 +8,8 @@
 #include <regex>
 #include <string>
 
+#include "tests/source_folder.hpp"
+
 namespace palpate {
 
 namespace {
@@ -39,7 +41,7 @@ TEST_CASE("no call takes two random numbers, whose order would be the compiler's
   CHECK_FALSE(hasTwoInACall("Vec3 p{unit(random), unit(random), 0};"));
   std::size_t files = 0;
   for (const char* folder : {"apps", "engine", "haptics", "tests"})
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(fs::path(PALPATE_SOURCE_DIR) / folder)) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(sourceFolder() / folder)) {
       const fs::path& file = entry.path();
       if ((file.extension() != ".cpp" && file.extension() != ".hpp") || file.filename() == "random_order_test.cpp") continue;
       std::ifstream in(file);

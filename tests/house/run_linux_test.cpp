@@ -7,6 +7,7 @@
 
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -39,7 +40,7 @@ Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers 
   if (hasDrivers) writeProgram(folder / "third_party/drivers.sh", "echo other/drivers\n");
   writeProgram(folder / "third_party/windows.sh", "echo 'windows.sh: no wine here'; exit 1\n");
   fs::create_directories(folder / "tests");
-  fs::copy_file(fs::path(PALPATE_SOURCE_DIR) / "tests/run.sh", folder / "tests/run.sh");
+  fs::copy_file(sourceFolder() / "tests/run.sh", folder / "tests/run.sh");
   const std::string command = "env -u PALPATE_GPU PATH='" + (folder / "bin").string() + ":'\"$PATH\" bash '" +
                               (folder / "tests/run.sh").string() + "' 2>&1";
   std::FILE* pipe = ::popen(command.c_str(), "r");
@@ -53,8 +54,8 @@ Run runLegs(const std::string& cmake, const std::string& ctest, bool hasDrivers 
 }
 
 bool hasSources() {
-  if (fs::exists(fs::path(PALPATE_SOURCE_DIR) / "tests/run.sh")) return true;
-  MESSAGE("skipped: the sources are not at " << PALPATE_SOURCE_DIR);
+  if (fs::exists(sourceFolder() / "tests/run.sh")) return true;
+  MESSAGE("skipped: the sources are not at " << sourceFolder().string());
   return false;
 }
 

@@ -12,6 +12,8 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/source_folder.hpp"
+
 namespace palpate {
 
 namespace {
@@ -75,7 +77,7 @@ bool isSource(const fs::path& file) {
 }  // namespace
 
 TEST_CASE("no identifier has a word that has given way to the field's own") {
-  const fs::path top = PALPATE_SOURCE_DIR;
+  const fs::path top = sourceFolder();
   if (!fs::exists(top / "engine")) {
     MESSAGE("skipped: the sources are not at " << top.string());
     return;

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -16,6 +15,7 @@
 #include "engine/io/colmap_model.hpp"
 #include "engine/io/saving.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 namespace {
@@ -255,10 +255,7 @@ TEST_CASE("what a folder cannot mean is refused with its line") {
 }
 
 TEST_CASE("a real reconstruction: every point has a normal that faces those who saw it") {
-  const char* given = std::getenv("PALPATE_MODELS");
-  const std::filesystem::path models =
-      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
-  const std::filesystem::path folder = models / "colmap_a";
+  const std::filesystem::path folder = modelsFolder() / "colmap_a";
   if (!isColmapFolder(folder)) {
     MESSAGE("skipped: no ", folder.string());
     return;

@@ -13,6 +13,7 @@
 #include "engine/io/colmap_model.hpp"
 #include "tests/colmap_writer.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 namespace {
@@ -105,10 +106,7 @@ TEST_CASE("COLMAP's other form of a written model is the same model") {
 
 TEST_CASE("COLMAP's other forms of a real reconstruction are the same reconstruction, normals included") {
   if (!hasColmap()) return;
-  const char* given = std::getenv("PALPATE_MODELS");
-  const std::filesystem::path models =
-      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
-  const std::filesystem::path real = models / "colmap_a";
+  const std::filesystem::path real = modelsFolder() / "colmap_a";
   if (!isColmapFolder(real)) {
     MESSAGE("skipped: no ", real.string());
     return;

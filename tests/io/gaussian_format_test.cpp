@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 
@@ -16,6 +15,7 @@
 #include "tests/gaussian_scenes.hpp"
 #include "tests/io/ply_bytes.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 namespace {
@@ -266,10 +266,7 @@ TEST_CASE("2D Gaussians, which have two scales, are flat") {
 }
 
 TEST_CASE("a scene that was trained is read") {
-  const char* given = std::getenv("PALPATE_MODELS");
-  const std::filesystem::path models =
-      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
-  const std::filesystem::path file = models / "gaussians_9080.ply";
+  const std::filesystem::path file = modelsFolder() / "gaussians_9080.ply";
   if (!std::filesystem::exists(file)) {
     MESSAGE("skipped: no " << file.string());
     return;

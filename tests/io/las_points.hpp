@@ -13,6 +13,7 @@
 #include "engine/io/cloud_formats.hpp"
 #include "tests/io/las_bytes.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 
@@ -174,9 +175,7 @@ inline void checkPoint(const PointCloud& cloud, unsigned format, std::size_t i) 
 
 /// Files of laser scanners; empty where they are not.
 inline std::filesystem::path scannedFiles() {
-  const char* given = std::getenv("PALPATE_MODELS");
-  const std::filesystem::path folder =
-      std::filesystem::path(given ? given : PALPATE_SOURCE_DIR "/../shared/models") / "formats";
+  const std::filesystem::path folder = modelsFolder() / "formats";
   return std::filesystem::exists(folder / "simple.las") ? folder : std::filesystem::path();
 }
 

@@ -1,24 +1,15 @@
 // Files written by other programs, kept outside the repository.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "engine/core/error.hpp"
 #include "engine/io/ply_reader.hpp"
 #include "tests/io/ply_bytes.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate::test {
 namespace {
-
-std::filesystem::path modelsFolder() {
-  if (const char* given = std::getenv("PALPATE_MODELS")) return given;
-#ifdef PALPATE_SOURCE_DIR
-  return std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
-#else
-  return "../shared/models";
-#endif
-}
 
 void checkNear(const DVec3& found, const nlohmann::json& expected) {
   for (int k = 0; k < 3; ++k) {

@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <functional>
 
 #include "engine/core/error.hpp"
@@ -12,6 +11,7 @@
 #include "tests/rgbd_writer.hpp"
 #include "tests/says.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -78,10 +78,7 @@ class Remarks final : public LogListener {
 
 const std::filesystem::path& livingRoom() {
   static const std::filesystem::path folder = [] {
-    const char* given = std::getenv("PALPATE_MODELS");
-    return (given ? std::filesystem::path(given)
-                  : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models") /
-           "rgbd_livingroom_a";
+    return modelsFolder() / "rgbd_livingroom_a";
   }();
   return folder;
 }

@@ -7,6 +7,7 @@
 
 #include "tests/matter/matter_scenes.hpp"
 #include "tests/scratch_folder.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -26,7 +27,7 @@ std::vector<Front> frontsByPysph(double width_m, double duration_s) {
   const ScratchFolder folder;
   const auto said = folder.path() / "said.txt";
   const std::string command =
-      fmt::format("/usr/bin/python3 '{}/tests/matter/pysph_dam.py' '{}' {} {} > '{}' 2>&1", PALPATE_SOURCE_DIR,
+      fmt::format("/usr/bin/python3 '{}/tests/matter/pysph_dam.py' '{}' {} {} > '{}' 2>&1", sourceFolder().string(),
                   folder.path().string(), width_m, duration_s, said.string());
   const int status = std::system(command.c_str());
   std::vector<Front> fronts;

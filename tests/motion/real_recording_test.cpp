@@ -1,12 +1,12 @@
 // A recorded room (25 frames of 640 x 480), fused from its own poses and from those that are found.
 #include <doctest/doctest.h>
 
-#include <cstdlib>
 #include <filesystem>
 
 #include "engine/cloud/point_tree.hpp"
 #include "engine/io/rgbd_folder.hpp"
 #include "engine/motion/frame_fusion.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -39,10 +39,7 @@ Room fused(const std::filesystem::path& folder, Poses poses) {
 }  // namespace
 
 TEST_CASE("a recorded room becomes one map, with its poses and without them") {
-  const char* given = std::getenv("PALPATE_MODELS");
-  const std::filesystem::path models =
-      given ? std::filesystem::path(given) : std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "models";
-  const std::filesystem::path folder = models / "rgbd_livingroom_a";
+  const std::filesystem::path folder = modelsFolder() / "rgbd_livingroom_a";
   if (!isRgbdFolder(folder)) {
     MESSAGE("skipped: no ", folder.string());
     return;

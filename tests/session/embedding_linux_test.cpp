@@ -11,6 +11,7 @@
 #include "tests/content_of.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -30,7 +31,7 @@ TEST_CASE("the embedding program feels a model's surface") {
 }
 
 TEST_CASE("the README shows the program that is tested") {
-  const std::filesystem::path top = PALPATE_SOURCE_DIR;
+  const std::filesystem::path top = sourceFolder();
   if (!std::filesystem::exists(top / "README.md")) {
     MESSAGE("skipped: the sources are not at " << top.string());
     return;

@@ -5,6 +5,7 @@
 #include "haptics/devices/replay_device.hpp"
 #include "tests/scratch_folder.hpp"
 #include "tests/session/session_scene.hpp"
+#include "tests/source_folder.hpp"
 
 namespace palpate {
 
@@ -123,7 +124,7 @@ TEST_CASE("logs that carried options of the command line run again as they did")
   // from before logs carried the configuration.
   for (const char* name : {"version2.session", "version3.session"}) {
     CAPTURE(name);
-    const std::filesystem::path log = std::filesystem::path(PALPATE_SOURCE_DIR) / "tests/session" / name;
+    const std::filesystem::path log = sourceFolder() / "tests/session" / name;
     if (!std::filesystem::exists(log)) {
       MESSAGE("skipped: " << log.string() << " is not there");
       continue;
