@@ -176,7 +176,8 @@ ServoLoop::Tick ServoLoop::tick(double time_s, double dt_s, double budget_us, st
     poses_[i] = {.time_s = time_s, .hip = hand.hip(), .sculpts = hand.sculpts(), .turn = hand.state().turn};
   }
   const std::span<const Contact> answers = query_.ask(poses_, budget_us);
-  const bool forcesOn = !options_.forcesOn || options_.forcesOn->load(std::memory_order_relaxed);
+  const auto isOn = [](const std::atomic<bool>* flag) { return !flag || flag->load(std::memory_order_relaxed); };
+  const bool forcesOn = isOn(options_.forcesOn) && isOn(options_.isTrue);
   const bool lost = answers.front().lost;
   for (std::size_t i = 0; i < hands_.size(); ++i)
     hands_[i].feel(answers[i], query_.points(i), poses_[i], dt_s, forcesOn);

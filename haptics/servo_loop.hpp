@@ -43,6 +43,8 @@ struct ServoOptions {
   /// No force while it is false; when it becomes true again, as at the start of a session: first a small demand, then
   /// the ramp. Unless set, forces are on.
   const std::atomic<bool>* forcesOn = nullptr;
+  /// No force while it is false: what is felt may not be as it is any more.
+  const std::atomic<bool>* isTrue = nullptr;
   TickRecorder* recorder = nullptr;  ///< notified of each tick, in virtual and in real time; outlives the loop
 };
 

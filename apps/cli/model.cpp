@@ -93,7 +93,7 @@ double supportRadius(const std::string& text, const Model& model) {
 namespace {
 
 ModelLoading loadingOf(Context& context, EstimateOn where) {
-  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = sessionJoiner()};
+  ModelLoading loading{.log = context.log(), .threads = context.threads(), .join = pointsJoiner()};
   if (where == EstimateOn::gpu) loading.estimate = estimateNormalsOn([&]() -> Device& { return context.device(); });
   return loading;
 }

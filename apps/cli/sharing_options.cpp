@@ -4,6 +4,7 @@
 #include "engine/cloud/length_unit.hpp"
 #include "haptics/session/bounds.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/shared_edits.hpp"
 
 namespace palpate {
 
@@ -24,14 +25,15 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options) {
   command
       .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
       .typeName("NAME");
+  command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
   addNetworkOptions(command, options.network);
 }
 
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile) {
   const NetworkOptions& network = options.network;
   if (options.name.empty()) {
-    if (!network.interface.empty() || !network.peers.empty() || network.domain != 0)
-      throw UsageError("--interface, --peer and --domain are for --join, which names a session");
+    if (!network.interface.empty() || !network.peers.empty() || network.domain != 0 || !options.hand.empty())
+      throw UsageError("--interface, --peer, --domain and --as are for --join, which names a session");
     return std::nullopt;
   }
   if (!modelFile.empty()) throw UsageError("--join: the session that is joined is the model; leave {} out", modelFile);
@@ -39,15 +41,36 @@ std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::strin
   return JoinConfig{.network = network.interface, .peers = network.peers, .domain = network.domain};
 }
 
-SessionJoiner sessionJoiner() {
-  return [](const std::string& name, const JoinConfig& join, Log& log) {
-    const StopBySignal stop;
-    JoinedCloud joined = joinCloud(name, {.network = {.interface = join.network, .peers = join.peers, .domain = join.domain},
-                                          .log = &log,
-                                          .stop = &StopBySignal::requested()});
-    log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
-    sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
-    return std::move(joined.cloud);
+namespace {
+
+JoinedCloud join(const std::string& name, const JoinConfig& join, Log& log, bool present) {
+  const StopBySignal stop;
+  JoinedCloud joined = joinCloud(name, {.network = {.interface = join.network, .peers = join.peers, .domain = join.domain},
+                                        .present = present,
+                                        .log = &log,
+                                        .stop = &StopBySignal::requested()});
+  log.say("{}: {} points of {}, served by {}", name, joined.cloud.size(), joined.model, joined.host);
+  sayScale(joined.cloud.storedAs.comments, joined.mm_per_unit);
+  return joined;
+}
+
+}  // namespace
+
+SessionJoiner pointsJoiner() {
+  return [](const std::string& name, const JoinConfig& config, Log& log) {
+    return JoinedModel{.cloud = join(name, config, log, true).cloud};
+  };
+}
+
+SessionJoiner sessionJoiner(const std::string& hand) {
+  return [hand](const std::string& name, const JoinConfig& config, Log& log) {
+    JoinedCloud joined = join(name, config, log, false);
+    JoinedModel model{.cloud = std::move(joined.cloud)};
+    if (joined.sculptable)
+      model.share = [session = joined.session, hand, &log](const PointCloud& cloud, TouchBackend& backend) {
+        return shareEdits({.session = session, .cloud = cloud, .backend = backend, .hand = hand, .log = &log});
+      };
+    return model;
   };
 }
 

@@ -24,6 +24,7 @@ void addNetworkOptions(Options& command, NetworkOptions& options);
 
 struct JoinOptionsGiven {
   std::string name;  ///< empty: no session of others is joined
+  std::string hand;  ///< what the others see this hand called; empty: as the machine
   NetworkOptions network;
 };
 /// --join, and those of the network.
@@ -32,7 +33,9 @@ void addJoinOptions(Options& command, JoinOptionsGiven& options);
 /// together.
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile);
 
-/// Joins sessions while nobody asks the program to end.
-SessionJoiner sessionJoiner();
+/// Joins sessions while nobody asks the program to end, as one more hand of this name.
+SessionJoiner sessionJoiner(const std::string& hand);
+/// Fetches the points of a session as they are, to look at them.
+SessionJoiner pointsJoiner();
 
 }  // namespace palpate

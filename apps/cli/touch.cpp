@@ -189,7 +189,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
   checkTouchOptions(options, kind.capabilities());
   checkOutputs(context, options);
   Model model =
-      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner()});
+      loadModel(config, {.log = context.log(), .threads = context.threads(), .estimate = kind.normalEstimator(), .join = sessionJoiner(options.join.hand)});
   start.ended("model");
   std::vector<HandSource> sources;
   for (const HandConfig& hand : config.hands) sources.push_back(openHand(context, model, config, hand));
@@ -245,7 +245,7 @@ void touch(Context& context, const TouchCommandOptions& options) {
     if (recording) recording->finish(checksumOf(session.model().cloud.origin, session.journal()->points()));
   });
 
-  const bool changes = config.brush || config.moves();
+  const bool changes = config.brush || config.moves() || session.shared();
   const SculptedCloud end = changes ? session.sculpted() : SculptedCloud{};
   TouchReport report = reportOf(session, result, end);
   report.start = std::move(stages);
@@ -253,6 +253,13 @@ void touch(Context& context, const TouchCommandOptions& options) {
   report.back = undone;
   if (hands.size() > 1) report.second = secondReport(options.secondDevice, result.hands[1]);
   if (sources.front().recorded) report.recorded = compareForces(result.trace(), *sources.front().recorded);
+  if (SharedFollower* const shared = session.shared()) {
+    report.shared = shared->counts();
+    outputs.write([&] { session.checkFollower(); });
+    if (!report.shared->delivered)
+      outputs.failed(fmt::format("'{}' has not taken all that this hand has done; {}", config.model.file,
+                                 options.saveFile.empty() ? "it is kept nowhere (--save)" : options.saveFile + " has it"));
+  }
   if (recording)
     report.log =
         LogReport{recording->writer().bytes(), recording->writer().lostTicks(), recording->writer().mergedEdits()};

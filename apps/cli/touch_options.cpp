@@ -55,7 +55,7 @@ void addEditOptions(Options& sub, TouchCommandOptions& options) {
       .showDefault();
   sub.add("--paint-color", options.paintColor, "R,G,B, 0 to 255").showDefault();
   sub.addFlag("--keep-points", options.keepPoints,
-              "no points are put in where the surface is stretched, and none merge where it is crowded");
+              "no points are put in where the surface is stretched, and none merge where it is crowded; so it is with --join");
   sub.add("--tool-radius", options.brushRadius_mm, "of the round tool, mm")
       .check(between(bounds::kShortest_mm, bounds::kLongest_mm))
       .showDefault();
@@ -221,7 +221,7 @@ SessionConfig sessionConfig(const TouchCommandOptions& options) {
                                .strength = options.strength,
                                .falloff = options.falloff,
                                .color = paintColor(options),
-                               .keepsDensity = !options.keepPoints};
+                               .keepsDensity = !options.keepPoints && options.join.name.empty()};
   return config;
 }
 

@@ -140,6 +140,30 @@ std::string inWords(const MatterReport& matter, std::size_t particles) {
   return words;
 }
 
+std::string inWords(const SharedCounts& shared) {
+  std::string words = fmt::format("{} states of points sent, {} of others taken in", shared.sent, shared.received);
+  if (shared.roundTrip_ms)
+    words += fmt::format("; round trip {:.1f} ms, {} of {} pings answered", *shared.roundTrip_ms, shared.answered, shared.pings);
+  words += fmt::format("; longest silence {:.1f} s", shared.longestSilent_s);
+  if (!shared.atRest) return words + "; NOT all of it is everywhere";
+  return words + (shared.same ? "; the points are the server's" : "; the points are NOT the server's");
+}
+
+Json toJson(const SharedCounts& shared) {
+  return {{"sent", shared.sent},
+          {"received", shared.received},
+          {"resent", shared.resent},
+          {"resumed", shared.resumed},
+          {"differed", shared.differed},
+          {"longest_silence_s", shared.longestSilent_s},
+          {"pings", shared.pings},
+          {"answered", shared.answered},
+          {"round_trip_ms", shared.roundTrip_ms ? Json(*shared.roundTrip_ms) : Json(nullptr)},
+          {"delivered", shared.delivered},
+          {"at_rest", shared.atRest},
+          {"same", shared.same}};
+}
+
 Json toJson(const MatterReport& matter) {
   Json ports = Json::array();
   for (const PortEnergy& port : matter.ports)
@@ -158,6 +182,7 @@ void printReport(std::FILE* out, const TouchReport& report) {
   const auto row = [&](std::string_view what, const std::string& value) { fmt::print(out, "{:<22}{}\n", what, value); };
   const TraceSummary& trace = report.trace;
   const auto& shortfalls = report.shortfalls;
+  if (report.shared) row("others", inWords(*report.shared));
   if (report.matter)
     row(report.matter->matter == Matter::soft ? "points" : "particles", inWords(*report.matter, report.points));
   else
@@ -307,6 +332,7 @@ Json toJson(const TouchReport& report) {
     json["peak_torque_mNm"] = trace.peakTorque_mNm;
   }
   if (report.frames) json["frames"] = toJson(*report.frames);
+  if (report.shared) json["shared"] = toJson(*report.shared);
   if (report.second) json["second_hand"] = toJson(*report.second);
   if (report.bridge_us.count) json["bridge_us"] = summary(report.bridge_us);
   if (report.back)

@@ -85,6 +85,7 @@ struct TouchReport {
   std::optional<MatterReport> matter;  ///< where the model is a scene
   std::optional<StrokeCounts> shape;   ///< of a soft body with a brush
   std::optional<UndoneStrokes> back;  ///< where undo was asked for
+  std::optional<SharedCounts> shared;  ///< where others feel and sculpt it, too
   std::optional<LogReport> log;
   std::optional<SecondHandReport> second;   ///< where there was one
   std::optional<ForceDifference> recorded;  ///< from the forces of the trajectory that was replayed

@@ -11,7 +11,9 @@ namespace palpate {
 struct EditMark {
   enum class Kind : std::uint8_t {
     stroke,  ///< what a brush did from its first edit in a contact until the contact was lost
-    change   ///< one call of TouchBackend::change(), which is no stroke
+    change,  ///< one call of TouchBackend::change(), which is no stroke
+    part,    ///< what a brush has done so far in a stroke that goes on behind what was received
+    received  ///< one call of TouchBackend::offer(), which is no stroke and ends none
   };
   std::uint64_t at = 0;  ///< number of states before it, in its batch
   Kind kind = Kind::stroke;

@@ -28,9 +28,10 @@ class EditQueue {
     for (std::size_t i = 0; i < count; ++i) pending_.points.push_back(state(i));
     if (end) pending_.marks.push_back({pending_.points.size(), *end});
   }
-  void endStroke() {
+  /// A mark behind all that is there.
+  void mark(EditMark::Kind kind) {
     append(
-        0, [](std::size_t) { return PointState(); }, EditMark::Kind::stroke);
+        0, [](std::size_t) { return PointState(); }, kind);
   }
 
   /// Appends to `batch` everything since the last call. For one thread.

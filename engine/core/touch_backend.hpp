@@ -121,6 +121,15 @@ class TouchBackend : public ContactQuery {
   /// away, put back or new, each of them once. Done when it returns; takeEdits() reports it with a mark of its own.
   /// For the thread that queries, between queries.
   virtual void change(std::span<const PointChange>) { noEdits(); }
+  /// Changes that somebody else has made, at most mostOffered() of them, each point once. Carried out between later
+  /// answers, and no answer waits for them: a point that does not stand where its change says stays as it is. They end
+  /// no stroke; takeEdits() reports what has become of them with a mark of its own (EditMark::Kind::received), once.
+  /// `changesFollowed`: how many marks of change() whoever offers has taken; behind another one of those nothing of it
+  /// is done. False while the last ones have not been reported. For one thread, which may be another than the one that
+  /// queries.
+  virtual bool offer(std::span<const PointChange> /*changes*/, std::uint64_t /*changesFollowed*/) { noEdits(); }
+  /// 0: nothing can be offered, as where points come and go to keep the surface whole.
+  virtual std::size_t mostOffered() const { return 0; }
   virtual EditScope editScope() const { return {}; }
   /// The log of the edits on the GPU `sight`, for who draws there; null where they stand on none or on another one.
   virtual EditLog* editLogOn(const Device& /*sight*/) { return nullptr; }

@@ -34,10 +34,18 @@ std::uint64_t EditLog::positionOf(std::uint32_t head) const {
 
 void EditLog::publish(std::uint32_t head) { published_.store(positionOf(head), std::memory_order_release); }
 
-void EditLog::publishChange(std::uint32_t head) {
+bool EditLog::publishChange(std::uint32_t head) {
   const std::uint64_t end = positionOf(head);
-  if (end == published()) return;
+  if (end == published()) return false;
   mark(end, EditMark::Kind::change);
+  published_.store(end, std::memory_order_release);
+  return true;
+}
+
+void EditLog::publishReceived(std::uint32_t head, bool inStroke) {
+  const std::uint64_t end = positionOf(head);
+  if (inStroke) mark(published(), EditMark::Kind::part);
+  mark(end, EditMark::Kind::received);
   published_.store(end, std::memory_order_release);
 }
 

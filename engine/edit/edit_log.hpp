@@ -52,7 +52,10 @@ class EditLog {
   void publish(std::uint32_t head);
   /// The same for the entries of one change(), with the mark that ends them: no reader sees the former without the
   /// latter.
-  void publishChange(std::uint32_t head);
+  /// False where there are none.
+  bool publishChange(std::uint32_t head);
+  /// The same for what has become of an offer, should it be nothing, too. `inStroke`: of a brush, which goes on behind it.
+  void publishReceived(std::uint32_t head, bool inStroke);
   /// The stroke ended with the last entry that is published.
   void endStroke() { mark(published_.load(std::memory_order_relaxed), EditMark::Kind::stroke); }
   /// Entries that may be written now without overwriting unread ones; none while a reader has left too many marks
@@ -70,8 +73,7 @@ class EditLog {
 
  private:
   static constexpr std::size_t kMostReaders = 4;
-  // Marks stand behind at least one entry each, and a tick makes two at most.
-  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 2;
+  static constexpr std::uint64_t kMarks = 1024, kMarksPerTick = 4;  // two of a stroke and a change, two of an offer
 
   struct Seat {
     std::atomic<bool> taken = false;

@@ -96,10 +96,11 @@ void EditPass::recordReached(CommandList& list, const LiveCloud::Half& from, Dev
   update_.recordCommit(list, cloud);
 }
 
-void EditPass::recordRestore(CommandList& list, const LiveCloud::Half& half, bool finishes) const {
+void EditPass::recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const {
+  if (given == Given::offered) flags |= shared::kRestoreOffered;
   const shared::CloudView cloud = view(half);
   const DeviceAddress lists = resample_ ? resample_->lists() : 0;
-  given_.record(list, {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = lists}, finishes);
+  given_.record(list, {.cloud = cloud, .parity = half.parity, .tables = tables_.address(), .lists = lists}, flags);
 }
 
 void EditPass::recordForget(CommandList& list, const LiveCloud::Half& half) const {
@@ -108,23 +109,23 @@ void EditPass::recordForget(CommandList& list, const LiveCloud::Half& half) cons
   moves_.recordRecalls(list, movesIo(cloud, half.parity, 0), shared::kForgetsRequests);
 }
 
-void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Half& half) const {
+void EditPass::recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const {
   const shared::CloudView cloud = view(half);
   update_.recordBegin(list);
   recordForget(list, half);
-  recordRestore(list, half, false);
+  recordRestore(list, half, given, 0);
   update_.recordApply(list, cloud, half.parity);
-  recordRestore(list, half, true);
+  recordRestore(list, half, given, shared::kRestoreFinishes);
   recordSequel(list, cloud, half.parity, scratch(), false);
 }
 
 void EditPass::recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                                  SortMethod sort) const {
+                                  SortMethod sort, Given given) const {
   update_.recordBegin(list);
   recordForget(list, from);
-  recordRestore(list, from, false);
+  recordRestore(list, from, given, 0);
   update_.recordCommit(list, view(from));
-  recordRestore(list, from, true);
+  recordRestore(list, from, given, shared::kRestoreFinishes);
   hash_.recordBuild(list, from, to, live_.slots(), sort);
   update_.recordRecount(list, view(to), to.parity, scratch(from).changed);
   recordSequel(list, view(to), to.parity, scratch(from), false);

@@ -43,12 +43,14 @@ class EditPass {
   void recordRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
                      const Buffer& contactState, SortMethod sort, Reach reach) const;
 
-  // Of changes as they are given, at most mostChanges() at a time; recorded after give().
+  // Of changes as they are given, at most mostChanges() at a time; recorded after give(). Of those that are offered a
+  // point that does not stand where its change says stays as it is; without that none of them is carried out then.
+  enum class Given { exactly, offered };
   std::uint32_t mostChanges() const { return given_.most(); }
   void give(std::span<const PointChange> changes) { given_.give(changes, live_.slots()); }
-  void recordGivenIncremental(CommandList& list, const LiveCloud::Half& half) const;
-  void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
-                          SortMethod sort) const;
+  void recordGivenIncremental(CommandList& list, const LiveCloud::Half& half, Given given) const;
+  void recordGivenRebuild(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to, SortMethod sort,
+                          Given given) const;
   /// A full build and nothing else: the points on `from` stand without gaps on `to`.
   void recordCompaction(CommandList& list, const LiveCloud::Half& from, const LiveCloud::Half& to,
                         SortMethod sort) const;
@@ -90,8 +92,8 @@ class EditPass {
 
   // Of an edit with a full build: what the brush makes of the points, where they stand.
   void recordReached(CommandList& list, const LiveCloud::Half& from, DeviceAddress contactState, Reach reach) const;
-  // Of changes as they are given. `finishes`: after the update, what it leaves to do.
-  void recordRestore(CommandList& list, const LiveCloud::Half& half, bool finishes) const;
+  // Of changes as they are given. `flags`: shared::kRestore...
+  void recordRestore(CommandList& list, const LiveCloud::Half& half, Given given, std::uint32_t flags) const;
   // Requests of the last tick are dropped.
   void recordForget(CommandList& list, const LiveCloud::Half& half) const;
   // What follows once the index has: normals and log. Makes an end to the update, unless `requests` follow.

@@ -41,7 +41,7 @@ void GivenChanges::give(std::span<const PointChange> changes, std::uint32_t ids)
   count_ = static_cast<std::uint32_t>(changes.size());
 }
 
-void GivenChanges::record(CommandList& list, const Io& io, bool finishes) const {
+void GivenChanges::record(CommandList& list, const Io& io, std::uint32_t flags) const {
   const shared::HashUpdateArgs update = update_.args(io.cloud, io.parity);
   list.dispatch(restore_, std::uint64_t{count_} * subgroupSize_,
                 shared::RestoreArgs{.cloud = io.cloud,
@@ -51,7 +51,7 @@ void GivenChanges::record(CommandList& list, const Io& io, bool finishes) const 
                                     .tables = io.tables,
                                     .lists = io.lists,
                                     .count = count_,
-                                    .finishes = finishes ? 1u : 0u});
+                                    .flags = flags});
 }
 
 std::uint64_t GivenChanges::predictedBytes(std::uint64_t points) {

@@ -25,8 +25,8 @@ class GivenChanges {
     std::uint32_t parity;
     DeviceAddress tables, lists;
   };
-  /// Of what was given last. `finishes`: after the update, what it leaves to do.
-  void record(CommandList& list, const Io& io, bool finishes) const;
+  /// Of what was given last. `flags`: shared::kRestore...
+  void record(CommandList& list, const Io& io, std::uint32_t flags) const;
 
   std::uint64_t bytes() const { return changes_.bytes(); }
   static std::uint64_t predictedBytes(std::uint64_t points);

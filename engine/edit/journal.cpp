@@ -16,12 +16,17 @@ void Journal::follow(const EditBatch& batch) {
   for (const EditMark& mark : batch.marks) {
     PALPATE_CHECK(begin <= mark.at && mark.at <= all.size());
     const auto states = all.subspan(begin, mark.at - begin);
-    if (mark.kind == EditMark::Kind::stroke) {
-      addToStroke(states);
-      endStroke();
-    } else {
-      endStroke();  // a change ends it, should nobody have said so
-      set(states);
+    switch (mark.kind) {
+      case EditMark::Kind::stroke:
+        addToStroke(states);
+        endStroke();
+        break;
+      case EditMark::Kind::change:
+        endStroke();  // should nobody have said so
+        set(states);
+        break;
+      case EditMark::Kind::part: addToStroke(states); break;
+      case EditMark::Kind::received: receive(states); break;
     }
     begin = mark.at;
   }
@@ -41,6 +46,23 @@ void Journal::set(std::span<const PointState> states) {
     const std::uint32_t point = state.number();
     if (point >= points_.size()) growTo(point);
     points_[point] = state;
+  }
+}
+
+void Journal::receive(std::span<const PointState> states) {
+  if (states.empty()) return;
+  ++received_;
+  set(states);
+  if (!budget_) return;
+  lastReceived_.resize(points_.size(), 0);
+  for (const PointState& state : states) {
+    const std::uint32_t point = state.number();
+    lastReceived_[point] = received_;
+    if (!isInStroke(point)) continue;
+    // What the stroke does to it from now on is done to what others have made of it.
+    open_.points[slot_[point]] = open_.points.back();
+    slot_[open_.points.back().number()] = slot_[point];
+    open_.points.pop_back();
   }
 }
 
@@ -88,6 +110,7 @@ void Journal::endStroke() {
   if (!std::exchange(inStroke_, false)) return;
   ++strokes_;
   if (keepsStroke_) {
+    open_.received = received_;
     open_.points.shrink_to_fit();
     bytes_ += bytesOf(open_);
     done_.push_back(std::move(open_));
@@ -98,7 +121,18 @@ void Journal::endStroke() {
   open_ = {};
 }
 
+void Journal::leaveReceived(Stroke& stroke) {
+  if (!lastReceived_.empty())
+    std::erase_if(stroke.points, [&](const PointState& point) {
+      return point.number() < lastReceived_.size() && lastReceived_[point.number()] > stroke.received;
+    });
+  stroke.received = received_;
+}
+
 std::vector<PointChange> Journal::cross(Stroke& stroke) {
+  bytes_ -= bytesOf(stroke);
+  leaveReceived(stroke);
+  bytes_ += bytesOf(stroke);
   std::vector<PointChange> changes;
   changes.reserve(stroke.points.size());
   std::swap(version_, stroke.version);

@@ -13,6 +13,8 @@ namespace palpate {
 /// every point as it is, and for each stroke every point that it touched as it was before. Undo and redo give back
 /// exactly those states, bit by bit.
 ///
+/// What others have done is in no stroke: a point that they have changed since is left as it is by undo and redo.
+///
 /// A stroke that was undone and not redone is forgotten as soon as the next one begins. Strokes are kept as long as
 /// they fit into a budget: the oldest are dropped first, and a stroke that is larger than the whole budget cannot be
 /// undone, nor can any before it.
@@ -36,7 +38,7 @@ class Journal {
   std::vector<PointChange> redo();
 
   /// Tells states of the points apart: it is the same again exactly when they are, by undo and redo.
-  std::uint64_t version() const { return version_; }
+  std::uint64_t version() const { return version_ + (received_ << 32); }
 
   bool inStroke() const { return inStroke_; }
   std::uint64_t strokes() const { return strokes_; }  ///< that have ended, ever
@@ -54,12 +56,14 @@ class Journal {
   struct Stroke {
     std::vector<PointState> points;
     std::uint64_t version = 0;
+    std::uint64_t received = 0;  // when it was made, undone or redone last
   };
   static std::uint64_t bytesOf(const Stroke& stroke) {
     return sizeof(Stroke) + stroke.points.size() * sizeof(PointState);
   }
 
   void set(std::span<const PointState> states);
+  void receive(std::span<const PointState> states);
   void addToStroke(std::span<const PointState> states);
   void endStroke();
   void keepBefore(std::uint32_t point);
@@ -71,6 +75,8 @@ class Journal {
   void growTo(std::uint32_t point);
   // Exchanges the points' states with the stroke's.
   std::vector<PointChange> cross(Stroke& stroke);
+  // Leaves out of it the points that others have changed since it was crossed last.
+  void leaveReceived(Stroke& stroke);
 
   std::uint64_t budget_;
   std::vector<PointState> points_;
@@ -78,6 +84,8 @@ class Journal {
   std::deque<Stroke> done_;
   std::vector<Stroke> undone_;
   std::uint64_t version_ = 0, lastVersion_ = 0;
+  std::uint64_t received_ = 0;               // batches of what others have done, that have any states
+  std::vector<std::uint64_t> lastReceived_;  // by point: the last one of those that had it; empty before the first
   std::uint64_t bytes_ = 0;  // of done_ and undone_
   Stroke open_;              // under way
   std::size_t room_ = 0;     // points that open_ may have for now

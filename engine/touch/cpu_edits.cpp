@@ -8,9 +8,20 @@
 
 namespace palpate {
 
+namespace {
+
+constexpr std::size_t kMostOffered = 1 << 16;  // changes: the index is built anew behind them, however few they are
+
+}  // namespace
+
 CpuEdits::CpuEdits(CpuSculpture& sculpture, const std::optional<BrushOptions>& brush, double radius,
                    const DVec3& origin)
-    : sculpture_(sculpture), brush_(brush), radius_(radius), origin_(origin), pace_(kStalest_s) {
+    : sculpture_(sculpture),
+      brush_(brush),
+      radius_(radius),
+      origin_(origin),
+      pace_(kStalest_s),
+      offered_(brush && !brush->keepsDensity ? kMostOffered : 0) {
   if (!brush) return;
   statistics_.editTimes_us.reserve(kEditTimesKept);
   task_ = std::make_unique<BackgroundTask>([this] {
@@ -31,10 +42,45 @@ void CpuEdits::editIfYielding(const Contact& contact, const Pose& pose, const DV
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = pose.time_s;
   time_s_ = pose.time_s;
   isUnderWay_ = inStroke_ = true;
+  work_.isOffer = false;
   task_->start();
 }
 
+bool CpuEdits::takeUpOffer(double time_s, bool realtime) {
+  if (isUnderWay_ || !offered_.isThere() || (realtime && !pace_.mayEdit(time_s))) return false;
+  if (offered_.changesFollowed() != changes_) {
+    report(0, inStroke_);
+    return false;
+  }
+  time_s_ = time_s;
+  isUnderWay_ = true;
+  work_.isOffer = true;
+  work_.inStroke = inStroke_;
+  task_->start();
+  return true;
+}
+
+// Points that the brush has changed since are the hand's.
+void CpuEdits::carryOut() {
+  const Stopwatch watch;
+  standing_.clear();
+  for (const PointChange& change : offered_.changes())
+    if (sculpture_.points().state(change.to.number()) == change.from) standing_.push_back(change);
+  if (!standing_.empty()) sculpture_.set(standing_);
+  work_.states += standing_.size();
+  report(standing_.size(), work_.inStroke);
+  work_.time_us = watch.elapsed_us();
+}
+
+void CpuEdits::report(std::size_t count, bool inStroke) {
+  if (inStroke) queue_.mark(EditMark::Kind::part);
+  queue_.append(
+      count, [&](std::size_t i) { return standing_[i].to; }, EditMark::Kind::received);
+  offered_.done();
+}
+
 void CpuEdits::edit() {
+  if (work_.isOffer) return carryOut();
   const Stopwatch watch;
   sculpture_.edit(*work_.brush);
   const auto changed = sculpture_.changed();
@@ -49,6 +95,7 @@ bool CpuEdits::finishedWithin(double budget_us) {
   isUnderWay_ = false;
   answered_ = work_.states;
   pace_.took(time_s_, work_.time_us * 1e-6);
+  if (work_.isOffer) return true;
   if (statistics_.editTimes_us.size() < statistics_.editTimes_us.capacity())
     statistics_.editTimes_us.push_back(work_.time_us);
   return true;
@@ -63,7 +110,7 @@ void CpuEdits::rest() {
 }
 
 void CpuEdits::endStroke() {
-  if (std::exchange(inStroke_, false)) queue_.endStroke();
+  if (std::exchange(inStroke_, false)) queue_.mark(EditMark::Kind::stroke);
 }
 
 void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
@@ -71,6 +118,7 @@ void CpuEdits::change(std::span<const PointChange> changes, double time_s) {
   sculpture_.set(changes);
   queue_.append(
       changes.size(), [&](std::size_t i) { return changes[i].to; }, EditMark::Kind::change);
+  ++changes_;
   answered_ = work_.states += changes.size();
   if (!statistics_.firstEditTime_s) statistics_.firstEditTime_s = time_s;
 }

@@ -3,18 +3,20 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "engine/core/background_task.hpp"
 #include "engine/core/contact_query.hpp"
 #include "engine/core/edit_queue.hpp"
+#include "engine/core/offered_changes.hpp"
 #include "engine/edit/cpu_sculpture.hpp"
 #include "engine/touch/edit_pace.hpp"
 #include "engine/touch/touch_statistics.hpp"
 
 namespace palpate {
 
-/// Edits points on a thread of its own, one edit at a time: the brush where an answer says that the surface yields, and
-/// changes as they are given. Nobody waits for it but the next answer. While an edit is under way the sculpture is that
+/// Edits points on a thread of its own, one edit at a time: the brush where an answer says that the surface yields,
+/// changes that somebody offers, and others as they are given. Nobody waits for it but the next answer. While an edit is under way the sculpture is that
 /// thread's alone.
 class CpuEdits {
  public:
@@ -28,6 +30,8 @@ class CpuEdits {
   /// Starts an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
   /// do. `lastHip`: where the HIP was in the tick before.
   void editIfYielding(const Contact& contact, const Pose& pose, const DVec3& lastHip, bool realtime);
+  /// Starts to carry out what is offered (TouchBackend::offer()), if anything is, for a pose of this time.
+  bool takeUpOffer(double time_s, bool realtime);
   /// Whether none is under way, within the budget (0: as long as it takes). Takes note of the one that has ended.
   bool finishedWithin(double budget_us);
   /// Waits for the one that is under way, and takes no note.
@@ -39,6 +43,8 @@ class CpuEdits {
   void change(std::span<const PointChange> changes, double time_s);
 
   EditQueue& queue() { return queue_; }
+  OfferedChanges& offered() { return offered_; }
+  const OfferedChanges& offered() const { return offered_; }
   /// TouchBackend::editsAnswered.
   std::uint64_t answered() const { return answered_; }
   const TouchStatistics& statistics() const { return statistics_; }
@@ -47,10 +53,13 @@ class CpuEdits {
   // What the thread works with, which is its alone while it does.
   struct Work {
     std::optional<PlacedBrush> brush;
+    bool isOffer = false, inStroke = false;  // carries out what is offered in place of the brush
     double time_us = 0;        // of the edit that ran last
     std::uint64_t states = 0;  // in the queue so far
   };
   void edit();
+  void carryOut();
+  void report(std::size_t count, bool inStroke);
 
   CpuSculpture& sculpture_;
   std::optional<BrushOptions> brush_;
@@ -60,9 +69,12 @@ class CpuEdits {
   bool isUnderWay_ = false, inStroke_ = false;
   double time_s_ = 0;  // of the pose whose answer led to the last edit
   std::uint64_t answered_ = 0;
+  std::uint64_t changes_ = 0;  // calls of change() that were reported
   EditPace pace_;
   TouchStatistics statistics_;
   EditQueue queue_;
+  OfferedChanges offered_;
+  std::vector<PointChange> standing_;  // what of an offer is carried out; the thread's
   std::unique_ptr<BackgroundTask> task_;  // goes first
 };
 

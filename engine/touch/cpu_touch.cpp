@@ -112,6 +112,10 @@ void CpuTouch::answer(std::span<const Pose> poses, bool realtime) {
   const DVec3 lastHip = lastHip_.value_or(pose.hip);
   lastHip_ = own.valid ? std::optional(pose.hip) : std::nullopt;
   if (!own.touching || !own.valid || !pose.sculpts) edits_.rest();
+  if (edits_.takeUpOffer(pose.time_s, realtime)) {
+    if (realtime) return;  // the brush goes on with the next tick that has no offer
+    edits_.finishedWithin(0);
+  }
   if (own.valid) edits_.editIfYielding(own, pose, lastHip, realtime);
 }
 

@@ -59,6 +59,10 @@ class CpuTouch final : public TouchBackend, private SurfaceField {
   void keepEdits() override { edits_.queue().keep(); }
   void takeEdits(EditBatch& batch) override { edits_.queue().take(batch); }
   void change(std::span<const PointChange> changes) override;
+  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
+    return edits_.offered().give(changes, changesFollowed);
+  }
+  std::size_t mostOffered() const override { return edits_.offered().most(); }
   /// Density is kept where the first brush kept it.
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;

@@ -16,6 +16,11 @@ namespace {
 
 // Of the points: an edit that touches more is followed by a full build, which then takes less time.
 constexpr double kLargeEdit = 1.0 / 16;
+constexpr std::size_t kMostOffered = 1 << 14;  // changes: they come between two ticks
+
+std::size_t mostOffered(const EditPass& pass) {
+  return pass.brush().keepsDensity ? 0 : std::min<std::size_t>(kMostOffered, pass.mostChanges());
+}
 
 }  // namespace
 
@@ -27,6 +32,7 @@ EditPipeline::EditPipeline(Device& device, const EditOptions& options, LiveIndex
       log_(log),
       statistics_(statistics),
       pass_(device, options.brush, index.hash(), index.cloud(), log, colors, options.radius),
+      offered_(mostOffered(pass_)),
       pace_(kStalest_s) {
   statistics_.editTimes_us.reserve(kEditTimesKept);
   statistics_.requestTimes_us.reserve(kEditTimesKept);
@@ -120,8 +126,75 @@ void EditPipeline::settle() {
   }
 }
 
+bool EditPipeline::takeUpOffer(double time_s, bool realtime) {
+  if (isUnderWay() || !offered_.isThere() || (realtime && !pace_.mayEdit(time_s))) return false;
+  // Somebody's change has come between: what was offered may not be where it says any more, or be there twice.
+  if (offered_.changesFollowed() != changes_) {
+    offer_.isDone = true;
+    publish(static_cast<std::uint32_t>(log_.published()));
+    return false;
+  }
+  offer_.rebuilds = options_.index == IndexFollow::rebuild || offer_.hasFailed;
+  if (log_.room() < offered_.changes().size() || (offer_.rebuilds && !index_.mayBuild(realtime))) return false;
+  submitOffer(time_s);
+  if (realtime) return true;
+  collectOffer(nullptr);
+  if (offer_.hasFailed) {
+    compact();  // so that the order of points in a bucket follows from the edits alone
+    offer_.rebuilds = true;
+    submitOffer(time_s);
+    collectOffer(nullptr);
+  }
+  publish(logHead());
+  return true;
+}
+
+void EditPipeline::submitOffer(double time_s) {
+  const LiveCloud& cloud = index_.cloud();
+  pass_.give(offered_.changes());
+  offer_.list = std::make_unique<CommandList>(device_, device_.latencyQueue(), "offer", options_.timing);
+  CommandList& list = *offer_.list;
+  list.begin();
+  {
+    const auto section = list.section("offer");
+    if (offer_.rebuilds)
+      pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort(), EditPass::Given::offered);
+    else
+      pass_.recordGivenIncremental(list, cloud.front(), EditPass::Given::offered);
+  }
+  list.end();
+  offer_.ticket = device_.latencyQueue().submit(list);
+  offer_.isUnderWay = true;
+  offer_.since = {};
+  offer_.time_s = time_s;
+  if (offer_.rebuilds) index_.built();
+}
+
+void EditPipeline::collectOffer(const Stopwatch* sinceAsked) {
+  device_.latencyQueue().wait(offer_.ticket, Wait::spin);
+  const double time_us = sinceAsked ? offer_.since.elapsed_us() : offer_.list->sectionTime_us("offer");
+  pace_.took(offer_.time_s, time_us * 1e-6);
+  offer_.isUnderWay = false;
+  index_.readReport();
+  const bool failed = pass_.report().failed != 0;
+  if (failed && offer_.rebuilds)
+    throw Error("{}: changes that others have made could not be carried out", device_.name());
+  if (!failed && !offer_.rebuilds) index_.followed();
+  offer_.hasFailed = failed;
+  offer_.isDone = !failed;
+}
+
+void EditPipeline::publish(std::uint32_t head) {
+  if (!std::exchange(offer_.isDone, false)) return log_.publish(head);
+  log_.publishReceived(head, inStroke_);
+  offered_.done();
+}
+
+std::uint32_t EditPipeline::logHead() const { return download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]; }
+
 void EditPipeline::collect(const Stopwatch* sinceAsked) {
   // Called when a later submission to the same queue has answered, so the edit's fence is about to follow.
+  if (offer_.isUnderWay) collectOffer(sinceAsked);
   if (!last_.isUnderWay) return index_.collectCompaction(sinceAsked);
   device_.latencyQueue().wait(last_.ticket, Wait::spin);
   const double time_us = sinceAsked ? last_.since.elapsed_us() : last_.list->sectionTime_us("edit");
@@ -176,7 +249,7 @@ void EditPipeline::change(std::span<const PointChange> changes) {
     changeBatch(changes.first(batch));
     changes = changes.subspan(batch);
   }
-  log_.publishChange(download<std::uint32_t>(device_, log_.headBuffer(), 1)[0]);
+  changes_ += log_.publishChange(logHead());
 }
 
 void EditPipeline::changeBatch(std::span<const PointChange> changes) {
@@ -185,7 +258,7 @@ void EditPipeline::changeBatch(std::span<const PointChange> changes) {
   if (options_.index == IndexFollow::incremental) {
     CommandList list(device_, device_.latencyQueue(), "change");
     list.begin();
-    pass_.recordGivenIncremental(list, cloud.front());
+    pass_.recordGivenIncremental(list, cloud.front(), EditPass::Given::exactly);
     list.end();
     device_.latencyQueue().run(list);
   }
@@ -193,7 +266,7 @@ void EditPipeline::changeBatch(std::span<const PointChange> changes) {
     compact();  // the order of points in a bucket follows from the edits alone
     CommandList list(device_, device_.latencyQueue(), "change");
     list.begin();
-    pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort());
+    pass_.recordGivenRebuild(list, cloud.front(), cloud.back(), index_.hash().sort(), EditPass::Given::exactly);
     list.end();
     device_.latencyQueue().run(list);
     index_.built();

@@ -10,6 +10,7 @@
 #include "engine/core/index_options.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/contact_query.hpp"
+#include "engine/core/offered_changes.hpp"
 #include "engine/edit/edit_log.hpp"
 #include "engine/edit/edit_pass.hpp"
 #include "engine/gpu/command_list.hpp"
@@ -29,7 +30,7 @@ struct EditOptions {
 };
 
 /// Edits the live cloud: the brush where an answer says that the surface yields, the index that follows or is built
-/// anew, and changes as they are given. An edit is a command list recorded ahead, one for each half of the cloud, and
+/// anew, changes that somebody offers, and others as they are given. An edit is a command list recorded ahead, one for each half of the cloud, and
 /// for each sort that a build may need. One at a time is under way, and nobody waits for it but the next question.
 class EditPipeline {
  public:
@@ -47,6 +48,12 @@ class EditPipeline {
   /// Submits an edit when the answer to the HIP says that the surface yields, or when the last edit left something to
   /// do, and nothing stands in its way. In virtual time it is done when it returns. True: points have moved, or will.
   bool editIfYielding(const Contact& contact, const Pose& pose, bool realtime);
+  /// Submits what is offered (TouchBackend::offer()), if anything is, for a pose of this time; while no edit is under
+  /// way, and once all that came before is published. In virtual time it is done, and published, when it returns. True:
+  /// points have moved, or will.
+  bool takeUpOffer(double time_s, bool realtime);
+  /// Publishes to the log what has been collected: all entries before `head` (EditLog).
+  void publish(std::uint32_t head);
   /// Takes note of the edit under way, and of a compaction that comes to its end, once a later submission to the same
   /// queue has answered. `sinceAsked`: of that question, where the driver is not asked for times; null where it is.
   void collect(const Stopwatch* sinceAsked);
@@ -58,7 +65,9 @@ class EditPipeline {
   /// As TouchBackend::readBack().
   std::size_t readBack(PointCloud& cloud) const;
 
-  bool isUnderWay() const { return last_.isUnderWay; }
+  OfferedChanges& offered() { return offered_; }
+  const OfferedChanges& offered() const { return offered_; }
+  bool isUnderWay() const { return last_.isUnderWay || offer_.isUnderWay; }
   const EditPass& pass() const { return pass_; }
   /// The passes of the last edit, or of the next one where there was none.
   std::vector<PassRecord> passes() const { return (last_.list ? *last_.list : chosen()).passes(); }
@@ -76,6 +85,16 @@ class EditPipeline {
     Stopwatch since;
     double time_s = 0;  // of the pose whose answer led to it
   };
+  // An offer that is carried out.
+  struct TakenOffer {
+    std::unique_ptr<CommandList> list;
+    Queue::Ticket ticket = 0;
+    bool isUnderWay = false, rebuilds = false;
+    bool isDone = false;     // and not published yet
+    bool hasFailed = false;  // the index could not follow: it goes again, with a full build
+    Stopwatch since;
+    double time_s = 0;
+  };
   // What the last edit came to means for the next one.
   struct Next {
     bool large = false;                            // too large for an update
@@ -87,6 +106,9 @@ class EditPipeline {
   // Waits for the edit under way; one that did not come out is done again with a full build.
   void settle();
   void takeReport();
+  void submitOffer(double time_s);
+  void collectOffer(const Stopwatch* sinceAsked);
+  std::uint32_t logHead() const;
   void compact();
   void changeBatch(std::span<const PointChange> changes);
 
@@ -99,6 +121,9 @@ class EditPipeline {
   std::array<Lists, 2> lists_;
   LastEdit last_;
   Next next_;
+  OfferedChanges offered_;
+  TakenOffer offer_;
+  std::uint64_t changes_ = 0;  // calls of change() that were reported
   EditPace pace_;
   bool brushOn_ = true, inStroke_ = false;
 };

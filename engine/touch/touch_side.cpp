@@ -277,7 +277,7 @@ void TouchSide::takeAnswer(double now_s) {
   if (edits_) edits_->collect(asked.timed ? nullptr : &asked.since);
   GpuHand& first = hands_.front();
   const shared::ContactSample sample = questions_.sample(first.firstProbe);
-  record_.log.publish(sample.logHead);
+  publish(sample.logHead);
   record_.answered = record_.log.published();
   std::uint32_t flags = 0;
   for (GpuHand& hand : hands_) flags |= takeAnswers(hand);
@@ -294,6 +294,13 @@ void TouchSide::takeAnswer(double now_s) {
   else
     bridge_->answered(own, pose, proxyStateOf(sample, pose.hip - origin_, pose.time_s), now_s);
   shortfalls.thinnedPatches = bridge_->thinnedPatches();
+}
+
+void TouchSide::publish(std::uint32_t head) {
+  if (edits_)
+    edits_->publish(head);
+  else
+    record_.log.publish(head);
 }
 
 std::uint32_t TouchSide::takeAnswers(GpuHand& hand) {
@@ -393,17 +400,21 @@ void TouchSide::goOn(double time_s, bool realtime) {
 
 void TouchSide::editIfYielding(bool realtime) {
   const ProbeGroup& hand = hands_.front().probes;
-  if (!edits_ || !hand.own().valid) return;
+  if (!edits_) return;
+  if (edits_->takeUpOffer(hand.ownPose().time_s, realtime)) {
+    bridge_->edited(hand.ownPose().time_s);
+    if (realtime) return;  // the brush goes on with the next tick that has no offer
+  }
+  if (!hand.own().valid) return;
   if (edits_->editIfYielding(hand.own(), hand.ownPose(), realtime)) bridge_->edited(hand.ownPose().time_s);
 }
 
 void TouchSide::finish() {
   settle();
-  record_.log.publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
+  if (edits_) edits_->collect(nullptr);
+  publish(download<std::uint32_t>(device_, record_.log.headBuffer(), 1)[0]);  // waits for the queue
   frames_.finish();
-  if (!edits_) return;
-  edits_->collect(nullptr);
-  edits_->endStroke();
+  if (edits_) edits_->endStroke();
 }
 
 void TouchSide::change(std::span<const PointChange> changes) {

@@ -63,6 +63,10 @@ class TouchSide final : public TouchBackend {
   void keepEdits() override { record_.fetch.emplace(device_, record_.log); }
   void takeEdits(EditBatch& batch) override { record_.fetch->take(batch); }
   void change(std::span<const PointChange> changes) override;
+  bool offer(std::span<const PointChange> changes, std::uint64_t changesFollowed) override {
+    return edits_ && edits_->offered().give(changes, changesFollowed);
+  }
+  std::size_t mostOffered() const override { return edits_ ? edits_->offered().most() : 0; }
   void setBrush(const std::optional<BrushOptions>& brush) override;
   void setContact(SurfaceKind surface, double friction, std::string_view method) override;
   std::uint64_t editsAnswered() const override { return record_.answered; }
@@ -134,6 +138,8 @@ class TouchSide final : public TouchBackend {
   // Takes in the answer to an earlier tick's question. False while that is still out.
   bool lateAnswerIsIn(double now_s, double budget_us);
   void takeAnswer(double now_s);
+  // All entries of the log before `head` are complete.
+  void publish(std::uint32_t head);
   // The same for the probes of one hand; returns their flags (shared::kSample...).
   std::uint32_t takeAnswers(GpuHand& hand);
   // What the GPU has answered to a probe that was at `hip`.

@@ -7,7 +7,6 @@ namespace palpate {
 
 namespace {
 
-constexpr double kRate_Hz = 30;
 constexpr double kBetweenFlushes_s = 0.5;  // of the log, in virtual time
 constexpr std::size_t kMostWaitingEdits = 1 << 18;
 constexpr int kChecksPerTurn = 8;  // whether the back end's log of edits fills up faster than usual
@@ -16,15 +15,16 @@ constexpr int kChecksPerTurn = 8;  // whether the back end's log of edits fills 
 
 EditRelay::EditRelay(const PointCloud& cloud, TouchBackend& backend, const RelayOptions& options)
     : points_(cloud.size()), backend_(backend), options_(options) {
+  std::erase(options_.followers, nullptr);
   if (!options.journal) return;
   journal_.emplace(cloud, options.undo_bytes);
   backend.keepEdits();
 }
 
 TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
-  if (!options_.follower && !journal_ && !options_.log) return {};
+  if (options_.followers.empty() && !journal_ && !options_.log) return {};
   if (!realtime) {
-    period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / kRate_Hz));
+    period_ = static_cast<std::uint64_t>(std::max(1.0, rate_Hz / options_.rate_Hz));
     return [this](const TraceRow& row) { observe(row); };
   }
   thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -32,7 +32,7 @@ TickObserver EditRelay::begin(double rate_Hz, bool realtime) {
       while (!stop.stop_requested()) {
         catchUp();
         for (int check = 0; check < kChecksPerTurn && !isHalfFull(); ++check)
-          std::this_thread::sleep_for(std::chrono::duration<double>(1 / kRate_Hz / kChecksPerTurn));
+          std::this_thread::sleep_for(std::chrono::duration<double>(1 / options_.rate_Hz / kChecksPerTurn));
       }
     } catch (...) {
       failure_ = std::current_exception();
@@ -64,14 +64,15 @@ void EditRelay::observe(const TraceRow& row) {
 void EditRelay::catchUp() {
   batch_.clear();
   if (journal_) backend_.takeEdits(batch_);
-  if (options_.follower) {
+  for (EditFollower*& follower : options_.followers) {
     try {
-      options_.follower->catchUp(batch_);
+      follower->catchUp(batch_);
     } catch (...) {
-      options_.follower = nullptr;  // the hand, the journal and the log go on without the picture
-      followerFailure_ = std::current_exception();
+      follower = nullptr;  // the hand, the journal and the log go on without it
+      if (!followerFailure_) followerFailure_ = std::current_exception();
     }
   }
+  std::erase(options_.followers, nullptr);
   if (batch_.empty()) return;
   if (options_.log) options_.log->add(batch_);
   journal_->follow(batch_);

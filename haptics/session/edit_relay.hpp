@@ -5,6 +5,7 @@
 #include <optional>
 #include <thread>
 
+#include "engine/core/edit_follower.hpp"
 #include "engine/core/touch_backend.hpp"
 #include "engine/edit/journal.hpp"
 #include "haptics/servo_loop.hpp"
@@ -12,24 +13,16 @@
 
 namespace palpate {
 
-/// Follows what is done to the points: a picture of them, or whoever collects it.
-class EditFollower {
- public:
-  virtual ~EditFollower() = default;
-  /// Takes in what has been done, in order. `batch`: all since the last call, where there is a journal; one that has a
-  /// way of its own to the back end needs none. Called on the relay's thread, or on that of catchUp().
-  virtual void catchUp(const EditBatch& batch) = 0;
-};
-
 struct RelayOptions {
-  EditFollower* follower = nullptr;
+  std::vector<EditFollower*> followers;  ///< null: nobody
+  double rate_Hz = 30;                   ///< how often edits are taken against the clock
   bool journal = false;
   std::uint64_t undo_bytes = 0;  ///< the journal's budget for strokes
   SessionWriter* log = nullptr;  ///< is given the edits, with a journal; and flushed in virtual time
 };
 
 /// Takes edits from a back end and passes them on: between ticks in virtual time, and on a thread of its own against
-/// the wall clock, 30 times a second. Nobody waits for it there; in virtual time no edit is left out because it is
+/// the wall clock, some times a second. Nobody waits for it there; in virtual time no edit is left out because it is
 /// behind. A failure on its thread waits for finish(), one of the follower for checkFollower(), since the hand goes first.
 class EditRelay {
  public:
@@ -67,7 +60,7 @@ class EditRelay {
   EditBatch batch_;
   std::uint64_t ticks_ = 0, period_ = 1;
   double lastFlush_s_ = 0;
-  std::exception_ptr failure_, followerFailure_;
+  std::exception_ptr failure_, followerFailure_;  // the first one of each
   std::jthread thread_;
 };
 

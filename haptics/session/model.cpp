@@ -143,7 +143,10 @@ Model loadModel(const SessionConfig& config, const ModelLoading& loading) {
     return config.matter->matter == Matter::soft ? softModel(config, loading) : matterModel(config, loading);
   if (config.join) {
     if (!loading.join) throw Error("{}: this program joins no session of others", config.model.file);
-    return modelOf(loading.join(config.model.file, *config.join, loading.log), config.model, loading);
+    JoinedModel joined = loading.join(config.model.file, *config.join, loading.log);
+    Model model = modelOf(std::move(joined.cloud), config.model, loading);
+    model.share = std::move(joined.share);
+    return model;
   }
   if (!config.stream) return loadModel(config.model, loading);
   FirstFrame first = readFirstFrame(config, loading.log);

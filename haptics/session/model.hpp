@@ -16,11 +16,16 @@
 #include "engine/core/units.hpp"
 #include "engine/motion/fused_stream.hpp"
 #include "haptics/session/session_config.hpp"
+#include "haptics/shared_follower.hpp"
 
 namespace palpate {
 
 class MatterModel;
 struct SoftModel;
+class TouchBackend;
+
+/// Takes part in a session that several have: from the points as they were joined, and what answers them.
+using SharedMaker = std::function<std::unique_ptr<SharedFollower>(const PointCloud& cloud, TouchBackend& backend)>;
 
 struct Model {
   PointCloud cloud;
@@ -44,6 +49,7 @@ struct Model {
   /// session had (Session::releaseStream()). The first session takes it. Null: the model is a file, or a recording that
   /// each session plays from its beginning.
   std::shared_ptr<PlayedStream> stream;
+  SharedMaker share;  ///< where others sculpt it, too; empty: nobody does
   std::vector<CameraFrustum> cameras;  ///< that took pictures of it, in file coordinates; empty where nobody says
   /// What discs are measured by, model units; 0: they are not.
   double spacingOfDiscs() const { return discRadius > 0 ? 0 : spacing; }
@@ -55,8 +61,13 @@ using NormalEstimator = std::function<std::string(PointCloud& cloud, unsigned th
 /// On the CPU.
 std::string estimateNormalsOnCpu(PointCloud& cloud, unsigned threads);
 
-/// Fetches the points of the session that is served under a name, with a scale in their comments.
-using SessionJoiner = std::function<PointCloud(const std::string& name, const JoinConfig& join, Log& log)>;
+/// What was joined.
+struct JoinedModel {
+  PointCloud cloud;   ///< as it was loaded, with a scale in its comments
+  SharedMaker share;  ///< empty: nobody sculpts it
+};
+/// Fetches the session that is served under a name.
+using SessionJoiner = std::function<JoinedModel(const std::string& name, const JoinConfig& join, Log& log)>;
 
 struct ModelLoading {
   Log& log;

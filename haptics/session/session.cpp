@@ -2,15 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <thread>
 #include <utility>
 
 #include "engine/cloud/edited_cloud.hpp"
+#include "engine/core/clock.hpp"
 #include "engine/matter/matter_parameters.hpp"
 #include "haptics/session/stream_model.hpp"
 
 namespace palpate {
 
 namespace {
+
+constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
+constexpr double kSharedRelay_Hz = 120;  // and so often where others wait for them
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   validate(config);
@@ -23,6 +29,8 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
                                           const std::optional<FusedStream>& fusion) {
   std::optional<BrushOptions> brush;
   if (config.brush) brush = brushOptions(*config.brush, model.scale);
+  // What others do is done to points that can be changed, whether or not this hand does.
+  if (model.share && !brush) brush = brushOptions({.keepsDensity = false}, model.scale);
   // The tool is the first hand's.
   std::vector<ToolShape> tools{toolShape(config.tool, model.scale)};
   tools.resize(std::max<std::size_t>(1, config.hands.size()));
@@ -30,17 +38,17 @@ std::unique_ptr<TouchBackend> makeBackend(const SessionConfig& config, const Mod
                              .config = config,
                              .surface = surface,
                              .brush = brush,
-                             .paintable = parts.paintable,
+                             .paintable = parts.paintable || model.share,
                              .tools = std::move(tools),
                              .threads = parts.threads,
                              .source = source,
                              .fusion = source ? std::nullopt : fusion});
 }
 
-/// Two of them, in this order; either may be null.
+/// All of them, in this order; any may be null.
 class Recorders final : public TickRecorder {
  public:
-  Recorders(TickRecorder* first, TickRecorder* second) : all_{first, second} {}
+  explicit Recorders(const std::array<TickRecorder*, 3>& all) : all_(all) {}
   void ticked(const TraceRow& row, const DeviceState& device) noexcept override {
     for (TickRecorder* each : all_)
       if (each) each->ticked(row, device);
@@ -51,7 +59,20 @@ class Recorders final : public TickRecorder {
   }
 
  private:
-  std::array<TickRecorder*, 2> all_;
+  std::array<TickRecorder*, 3> all_;
+};
+
+/// Shows the first hand to the others.
+class ShownHand final : public TickRecorder {
+ public:
+  ShownHand(SharedFollower& shared, bool sculpts) : shared_(shared), sculpts_(sculpts) {}
+  void ticked(const TraceRow& row, const DeviceState&) noexcept override {
+    shared_.moved({.position = row.hip, .proxy = row.proxy, .touching = row.contact, .sculpts = sculpts_});
+  }
+
+ private:
+  SharedFollower& shared_;
+  bool sculpts_;
 };
 
 }  // namespace
@@ -73,10 +94,13 @@ Session::Session(SessionConfig config, std::shared_ptr<const Model> model, const
       isMoved_(parts.source != nullptr),
       backend_(makeBackend(config_, *model_, surface_, parts, isMoved_ ? parts.source : source_.get(), fusion_)),
       follower_(parts.follower ? parts.follower(*model_, *backend_) : nullptr),
+      shared_(takePart()),
       relay_(model_->cloud, *backend_,
-             {.follower = follower_.get(),
-              .journal = parts.journal && backend_->keepsEdits(),
+             {.followers = {shared_.get(), follower_.get()},
+              .rate_Hz = shared_ ? kSharedRelay_Hz : kRelay_Hz,
+              .journal = (parts.journal || shared_) && backend_->keepsEdits(),
               .undo_bytes = parts.undo_bytes}) {
+  if (shared_ && !config_.brush) backend_->setBrush(std::nullopt);
   // No file says it to whoever runs a record again.
   if (config_.join) config_.model.mm_per_unit = model_->scale.mm_per_unit;
 }
@@ -85,6 +109,41 @@ Session::Session(SessionConfig config, Model model, const SessionParts& parts)
     : Session(std::move(config), std::make_shared<const Model>(std::move(model)), parts) {}
 
 Session::~Session() { relay_.stop(); }
+
+std::unique_ptr<SharedFollower> Session::takePart() {
+  if (!model_->share) return nullptr;
+  if (backend_->mostOffered() == 0)
+    throw Error("{}: '{}' is sculpted by others, which {} cannot follow; take another back end, or have it served to be "
+                "felt alone (--read-only)",
+                config_.backend.name, config_.model.file, config_.backend.name);
+  return model_->share(model_->cloud, *backend_);
+}
+
+bool Session::settleShared(double patience_s) {
+  if (!shared_) return true;
+  const Stopwatch since;
+  relay_.catchUp();
+  SharedCounts counts = shared_->counts();
+  const auto isSettled = [&] { return counts.atRest && counts.same; };
+  std::vector<Pose> far(backend_->hands());
+  // A hand that touches nothing: between its answers the others' changes are done.
+  const Bounds box = boundsOf(model_->cloud);
+  constexpr double kFar = 1e3;  // longest sides
+  const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
+  for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
+  bool hasAsked = false;
+  for (; !isSettled() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
+    backend_->ask(far, 0);
+    hasAsked = true;
+    relay_.catchUp();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  backend_->finish();
+  relay_.catchUp();
+  if (hasAsked)
+    for (std::size_t hand = 0; hand < far.size(); ++hand) backend_->resetHand(hand);
+  return isSettled();
+}
 
 std::optional<PlayCounts> Session::playCounts() const {
   if (!stream_ || !stream_->player) return std::nullopt;
@@ -135,6 +194,7 @@ void Session::record(const std::string& file, const OpenHand& hand, RecordingFau
   if (model_->stream && !config_.stream)
     throw Error("{}: what a camera has seen is in no file yet; save the points and open what was saved", file);
   if (isMoved_) throw Error("{}: frames that a program brings do not come again, and are not recorded", file);
+  if (shared_) throw Error("{}: what others do does not come again, and is not recorded; have it served with --read-only", file);
   if (!journal()) throw Error("{}: a session without a journal cannot be recorded; its end would not be known", file);
   SessionConfig config = config_;
   config.realtime = config.realtime || run.realtime;
@@ -192,7 +252,10 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                         .options = {.map = hand.map, .passivity = hand.passivity}});
   if (!touching.empty()) touching.front().law.setCustom(options.law);
   const double rate_Hz = options.rate_Hz > 0 ? options.rate_Hz : config_.rate_Hz;
-  Recorders recorders(recording_.get(), options.recorder);
+  std::optional<ShownHand> shown;
+  if (shared_) shown.emplace(*shared_, config_.brush.has_value());
+  Recorders recorders({recording_.get(), options.recorder, shown ? &*shown : nullptr});
+  if (!options.endless) settleShared(kShared_s);  // what was done before this hand came
   ServoLoop loop(options.query ? *options.query : *backend_, touching,
                  {.rate_Hz = rate_Hz,
                   .duration_s = durationOf(hands) + 1 / rate_Hz,  // the path's end is a tick too
@@ -202,26 +265,35 @@ ServoResult Session::run(std::span<const OpenHand> hands, const RunOptions& opti
                   .clock = options.clock,
                   .stop = options.stop,
                   .forcesOn = options.forcesOn,
+                  .isTrue = shared_ ? &shared_->isHeard() : nullptr,
                   .recorder = &recorders});
   if (options.endless) return loop.run();  // whoever shows it takes the edits in
   const TickObserver relays = relay_.begin(rate_Hz, realtime);
-  if (!options.observer) return loop.run(relays);
-  return loop.run([&](const TraceRow& row) {
-    if (relays) relays(row);
-    options.observer(row);
-  });
+  const auto run = [&] {
+    if (!options.observer) return loop.run(relays);
+    return loop.run([&](const TraceRow& row) {
+      if (relays) relays(row);
+      options.observer(row);
+    });
+  };
+  ServoResult result = run();
+  if (!result.trace().rows.empty()) last_s_ = result.trace().rows.back().time_s;
+  return result;
 }
 
 void Session::finish() {
   backend_->finish();
   relay_.finish();
+  settleShared(kShared_s);
 }
 
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
   if (!journal()) throw Error("a session without a journal has no strokes to undo");
-  return undoStrokes(
+  const UndoneStrokes undone = undoStrokes(
       *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
+  settleShared(kShared_s);
+  return undone;
 }
 
 SculptedCloud Session::sculpted() const {

@@ -59,6 +59,8 @@ HandSpring springOf(const ForceLaw& law);
 /// One thread uses it at a time; the one that runs it is the servo thread in real time.
 class Session {
  public:
+  static constexpr double kShared_s = 10;
+
   /// Builds the index. `model` has points and normals; sessions may share it. Throws Error, ConfigError.
   Session(SessionConfig config, std::shared_ptr<const Model> model, const SessionParts& parts);
   Session(SessionConfig config, Model model, const SessionParts& parts);
@@ -86,6 +88,11 @@ class Session {
   /// session whose Model::stream it is goes on behind the present frame, with a map that begins with its own cloud,
   /// once player() plays. Between runs. Null where none are played. Throws what a query could not.
   std::shared_ptr<PlayedStream> releaseStream(double time_s);
+  /// Where others feel and sculpt the model, too; null where nobody does.
+  SharedFollower* shared() { return shared_.get(); }
+  /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
+  /// it is. Between runs; without others at once.
+  bool settleShared(double patience_s);
   /// Nothing where none is kept.
   Journal* journal() { return relay_.journal(); }
   EditRelay& relay() { return relay_; }
@@ -114,7 +121,8 @@ class Session {
   /// Plays the hands, the first of which may sculpt. In virtual time all edits are taken as they come; against the clock
   /// a thread of its own takes them. Throws UsageError for hands that do not go together.
   ServoResult run(std::span<const OpenHand> hands, const RunOptions& options);
-  /// Waits for the last edit, and has everyone take in what was done. Throws what a query could not.
+  /// Waits for the last edit, and has everyone take in what was done; where others sculpt, too, that is everywhere then,
+  /// or kShared_s have passed. Throws what a query could not.
   void finish();
   /// After finish(), or between runs: strokes of the points, or of the shape in which a soft body rests. Throws where
   /// the back end fails; the journal is as the points are then.
@@ -127,6 +135,7 @@ class Session {
 
  private:
   void setSprings(std::span<const OpenHand> hands);
+  std::unique_ptr<SharedFollower> takePart();
 
   const BackendKind& kind_;
   SessionConfig config_;
@@ -138,8 +147,10 @@ class Session {
   bool isMoved_;                          // by somebody else's source
   std::unique_ptr<TouchBackend> backend_;
   std::unique_ptr<EditFollower> follower_;
+  std::unique_ptr<SharedFollower> shared_;
   EditRelay relay_;
   std::unique_ptr<SessionRecording> recording_;
+  double last_s_ = 0;  // of the ticks
 };
 
 }  // namespace palpate

@@ -87,7 +87,8 @@ void validate(const JoinConfig& join, const SessionConfig& config) {
     throw ConfigError("model.file", "is no name of a session: 1 to {} bytes", kLongestName);
   if (join.domain > bounds::kLastDomain) throw ConfigError("join.domain", "is {}; there are 0 to {}", join.domain, bounds::kLastDomain);
   // It would be another cloud than the others have.
-  if (config.brush) throw ConfigError("brush.kind", "what is joined cannot be sculpted yet");
+  if (config.brush && config.brush->keepsDensity)
+    throw ConfigError("brush.keeps_density", "where several sculpt no points come and go; turn it off (--keep-points)");
   if (config.motion) throw ConfigError("motion.kind", "what is joined stands as it is served; leave it out");
   if (config.model.normals != NormalSource::keep)
     throw ConfigError("model.normals", "what is joined comes with its normals; leave it at keep");

@@ -3,11 +3,14 @@
 #include <thread>
 #include <vector>
 
+#include "engine/cloud/edited_cloud.hpp"
 #include "engine/core/clock.hpp"
 #include "engine/core/statistics.hpp"
-#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/edit_exchange.hpp"
+#include "haptics/sharing/joined_session.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/shared_points.hpp"
 
 namespace palpate {
 
@@ -161,13 +164,75 @@ SessionNotice find(const std::string& name, const Participant& participant, cons
   return found;
 }
 
+// What has been done to the points so far, once.
+void bringUpToDate(PointCloud& cloud, const JoinedSession& session, const JoinOptions& options) {
+  const Writer<ResumeRequest> requests(session.participant, session.topics.resumes, reliableQos(false));
+  std::uint8_t own[16];
+  set(own, session.client);
+  const Reader<Result> results(session.participant, session.topics.results, reliableQos(false, partitionOf(own)));
+  ReaderWait wait(session.participant);
+  wait.attach(results);
+  EditExchange exchange(statesOf(cloud), 1);
+  std::vector<PointState> states = statesOf(cloud), come;
+  const auto ask = [&] {
+    const Resume asked = exchange.resume();
+    ResumeRequest request{};
+    set(request.session, session.session);
+    set(request.client, session.client);
+    put(request.host, ownHost());
+    request.epoch = asked.epoch;
+    request.upTo = asked.upTo;
+    requests.write(request);
+  };
+  ask();
+  Stopwatch lastCame, lastAsked;
+  for (bool isWhole = false; !isWhole;) {
+    if (options.stop && *options.stop) throw NetworkError("interrupted");
+    wait.sleep(kLook_s);
+    bool again = lastAsked.elapsed_s() > kAskAgain_s && lastCame.elapsed_s() > kAskAgain_s;
+    results.take([&](const Result& result) {
+      come.clear();
+      for (std::uint32_t i = 0; i < result.states._length; ++i) come.push_back(pointOf(result.states._buffer[i]));
+      for (const PointState& state : come)
+        if (!sharing::isWhole(state, states.size()))
+          throw NetworkError("'{}' of {}: what came as the change of a point is none", session.name, session.host);
+      const EditExchange::Heard heard = exchange.hear({.epoch = result.epoch,
+                                                       .counter = result.counter,
+                                                       .acked = result.acked,
+                                                       .upTo = result.upTo,
+                                                       .head = result.head,
+                                                       .digest = result.digest,
+                                                       .states = come});
+      if (heard == EditExchange::Heard::gap) again = true;
+      if (heard != EditExchange::Heard::taken) return;
+      lastCame = {};
+      for (const PointState& state : come) states[state.number()] = state;
+      isWhole = isWhole || result.upTo == result.head;
+    });
+    if (lastCame.elapsed_s() > options.patience_s)
+      throw NetworkError("'{}' of {}: what was done to it has not come within {:.0f} s", session.name, session.host,
+                         options.patience_s);
+    if (!again || isWhole) continue;
+    ask();
+    lastAsked = {};
+  }
+  cloud = editedCloud(cloud, states);
+}
+
 }  // namespace
 
 JoinedCloud joinCloud(const std::string& name, const JoinOptions& options) {
-  const Participant participant(options.network);
-  const Topics topics(participant);
-  const SessionNotice notice = find(name, participant, topics, options);
-  return Fetch(participant, topics, notice, options).run();
+  auto session = std::make_shared<JoinedSession>(options.network, Id{}, freshId());
+  const SessionNotice notice = find(name, session->participant, session->topics, options);
+  session->session = notice.session;
+  session->name = notice.name;
+  session->host = notice.host;
+  session->sculptable = notice.sculptable;
+  JoinedCloud joined = Fetch(session->participant, session->topics, notice, options).run();
+  joined.sculptable = notice.sculptable;
+  if (options.present && notice.sculptable) bringUpToDate(joined.cloud, *session, options);
+  joined.session = std::move(session);
+  return joined;
 }
 
 std::vector<SeenSession> surveyNetwork(const NetworkConfig& network, double seconds) {

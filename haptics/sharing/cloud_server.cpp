@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "engine/cloud/edited_cloud.hpp"
@@ -9,6 +10,7 @@
 #include "haptics/sharing/messages.hpp"
 #include "haptics/sharing/session_notices.hpp"
 #include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/stroke_server.hpp"
 
 namespace palpate {
 
@@ -48,9 +50,34 @@ struct CloudServer::Link {
         echoes(participant, topics.echoes, bestEffortQos()),
         requests(participant, topics.requests, reliableQos(false)),
         pings(participant, topics.pings, bestEffortQos()),
-        wait(participant) {
+        wait(participant),
+        shared(statesOf(cloud)) {
     wait.attach(requests);
     wait.attach(pings);
+    if (parts.sculptable) goOn();
+  }
+
+  // With what the journal has, where there is one.
+  void goOn() {
+    if (!parts.journal.empty()) {
+      journal.emplace(parts.journal, cloud.size(), sharing::checksumOf(cloud), session, [&](const StrokeJournal::Piece& piece) {
+        if (shared.take(piece.client, piece.number, piece.states) != SharedPoints::Taken::taken)
+          throw FileError(parts.journal, "is damaged: a piece of a stroke does not follow those before it");
+      });
+      session = journal->session();
+      if (parts.log && journal->pieces() > 0)
+        parts.log->say("{}: goes on with {} pieces of strokes", parts.journal.string(), journal->pieces());
+      if (parts.log && journal->tornBytes() > 0)
+        parts.log->say("{}: its last {} bytes were no whole piece and are taken away; whoever sent it sends it again",
+                        parts.journal.string(), journal->tornBytes());
+    }
+    strokes.emplace(StrokeServer::Parts{.participant = participant,
+                                        .topics = topics,
+                                        .session = session,
+                                        .points = shared,
+                                        .journal = journal ? &*journal : nullptr,
+                                        .log = parts.log});
+    strokes->attach(wait);
   }
 
   void announce() {
@@ -69,6 +96,7 @@ struct CloudServer::Link {
     for (int axis = 0; axis < 3; ++axis) notice.origin[axis] = cloud.origin[axis];
     notice.mm_per_unit = parts.mm_per_unit;
     notice.colored = cloud.hasColors();
+    notice.sculptable = parts.sculptable;
     notice.checksum = sharing::checksumOf(cloud);
     notices.write(notice);
   }
@@ -147,6 +175,9 @@ struct CloudServer::Link {
   ReaderWait wait;
   std::map<Id, Client> clients;
   std::vector<Point> points;  // of the block that is written
+  SharedPoints shared;
+  std::optional<StrokeJournal> journal;
+  std::optional<StrokeServer> strokes;
   ServedCounts counts;
 };
 
@@ -163,19 +194,34 @@ CloudServer::~CloudServer() = default;
 
 void CloudServer::serve(const std::atomic<bool>& stop, double seconds) {
   const Stopwatch since;
-  bool isLeft = false;
+  double next_s = 0;
   while (!stop && !(seconds > 0 && since.elapsed_s() >= seconds)) {
-    if (!isLeft) link_->wait.sleep(kLook_s);
+    if (next_s > 0) link_->wait.sleep(std::min(kLook_s, next_s));
     link_->pings.take([&](const Ping& ping) {
       if (!isSame(ping.session, link_->session)) return;
       link_->echoes.write(ping);
       ++link_->counts.pings;
     });
     link_->requests.take([&](const Request& request) { link_->answer(request); });
-    isLeft = link_->write();
+    if (link_->strokes) link_->strokes->take();
+    next_s = link_->write() ? 0 : kLook_s;
+    if (link_->strokes) next_s = std::min(next_s, link_->strokes->write());
   }
 }
 
-ServedCounts CloudServer::counts() const { return link_->counts; }
+ServedCounts CloudServer::counts() const {
+  ServedCounts counts = link_->counts;
+  if (!link_->strokes) return counts;
+  const StrokeCounts& strokes = link_->strokes->counts();
+  counts.sculptors = strokes.sculptors;
+  counts.pieces = strokes.pieces;
+  counts.states = strokes.states;
+  counts.again = strokes.again;
+  counts.refused += strokes.refused;
+  counts.sent = strokes.sent;
+  return counts;
+}
+
+std::span<const PointState> CloudServer::points() const { return link_->shared.points(); }
 
 }  // namespace palpate

@@ -12,6 +12,10 @@ Topics::Topics(dds_entity_t participant)
     : notices(participant, palpate_sharing_Notice_desc, "palpate/notice"),
       requests(participant, palpate_sharing_Request_desc, fmt::format("palpate/{}/request", kVersion)),
       blocks(participant, palpate_sharing_Block_desc, fmt::format("palpate/{}/block", kVersion)),
+      strokes(participant, palpate_sharing_Stroke_desc, fmt::format("palpate/{}/stroke", kVersion)),
+      results(participant, palpate_sharing_Result_desc, fmt::format("palpate/{}/result", kVersion)),
+      resumes(participant, palpate_sharing_Resume_desc, fmt::format("palpate/{}/resume", kVersion)),
+      hands(participant, palpate_sharing_Hand_desc, fmt::format("palpate/{}/hand", kVersion)),
       pings(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/ping", kVersion)),
       echoes(participant, palpate_sharing_Ping_desc, fmt::format("palpate/{}/echo", kVersion)) {}
 
@@ -43,6 +47,23 @@ std::string printable(const char* text) {
     shown += character < 0x20 || character == 0x7f ? '?' : static_cast<char>(character);
   }
   return shown;
+}
+
+State stateOf(const PointState& point) {
+  State state{.id = point.id, .color = point.color};
+  for (int axis = 0; axis < 3; ++axis) {
+    state.position[axis] = point.position[axis];
+    state.normal[axis] = point.normal[axis];
+  }
+  return state;
+}
+
+PointState pointOf(const State& state) {
+  return {.position = Vec3(state.position[0], state.position[1], state.position[2]),
+          .id = state.id,
+          .normal = Vec3(state.normal[0], state.normal[1], state.normal[2]),
+          .color = state.color,
+          .parent = state.id & ~PointState::kGone};
 }
 
 std::uint64_t checksumOf(const PointCloud& cloud) {

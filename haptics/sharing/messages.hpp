@@ -8,7 +8,9 @@
 #include <string_view>
 
 #include "engine/cloud/point_cloud.hpp"
+#include "engine/core/point_state.hpp"
 #include "haptics/sharing/dds.hpp"
+#include "haptics/sharing/id.hpp"
 #include "haptics/sharing/sharing.h"
 
 namespace palpate::sharing {
@@ -17,8 +19,12 @@ using Notice = palpate_sharing_Notice;
 using Request = palpate_sharing_Request;
 using Point = palpate_sharing_Point;
 using Block = palpate_sharing_Block;
+using State = palpate_sharing_State;
+using Stroke = palpate_sharing_Stroke;
+using Result = palpate_sharing_Result;
+using ResumeRequest = palpate_sharing_Resume;
+using Hand = palpate_sharing_Hand;
 using Ping = palpate_sharing_Ping;
-using Id = std::array<std::uint8_t, 16>;
 
 /// Of what is said on the network. Who changes a type raises it.
 inline constexpr std::uint32_t kVersion = 1;
@@ -26,6 +32,8 @@ inline constexpr std::uint32_t kVersion = 1;
 /// trip, of whole ones all that are lost.
 inline constexpr std::uint32_t kBlockPoints = 45;
 inline constexpr std::uint32_t kMostRequested = 4096;  // blocks at a time
+/// States of a stroke or a result, which fit into one frame, too.
+inline constexpr std::uint32_t kStates = 36;
 
 /// All that a session's sides speak by.
 struct Topics {
@@ -33,6 +41,10 @@ struct Topics {
   Topic<Notice> notices;
   Topic<Request> requests;
   Topic<Block> blocks;
+  Topic<Stroke> strokes;
+  Topic<Result> results;
+  Topic<ResumeRequest> resumes;
+  Topic<Hand> hands;
   Topic<Ping> pings, echoes;
 };
 
@@ -62,6 +74,9 @@ inline std::uint64_t blocksOf(std::uint64_t points) { return (points + kBlockPoi
 inline std::uint32_t pointsIn(std::uint64_t block, std::uint64_t points) {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(kBlockPoints, points - block * kBlockPoints));
 }
+
+State stateOf(const PointState& point);
+PointState pointOf(const State& state);
 
 /// Of the origin and of all that is sent of the points.
 std::uint64_t checksumOf(const PointCloud& cloud);

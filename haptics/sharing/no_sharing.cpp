@@ -1,4 +1,5 @@
 #include "haptics/sharing/shared_cloud.hpp"
+#include "haptics/sharing/shared_edits.hpp"
 
 namespace palpate {
 
@@ -19,6 +20,9 @@ CloudServer::CloudServer(const PointCloud&, Parts) { refuse(); }
 CloudServer::~CloudServer() = default;
 void CloudServer::serve(const std::atomic<bool>&, double) { refuse(); }
 ServedCounts CloudServer::counts() const { refuse(); }
+std::span<const PointState> CloudServer::points() const { refuse(); }
+
+std::unique_ptr<SharedFollower> shareEdits(const SharedParts&) { refuse(); }
 
 JoinedCloud joinCloud(const std::string&, const JoinOptions&) { refuse(); }
 

@@ -22,6 +22,7 @@ void SessionNotices::take() {
                         .origin = DVec3(notice.origin[0], notice.origin[1], notice.origin[2]),
                         .mm_per_unit = notice.mm_per_unit,
                         .colored = notice.colored,
+                        .sculptable = notice.sculptable,
                         .checksum = notice.checksum};
     constexpr std::size_t kMostKnown = 1000;  // whoever floods the network is not listened to any more
     const auto same = std::ranges::find(known_, known.session, &SessionNotice::session);
@@ -30,6 +31,11 @@ void SessionNotices::take() {
     else if (known_.size() < kMostKnown)
       known_.push_back(std::move(known));
   });
+}
+
+const std::vector<SessionNotice>& SessionNotices::known() {
+  take();
+  return known_;
 }
 
 std::vector<SessionNotice> SessionNotices::listen(double seconds) {

@@ -16,13 +16,15 @@ struct SessionNotice {
   std::uint64_t points = 0;
   DVec3 origin{0};
   double mm_per_unit = 0;
-  bool colored = false;
+  bool colored = false, sculptable = false;
   std::uint64_t checksum = 0;
 };
 
 class SessionNotices {
  public:
   SessionNotices(dds_entity_t participant, const Topics& topics);
+  /// All that are known now.
+  const std::vector<SessionNotice>& known();
   /// All that are known once `seconds` have passed.
   std::vector<SessionNotice> listen(double seconds);
   /// The same, or sooner: once one of that name is there.

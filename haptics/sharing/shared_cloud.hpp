@@ -3,11 +3,14 @@
 
 #include <atomic>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "engine/cloud/point_cloud.hpp"
 #include "engine/core/log.hpp"
+#include "engine/core/point_state.hpp"
 #include "haptics/sharing/network.hpp"
 
 namespace palpate {
@@ -16,10 +19,15 @@ namespace palpate {
 struct ServedCounts {
   std::uint64_t clients = 0;  ///< that have ever asked for points
   std::uint64_t requests = 0, blocks = 0, pings = 0;
-  std::uint64_t refused = 0;  ///< requests that no client of ours makes
+  std::uint64_t refused = 0;  ///< requests that no client of ours makes, and pieces of strokes
+  std::uint64_t sculptors = 0;  ///< clients of whom strokes were taken, before the server was started again included
+  std::uint64_t pieces = 0, states = 0;  ///< of strokes; states of points in them
+  std::uint64_t again = 0;  ///< pieces that had been taken before, or came before another one
+  std::uint64_t sent = 0;   ///< states, to all who follow
 };
 
-/// Serves a cloud that stands still. Reads it from one thread; nothing of it is written.
+/// Serves a cloud as it was loaded, and, where it is sculpted, what has been done to it since, in one order for all. Reads
+/// the cloud from one thread; nothing of it is written.
 class CloudServer {
  public:
   struct Parts {
@@ -27,10 +35,12 @@ class CloudServer {
     std::string name;   ///< by which it is joined
     std::string model;  ///< what the points are, in words
     double mm_per_unit = 1;
-    Log* log = nullptr;  ///< hears of who comes; outlives this
+    bool sculptable = true;         ///< whoever joins can sculpt
+    std::filesystem::path journal;  ///< of the strokes: made, or gone on with; empty: none
+    Log* log = nullptr;             ///< hears of who comes; outlives this
   };
   /// `cloud` has normals, and outlives this. Throws UsageError for a name that cannot be, NetworkError where a session of that
-  /// name is served already, or nothing can be.
+  /// name is served already, or nothing can be, FileError of the journal.
   CloudServer(const PointCloud& cloud, Parts parts);
   ~CloudServer();
   CloudServer(const CloudServer&) = delete;
@@ -39,20 +49,27 @@ class CloudServer {
   /// Answers until `stop` is true, or `seconds` have passed, where they are more than 0. Throws NetworkError.
   void serve(const std::atomic<bool>& stop, double seconds = 0);
   ServedCounts counts() const;
+  /// The points as they are, by id; those of the cloud where nobody has sculpted. Between calls of serve().
+  std::span<const PointState> points() const;
 
  private:
   struct Link;
   std::unique_ptr<Link> link_;
 };
 
+class JoinedSession;
+
 struct JoinedCloud {
-  PointCloud cloud;
+  PointCloud cloud;  ///< as it was loaded; what was done to it since comes by shareEdits()
   double mm_per_unit = 0;
   std::string host, model;
+  bool sculptable = false;
+  std::shared_ptr<const JoinedSession> session;
 };
 
 struct JoinOptions {
   NetworkConfig network;
+  bool present = false;    ///< with what has been done to it so far, to be looked at; it is not shared then
   double patience_s = 10;  ///< for the session to be found, and for each next piece of it
   Log* log = nullptr;      ///< hears how far it has come; outlives the call
   const std::atomic<bool>* stop = nullptr;  ///< ends it when it becomes true

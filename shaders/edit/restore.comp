@@ -11,6 +11,7 @@ layout(push_constant, scalar) uniform Push { RestoreArgs args; };
 // What is known of a point besides its place. When the update has been carried out.
 void finish(uint i) {
   if (args.update.at[0].failed != 0 || !subgroupElect()) return;
+  if (args.changes.at[i].from.id == kChangeLeftOut) return;
   const uint id = args.changes.at[i].to.id & ~kPointGone;
   if (resamples(args.lists)) atomicMax(args.lists.now.nextId, id + 1);
   if (!isNull(args.tables.at[0].colors)) args.tables.at[0].colors.at[id] = args.changes.at[i].to.color;
@@ -25,7 +26,7 @@ void finish(uint i) {
 void main() {
   const uint i = workgroupIndex() * gl_NumSubgroups + gl_SubgroupID;
   if (i >= args.count) return;
-  if (args.finishes != 0) {
+  if ((args.flags & kRestoreFinishes) != 0) {
     finish(i);
     return;
   }
@@ -46,7 +47,11 @@ void main() {
     move.fromBucket = bucketAt(args.changes.at[i].from.position);
     move.slot = slotIn(move.fromBucket, id);
     if (move.slot == kEmptySlot) {
-      if (subgroupElect()) atomicOr(args.update.at[0].failed, kUpdateUnknown);
+      if (!subgroupElect()) return;
+      if ((args.flags & kRestoreOffered) != 0)
+        args.changes.at[i].from.id = kChangeLeftOut;
+      else
+        atomicOr(args.update.at[0].failed, kUpdateUnknown);
       return;
     }
   }

@@ -170,6 +170,13 @@ struct GivenChange {
 };
 PALPATE_SIZE(GivenChange, 72);
 
+// After the update, what it leaves to do.
+const uint kRestoreFinishes = 1;
+// A point that does not stand where its change says stays as it is; without this all of the changes fail then.
+const uint kRestoreOffered = 2;
+// In the id of `from`: the change was left out.
+const uint kChangeLeftOut = 0xffffffffu;
+
 struct RestoreArgs {
   CloudView cloud;
   PALPATE_ADDRESS(HashUpdates) update;
@@ -177,8 +184,8 @@ struct RestoreArgs {
   PALPATE_ADDRESS(GivenChanges) changes;
   PALPATE_ADDRESS(Tables) tables;
   PALPATE_ADDRESS(ResampleLists) lists;
-  uint count;     // of changes
-  uint finishes;  // not 0: after the update, what it leaves to do
+  uint count;  // of changes
+  uint flags;  // kRestore...
 };
 PALPATE_SIZE(RestoreArgs, 104);
 

@@ -52,9 +52,9 @@ bool EditedScene::change(std::span<const PointChange> changes, How how) {
   edit_->give(changes);
   return run(how, [&](CommandList& list) {
     if (how == How::incremental)
-      edit_->recordGivenIncremental(list, live_.front());
+      edit_->recordGivenIncremental(list, live_.front(), EditPass::Given::exactly);
     else
-      edit_->recordGivenRebuild(list, live_.front(), live_.back(), hash_.sort());
+      edit_->recordGivenRebuild(list, live_.front(), live_.back(), hash_.sort(), EditPass::Given::exactly);
   });
 }
 

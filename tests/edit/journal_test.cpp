@@ -197,7 +197,7 @@ TEST_CASE("a stroke keeps a point once, as it was before the first of its edits"
   batch.clear();
   mark(batch, EditMark::Kind::stroke);
   journal.follow(batch);
-  CHECK(journal.bytes() < 8 * sizeof(PointState));
+  CHECK(journal.bytes() < 9 * sizeof(PointState));
   const auto changes = journal.undo();
   REQUIRE(changes.size() == 7);
   for (const PointChange& change : changes) {
@@ -287,6 +287,99 @@ TEST_CASE("a journal takes millions of states a second") {
   MESSAGE("states a second: " << 2e6 / scattered_s << " all over the cloud, " << 2e6 / brush_s
                               << " under a brush; undone: " << static_cast<double>(undone) / back.elapsed_s());
   CHECK(journal.undoable() == 0);
+}
+
+TEST_CASE("what others do is in no stroke, and what they have made of a point stays when a stroke is taken back") {
+  const PointCloud cloud = coloredCloud(20);
+  Journal journal(cloud, 1 << 20);
+  const auto file = copyOf(journal.points());
+  const auto moved = [&](std::uint32_t point, float z) {
+    PointState state = file[point];
+    state.position.z = z;
+    return state;
+  };
+  const auto z = [&](std::uint32_t point) { return journal.points()[point].position.z; };
+  EditBatch batch;
+  append(batch, {moved(1, 10), moved(2, 10), moved(3, 10)});
+  mark(batch, EditMark::Kind::part);
+  append(batch, {moved(3, 20), moved(4, 20)});
+  mark(batch, EditMark::Kind::received);
+  append(batch, {moved(4, 30), moved(5, 30)});
+  journal.follow(batch);
+  CHECK(journal.inStroke());
+  CHECK(journal.strokes() == 0);
+  batch.clear();
+  mark(batch, EditMark::Kind::stroke);
+  append(batch, {moved(1, 40)});
+  mark(batch, EditMark::Kind::received);
+  journal.follow(batch);
+  CHECK(journal.strokes() == 1);
+  CHECK(z(1) == 40);
+  CHECK(z(4) == 30);
+  const std::uint64_t before = journal.version();
+
+  const auto backs = journal.undo();
+  // Of 1 and 3 others have had the last word; 4 goes back to what they had made of it.
+  REQUIRE(backs.size() == 3);
+  CHECK(z(1) == 40);
+  CHECK(z(2) == file[2].position.z);
+  CHECK(z(3) == 20);
+  CHECK(z(4) == 20);
+  CHECK(z(5) == file[5].position.z);
+  for (const PointChange& change : backs) CHECK(change.to == journal.points()[change.to.number()]);
+  CHECK(journal.version() != before);
+
+  // And so between undo and redo.
+  batch.clear();
+  append(batch, {moved(2, 50)});
+  mark(batch, EditMark::Kind::received);
+  journal.follow(batch);
+  CHECK(journal.redo().size() == 2);
+  CHECK(z(2) == 50);
+  CHECK(z(4) == 30);
+  CHECK(z(5) == 30);
+  CHECK(journal.version() != before);
+  CHECK(journal.undo().size() == 2);
+  CHECK(z(2) == 50);
+  CHECK(journal.undoable() == 0);
+}
+
+TEST_CASE("what others do amid random strokes: taken back, all but their points is as it was before") {
+  const PointCloud cloud = coloredCloud(301);
+  for (const std::uint32_t seed : {5u, 6u, 7u}) {
+    CAPTURE(seed);
+    Editor editor(cloud, seed);
+    Journal journal(cloud, 1 << 30);
+    std::mt19937 random(seed);
+    std::vector<PointState> expected = copyOf(journal.points());  // as the file has it, but what others did last
+    std::size_t received = 0;
+    for (int step = 0; step < 200; ++step) {
+      EditBatch batch;
+      append(batch, editor.tick(20));
+      if (random() % 3 == 0) {
+        mark(batch, EditMark::Kind::part);
+        const auto theirs = editor.tick(10);
+        append(batch, theirs);
+        mark(batch, EditMark::Kind::received);
+        for (const PointState& state : theirs) {
+          while (expected.size() <= state.number())
+            expected.push_back({.id = static_cast<std::uint32_t>(expected.size()) | PointState::kGone});
+          expected[state.number()] = state;
+        }
+        received += theirs.size();
+      }
+      if (random() % 2) mark(batch, EditMark::Kind::stroke);
+      journal.follow(batch);
+      REQUIRE(differences(journal.points(), editor.points()) == 0);
+    }
+    EditBatch batch;
+    mark(batch, EditMark::Kind::stroke);
+    journal.follow(batch);
+    CHECK(received > 100);
+    while (journal.undoable()) editor.change(journal.undo());
+    CHECK(differences(journal.points(), expected) == 0);
+    CHECK(differences(editor.points(), expected) == 0);
+  }
 }
 
 }  // namespace palpate

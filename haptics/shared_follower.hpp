@@ -1,0 +1,58 @@
+// One hand's part in a cloud that several feel and sculpt, each on its own machine.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/core/edit_follower.hpp"
+#include "engine/core/vec.hpp"
+
+namespace palpate {
+
+/// How it goes with the others.
+struct SharedCounts {
+  std::uint64_t sent = 0;       ///< states of points that this hand has made
+  std::uint64_t received = 0;   ///< that others have made, as they took effect here
+  std::uint64_t resent = 0;     ///< pieces of strokes that went more than once
+  std::uint64_t resumed = 0;    ///< times that what was missing was asked for, the first included
+  std::uint64_t differed = 0;   ///< times that the points at rest were others than the server's, and were all asked for
+  double silent_s = 0;          ///< since the server was heard last
+  double longestSilent_s = 0;
+  std::uint64_t pings = 0, answered = 0;
+  std::optional<double> roundTrip_ms;  ///< the median of the last ones
+  bool delivered = false;       ///< all that this hand has done has been taken
+  bool atRest = false;          ///< and all that others have done is in effect here
+  bool same = false;            ///< at rest: the points are the server's, bit by bit
+};
+
+/// Where a hand is. Coordinates of the file.
+struct HandPlace {
+  DVec3 position{0};  ///< of what it touches with
+  DVec3 proxy{0};     ///< where the surface holds that; `position` where nothing is touched
+  bool touching = false, sculpts = false;
+};
+
+/// Somebody else's hand, as it was heard last.
+struct SeenHand {
+  std::string name;
+  std::uint32_t number = 0;  ///< tells hands apart, and stays while it is seen
+  HandPlace place;
+  double age_s = 0;
+};
+
+/// What one hand does goes to the others as it is taken in (catchUp()), and what they do is offered to what answers it.
+class SharedFollower : public EditFollower {
+ public:
+  /// False while the server has been silent for too long: what is felt may not be true any more.
+  virtual const std::atomic<bool>& isHeard() const = 0;
+  virtual SharedCounts counts() const = 0;
+  /// Where this hand is. For the thread that answers: waits for nobody.
+  virtual void moved(const HandPlace& place) noexcept = 0;
+  /// Those that were heard within the last seconds. For any thread.
+  virtual std::vector<SeenHand> others() const = 0;
+};
+
+}  // namespace palpate

@@ -1,0 +1,146 @@
+#include "haptics/sharing/edit_exchange.hpp"
+
+#include <algorithm>
+
+#include "engine/core/check.hpp"
+
+namespace palpate::sharing {
+
+namespace {
+
+constexpr std::size_t kMostUnacked = 4096;  // pieces; what is made meanwhile goes together, each point once
+
+}  // namespace
+
+EditExchange::EditExchange(std::vector<PointState> points, std::size_t mostOffered)
+    : shown_(std::move(points)), mostOffered_(mostOffered), digest_(shown_) {
+  offer_.reserve(mostOffered_);
+}
+
+void EditExchange::set(const PointState& state) {
+  PALPATE_CHECK_LT(state.number(), shown_.size());
+  PointState& shown = shown_[state.number()];
+  digest_.replace(shown, state);
+  shown = state;
+}
+
+// It comes after all that is known of others, and after what of them is on its way to what answers the hand.
+void EditExchange::made(const PointState& state) {
+  const std::uint32_t point = state.number();
+  set(state);
+  waiting_.erase(point);
+  if (inFlight_.contains(point)) overtaken_[point] = state;
+  if (queued_.insert_or_assign(point, state).second) queue_.push_back(point);
+}
+
+void EditExchange::received(std::span<const PointState> states) {
+  for (const PointState& state : states) {
+    const std::uint32_t point = state.number();
+    const auto given = inFlight_.find(point);
+    PALPATE_CHECK(given != inFlight_.end());
+    set(given->second);  // as it was given: what answers may keep less of it
+    ++receivedStates_;
+    // What the hand has made before that is later in the server's order; unless somebody has changed it again since.
+    if (const auto own = overtaken_.find(point); own != overtaken_.end()) waiting_.try_emplace(point, own->second);
+    inFlight_.erase(given);
+  }
+  // What was not taken the hand has made otherwise.
+  for (const auto& [point, state] : inFlight_)
+    if (!overtaken_.contains(point)) waiting_.try_emplace(point, state);
+  inFlight_.clear();
+  overtaken_.clear();
+  isOffered_ = false;
+}
+
+void EditExchange::follow(const EditBatch& batch) {
+  const std::span<const PointState> all = batch.points;
+  std::size_t begin = 0;
+  for (const EditMark& mark : batch.marks) {
+    const auto states = all.subspan(begin, mark.at - begin);
+    if (mark.kind == EditMark::Kind::received)
+      received(states);
+    else
+      for (const PointState& state : states) made(state);
+    changesFollowed_ += mark.kind == EditMark::Kind::change;
+    begin = mark.at;
+  }
+  for (const PointState& state : all.subspan(begin)) made(state);
+}
+
+std::span<const PointChange> EditExchange::nextOffer() {
+  if (isOffered_) return {};
+  // An offer that was not taken goes again, less what the hand has made otherwise meanwhile.
+  for (const auto& [point, state] : inFlight_)
+    if (!overtaken_.contains(point)) waiting_.try_emplace(point, state);
+  inFlight_.clear();
+  overtaken_.clear();
+  offer_.clear();
+  for (auto next = waiting_.begin(); next != waiting_.end() && offer_.size() < mostOffered_; next = waiting_.erase(next)) {
+    const auto& [point, state] = *next;
+    // Of a point that is not there nothing else counts, and what answers keeps it as it was when it went.
+    if (shown_[point] == state || (shown_[point].gone() && state.gone())) continue;
+    offer_.push_back({.from = shown_[point], .to = state});
+    inFlight_.emplace(point, state);
+  }
+  return offer_;
+}
+
+EditExchange::Heard EditExchange::hear(const Results& results) {
+  if (results.epoch != epoch_) return Heard::old;
+  if (results.counter <= counter_) return Heard::old;
+  if (results.counter != counter_ + 1) return Heard::gap;
+  counter_ = results.counter;
+  hasHeard_ = true;
+  while (!unacked_.empty() && unacked_.front().number <= results.acked) {
+    for (const PointState& state : unacked_.front().states)
+      if (const auto own = pending_.find(state.number()); own != pending_.end() && own->second == unacked_.front().number)
+        pending_.erase(own);
+    unacked_.pop_front();
+    if (toSend_ > 0) --toSend_;
+  }
+  for (const PointState& state : results.states) {
+    const std::uint32_t point = state.number();
+    PALPATE_CHECK_LT(point, shown_.size());
+    // What is on its way to the server comes after it.
+    if (queued_.contains(point) || pending_.contains(point)) continue;
+    waiting_[point] = state;
+  }
+  upTo_ = results.upTo;
+  head_ = results.head;
+  serverDigest_ = results.digest;
+  return Heard::taken;
+}
+
+Resume EditExchange::resumeAll() {
+  upTo_ = 0;
+  return resume();
+}
+
+Resume EditExchange::resume() {
+  ++epoch_;
+  counter_ = 0;
+  hasHeard_ = false;
+  resent_ += toSend_;
+  toSend_ = 0;
+  return {.epoch = epoch_, .upTo = upTo_};
+}
+
+const StrokePiece* EditExchange::nextPiece(std::size_t most) {
+  if (toSend_ < unacked_.size()) return &unacked_[toSend_++];
+  if (queue_.empty() || unacked_.size() >= kMostUnacked) return nullptr;
+  StrokePiece piece{.number = ++lastPiece_, .states = {}};
+  while (!queue_.empty() && piece.states.size() < most) {
+    const std::uint32_t point = queue_.front();
+    queue_.pop_front();
+    const auto state = queued_.find(point);
+    piece.states.push_back(state->second);
+    pending_[point] = piece.number;
+    queued_.erase(state);
+  }
+  sentStates_ += piece.states.size();
+  unacked_.push_back(std::move(piece));
+  toSend_ = unacked_.size();
+  return &unacked_.back();
+}
+
+}  // namespace palpate::sharing

@@ -1,0 +1,122 @@
+// How what one hand does to a shared cloud and what the others do to it come together, on the machine of that hand.
+// Nothing of DDS is seen here. One thread uses it at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/core/edit_batch.hpp"
+#include "haptics/sharing/point_digest.hpp"
+
+namespace palpate::sharing {
+
+/// States that a hand has made, on their way to the server.
+struct StrokePiece {
+  std::uint64_t number = 0;  ///< from 1 on, without gaps
+  std::vector<PointState> states;
+};
+
+/// What the server says to one client.
+struct Results {
+  std::uint32_t epoch = 0;    ///< of the request that they answer
+  std::uint64_t counter = 0;  ///< in that epoch, from 1 on
+  std::uint64_t acked = 0;    ///< the last piece of this client that was taken
+  std::uint64_t upTo = 0;     ///< of the order of all: it is known up to here
+  std::uint64_t head = 0;     ///< and goes up to here
+  std::uint64_t digest = 0;   ///< of all points, at `head`
+  std::span<const PointState> states;
+};
+
+/// What is asked of the server: all from `upTo` on, in an epoch of its own.
+struct Resume {
+  std::uint32_t epoch = 0;
+  std::uint64_t upTo = 0;
+};
+
+/// What the hand has done is in effect at once, and is sent; what others have done is offered to what answers the hand.
+/// The server's order decides: what is on the way there comes after all that is known here, so a point that this hand
+/// has changed stays as it is until the server has it. In the end every point is everywhere as it was changed last.
+class EditExchange {
+ public:
+  /// `points`: by id, as they were joined. `mostOffered`: TouchBackend::mostOffered().
+  EditExchange(std::vector<PointState> points, std::size_t mostOffered);
+
+  // Of the hand.
+  /// What was done to the points, in order (TouchBackend::takeEdits()).
+  void follow(const EditBatch& batch);
+  /// What others did, for TouchBackend::offer(); nothing while the last offer has not been reported.
+  std::span<const PointChange> nextOffer();
+  /// What goes with it.
+  std::uint64_t changesFollowed() const { return changesFollowed_; }
+  /// They were taken.
+  void offered() { isOffered_ = true; }
+
+  // Of the server.
+  enum class Heard {
+    taken,
+    old,  ///< of an epoch before
+    gap   ///< something is missing: resume()
+  };
+  Heard hear(const Results& results);
+  /// Asks for what is missing. What was sent and has not been taken is sent again.
+  Resume resume();
+  /// The same from the beginning on, what this hand has made included.
+  Resume resumeAll();
+  /// The next piece to send, of at most `most` states; null where there is none, or so many are on the way that they have
+  /// to arrive first. It stays until it has been taken.
+  const StrokePiece* nextPiece(std::size_t most);
+  /// The one that nextPiece() gave last could not be sent: it is the next one again.
+  void notSent() { --toSend_; }
+
+  /// Nothing is on the way in either direction.
+  bool isAtRest() const {
+    return hasHeard_ && queue_.empty() && unacked_.empty() && inFlight_.empty() && waiting_.empty() && upTo_ == head_;
+  }
+  /// All that this hand has done is where it belongs.
+  bool isDelivered() const { return queue_.empty() && unacked_.empty(); }
+  /// At rest: whether the points here are those of the server.
+  bool isSame() const { return digest_.value() == serverDigest_; }
+
+  std::span<const PointState> points() const { return shown_; }
+  std::uint64_t digest() const { return digest_.value(); }
+  std::uint64_t upTo() const { return upTo_; }
+  std::uint64_t sentStates() const { return sentStates_; }          ///< of this hand, each piece once
+  std::uint64_t receivedStates() const { return receivedStates_; }  ///< of others, as they took effect here
+  std::uint64_t resent() const { return resent_; }                  ///< pieces that went more than once
+
+ private:
+  using ByPoint = std::unordered_map<std::uint32_t, PointState>;
+  void set(const PointState& state);
+  void made(const PointState& state);
+  void received(std::span<const PointState> states);
+
+  std::vector<PointState> shown_;  // as what answers the hand has them, as far as it has said
+  std::size_t mostOffered_;
+  PointDigest digest_;
+
+  // Made here, not sent yet: in this order, each point once with its last state.
+  std::deque<std::uint32_t> queue_;
+  ByPoint queued_;
+  std::deque<StrokePiece> unacked_;
+  std::unordered_map<std::uint32_t, std::uint64_t> pending_;  // by point: the last piece that has it
+  std::uint64_t lastPiece_ = 0;
+  std::size_t toSend_ = 0;  // of unacked_, where pieces go again: from here on
+
+  // Made by others: not offered yet; offered; and of those what this hand has made meanwhile.
+  ByPoint waiting_, inFlight_, overtaken_;
+  std::vector<PointChange> offer_;
+  bool isOffered_ = false;
+  std::uint64_t changesFollowed_ = 0;
+
+  std::uint32_t epoch_ = 0;
+  std::uint64_t counter_ = 0, upTo_ = 0, head_ = 0, serverDigest_ = 0;
+  bool hasHeard_ = false;  // in this epoch
+  std::uint64_t sentStates_ = 0, receivedStates_ = 0, resent_ = 0;
+};
+
+}  // namespace palpate::sharing

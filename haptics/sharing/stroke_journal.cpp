@@ -1,0 +1,119 @@
+#include "haptics/sharing/stroke_journal.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <vector>
+
+#include "engine/core/checksum.hpp"
+#include "engine/core/error.hpp"
+#include "engine/core/system_file.hpp"
+
+namespace palpate::sharing {
+
+namespace {
+
+struct Header {
+  std::array<char, 16> magic{'p', 'a', 'l', 'p', 'a', 't', 'e', ' ', 's', 't', 'r', 'o', 'k', 'e', 's', '\n'};
+  std::uint64_t version = 1;
+  Id session{};
+  std::uint64_t points = 0, checksum = 0;  // of what is served
+  bool operator==(const Header&) const = default;
+};
+static_assert(sizeof(Header) == 56);
+
+struct Head {  // of a piece; its states follow
+  Id client{};
+  std::uint64_t number = 0;
+  std::uint64_t states = 0;
+  std::uint64_t checksum = 0;  // of all of it, with this 0
+};
+static_assert(sizeof(Head) == 40);
+static_assert(sizeof(PointState) == 36);
+
+constexpr std::uint64_t kMostStates = 1024;  // of a piece
+
+std::uint64_t checksumOf(Head head, std::span<const PointState> states) {
+  head.checksum = 0;
+  Checksum sum;
+  sum.add(std::as_bytes(std::span(&head, 1)));
+  sum.add(std::as_bytes(states));
+  return sum.value();
+}
+
+}  // namespace
+
+StrokeJournal::StrokeJournal(std::filesystem::path file, std::uint64_t points, std::uint64_t checksum, const Id& fresh,
+                             const std::function<void(const Piece&)>& take)
+    : file_(std::move(file)), session_(fresh) {
+  stream_.reset(openFile(file_, "r+b"));
+  if (stream_) {
+    goOn(points, checksum, take);
+  } else {
+    if (errno != ENOENT) throw FileError(file_, fmt::format("cannot be read: {}", std::strerror(errno)));
+    stream_.reset(openFile(file_, "wbx"));
+    if (!stream_) throw FileError(file_, whyNotWritten(errno));
+    begin(points, checksum);
+  }
+}
+
+void StrokeJournal::begin(std::uint64_t points, std::uint64_t checksum) {
+  const Header header{.session = session_, .points = points, .checksum = checksum};
+  write(std::as_bytes(std::span(&header, 1)));
+}
+
+void StrokeJournal::goOn(std::uint64_t points, std::uint64_t checksum, const std::function<void(const Piece&)>& take) {
+  std::FILE* const stream = stream_.get();
+  const std::uint64_t size = std::filesystem::file_size(file_);
+  Header header;
+  if (size < sizeof header || std::fread(&header, sizeof header, 1, stream) != 1 || header.magic != Header().magic)
+    throw FileError(file_, "is no journal of strokes; give another name, or take it away");
+  if (header.version != Header().version)
+    throw FileError(file_, fmt::format("is a journal of version {}; this palpate knows version 1", header.version));
+  if (header.points != points || header.checksum != checksum)
+    throw FileError(file_, fmt::format("has the strokes of another model, of {} points; serve that one, or give another name",
+                                       header.points));
+  session_ = header.session;
+  std::uint64_t at = sizeof header;
+  std::vector<PointState> states;
+  while (size - at >= sizeof(Head)) {
+    Head head;
+    if (std::fread(&head, sizeof head, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
+    if (head.states == 0 || head.states > kMostStates) throw FileError::atByte(file_, at, "is damaged: no piece of a stroke");
+    const std::uint64_t bytes = head.states * sizeof(PointState);
+    if (size - at - sizeof head < bytes) break;
+    states.resize(head.states);
+    if (std::fread(states.data(), bytes, 1, stream) != 1) throw FileError::atByte(file_, at, "cannot be read");
+    if (checksumOf(head, states) != head.checksum) {
+      if (at + sizeof head + bytes == size) break;
+      throw FileError::atByte(file_, at, "is damaged: a piece of a stroke is not as it was written");
+    }
+    take({.client = head.client, .number = head.number, .states = states});
+    ++pieces_;
+    at += sizeof head + bytes;
+  }
+  tornBytes_ = size - at;
+  if (tornBytes_ > 0) {
+    std::error_code error;
+    std::filesystem::resize_file(file_, at, error);
+    if (error) throw FileError(file_, fmt::format("cannot be written: {}", error.message()));
+  }
+  if (!seekTo(stream, at)) throw FileError(file_, whyNotWritten(errno));
+}
+
+void StrokeJournal::write(std::span<const std::byte> bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stream_.get()) != bytes.size() || std::fflush(stream_.get()) != 0)
+    throw FileError(file_, whyNotWritten(errno));
+}
+
+void StrokeJournal::add(const Piece& piece) {
+  Head head{.client = piece.client, .number = piece.number, .states = piece.states.size()};
+  head.checksum = checksumOf(head, piece.states);
+  std::vector<std::byte> bytes(sizeof head + piece.states.size_bytes());
+  std::memcpy(bytes.data(), &head, sizeof head);
+  std::memcpy(bytes.data() + sizeof head, piece.states.data(), piece.states.size_bytes());
+  write(bytes);
+  ++pieces_;
+}
+
+}  // namespace palpate::sharing

@@ -1,0 +1,124 @@
+#include "haptics/sharing/stroke_server.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace palpate::sharing {
+
+namespace {
+
+constexpr std::size_t kMostFollowers = 64;  // at a time; one more takes the place of who has asked longest ago
+constexpr double kApart_s = 0.008;          // what is done within goes together, each point once
+constexpr double kSilence_s = 0.2;          // after which who follows hears that there is nothing
+constexpr int kInTurn = 64;                 // results for one before it is the next one's turn
+
+}  // namespace
+
+StrokeServer::StrokeServer(const Parts& parts)
+    : parts_(parts),
+      strokes_(parts.participant, parts.topics.strokes, reliableQos(false)),
+      resumes_(parts.participant, parts.topics.resumes, reliableQos(false)) {
+  counts_.sculptors = parts_.points.clients();
+}
+
+void StrokeServer::attach(ReaderWait& wait) const {
+  wait.attach(strokes_);
+  wait.attach(resumes_);
+}
+
+void StrokeServer::take() {
+  resumes_.take([&](const ResumeRequest& request) { take(request); });
+  strokes_.take([&](const Stroke& stroke) { take(stroke); });
+}
+
+void StrokeServer::take(const ResumeRequest& request) {
+  if (!isSame(request.session, parts_.session)) return;
+  const Id client = idOf(request.client);
+  if (!followers_.contains(client)) {
+    if (followers_.size() >= kMostFollowers)
+      followers_.erase(std::ranges::min_element(
+          followers_, {}, [](const auto& one) { return one.second.lastResumed; }));
+    followers_[client].results =
+        Writer<Result>(parts_.participant, parts_.topics.results, reliableQos(false, partitionOf(request.client)));
+    if (parts_.log) parts_.log->say("{} follows", printable(request.host));
+  }
+  Follower& follower = followers_[client];
+  follower.lastResumed = ++resumed_;
+  if (request.epoch <= follower.epoch) return;
+  follower.epoch = request.epoch;
+  follower.counter = 0;
+  // Who begins anew hears of its own strokes, too.
+  follower.place = {.upTo = std::min<std::uint64_t>(request.upTo, parts_.points.head()),
+                    .ownUpTo = request.upTo == 0 ? parts_.points.head() : 0};
+  follower.holds = false;
+  follower.toldAcked = ~std::uint64_t{0};  // it hears at once
+}
+
+void StrokeServer::take(const Stroke& stroke) {
+  if (!isSame(stroke.session, parts_.session)) return;
+  const std::span<const State> given(stroke.states._buffer, stroke.states._length);
+  states_.clear();
+  for (const State& state : given) states_.push_back(pointOf(state));
+  const Id client = idOf(stroke.client);
+  switch (parts_.points.take(client, stroke.number, states_)) {
+    case SharedPoints::Taken::taken:
+      ++counts_.pieces;
+      counts_.states += states_.size();
+      counts_.sculptors = parts_.points.clients();
+      if (parts_.journal) parts_.journal->add({.client = client, .number = stroke.number, .states = states_});
+      break;
+    case SharedPoints::Taken::known:
+    case SharedPoints::Taken::early: ++counts_.again; break;
+    case SharedPoints::Taken::refused: ++counts_.refused; break;
+  }
+}
+
+double StrokeServer::write() {
+  double next_s = kSilence_s;
+  for (auto& [client, follower] : followers_) next_s = std::min(next_s, write(client, follower));
+  return next_s;
+}
+
+double StrokeServer::write(const Id& client, Follower& follower) {
+  const auto isDue = [&] {
+    return follower.holds || parts_.points.isBehind(follower.place) || parts_.points.lastOf(client) != follower.toldAcked;
+  };
+  const double since_s = follower.lastWritten.elapsed_s();
+  if (!follower.holds && since_s < kApart_s) return isDue() ? kApart_s - since_s : kSilence_s;
+  if (!isDue() && since_s < kSilence_s) return kSilence_s - since_s;
+  int written = 0;
+  do {
+    if (!writeOne(client, follower)) return kApart_s;  // its link has no room for more
+  } while (++written < kInTurn && parts_.points.isBehind(follower.place));
+  follower.lastWritten = {};
+  return parts_.points.isBehind(follower.place) ? 0 : kApart_s;
+}
+
+bool StrokeServer::writeOne(const Id& client, Follower& follower) {
+  Result& result = follower.next;
+  // What a client hears of its own strokes is of the moment at which the states were looked up: what was taken of it
+  // since comes after them.
+  if (!std::exchange(follower.holds, true)) {
+    states_.clear();
+    parts_.points.collect(follower.place, client, kStates, states_);
+    follower.states.clear();
+    for (const PointState& point : states_) follower.states.push_back(stateOf(point));
+    result = {};
+    set(result.session, parts_.session);
+    result.epoch = follower.epoch;
+    result.counter = ++follower.counter;
+    result.acked = parts_.points.lastOf(client);
+    result.upTo = follower.place.upTo;
+    result.head = parts_.points.head();
+    result.digest = parts_.points.digest();
+    result.states._buffer = follower.states.data();
+    result.states._length = result.states._maximum = static_cast<std::uint32_t>(follower.states.size());
+  }
+  if (!follower.results.write(result)) return false;
+  follower.holds = false;
+  follower.toldAcked = result.acked;
+  counts_.sent += follower.states.size();
+  return true;
+}
+
+}  // namespace palpate::sharing

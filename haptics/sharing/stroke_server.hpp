@@ -1,0 +1,69 @@
+// Takes the strokes of all who have joined a session, and tells each what the others do.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "engine/core/clock.hpp"
+#include "engine/core/log.hpp"
+#include "haptics/sharing/messages.hpp"
+#include "haptics/sharing/shared_points.hpp"
+#include "haptics/sharing/stroke_journal.hpp"
+
+namespace palpate::sharing {
+
+struct StrokeCounts {
+  std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken
+  std::uint64_t again = 0;               ///< that had been taken before, or came too early
+  std::uint64_t refused = 0;             ///< that no client of ours makes
+  std::uint64_t sent = 0;                ///< states, to all clients together
+  std::uint64_t sculptors = 0;           ///< clients that have ever sent a piece that was taken
+};
+
+class StrokeServer {
+ public:
+  struct Parts {
+    const Participant& participant;
+    const Topics& topics;
+    Id session;
+    SharedPoints& points;
+    StrokeJournal* journal = nullptr;  ///< has each piece before its client hears of it; may be null
+    Log* log = nullptr;                ///< hears of who comes
+  };
+  /// All that `parts` refers to outlives it.
+  explicit StrokeServer(const Parts& parts);
+  void attach(ReaderWait& wait) const;
+  /// What has come. Throws FileError of the journal.
+  void take();
+  /// What is due, as far as the links take it; so many seconds later there is more to do.
+  double write();
+  const StrokeCounts& counts() const { return counts_; }
+
+ private:
+  // Somebody who hears of the others.
+  struct Follower {
+    Writer<Result> results;  // in its partition
+    std::uint32_t epoch = 0;
+    std::uint64_t counter = 0, toldAcked = 0;
+    SharedPoints::Place place;
+    Result next{};              // as it was when its states were collected
+    std::vector<State> states;  // of it
+    bool holds = false;         // it is to be written
+    std::uint64_t lastResumed = 0;
+    Stopwatch lastWritten;
+  };
+  void take(const Stroke& stroke);
+  void take(const ResumeRequest& request);
+  double write(const Id& client, Follower& follower);
+  bool writeOne(const Id& client, Follower& follower);
+
+  Parts parts_;
+  Reader<Stroke> strokes_;
+  Reader<ResumeRequest> resumes_;
+  std::map<Id, Follower> followers_;
+  std::uint64_t resumed_ = 0;
+  std::vector<PointState> states_;
+  StrokeCounts counts_;
+};
+
+}  // namespace palpate::sharing

@@ -1,0 +1,81 @@
+// Changes that others offer to what answers a hand, on the CPU.
+#include <thread>
+
+#include "engine/touch/cpu_touch.hpp"
+#include "tests/scenes.hpp"
+#include "tests/touch/offering.hpp"
+
+namespace palpate {
+
+namespace {
+
+constexpr BrushOptions kPush{.tau = 0.3, .beta = 0.2, .radius = 8, .keepsDensity = false};
+
+}  // namespace
+
+TEST_CASE("on the CPU strokes go on amid what others do, and each offer is reported once") {
+  const Scene scene = makeScene("sphere", 20'000);
+  for (const bool everywhere : {false, true}) {
+    CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
+    checkOffersAmidStrokes(touch, scene.cloud, everywhere, 2);
+  }
+}
+
+TEST_CASE("on the CPU an offer that comes too late for a point leaves it as it is") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
+  checkOffersThatAreLate(touch, scene.cloud);
+}
+
+TEST_CASE("nothing is offered to a cloud that nobody can edit, nor where points come and go") {
+  const Scene scene = makeScene("sphere", 500);
+  CpuTouch still(scene.cloud, {.radius = scene.radius});
+  CHECK(still.mostOffered() == 0);
+  BrushOptions dense = kPush;
+  dense.keepsDensity = true;
+  CpuTouch kept(scene.cloud, {.radius = scene.radius, .brush = dense});
+  CHECK(kept.mostOffered() == 0);
+  CHECK_FALSE(kept.offer({}, 0));
+}
+
+TEST_CASE("what others do is felt, in real time too, while another thread offers it") {
+  const Scene scene = makeScene("sphere", 5'000);
+  CpuTouch touch(scene.cloud, {.radius = scene.radius, .brush = kPush});
+  Offering others(touch, scene.cloud, 11);
+  {
+    std::jthread follower([&](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {
+        others.follow();
+        others.offer(30, 1, [](const PointState& point) { return point.position.z < 0; });
+      }
+    });
+    for (int i = 0; i < 400; ++i)
+      touch.query({.time_s = 1e-3 * i, .hip = {0, 0, 51 - 0.01 * (i % 200)}}, i % 4 ? 300 : 0);
+  }
+  touch.query({.time_s = 0.41, .hip = {0, 0, 200}}, 0);
+  touch.finish();
+  others.checkEnd();
+  CHECK(others.taken() > 100);
+  CHECK(others.offers() - others.reports() <= 1);
+
+  // The top is lowered by 10: a hand goes through where it was, and feels it there.
+  const auto feels = [&](double z) {
+    for (const double above : {3, 1}) touch.query({.time_s = 1, .hip = {0, 0, z + above}}, 0);
+    return touch.query({.time_s = 1, .hip = {0, 0, z - 0.2}}, 0).touching;
+  };
+  std::vector<PointChange> lower;
+  for (const PointState& point : others.shown()) {
+    if (point.gone() || point.position.z < 40) continue;
+    lower.push_back({point, point});
+    lower.back().to.position.z -= 10;
+  }
+  const double top = std::ranges::max(others.shown(), {}, [](const PointState& p) { return p.position.z; }).position.z;
+  if (others.isOffered()) touch.query({.time_s = 1, .hip = {0, 0, 200}}, 0);
+  others.follow();
+  REQUIRE(others.offerThese(lower));
+  touch.query({.time_s = 1, .hip = {0, 0, 200}}, 0);
+  CHECK_FALSE(feels(top - 1));
+  CHECK(feels(top - 12));
+}
+
+}  // namespace palpate
