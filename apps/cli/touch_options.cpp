@@ -182,7 +182,8 @@ void checkTouchOptions(const TouchCommandOptions& options, const TouchCapabiliti
   checkHandOptions(options.hand, options.realtime);
   checkSecondOptions(options);
   if (options.edit == "none") {
-    if (!options.saveFile.empty() && options.stream.fuse != "on" && !matterScene(options.model.file))
+    if (!options.saveFile.empty() && options.stream.fuse != "on" && options.join.name.empty() &&
+        !matterScene(options.model.file))
       throw UsageError("--save: nothing changes with --edit none");
     if (options.undo > 0) throw UsageError("--undo: nothing changes with --edit none");
   }

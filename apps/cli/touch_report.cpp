@@ -145,7 +145,8 @@ std::string inWords(const SharedCounts& shared) {
   if (shared.roundTrip_ms)
     words += fmt::format("; round trip {:.1f} ms, {} of {} pings answered", *shared.roundTrip_ms, shared.answered, shared.pings);
   words += fmt::format("; longest silence {:.1f} s", shared.longestSilent_s);
-  if (!shared.atRest) return words + "; NOT all of it is everywhere";
+  if (!shared.delivered) return words + "; NOT all of it has arrived";
+  if (!shared.atRest) return words + "; all of it has arrived, and others go on";
   return words + (shared.same ? "; the points are the server's" : "; the points are NOT the server's");
 }
 

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kRelay_Hz = 30;         // edits are taken so often against the clock
 constexpr double kSharedRelay_Hz = 120;  // and so often where others wait for them
+constexpr double kOthersBusy_s = 1;      // all of this hand's is taken, and the others go on: who ends does not wait for them
 
 SessionConfig checked(SessionConfig config, const BackendKind& kind) {
   validate(config);
@@ -111,7 +112,12 @@ Session::Session(SessionConfig config, Model model, const SessionParts& parts)
 Session::~Session() { relay_.stop(); }
 
 std::unique_ptr<SharedFollower> Session::takePart() {
-  if (!model_->share) return nullptr;
+  if (!model_->share) {
+    if (config_.join && config_.brush)
+      throw Error("'{}' is served to be felt alone; leave the brush out, or have it served without --read-only",
+                  config_.model.file);
+    return nullptr;
+  }
   if (backend_->mostOffered() == 0)
     throw Error("{}: '{}' is sculpted by others, which {} cannot follow; take another back end, or have it served to be "
                 "felt alone (--read-only)",
@@ -125,6 +131,9 @@ bool Session::settleShared(double patience_s) {
   relay_.catchUp();
   SharedCounts counts = shared_->counts();
   const auto isSettled = [&] { return counts.atRest && counts.same; };
+  const auto isOver = [&] {
+    return isSettled() || (counts.delivered && counts.silent_s < kOthersBusy_s && since.elapsed_s() > kOthersBusy_s);
+  };
   std::vector<Pose> far(backend_->hands());
   // A hand that touches nothing: between its answers the others' changes are done.
   const Bounds box = boundsOf(model_->cloud);
@@ -132,7 +141,7 @@ bool Session::settleShared(double patience_s) {
   const DVec3 nowhere = model_->cloud.origin + box.center() + DVec3(0, 0, kFar * std::max(box.longestSide(), 1.0));
   for (Pose& pose : far) pose = {.time_s = last_s_, .hip = nowhere, .sculpts = false};
   bool hasAsked = false;
-  for (; !isSettled() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
+  for (; !isOver() && since.elapsed_s() < patience_s; counts = shared_->counts()) {
     backend_->ask(far, 0);
     hasAsked = true;
     relay_.catchUp();

@@ -19,6 +19,8 @@ StrokeServer::StrokeServer(const Parts& parts)
       strokes_(parts.participant, parts.topics.strokes, reliableQos(false)),
       resumes_(parts.participant, parts.topics.resumes, reliableQos(false)) {
   counts_.sculptors = parts_.points.clients();
+  counts_.states = parts_.points.head();
+  if (parts_.journal) counts_.pieces = parts_.journal->pieces();
 }
 
 void StrokeServer::attach(ReaderWait& wait) const {

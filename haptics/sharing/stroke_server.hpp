@@ -13,7 +13,7 @@
 namespace palpate::sharing {
 
 struct StrokeCounts {
-  std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken
+  std::uint64_t pieces = 0, states = 0;  ///< of strokes, that were taken; those in the journal included
   std::uint64_t again = 0;               ///< that had been taken before, or came too early
   std::uint64_t refused = 0;             ///< that no client of ours makes
   std::uint64_t sent = 0;                ///< states, to all clients together

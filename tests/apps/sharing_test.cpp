@@ -1,4 +1,6 @@
 // A model that one program serves and others join, as a user meets it. Not where palpate was built without DDS.
+#include <optional>
+
 #include "tests/apps/running_program.hpp"
 
 namespace palpate {
@@ -30,7 +32,7 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   const ScratchFolder folder;
   const std::string model = (folder / "far.ply").string(), at = (folder / "r.json").string();
   works("make sculpture -n 20000 --center 450000,-300000,1000 -o " + model);
-  Serving serving(model + " --name 'the city' --mm-per-unit 2 --json " + at, folder / "said");
+  Serving serving(model + " --name 'the city' --read-only --mm-per-unit 2 --json " + at, folder / "said");
   for (const std::string backend : {"cpu", "vulkan"}) {
     CAPTURE(backend);
     const std::string own = (folder / "own.csv").string(), joined = (folder / "joined.csv").string();
@@ -46,6 +48,9 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   }
   works("render --join 'the city'" + domain() + " -o " + (folder / "p.png").string());
   CHECK(contentOf(folder / "p.png").substr(1, 3) == "PNG");
+  const Outcome brush = palpate("touch --join 'the city'" + domain() + " --backend cpu --edit push");
+  CHECK(brush.code == 1);
+  CHECK(brush.text.find("served to be felt alone") != std::string::npos);
   const Outcome listed = palpate("doctor --network" + domain());
   CHECK(listed.text.find("the city: 20000 points of far.ply") != std::string::npos);
   const Outcome second = palpate("serve " + model + " --name 'the city'" + domain());
@@ -53,10 +58,86 @@ TEST_CASE("what is joined is felt as the file is, byte by byte, drawn, recorded,
   CHECK(second.text.find("served already") != std::string::npos);
   CHECK(serving.program.wait(SIGINT) == 0);
   const Result report = jsonOf(at);
-  CHECK(report["clients"] == 3);
+  CHECK(report["clients"] == 4);
   CHECK(report["refused"] == 0);
   // It is gone at once for who comes later.
   CHECK(palpate("doctor --network" + domain()).text.find("the city") == std::string::npos);
+}
+
+TEST_CASE("two hands sculpt what a third program serves: in the end all three have the same points, and so has who comes later") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 30000 -o " + in("m.ply"));
+  Serving serving(in("m.ply") + " --name clay --save " + in("end.ply") + " --json " + in("s.json"), folder / "said");
+  const std::string joins = "--join clay" + domain();
+  RunningProgram left("touch " + joins + " --as left --backend cpu --realtime --duration 3 --edit push --penetration 4 --save " +
+                          in("left.ply") + " --json " + in("l.json"),
+                      folder / "left.said");
+  RunningProgram right("touch " + joins + " --as right --backend vulkan --path builtin:slide --duration 0.4 --edit paint --save " +
+                           in("right.ply") + " --json " + in("r.json"),
+                       folder / "right.said");
+  for (RunningProgram* hand : {&left, &right}) hand->waitFor([&] { return hand->ended(); });
+  CAPTURE(contentOf(folder / "left.said"));
+  CAPTURE(contentOf(folder / "right.said"));
+  const Result l = jsonOf(in("l.json"))["shared"], r = jsonOf(in("r.json"))["shared"];
+  CHECK(l["sent"] > 100);
+  CHECK(r["sent"] > 20);
+  CHECK(l["delivered"] == true);
+  CHECK(r["delivered"] == true);
+  // Who ends last has what both have done, and who only looks, too.
+  works("touch " + joins + " --backend cpu --duration 0.05 --save " + in("later.ply") + " --json " + in("later.json"));
+  const Result later = jsonOf(in("later.json"))["shared"];
+  CHECK(later["same"] == true);
+  CHECK(later["sent"] == 0);
+  works("convert " + in("later.ply") + " " + in("later.npy"));
+  works("render " + joins + " -o " + in("p.png"));
+  CHECK(serving.program.wait(SIGINT) == 0);
+  works("convert " + in("end.ply") + " " + in("end.npy"));
+  CHECK(contentOf(in("end.npy")) == contentOf(in("later.npy")));
+  works("convert " + in("m.ply") + " " + in("m.npy"));
+  CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
+  const Result served = jsonOf(in("s.json"));
+  CHECK(served["sculptors"] == 2);
+  CHECK(served["states"] == l["sent"].get<int>() + r["sent"].get<int>());
+  CHECK(served["refused"] == 0);
+  CHECK(served["again"] == 0);
+}
+
+TEST_CASE("a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
+  if (!isBuilt()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const char* name) { return (folder / name).string(); };
+  works("make sphere -n 20000 -o " + in("m.ply"));
+  const std::string serve = in("m.ply") + " --name clay --journal " + in("strokes");
+  std::optional<Serving> serving(std::in_place, serve, folder / "said");
+  RunningProgram hand("touch --join clay" + domain() + " --backend cpu --realtime --duration 6 --edit push --penetration 4 --save " +
+                          in("hand.ply") + " --json " + in("h.json"),
+                      folder / "hand.said");
+  CHECK(hand.waitFor([&] {
+    std::error_code none;
+    return std::filesystem::file_size(in("strokes"), none) > 5000 && !none;
+  }));
+  CHECK(serving->program.wait(SIGKILL) != 0);
+  serving.emplace(serve + " --save " + in("end.ply") + " --json " + in("s.json"), folder / "said2");
+  CHECK(contentOf(folder / "said2").find("goes on with") != std::string::npos);
+  hand.waitFor([&] { return hand.ended(); });
+  const Result shared = jsonOf(in("h.json"))["shared"];
+  CHECK(shared["delivered"] == true);
+  CHECK(shared["same"] == true);
+  CHECK(shared["resumed"] >= 2);
+  CHECK(contentOf(folder / "hand.said").find("is heard again") != std::string::npos);
+  CHECK(serving->program.wait(SIGINT) == 0);
+  const Result served = jsonOf(in("s.json"));
+  CHECK(served["states"] == shared["sent"]);
+  for (const char* name : {"hand", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
+  CHECK(contentOf(in("hand.npy")) == contentOf(in("end.npy")));
+  CHECK(contentOf(in("end.npy")).size() > 20000 * 12);
+  // Another model's strokes are not taken.
+  works("make sphere -n 2000 -o " + in("other.ply"));
+  const Outcome other = palpate("serve " + in("other.ply") + " --name clay --journal " + in("strokes") + domain());
+  CHECK(other.code == 1);
+  CHECK(other.text.find("strokes of another model, of 20000 points") != std::string::npos);
 }
 
 TEST_CASE("what joins and cannot be served says so, and so do options that do not go together") {
@@ -69,7 +150,6 @@ TEST_CASE("what joins and cannot be served says so, and so do options that do no
     CHECK(outcome.text.find(words) != std::string::npos);
   };
   refuses("touch a.ply --join city", "is the model");
-  refuses("touch --join city --edit push", "cannot be sculpted yet");
   refuses("touch --join city --motion oscillate", "stands as it is served");
   refuses("touch --join city --speed 2", "is no recorded depth camera");
   refuses("touch --join city --normals estimate", "comes with its normals");
