@@ -33,12 +33,13 @@ struct HandPlace {
   DVec3 position{0};  ///< of what it touches with
   DVec3 proxy{0};     ///< where the surface holds that; `position` where nothing is touched
   bool touching = false, sculpts = false;
+  bool operator==(const HandPlace&) const = default;
 };
 
 /// Somebody else's hand, as it was heard last.
 struct SeenHand {
   std::string name;
-  std::uint32_t number = 0;  ///< tells hands apart, and stays while it is seen
+  std::uint32_t number = 0;  ///< the same on all machines, for as long as the hand takes part
   HandPlace place;
   double age_s = 0;
 };

@@ -66,7 +66,7 @@ void addRender(Options& app, Context& context, Command& command) {
   sub.heading("A depth camera");
   addDepthOptions(sub, options->stream);
   sub.heading("A session of others");
-  addJoinOptions(sub, options->join);
+  addJoinOptions(sub, options->join, JoinAs::onlooker);
   sub.heading("Options");
   sub.whenNamed([&, options] { command = [&context, options] { render(context, *options); }; });
 }

@@ -21,11 +21,12 @@ void addNetworkOptions(Options& command, NetworkOptions& options) {
   command.add("--domain", options.domain, "of DDS, as ROS numbers them").check(inRange(0, bounds::kLastDomain)).showDefault();
 }
 
-void addJoinOptions(Options& command, JoinOptionsGiven& options) {
+void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as) {
   command
       .add("--join", options.name, "in place of MODEL: a session that another palpate serves (palpate serve), by its name")
       .typeName("NAME");
-  command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
+  if (as == JoinAs::hand)
+    command.add("--as", options.hand, "what the others see this hand called (default: the machine's name)").typeName("NAME");
   addNetworkOptions(command, options.network);
 }
 

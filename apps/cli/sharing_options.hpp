@@ -27,8 +27,9 @@ struct JoinOptionsGiven {
   std::string hand;  ///< what the others see this hand called; empty: as the machine
   NetworkOptions network;
 };
-/// --join, and those of the network.
-void addJoinOptions(Options& command, JoinOptionsGiven& options);
+enum class JoinAs { hand, onlooker };
+/// --join, and those of the network; --as for a hand.
+void addJoinOptions(Options& command, JoinOptionsGiven& options, JoinAs as);
 /// What is joined, under whose name the model goes then; nothing where none is. Throws UsageError for options that do not go
 /// together.
 std::optional<JoinConfig> joinConfig(const JoinOptionsGiven& options, std::string& modelFile);

@@ -164,7 +164,7 @@ void addTouchOptions(Options& command, TouchCommandOptions& options) {
   heading("A depth camera");
   addStreamOptions(command, options.stream);
   heading("A session of others");
-  addJoinOptions(command, options.join);
+  addJoinOptions(command, options.join, JoinAs::hand);
   heading("What answers");
   addBackendOptions(command, options.backend);
   heading("A tool of many points");

@@ -43,7 +43,9 @@ void Document::open(const std::string& file) {
     WindowOptions options = options_;
     options.config.model.file = file;
     options.config.stream = streamOf(file, options_);
-    options.config.matter = options.config.stream ? std::nullopt : matterScene(file);
+    // The session of others is the first model.
+    if (file != options_.config.model.file) options.config.join.reset();
+    options.config.matter = options.config.stream || options.config.join ? std::nullopt : matterScene(file);
     read(std::move(options));
   });
 }
@@ -84,7 +86,7 @@ bool Document::load(const std::function<void()>& letGo) {
   auto result = loader_.take();
   if (!result) return false;
   if (result->session) {
-    if (!isLive()) recent_.add(result->session->file());
+    if (!isLive() && !opened_.config.join) recent_.add(result->session->file());
     letGo();
     const bool isAnother = handedOn_ == HandedOn::no;
     install(std::move(result->session));
@@ -112,8 +114,9 @@ void Document::install(std::unique_ptr<WindowSession> session) {
   if (handedOn == HandedOn::toGoOn) holdFrames();
   if (handedOn != HandedOn::no) return;
   saveFile_ = isLive()                    ? "camera.ply"
-              : session_->config().matter ? std::filesystem::path(session_->file()).stem().string() + ".ply"
-                                          : whereToSave(session_->file()).string();
+              : session_->config().matter || session_->config().join
+                  ? std::filesystem::path(session_->file()).stem().string() + ".ply"
+                  : whereToSave(session_->file()).string();
 }
 
 void Document::follow() {

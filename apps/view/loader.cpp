@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "apps/cli/sharing_options.hpp"
+
 namespace palpate {
 
 namespace {
@@ -17,7 +19,8 @@ void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelS
   cancel();
   given_.reset();
   const std::string name = std::filesystem::path(options.config.model.file).filename().string();
-  begin(std::move(options), brush, feel, "reading " + name);
+  const std::string what = (options.config.join ? "joining " : "reading ") + name;
+  begin(std::move(options), brush, feel, what);
 }
 
 void Loader::open(WindowOptions options, const BrushSettings& brush, const FeelSettings& feel, Model model) {
@@ -55,7 +58,9 @@ Loader::Result Loader::load() {
   try {
     // Normals on the CPU: the GPU's queues belong to the session that is open still.
     Model model = given_ ? std::move(*given_)
-                         : loadModel(options_.config, {.log = context_.log(), .threads = context_.threads()});
+                         : loadModel(options_.config, {.log = context_.log(),
+                                                      .threads = context_.threads(),
+                                                      .join = sessionJoiner(options_.hand)});
     isRead_ = true;
     mayBuild_.get_future().wait();
     if (cancelled_) return {};

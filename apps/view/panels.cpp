@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/view/shown_lines.hpp"
 #include "engine/io/cloud_formats.hpp"
 
 namespace palpate {
@@ -132,6 +133,7 @@ void Panels::drawPanel(const ViewStatus& status, WindowSettings& settings, ViewR
     drawBrush(status, settings.brush, settings.view, requests);
     drawFeel(status, settings.feel, settings.forcesOn);
     drawMatter(status, requests);
+    drawOthers(status);
     drawLook(status, settings.view, requests);
     drawMeasure(status, settings.view, requests);
     drawSession(status, requests);
@@ -239,6 +241,21 @@ void Panels::drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forces
   help("0: slippery; from 1 on the stylus hardly slides");
   drag("largest force", feel.maxForce_N, 0.02f, 0, kTouchPeakForce_N, "%.2f N");
   ImGui::TextDisabled("%s", status.session->machine().c_str());
+}
+
+void Panels::drawOthers(const ViewStatus& status) {
+  if (!status.others || !header("Others", true)) return;
+  for (const SeenHand& hand : status.others->hands) {
+    const auto color = colorOfHand(hand.number);
+    ImGui::TextColored(ImVec4(color[0] / 255.0F, color[1] / 255.0F, color[2] / 255.0F, 1), "%s", hand.name.c_str());
+    ImGui::SameLine();
+    ImGui::TextDisabled("%s", hand.place.touching ? (hand.place.sculpts ? "sculpts" : "touches") : "");
+  }
+  if (status.others->hands.empty()) ImGui::TextDisabled("nobody else is here");
+  const SharedCounts& counts = status.others->counts;
+  if (counts.silent_s > 1) ImGui::Text("not heard for %.0f s", counts.silent_s);
+  if (counts.roundTrip_ms)
+    ImGui::TextDisabled("round trip %.1f ms", *counts.roundTrip_ms);
 }
 
 void Panels::drawMatter(const ViewStatus& status, ViewRequests& requests) {

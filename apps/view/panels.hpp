@@ -44,6 +44,11 @@ struct ViewStatus {
   std::vector<PassRecord> passes;  ///< of the last picture of the model
   std::vector<SimulationParameter> parameters;  ///< of what moves by itself
   bool simulationHeld = false;
+  struct Others {
+    SharedCounts counts;
+    std::vector<SeenHand> hands;
+  };
+  std::optional<Others> others;  ///< who feels and sculpts the model, too
 };
 
 class Panels {
@@ -81,6 +86,7 @@ class Panels {
   void drawModel(const ViewStatus& status, ViewRequests& requests);
   void drawBrush(const ViewStatus& status, BrushSettings& brush, ViewSettings& view, ViewRequests& requests);
   void drawFeel(const ViewStatus& status, FeelSettings& feel, bool& forcesOn);
+  void drawOthers(const ViewStatus& status);
   void drawMatter(const ViewStatus& status, ViewRequests& requests);
   void drawLook(const ViewStatus& status, ViewSettings& view, ViewRequests& requests);
   void drawFiles(const ViewStatus& status, ViewRequests& requests);

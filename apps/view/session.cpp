@@ -10,7 +10,8 @@ namespace {
 
 bool isSoft(const SessionConfig& config) { return config.matter && config.matter->matter == Matter::soft; }
 
-std::optional<BrushConfig> brushOf(const BrushSettings& brush) {
+// Where several sculpt no points come and go.
+std::optional<BrushConfig> brushOf(const BrushSettings& brush, const SessionConfig& config) {
   if (!brush.kind) return std::nullopt;
   return BrushConfig{.kind = *brush.kind,
                      .tau_mm = brush.tau_mm,
@@ -18,7 +19,8 @@ std::optional<BrushConfig> brushOf(const BrushSettings& brush) {
                      .radius_mm = brush.radius_mm,
                      .strength = brush.strength,
                      .falloff = brush.falloff,
-                     .color = brush.color};
+                     .color = brush.color,
+                     .keepsDensity = !config.join};
 }
 
 SurfaceConfig surfaceOf(SurfaceConfig surface, const FeelSettings& feel) {
@@ -42,7 +44,7 @@ SessionConfig configOf(const WindowOptions& options, const BrushSettings& brush,
   SessionConfig config = options.config;
   // A soft body that does not take the brush is felt without it; who asks for another one is told why.
   if (config.takesBrush() && !(isSoft(config) && brush.kind && !changesShape(*brush.kind)))
-    config.brush = brushOf(brush);
+    config.brush = brushOf(brush, config);
   config.surface = surfaceOf(config.surface, feel);
   config.force = forceOf(feel);
   config.backend.method = methodOf(config.backend.name, feel);
@@ -74,7 +76,7 @@ DrawnCloud& WindowSession::drawn() {
 
 HeldTool WindowSession::heldTool() const {
   HeldTool tool{.ballRadius = model().ballRadius};
-  if (const auto brush = brushOf(brush_); brush && (config().brush || !config().matter))
+  if (const auto brush = brushOf(brush_, config()); brush && (config().brush || !config().matter))
     tool.brush = brushOptions(*brush, model().scale);
   return tool;
 }
@@ -84,14 +86,14 @@ void WindowSession::setBrushSettings(const BrushSettings& brush) {
   brush_ = brush;
   if (isSoft(config())) {
     try {
-      return setBrush(brushOf(brush));
+      return setBrush(brushOf(brush, config()));
     } catch (const ConfigError&) {
       setBrush(std::nullopt);
       throw;
     }
   }
   if (config().matter && brush.kind) throw Error("matter that moves by itself is not sculpted");
-  if (!config().stream) return setBrush(brushOf(brush));
+  if (!config().stream) return setBrush(brushOf(brush, config()));
   if (brush.kind && !holdsFrames()) throw Error("frames that go on are not sculpted; K holds them");
 }
 

@@ -35,6 +35,7 @@ struct FeelSettings {
 /// What the window is opened with.
 struct WindowOptions {
   SessionConfig config;  ///< the file of its model changes from model to model
+  std::string hand;      ///< what others see it called in the session that is joined; empty: as the machine
   StreamConfig stream;   ///< of models that are depth cameras
   std::uint64_t undo_bytes = 1ull << 30;
   LiveOptions live;

@@ -9,6 +9,9 @@ namespace {
 constexpr std::array<std::uint8_t, 3> kWayColor{70, 205, 130}, kMeasureColor{255, 70, 190};
 constexpr double kMark = 0.02;  // half as wide as the cross at a measured place, in longest sides
 constexpr double kMeasureWidth_px = 2.5;
+constexpr double kStylus = 0.12;        // how long another hand's stylus is drawn, in longest sides
+constexpr double kBall = 0.012;         // and half of the octahedron at its end
+constexpr double kStylusWidth_px = 3;
 constexpr std::size_t kLongestWay = 20'000;  // places; past them the oldest are forgotten
 
 void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, double longestSide) {
@@ -24,7 +27,37 @@ void addMeasure(std::vector<SpaceLine>& lines, std::span<const DVec3> places, do
   if (places.size() == 2) add(places[0], places[1]);
 }
 
+// A stylus that stands on the surface where its hand is held, and an octahedron where the hand itself is.
+void addHand(std::vector<SpaceLine>& lines, const SeenHand& hand, const DVec3& origin, const DVec3& up,
+             double longestSide) {
+  const DVec3 at = hand.place.position - origin, held = hand.place.proxy - origin;
+  const auto add = [&](const DVec3& from, const DVec3& to) {
+    lines.push_back({.from = from, .to = to, .color = colorOfHand(hand.number), .width_px = kStylusWidth_px});
+  };
+  const DVec3 out = held - at;
+  const double pressed = glm::length(out);
+  const DVec3 along = pressed > 1e-9 * longestSide ? out / pressed : up;
+  add(held, held + kStylus * longestSide * along);
+  add(at, held);
+  std::array<DVec3, 6> corners;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int end = 0; end < 2; ++end) {
+      DVec3 offset(0);
+      offset[axis] = (end ? 1 : -1) * kBall * longestSide;
+      corners[static_cast<std::size_t>(2 * axis + end)] = at + offset;
+    }
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    for (std::size_t j = i + 1; j < corners.size(); ++j)
+      if (i / 2 != j / 2) add(corners[i], corners[j]);
+}
+
 }  // namespace
+
+std::array<std::uint8_t, 3> colorOfHand(std::uint32_t number) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 6> kColors{
+      {{255, 140, 20}, {40, 160, 255}, {190, 90, 255}, {255, 80, 90}, {20, 190, 160}, {235, 200, 40}}};
+  return kColors[number % kColors.size()];
+}
 
 void ShownLines::followCamera(const WindowSession& session) {
   const auto view = session.playedView();
@@ -48,16 +81,21 @@ void ShownLines::addCameras(const WindowSession& session, std::vector<SpaceLine>
 
 void ShownLines::follow(const WindowSession& session, const ViewSettings& view, const Measure& measure) {
   followCamera(session);
-  const MadeOf madeOf{.cameras = view.cameras,
-                      .frame = played_ ? std::optional(played_->number) : std::nullopt,
-                      .measure = measure.version()};
+  const std::vector<SeenHand> others = session.shared() ? session.shared()->others() : std::vector<SeenHand>();
+  MadeOf madeOf{.cameras = view.cameras,
+                .frame = played_ ? std::optional(played_->number) : std::nullopt,
+                .measure = measure.version(),
+                .others = {}};
+  for (const SeenHand& hand : others) madeOf.others.push_back(hand.place);
   if (madeOf_ == madeOf) return;
-  madeOf_ = madeOf;
+  madeOf_ = std::move(madeOf);
   auto lines = std::make_shared<std::vector<SpaceLine>>();
   cameras_ = 0;
   addContainer(*lines, session.model());
   if (view.cameras) addCameras(session, *lines);
   addMeasure(*lines, measure.places(), session.longestSide());
+  const DVec3 up = directionOf(view.upOf(session.model()));
+  for (const SeenHand& hand : others) addHand(*lines, hand, session.model().cloud.origin, up, session.longestSide());
   lines_ = std::move(lines);
 }
 

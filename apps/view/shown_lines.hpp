@@ -1,4 +1,4 @@
-// What the window draws over the model in thin lines: the cameras that saw it, and what is measured.
+// What the window draws over the model in thin lines: the cameras that saw it, what is measured, the hands of others.
 #pragma once
 
 #include <memory>
@@ -9,6 +9,9 @@
 #include "apps/view/settings.hpp"
 
 namespace palpate {
+
+/// Of another hand, by its number (SeenHand), in the picture and in the panels.
+std::array<std::uint8_t, 3> colorOfHand(std::uint32_t number);
 
 class ShownLines {
  public:
@@ -25,6 +28,7 @@ class ShownLines {
     bool cameras = false;
     std::optional<std::uint64_t> frame;  // of a depth camera
     std::uint64_t measure = 0;
+    std::vector<HandPlace> others;
     bool operator==(const MadeOf&) const = default;
   };
   void followCamera(const WindowSession& session);

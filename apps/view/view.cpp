@@ -2,6 +2,7 @@
 #include "apps/cli/backend.hpp"
 #include "apps/cli/motion_options.hpp"
 #include "apps/cli/parse_list.hpp"
+#include "apps/cli/sharing_options.hpp"
 #include "apps/cli/stream_options.hpp"
 #include "apps/view/viewer.hpp"
 #include "engine/core/named_values.hpp"
@@ -18,6 +19,7 @@ struct ViewCommandOptions {
   LookOptions look;
   MotionOptions motion;
   StreamOptions stream;
+  JoinOptionsGiven join;
   ScaleOptions scale;
   std::string normals = "keep", size = "1280x720", script, sightGpu, backend = "auto", surface = "average",
               edit = "none", device = "mouse", scheduler = "device", present = "auto";
@@ -49,6 +51,17 @@ void setStream(const StreamOptions& options, ViewOptions& view) {
   view.session.config.model.file = first;
 }
 
+/// A session of others is the first model; others can be opened after it.
+void setJoin(const JoinOptionsGiven& options, ViewOptions& view) {
+  std::string first = view.models.empty() ? std::string() : view.models.front();
+  view.session.config.join = joinConfig(options, first);
+  if (!view.session.config.join) return;
+  if (view.session.config.motion) throw UsageError("--motion: what is joined stands as it is served");
+  view.models = {first};
+  view.session.config.model.file = first;
+  view.session.hand = options.hand;
+}
+
 void view(Context& context, const ViewCommandOptions& options) {
   const auto [width, height] = parseList<std::uint32_t, 2>(options.size, 'x', "--size", "WIDTHxHEIGHT in pixels");
   Frame::checkSize(width, height);
@@ -60,7 +73,8 @@ void view(Context& context, const ViewCommandOptions& options) {
   view.session.config.motion = motionConfig(options.motion);
   if (view.session.config.motion && options.edit != "none")
     throw UsageError("--edit: what moves (--motion) cannot be sculpted yet");
-  setStream(options.stream, view);
+  setJoin(options.join, view);
+  if (!view.session.config.join) setStream(options.stream, view);
   constexpr double kMiB = 1 << 20;
   view.session.undo_bytes = static_cast<std::uint64_t>(options.undoMemory_MiB * kMiB);
   for (const auto& [name, kind] : kSurfaceKinds)
@@ -145,6 +159,8 @@ void addView(Options& app, Context& context, Command& command) {
   sub.add("--undo-memory", options->undoMemory_MiB, "for strokes that can be taken back, MiB")
       .check(between(bounds::kLeastMemory_MiB, bounds::kMostMemory_MiB))
       .showDefault();
+  sub.heading("A session of others");
+  addJoinOptions(sub, options->join, JoinAs::hand);
   sub.heading("A model that moves");
   addMotionOptions(sub, options->motion);
   sub.heading("A depth camera");

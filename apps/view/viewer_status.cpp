@@ -39,6 +39,22 @@ void addModel(Json& state, const Document& document, const ViewSettings& view) {
   if (const SimulationControl* const simulation = session.simulation())
     for (const SimulationParameter& parameter : simulation->parameters())
       state["parameters"][parameter.name] = parameter.value;
+  if (const SharedFollower* const shared = session.shared()) {
+    const SharedCounts counts = shared->counts();
+    Json hands = Json::array();
+    for (const SeenHand& hand : shared->others())
+      hands.push_back({{"name", hand.name},
+                       {"position", jsonOf(hand.place.position)},
+                       {"touching", hand.place.touching},
+                       {"sculpts", hand.place.sculpts},
+                       {"age_s", hand.age_s}});
+    state["others"] = {{"hands", hands},
+                       {"sent", counts.sent},
+                       {"received", counts.received},
+                       {"delivered", counts.delivered},
+                       {"same", counts.same},
+                       {"silent_s", counts.silent_s}};
+  }
   state["strokes"] = session.strokes().strokes;
   state["undoable"] = session.strokes().undoable;
   state["edits"] = session.edits();
@@ -113,6 +129,7 @@ ViewStatus Viewer::status() {
       status.parameters = simulation->parameters();
       status.simulationHeld = simulation->isHeld();
     }
+    if (const SharedFollower* const shared = session->shared()) status.others = {shared->counts(), shared->others()};
     status.upright = session->model().upright;
     if (view.scaleBar && screen_.size_px().x > 0) status.scaleBar = scaleOfPicture();
     if (view.color == ColorBy::height) status.heights = heightsOf(session->model(), view.upOf(session->model()));

@@ -12,6 +12,7 @@ namespace palpate {
 
 namespace {
 
+constexpr double kLeaving_s = 2;  // for the others to take what this hand has done last
 constexpr double kParked = 3;  // longest sides from the middle of the model: where a lifted stylus waits
 
 WorkspaceMap mapFor(const Model& model, const Bounds& bounds) {
@@ -26,7 +27,7 @@ DVec3 parkingPlace(const Model& model, const Bounds& bounds) {
 SessionConfig withBrush(SessionConfig config) {
   config.realtime = true;
   if (config.moves()) return config;  // a soft body takes one whenever it comes
-  BrushConfig brush = config.brush.value_or(BrushConfig{});
+  BrushConfig brush = config.brush.value_or(BrushConfig{.keepsDensity = !config.join});
   brush.kind = BrushKind::push;
   config.brush = brush;
   return config;
@@ -60,6 +61,10 @@ LiveSession::LiveSession(const SessionConfig& config, Model model, SessionParts 
 LiveSession::~LiveSession() {
   stop();
   if (saving_.running.valid()) saving_.running.wait();
+  try {
+    if (!servo_.lost) session_.settleShared(kLeaving_s);
+  } catch (const std::exception&) {  // it is over: whoever takes part says what it has not taken
+  }
 }
 
 OpenHand LiveSession::hand() {

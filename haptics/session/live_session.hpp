@@ -81,6 +81,9 @@ class LiveSession {
   bool holdsFrames() const { return held_; }
   /// Whether the points are those of a camera whose frames are held for as long as a person sculpts them (handOn()).
   bool isHeldStill() const { return !config().stream && model().stream && model().stream->player; }
+  /// Where others feel and sculpt the model, too; null where nobody does.
+  SharedFollower* shared() { return session_.shared(); }
+  const SharedFollower* shared() const { return session_.shared(); }
   /// Of a model that moves by itself; null where it does not.
   SimulationControl* simulation() const { return session_.simulation(); }
   /// The points as they are, as a model: of a camera, with its frames, which are held from now on and which this session has

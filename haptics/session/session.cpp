@@ -299,10 +299,8 @@ void Session::finish() {
 UndoneStrokes Session::undo(std::size_t strokes, std::size_t redo) {
   if (ShapeStrokes* const shape = backend_->shapeStrokes()) return undoStrokes(*shape, strokes, redo);
   if (!journal()) throw Error("a session without a journal has no strokes to undo");
-  const UndoneStrokes undone = undoStrokes(
+  return undoStrokes(
       *backend_, *relay_.journal(), [this] { relay_.catchUp(); }, strokes, redo);
-  settleShared(kShared_s);
-  return undone;
 }
 
 SculptedCloud Session::sculpted() const {

@@ -90,6 +90,7 @@ class Session {
   std::shared_ptr<PlayedStream> releaseStream(double time_s);
   /// Where others feel and sculpt the model, too; null where nobody does.
   SharedFollower* shared() { return shared_.get(); }
+  const SharedFollower* shared() const { return shared_.get(); }
   /// Takes part in what others do until all of that, and all that was done here, is everywhere; at most so long. Whether
   /// it is. Between runs; without others at once.
   bool settleShared(double patience_s);

@@ -1,6 +1,7 @@
 #include "haptics/sharing/shared_edits.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -254,7 +255,7 @@ class SharedEdits final : public SharedFollower {
       if (!others_.contains(client) && others_.size() >= kMostHands) return;
       Other& other = others_[client];
       if (other.last >= hand.number && other.since.elapsed_s() < kHandSeen_s) return;  // overtaken
-      if (other.seen.number == 0) other.seen.number = ++handsSeen_;
+      std::memcpy(&other.seen.number, client.data(), sizeof other.seen.number);
       other.last = hand.number;
       other.since = {};
       other.seen.name = printable(hand.name);
@@ -308,7 +309,6 @@ class SharedEdits final : public SharedFollower {
   SharedCounts counts_;
   std::string fault_;
   std::map<Id, Other> others_;
-  std::uint32_t handsSeen_ = 0;
   std::uint64_t handsShown_ = 0, lastAcked_ = 0;
   std::deque<double> trips_ms_;
   std::vector<PointState> states_;

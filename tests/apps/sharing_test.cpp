@@ -1,7 +1,12 @@
 // A model that one program serves and others join, as a user meets it. Not where palpate was built without DDS.
+#include <cstdlib>
+#include <fstream>
+#include <future>
 #include <optional>
+#include <utility>
 
 #include "tests/apps/running_program.hpp"
+#include "tests/apps/window_play.hpp"
 
 namespace palpate {
 
@@ -102,6 +107,38 @@ TEST_CASE("two hands sculpt what a third program serves: in the end all three ha
   CHECK(served["states"] == l["sent"].get<int>() + r["sent"].get<int>());
   CHECK(served["refused"] == 0);
   CHECK(served["again"] == 0);
+}
+
+TEST_CASE("two windows on one model show each other's hands, and what both do to it") {
+  if (!isBuilt() || !hasDisplay()) return;
+  const ScratchFolder folder;
+  const auto in = [&](const std::string& name) { return (folder / name).string(); };
+  works("make bumpy-sphere -n 20000 -o " + in("m.ply"));
+  Serving serving(in("m.ply") + " --name clay --save " + in("end.ply"), folder / "said");
+  const auto view = [&](const std::string& name, const std::string& place) {
+    std::ofstream(in(name + ".txt")) << "2 key T\n2 mouse " << place << "\n2.2 key 2\n2.3 button left down\n"
+                                     << "8 state " << in(name + ".json") << "\n8 screenshot " << in(name + ".png")
+                                     << "\n8 button left up\n9 quit\n";
+    return std::system(("XDG_STATE_HOME=" + in(name) + " xvfb-run -a " + program() + " view --join clay --as " + name + domain() +
+                        " --backend cpu --realtime --script " + in(name + ".txt") + " > " + in(name + ".said") + " 2>&1")
+                           .c_str());
+  };
+  std::future<int> ada = std::async(std::launch::async, [&] { return view("Ada", "600 380"); });
+  CHECK_MESSAGE(view("Bert", "560 250") == 0, contentOf(in("Bert.said")));
+  CHECK_MESSAGE(ada.get() == 0, contentOf(in("Ada.said")));
+  for (const auto& [name, other] : {std::pair("Ada", "Bert"), std::pair("Bert", "Ada")}) {
+    const Result state = jsonOf(in(std::string(name) + ".json"));
+    CAPTURE(state.dump());
+    REQUIRE(state["others"]["hands"].size() == 1);
+    CHECK(state["others"]["hands"][0]["name"] == other);
+    CHECK(state["others"]["hands"][0]["sculpts"] == true);
+    CHECK(state["others"]["sent"] > 10);
+    CHECK(state["others"]["received"] > 10);
+    CHECK(contentOf(in(std::string(name) + ".png")).substr(1, 3) == "PNG");
+  }
+  CHECK(serving.program.wait(SIGINT) == 0);
+  for (const char* name : {"m", "end"}) works("convert " + in(name) + ".ply " + in(name) + ".npy");
+  CHECK(contentOf(in("m.npy")) != contentOf(in("end.npy")));
 }
 
 TEST_CASE("a server that is killed in mid-stroke goes on with its journal, and nothing of a stroke is lost or done twice") {
