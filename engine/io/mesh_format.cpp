@@ -20,8 +20,11 @@ void needTriangles(const std::filesystem::path& file, const ImportedMesh& mesh) 
   if (mesh.soup.triangles.empty()) throw FileError(file, "has no triangles; points are read from other formats");
 }
 
+using Import = ImportedMesh (*)(const std::filesystem::path& file);
+
+template <Import import>
 FileContents contentsOfMesh(const std::filesystem::path& file) {
-  const ImportedMesh mesh = importMesh(file, file.extension().string());
+  const ImportedMesh mesh = import(file);
   needTriangles(file, mesh);
   FileElement vertex{.name = "vertex", .count = kUsualSamples, .properties = {}};
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) vertex.properties.push_back({name});
@@ -30,8 +33,9 @@ FileContents contentsOfMesh(const std::filesystem::path& file) {
   return {.elements = {std::move(vertex)}, .comments = {}, .madeFrom = madeFrom(mesh.soup)};
 }
 
+template <Import import>
 StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  ImportedMesh mesh = importMesh(file, file.extension().string());
+  ImportedMesh mesh = import(file);
   needTriangles(file, mesh);
   if (options.normalsFromFaces) mesh.soup.normals.clear();
   const std::size_t count = options.samples > 0 ? options.samples : kUsualSamples;
@@ -46,7 +50,7 @@ StoredCloud readMesh(const std::filesystem::path& file, Log* log, const CloudRea
 }
 
 StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudReadOptions& options) {
-  StoredCloud stored = readMesh(file, log, options);
+  StoredCloud stored = readMesh<importGltf>(file, log, options);
   stored.cloud.storedAs.comments.emplace_back("comment up: y");  // as the format says
   return stored;
 }
@@ -56,8 +60,8 @@ StoredCloud readGltf(const std::filesystem::path& file, Log* log, const CloudRea
 CloudFormat objFormat() {
   return {.name = "OBJ",
           .endings = kObj,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importObj>,
+          .read = readMesh<importObj>,
           .write = writeObj,
           .lacks = lacksOfObj,
           .ofTriangles = true};
@@ -66,8 +70,8 @@ CloudFormat objFormat() {
 CloudFormat stlFormat() {
   return {.name = "STL",
           .endings = kStl,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importStl>,
+          .read = readMesh<importStl>,
           .write = writeStl,
           .lacks = lacksOfStl,
           .ofTriangles = true};
@@ -76,15 +80,16 @@ CloudFormat stlFormat() {
 CloudFormat offFormat() {
   return {.name = "OFF",
           .endings = kOff,
-          .contents = contentsOfMesh,
-          .read = readMesh,
+          .contents = contentsOfMesh<importOff>,
+          .read = readMesh<importOff>,
           .write = writeOff,
           .lacks = lacksOfOff,
           .ofTriangles = true};
 }
 
 CloudFormat gltfFormat() {
-  return {.name = "glTF", .endings = kGltf, .contents = contentsOfMesh, .read = readGltf, .ofTriangles = true};
+  return {
+      .name = "glTF", .endings = kGltf, .contents = contentsOfMesh<importGltf>, .read = readGltf, .ofTriangles = true};
 }
 
 }  // namespace palpate
