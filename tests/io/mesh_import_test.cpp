@@ -260,7 +260,7 @@ TEST_CASE("glTF: what reaches beyond its buffer, goes in circles or is packed is
   CHECK(refusal(importGltf, glb.substr(0, 10)) == ": byte 10: the file ends within its header");
   CHECK(says(refusal(importGltf, glb.substr(0, glb.size() - 1)), ": byte 8: a length of "));
   std::string longer = glb;
-  longer[12] = '\xff';
+  longer[13] = '\xff';
   CHECK(says(refusal(importGltf, longer), ": byte 12: a part of "));
   // A triangle of a corner that is not there: the indices stand last.
   std::string corner = glb;
