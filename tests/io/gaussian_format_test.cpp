@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "engine/cloud/gaussian_surface.hpp"
+#include "engine/cloud/spacing.hpp"
 #include "engine/core/error.hpp"
 #include "engine/io/cloud_formats.hpp"
 #include "engine/io/saving.hpp"
@@ -230,6 +231,46 @@ TEST_CASE("a scene that was trained is read") {
     CHECK(isFinite(cloud.positions[i]));
     CHECK(glm::length(cloud.normals[i]) == doctest::Approx(1).epsilon(1e-4));
   }
+}
+
+TEST_CASE("points that are written as Gaussians are read again as the same surface, normals and colours") {
+  const auto sphere = makeShape("sphere", 20);
+  PointCloud cloud = sampleShape(*sphere, {.count = 4000, .seed = 1});
+  const auto colorAt = [](const DVec3& p) { return DVec3(0.5) + p / 25.0; };
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const DVec3 color = 255.0 * colorAt(cloud.fileCoordinates(i));
+    cloud.colors.push_back({static_cast<std::uint8_t>(std::lround(color.x)),
+                            static_cast<std::uint8_t>(std::lround(color.y)),
+                            static_cast<std::uint8_t>(std::lround(color.z)), 255});
+  }
+  const double spacing = meanSpacing(cloud);
+  const ScratchFolder folder;
+  for (const bool ascii : {false, true}) {
+    gaussianFormat().write(folder / "a.3dgs.ply", cloud, {.ascii = ascii});
+    CHECK(cloudFormats().toRead(folder / "a.3dgs.ply").name == "3DGS");
+    CHECK(contentsOf(folder / "a.3dgs.ply").madeFrom.starts_with("4000 Gaussians of degree 0"));
+    const PointCloud back = readCloud(folder / "a.3dgs.ply").cloud;
+    CHECK(back.size() > 2000);
+    REQUIRE(back.hasNormals());
+    REQUIRE(back.hasColors());
+    double off = 0, turned_deg = 0, faded = 0;
+    for (std::size_t i = 0; i < back.size(); ++i) {
+      const DVec3 p = back.fileCoordinates(i);
+      off = std::max(off, std::abs(sphere->signedDistance(p)));
+      turned_deg = std::max(turned_deg, angleBetween_deg(p, DVec3(back.normals[i])));
+      for (int k = 0; k < 3; ++k)
+        faded = std::max(faded, std::abs(back.colors[i][static_cast<std::size_t>(k)] - 255 * colorAt(p)[k]));
+    }
+    MESSAGE("off by ", off / spacing, " spacings, turned by ", turned_deg, " degrees, faded by ", faded, " of 255");
+    CHECK(off < 0.15 * spacing);
+    CHECK(turned_deg < 5);
+    CHECK(faded < 8);
+  }
+  CHECK(gaussianFormat().lacks({.cloud = cloud}).empty());
+  CHECK(whereToSave(folder / "a.3dgs.ply") == folder / "a.3dgs-sculpted.ply");
+  cloud.normals.clear();
+  CHECK_THROWS_WITH_AS(gaussianFormat().write(folder / "b.3dgs.ply", cloud, {}), doctest::Contains("have no normals"),
+                       FileError);
 }
 
 }  // namespace palpate::test
