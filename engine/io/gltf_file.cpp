@@ -222,7 +222,11 @@ Bytes GltfFile::bytesOf(const Json& buffer, std::size_t number) const {
   const bool leaves = beside.empty() || beside.is_absolute() || beside.has_root_path() ||
                       text.find("://") != text.npos || std::ranges::find(beside, "..") != beside.end();
   if (leaves) fail(fmt::format("buffer {} is {}, which is no file beside this one", number, inQuotes(text)));
-  return readWhole(path_.parent_path() / beside);
+  const std::filesystem::path file = path_.parent_path() / beside;
+  std::error_code unknown;
+  if (!std::filesystem::is_regular_file(file, unknown))
+    fail(fmt::format("buffer {} is {}, and there is no such file beside this one", number, inQuotes(text)));
+  return readWhole(file);
 }
 
 GltfNumbers GltfFile::numbers(const Json& accessor, std::initializer_list<unsigned> perElement) {

@@ -197,6 +197,8 @@ TEST_CASE("glTF: its buffer within, beside it or packed is the same mesh") {
   for (const char* elsewhere : {"../b.bin", "/etc/passwd", "http://a/b.bin", ""})
     CHECK(refusal(importGltf, std::string(json).replace(data, end - data, elsewhere)).find("no file beside this one") !=
           std::string::npos);
+  CHECK(refusal(importGltf, std::string(json).replace(data, end - data, "gone.bin")) ==
+        ": buffer 0 is 'gone.bin', and there is no such file beside this one");
 }
 
 TEST_CASE("glTF: nodes turn, mirror and repeat a mesh, and strips and fans wind as triangles do") {
