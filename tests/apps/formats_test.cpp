@@ -18,7 +18,8 @@ TEST_CASE("info, touch and render open a file of every format") {
     works("info " + file.string() + " --quiet --json " + json);
     CHECK(jsonOf(json)["points"] > 0);
     works("touch " + file.string() + " --backend cpu --path builtin:press --quiet --json " + json);
-    CHECK(jsonOf(json)["contact_ticks"] > 0);
+    CHECK(jsonOf(json)["ticks"] > 0);
+    if (format.write) CHECK(jsonOf(json)["contact_ticks"] > 0);  // the others are no ball
     std::filesystem::remove(picture);
     works("render " + file.string() + " --size 64x64 --quiet -o " + picture);
     CHECK(std::filesystem::file_size(picture) > 100);
